@@ -1,0 +1,1 @@
+"""Asperity: how the real contact between rough solids grows old."""

@@ -1,0 +1,64 @@
+"""Every exception that Asperity raises on purpose.
+
+    AsperityError
+    ├── InputError (ValueError)         something given is wrong; the message says what was expected
+    │   ├── SurfaceFileError            a surface file is missing, empty, truncated or of another kind
+    │   └── ConfigError                 a run configuration is wrong; lists every mistake
+    ├── MissingExtraError (ImportError) an optional library is needed; the message says how to install it
+    ├── ConvergenceError (RuntimeError) a solver stopped before its tolerance; nothing is returned
+    └── OutputError (OSError)           results could not be written; nothing half-written is left
+"""
+
+from __future__ import annotations
+
+
+class AsperityError(Exception):
+    """Base of every exception that Asperity raises on purpose."""
+
+
+class InputError(AsperityError, ValueError):
+    """Something that was given is wrong.
+
+    Parameters
+    ----------
+    name
+        What is wrong, as the user wrote it: ``"load"``, ``"heights"``.
+    expected, got
+        What was expected, and what came instead.
+    advice
+        What to write or do instead; may be empty.
+    """
+
+    def __init__(self, name: str, *, expected: str, got: object, advice: str = "") -> None:
+        message = f"{name}: expected {expected}, got {got}"
+        super().__init__(f"{message}; try {advice}" if advice else message)
+
+
+class SurfaceFileError(InputError):
+    """A surface file is missing, empty, truncated or of another kind."""
+
+
+class ConfigError(InputError):
+    """A run configuration is wrong.
+
+    Parameters
+    ----------
+    problems
+        One line for each mistake.
+    """
+
+    def __init__(self, problems: list[str]) -> None:
+        self.problems = problems
+        ValueError.__init__(self, "; ".join(problems))
+
+
+class MissingExtraError(AsperityError, ImportError):
+    """An optional library is needed and not installed."""
+
+
+class ConvergenceError(AsperityError, RuntimeError):
+    """A solver stopped before it reached its tolerance."""
+
+
+class OutputError(AsperityError, OSError):
+    """Results could not be written."""
