@@ -1,15 +1,18 @@
 """Every exception that Asperity raises on purpose.
 
-    AsperityError
-    ├── InputError (ValueError)         something given is wrong; the message says what was expected
-    │   ├── SurfaceFileError            a surface file is missing, empty, truncated or of another kind
-    │   └── ConfigError                 a run configuration is wrong; lists every mistake
-    ├── MissingExtraError (ImportError) an optional library is needed; the message says how to install it
-    ├── ConvergenceError (RuntimeError) a solver stopped before its tolerance; nothing is returned
-    └── OutputError (OSError)           results could not be written; nothing half-written is left
+AsperityError
+├── InputError (ValueError)         something given is wrong; the message says what was expected
+│   ├── SurfaceFileError            a surface file is missing, empty, truncated or of another kind
+│   └── ConfigError                 a run configuration is wrong; lists every mistake
+├── MissingExtraError (ImportError) an optional library is needed; the message says how to install it
+├── ConvergenceError (RuntimeError) a solver stopped before its tolerance; nothing is returned
+└── OutputError (OSError)           results could not be written; nothing half-written is left
 """
 
 from __future__ import annotations
+
+import math
+from numbers import Real
 
 
 class AsperityError(Exception):
@@ -62,3 +65,8 @@ class ConvergenceError(AsperityError, RuntimeError):
 
 class OutputError(AsperityError, OSError):
     """Results could not be written."""
+
+
+def is_finite_number(value: object) -> bool:
+    """Whether a value is one real, finite number (and not a truth value)."""
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)

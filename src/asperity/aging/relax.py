@@ -1,0 +1,94 @@
+r"""The relaxed state, t -> infinity, directly: creep ends when it has nothing left to drive it.
+
+With D = 0 wherever M C > 0, the implicit step of infinite duration is the answer (see
+`asperity.contact.system`). For the spring lattice:
+
+* R_viscous = 0: the springs to the bulk all carry the same force, F / N; the state depends on
+  F / k0 alone.
+* R_viscous > 0, load held: the shape has the same limit, for every mode but the mean is driven to
+  it. The rigid body has none: it keeps sinking at the rate R_viscous F / N (`approach` of a history).
+* R_viscous > 0, separation held: the load dies out; u and u0 end flat, at the highest point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from asperity.aging.creep import Hold, control_held
+from asperity.contact.active_set import ActiveSet
+from asperity.contact.controls import Load
+from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
+from asperity.contact.state import Contact, contact_from
+from asperity.contact.system import System
+from asperity.errors import InputError
+from asperity.lattice import Field
+
+
+def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver | None = None) -> Contact:
+    """Find the state that a contact creeps toward, without following it through time.
+
+    Parameters
+    ----------
+    contact
+        Where creep starts.
+    hold
+        What is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by default what
+        the contact was pressed by.
+    solver
+        How to solve; `ActiveSet` by default.
+
+    Returns
+    -------
+    Contact
+        The limit. With R_viscous > 0 under load control it is the limit of the shape: the mean of
+        u0 relative to the rough surface has a limit too, but the rigid body has not.
+
+    Raises
+    ------
+    InputError
+        The limit depends on the path: k0 = 0 and a load that dies out before full contact.
+    ConvergenceError
+        The solver did not reach its tolerance.
+    """
+    start = replace(contact, control=control_held(contact, hold))
+    system = start.system
+    step = system.implicit_step(np.inf)
+    if np.any(step.stiffness.flat[1:] == 0):
+        solution, shape = _without_stiffness(start, system)
+    elif step.stiffness.flat[0] == 0 and not isinstance(system.control, Load):
+        solution, shape = _unloaded(start, system)
+    else:
+        before = system.lattice.forward(start.u0 - system.datum)
+        guess = Guess(start.u - system.datum, start.in_contact)
+        solution = (solver or ActiveSet()).solve(step.problem(before), guess, TOLERANCE)
+        shape = system.lattice.backward(step.crept_shape(system.lattice.forward(solution.u), before))
+    return contact_from(
+        system, solution, shape, solid=start.solid, heights=start.heights, surface=start.surface
+    )
+
+
+def _without_stiffness(start: Contact, system: System) -> tuple[Solution, Field]:
+    """Nothing permanent resists (k0 = 0): the load spreads evenly over full contact."""
+    mean_force = float(system.spectra.creeping.flat[0]) * -float(np.mean(start.u0 - start.heights))
+    if isinstance(system.control, Load):
+        mean_force = system.control.value / system.lattice.sites
+    if mean_force <= 0 or (system.spectra.mobility.flat[0] > 0 and not isinstance(system.control, Load)):
+        raise InputError(
+            "contact",
+            expected="a load that lasts until full contact, as k0 = 0",
+            got="a separation at which it dies out before, on a path-dependent shape",
+            advice="asperity.age with late times, or k0 > 0",
+        )
+    stretch = mean_force / float(system.spectra.creeping.flat[0])
+    everywhere = np.ones(system.heights.shape, dtype=bool)
+    force = np.full(system.heights.shape, mean_force)
+    return Solution(system.heights, everywhere, force, 0.0, 0, 0), system.heights - stretch
+
+
+def _unloaded(start: Contact, system: System) -> tuple[Solution, Field]:
+    """The load has died out: flat, touching the highest point unless the body hung above it."""
+    level = 0.0 if start.in_contact.any() else max(0.0, start.separation - system.datum)
+    flat = np.full(system.heights.shape, level)
+    return Solution(flat, system.heights >= level, np.zeros_like(flat), 0.0, 0, 0), flat

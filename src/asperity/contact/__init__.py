@@ -1,0 +1,8 @@
+"""Contact: one problem (Signorini), one file a solver, and the states that come out."""
+
+from asperity.contact.active_set import ActiveSet
+from asperity.contact.controls import Control, Load, Separation
+from asperity.contact.press import press
+from asperity.contact.state import Contact
+
+__all__ = ["ActiveSet", "Contact", "Control", "Load", "Separation", "press"]

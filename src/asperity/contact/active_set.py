@@ -1,0 +1,199 @@
+r"""Primal-dual active set (semismooth Newton) with preconditioned conjugate gradients.
+
+The sites are split into contacts, where u = xi, and free sites, where S u = b is solved by conjugate
+gradients. Then contacts that pull (r < 0) are released and free sites that penetrate (u < xi) become
+contacts, until neither is left (M. Hintermueller, K. Ito, K. Kunisch, SIAM J. Optim. 13, 865 (2002),
+DOI 10.1137/S1052623401383558). The split is revised long before the linear problem is solved: early
+splits are not worth an accurate solution.
+
+The preconditioner on the free sites is the inverse of S + sigma between two masks, with sigma from
+`asperity.contact.pinning`: iteration counts then depend neither on the lattice nor on the load.
+
+Exchanging all wrong sites at once is fast but may cycle. After `patience` exchanges that set no new
+record for the number of wrong sites, one site (the last) is exchanged at a time until one does; with
+accurate linear solutions this ends for every positive definite S (J. J. Judice, F. M. Pires,
+Comput. Oper. Res. 21, 587 (1994), DOI 10.1016/0305-0548(94)90106-6).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from asperity.contact.pinning import effective_pinning
+from asperity.contact.problem import ContactProblem, Guess, Solution, residual
+from asperity.errors import ConvergenceError
+from asperity.lattice import Field, Mask
+
+_ASTRAY = 0.02
+"""Largest sum of the forces off contact, relative to tolerance times load: it too must be small."""
+
+
+@dataclass(frozen=True)
+class ActiveSet:
+    """The default contact solver; see the module for the method.
+
+    Parameters
+    ----------
+    reduction
+        How far the linear residual falls before the set of contacts is revised.
+    max_iterations
+        Conjugate-gradient iterations after which the solver gives up.
+    patience
+        Exchanges of all wrong sites allowed without a new record, before single exchanges begin.
+    careful_after
+        Revisions of the set after which linear solutions become accurate and records are kept.
+    """
+
+    reduction: float = 0.3
+    max_iterations: int = 10_000
+    patience: int = 5
+    careful_after: int = 60
+
+    def solve(self, problem: ContactProblem, guess: Guess, tolerance: float) -> Solution:
+        """Solve the problem from a guess.
+
+        Raises
+        ------
+        ConvergenceError
+            The tolerance was not reached within ``max_iterations``.
+        """
+        run = _Run(self, problem, guess, tolerance)
+        while True:
+            run.reduce_residual()
+            wrong = run.wrong_sites()
+            if wrong.any():
+                run.exchange(wrong)
+            elif run.converged():
+                return run.solution()
+
+
+class _Run:
+    """The state of one solve."""
+
+    def __init__(self, method: ActiveSet, problem: ContactProblem, guess: Guess, tolerance: float) -> None:
+        self.method = method
+        self.problem = problem
+        self.tolerance = tolerance
+        self.in_contact = guess.in_contact.copy()
+        self.iterations = 0
+        self.set_changes = 0
+        self.record = problem.lattice.sites + 1
+        self.patience = method.patience
+        self.pinning = (0.0, 0.0)
+        self.start(guess.u)
+
+    def start(self, u: Field) -> None:
+        """Begin a linear solve on the present set of contacts."""
+        problem, heights = self.problem, self.problem.heights
+        self.contacts = int(np.count_nonzero(self.in_contact))
+        if self.contacts == 0:
+            if problem.load_controlled:  # something must carry the load: the deepest site
+                self.in_contact.flat[np.argmax(heights - u)] = True
+                self.contacts = 1
+            else:  # free everywhere: one division solves it
+                u = problem.lattice.backward(problem.pull / problem.stiffness)
+        self.u = np.where(self.in_contact, heights, u)
+        self.evaluate_force()
+        self.set_preconditioner()
+
+    def evaluate_force(self) -> None:
+        """Evaluate the force afresh and forget the search direction."""
+        self.force = self.problem.force(self.u)
+        self.defect = np.where(self.in_contact, 0.0, -self.force)
+        stiffest = float(self.problem.stiffness.max())
+        self.rounding = 4 * float(np.finfo(float).eps) * stiffest * float(np.abs(self.u).max())
+        self.direction: Field | None = None
+        self.slope = 0.0
+
+    def set_preconditioner(self) -> None:
+        fraction = max(self.contacts, 1) / self.problem.lattice.sites
+        sigma, valid_for = self.pinning
+        if not 0.8 < fraction / (valid_for or np.inf) < 1.25:
+            sigma = effective_pinning(self.problem.lattice, self.problem.stiffness, fraction)
+            self.pinning = (sigma, fraction)
+            self.inverse = 1.0 / (self.problem.stiffness + sigma)
+
+    def reduce_residual(self) -> None:
+        """Conjugate gradients on the free sites, until the residual has fallen enough."""
+        careful = self.set_changes > self.method.careful_after
+        target = self.worst() * (1e-8 if careful else self.method.reduction)
+        while self.worst() > target and not self.within_tolerance():
+            self.iterate()
+
+    def iterate(self) -> None:
+        """One conjugate-gradient iteration."""
+        lattice = self.problem.lattice
+        if self.iterations >= self.method.max_iterations:
+            raise ConvergenceError(
+                f"contact solver: residual {residual(self.force, self.in_contact):.1e} after "
+                f"{self.iterations} iterations, expected {self.tolerance:.1e}; "
+                "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
+            )
+        step = lattice.apply(self.inverse, self.defect)
+        step[self.in_contact] = 0.0
+        slope = float(np.vdot(self.defect, step))
+        if self.direction is not None:
+            step += (slope / self.slope) * self.direction
+        stiff_step = lattice.apply(self.problem.stiffness, step)
+        length = slope / float(np.vdot(step, stiff_step))
+        self.u += length * step
+        stiff_step *= length
+        self.force += stiff_step
+        stiff_step[self.in_contact] = 0.0
+        self.defect -= stiff_step
+        self.direction, self.slope = step, slope
+        self.iterations += 1
+
+    def worst(self) -> float:
+        """Largest force off contact."""
+        return max(float(self.defect.max()), -float(self.defect.min()))
+
+    def within_tolerance(self) -> bool:
+        """Whether the linear problem on the present set of contacts is solved."""
+        if self.contacts in (0, self.in_contact.size):  # solved exactly by `start`
+            return True
+        astray = -float(self.defect.sum())
+        load = abs(float(self.force.sum()) - astray)
+        # Forces off contact are small one by one and, zeroed together, leave the load unchanged.
+        small = max(self.tolerance * load / self.contacts, self.rounding)
+        small_sum = max(_ASTRAY * self.tolerance * load, self.rounding * self.defect.size)
+        return self.worst() <= small and abs(astray) <= small_sum
+
+    def wrong_sites(self) -> Mask:
+        """Contacts that pull and free sites that penetrate."""
+        return np.where(self.in_contact, self.force < 0, self.u < self.problem.heights)
+
+    def exchange(self, wrong: Mask) -> None:
+        """Move wrong sites to the other side, all at once or, to break a cycle, only the last."""
+        self.set_changes += 1
+        if self.set_changes > self.method.careful_after:
+            count = int(np.count_nonzero(wrong))
+            if count < self.record:
+                self.record, self.patience = count, self.method.patience
+            elif self.patience > 0:
+                self.patience -= 1
+            else:
+                last = int(np.flatnonzero(wrong)[-1])
+                wrong = np.zeros_like(wrong)
+                wrong.flat[last] = True
+        self.in_contact ^= wrong
+        self.start(self.u)
+
+    def converged(self) -> bool:
+        """Whether the force, evaluated afresh, is within tolerance and has the right sign."""
+        if not self.within_tolerance():
+            return False
+        self.evaluate_force()
+        return self.within_tolerance() and not self.wrong_sites().any()
+
+    def solution(self) -> Solution:
+        return Solution(
+            u=self.u,
+            in_contact=self.in_contact,
+            force=self.force,
+            residual=residual(self.force, self.in_contact),
+            iterations=self.iterations,
+            set_changes=self.set_changes,
+        )

@@ -1,0 +1,46 @@
+"""What is held while two bodies are in contact: the normal load or the separation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from asperity.errors import InputError, is_finite_number
+
+
+@dataclass(frozen=True)
+class Load:
+    """The normal load is held: the sum of the contact forces, in units of force."""
+
+    value: float
+
+    def __post_init__(self) -> None:
+        if not is_finite_number(self.value) or self.value <= 0:
+            raise InputError("load", expected="a finite number > 0", got=self.value)
+
+
+@dataclass(frozen=True)
+class Separation:
+    """The rigid body is held: `value` is the mean of u0 when it was pressed, in units of height."""
+
+    value: float
+
+    def __post_init__(self) -> None:
+        if not is_finite_number(self.value):
+            raise InputError("separation", expected="a finite number", got=self.value)
+
+
+Control = Load | Separation
+
+
+def control_from(load: float | None, separation: float | None) -> Control:
+    """One control from two arguments of which exactly one is given."""
+    if load is not None and separation is None:
+        return Load(load)
+    if separation is not None and load is None:
+        return Separation(separation)
+    raise InputError(
+        "load and separation",
+        expected="exactly one of the two",
+        got="neither" if load is None else "both",
+        advice="load=800.0",
+    )

@@ -1,0 +1,158 @@
+"""A contact: two rough bodies at one moment, in mechanical equilibrium, with the proof of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from asperity.contact.controls import Control
+from asperity.contact.problem import Solution, residual
+from asperity.contact.system import System
+from asperity.errors import ConvergenceError
+from asperity.lattice import Field, Mask
+from asperity.solids import Solid
+
+ACCEPTED_RESIDUAL = 1e-8
+"""No state is returned whose residual, evaluated on the very fields it carries, is larger."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Two bodies in contact at one moment.
+
+    Attributes
+    ----------
+    heights
+        The rigid rough surface, length; an array over the sites, like all fields below.
+    solid
+        The elastic solid above it.
+    control
+        What is held: `Load` or `Separation`.
+    u
+        Height of the elastic surface, length; equal to `heights` in contact, above it elsewhere.
+    u0
+        The creeping shape, length.
+    force
+        Contact force, >= 0; zero off contact.
+    in_contact
+        Whether a site is in contact.
+    energy
+        Elastic energy, force times length (Jagla, Eq. e).
+    residual
+        Largest force off contact (or pull in contact) that the fields above leave, relative to the
+        mean contact force; evaluated from `u` and `u0` as they are, rounding included.
+    iterations
+        Conjugate-gradient iterations spent.
+    surface
+        Where the heights came from, as far as known.
+    """
+
+    heights: Field
+    solid: Solid
+    control: Control
+    u: Field
+    u0: Field
+    force: Field
+    in_contact: Mask
+    energy: float
+    residual: float
+    iterations: int
+    surface: Mapping[str, object]
+
+    @cached_property
+    def area(self) -> int:
+        """Real contact area: the number of sites in contact."""
+        return int(np.count_nonzero(self.in_contact))
+
+    @cached_property
+    def load(self) -> float:
+        """Normal load: the sum of the contact forces."""
+        return float(self.force.sum())
+
+    @cached_property
+    def separation(self) -> float:
+        """Mean of u0, length."""
+        # Relative to the highest point, so that a large offset of the heights costs no digits.
+        datum = self.heights.max()
+        return float(datum + np.mean(self.u0 - datum))
+
+    @property
+    def system(self) -> System:
+        """The mechanical system that this contact is a state of."""
+        return System.of(self.heights, self.solid, self.control)
+
+
+def contact_from(
+    system: System,
+    solution: Solution,
+    shape: Field,
+    *,
+    solid: Solid,
+    heights: Field,
+    surface: Mapping[str, object],
+) -> Contact:
+    """Publish a solution: fields measured like the user's heights, checked once more as published.
+
+    Parameters
+    ----------
+    system
+        The system solved.
+    solution
+        The solved contact problem.
+    shape
+        u0 relative to the system's datum.
+    solid, heights, surface
+        As in `Contact`.
+
+    Raises
+    ------
+    ConvergenceError
+        In double precision the heights cannot resolve a load this small.
+    """
+    u = np.maximum(solution.u + system.datum, heights)
+    u[solution.in_contact] = heights[solution.in_contact]
+    in_contact = u == heights
+    u0 = _rounded_keeping_load(shape, solution.u, u, system.datum)
+    u_modes = system.lattice.forward(u - system.datum)
+    u0_modes = system.lattice.forward(u0 - system.datum)
+    force = system.force(u_modes, u0_modes)
+    spring_force = float(system.spectra.creeping.flat[0] * np.max(u - heights))
+    left = residual(force, in_contact, unloaded_scale=spring_force or 1.0)
+    if not left <= ACCEPTED_RESIDUAL:
+        raise ConvergenceError(
+            f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too "
+            "small for these heights in double precision; try heights without a large offset, or more load"
+        )
+    return Contact(
+        heights=heights,
+        solid=solid,
+        control=system.control,
+        u=u,
+        u0=u0,
+        force=np.where(in_contact, np.maximum(force, 0.0), 0.0),
+        in_contact=in_contact,
+        energy=system.energy(u_modes, u0_modes),
+        residual=left,
+        iterations=solution.iterations,
+        surface=surface,
+    )
+
+
+def _rounded_keeping_load(shape: Field, surface: Field, u: Field, datum: float) -> Field:
+    """Move u0 to the user's datum so that rounding leaves the sum of u - u0, and so the load, alone.
+
+    Rounding errors of a smooth field are alike from site to site and add up; where they would change
+    the sum by more than 1e-11 of it, as many sites as it takes are moved by their last digit.
+    """
+    u0 = shape + datum
+    wanted = float(np.sum(surface - shape))
+    excess = float(np.sum(u - u0)) - wanted
+    last_digit = float(np.spacing(np.abs(u0).max()))
+    if abs(excess) > 1e-11 * abs(wanted):
+        sites = min(round(abs(excess) / last_digit), u0.size)
+        chosen = np.linspace(0, u0.size - 1, sites).astype(int)
+        u0.flat[chosen] += np.copysign(last_digit, excess)
+    return u0

@@ -1,0 +1,111 @@
+"""Age a contact and gather its history."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from asperity.aging.creep import DEFAULT_RTOL, Frame, Hold, check_times, creep
+from asperity.contact.problem import ContactSolver
+from asperity.contact.state import Contact
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.results.dataset import dataset_of
+from asperity.results.store import save
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """How a contact aged.
+
+    Attributes
+    ----------
+    dataset
+        An xarray Dataset over ``time``, whose first entry, 0, is the state before any creep:
+        ``area``, ``contact_fraction``, ``load``, ``separation``, ``approach``, ``energy``,
+        ``residual``, ``steps``, ``rejected``, ``iterations``; ``heights`` over the sites; and
+        over ``field_time``, where fields were asked for, ``u``, ``u0`` and ``in_contact``.
+    final
+        The contact at the last time; age it further, or relax it.
+    """
+
+    dataset: xr.Dataset
+    final: Contact
+
+    def save(self, path: str, *, overwrite: bool = False) -> None:
+        """Write the dataset; see `asperity.results.save`."""
+        save(self.dataset, path, overwrite=overwrite)
+
+
+def age(
+    contact: Contact,
+    times: ArrayLike,
+    *,
+    hold: Hold | None = None,
+    rtol: float = DEFAULT_RTOL,
+    fields_at: Sequence[float] = (),
+    progress: Callable[[Frame], None] | None = None,
+    solver: ContactSolver | None = None,
+) -> History:
+    r"""Let a contact creep under what it was pressed by, and record it at exactly the given times.
+
+    Parameters
+    ----------
+    contact
+        Where to start: from `press`, or the ``final`` of an earlier history.
+    times
+        Strictly increasing hold times >= 0, shape ``(n,)``; the unit is 1 / (stiffness * R).
+    hold
+        What is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by default what
+        the contact was pressed by.
+    rtol
+        Relative tolerance: the error of u0, rms over the sites, stays at every recorded time below
+        ``rtol`` times the largest deformation so far (the rms of u about its mean); measured, not
+        proved: see `asperity.aging.creep.STEP_TOLERANCE`.
+    fields_at
+        Times >= 0 at which to keep u, u0 and in_contact; they need not be among ``times``.
+    progress
+        Called with each `Frame` as it is reached.
+    solver
+        How to solve the contact problems; `ActiveSet` by default.
+
+    Returns
+    -------
+    History
+
+    Raises
+    ------
+    InputError
+        Times, tolerance or ``hold`` cannot be used.
+    ConvergenceError
+        A contact problem was not solved, or steps shrank to nothing.
+
+    Notes
+    -----
+    Integrates Jagla's Eq. (dosrs), du0/dt = M C (u - u0), by TR-BDF2, second order and L-stable,
+    with adaptive steps; see `asperity.aging.tr_bdf2`.
+    """
+    recorded = check_times(times)
+    kept = _field_times(fields_at)
+    every_stop = np.union1d(recorded, kept[kept > 0])
+    frames: list[Frame] = []
+    snapshots: list[Frame] = []
+    for frame in creep(contact, every_stop, hold=hold, rtol=rtol, solver=solver):
+        if progress is not None:
+            progress(frame)
+        if frame.time in kept:
+            snapshots.append(frame)
+        frames.append(frame)
+    in_series = [frame for frame in frames if frame.time == 0 or frame.time in recorded]
+    return History(dataset_of(in_series, snapshots, rtol=rtol), frames[-1].contact)
+
+
+def _field_times(fields_at: Sequence[float]) -> Field:
+    times = np.unique(np.asarray(fields_at, dtype=np.float64))
+    if not (np.isfinite(times).all() and (times >= 0).all()):
+        raise InputError("fields_at", expected="finite times >= 0", got=list(fields_at))
+    return times

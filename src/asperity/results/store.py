@@ -1,0 +1,106 @@
+"""Save a Dataset and open it again: complete under its name, or not there at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import xarray as xr
+
+from asperity.errors import InputError, OutputError
+
+
+def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> None:
+    """Write a Dataset to a zarr folder, which appears under its name only when it is complete.
+
+    Parameters
+    ----------
+    dataset
+        What to write.
+    path
+        The folder, such as ``"history.zarr"``.
+    overwrite
+        Replace what is there; otherwise refuse.
+
+    Raises
+    ------
+    OutputError
+        The folder exists, or could not be written; nothing half-written is left.
+    """
+    with whole_folder(Path(path), overwrite=overwrite) as folder:
+        dataset.to_zarr(folder, mode="w", consolidated=False)
+
+
+def load(path: str | Path) -> xr.Dataset:
+    """Open a Dataset that `save` wrote, and read it into memory.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, or it holds no Dataset.
+    """
+    if not Path(path).exists():
+        raise InputError("path", expected="a folder that asperity wrote", got=f"{path}, which does not exist")
+    try:
+        with xr.open_dataset(path, engine="zarr", consolidated=False, decode_times=False) as dataset:
+            return dataset.load()
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError("path", expected="a folder that asperity wrote", got=f"{path}: {error}") from error
+
+
+@contextmanager
+def whole_folder(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """A folder to write into that takes the name ``path`` only when all is written.
+
+    Raises
+    ------
+    OutputError
+        ``path`` exists and is not to be overwritten, or the disk refused.
+    """
+    if path.exists() and not overwrite:
+        raise OutputError(f"{path} exists already and is kept; choose another name, or overwrite it")
+    staging: Path | None = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        staging = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent))
+        yield staging
+        staging.chmod(0o777 & ~_umask())
+        _flush(staging)
+        _move_into_place(staging, path)
+    except OSError as error:
+        if isinstance(error, OutputError):
+            raise
+        reason = error.strerror or str(error)
+        raise OutputError(f"could not write {path}: {reason}; nothing was left there") from error
+    finally:
+        if staging is not None:
+            shutil.rmtree(staging, ignore_errors=True)
+
+
+def _move_into_place(staging: Path, path: Path) -> None:
+    """Rename; what was there before goes only once the new folder stands."""
+    if not path.exists():
+        staging.rename(path)
+        return
+    old = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
+    path.rename(old / path.name)
+    staging.rename(path)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _flush(folder: Path) -> None:
+    """Have the disk accept every byte before the folder gets its name."""
+    for file in folder.rglob("*"):
+        if file.is_file():
+            with file.open("rb") as handle:
+                os.fsync(handle.fileno())
+
+
+def _umask() -> int:
+    current = os.umask(0)
+    os.umask(current)
+    return current

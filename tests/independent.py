@@ -1,0 +1,61 @@
+"""An operator that none of the solvers uses: neighbor differences, no transforms, plain sums."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+def laplacian(field):
+    """Sum over neighbors of (neighbor - site), periodic."""
+    return sum(np.roll(field, 1, axis) + np.roll(field, -1, axis) - 2 * field for axis in range(field.ndim))
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What the fields of a contact themselves say; forces relative to the mean contact force."""
+
+    penetration: float
+    largest_pull: float
+    largest_force_off_contact: float
+    load: float
+    area: int
+
+
+def prove(heights, u, u0, *, k0, k1):
+    """Judge u and u0 against the heights by the equations of the spring lattice alone."""
+    # Both are measured from one level, which subtracts exactly, to lose no digits to a large offset.
+    datum = heights.max()
+    force = -k0 * laplacian(u - datum) + k1 * (u - u0)
+    touching = u == heights
+    area = int(touching.sum())
+    load = float(np.sum(k1 * (u - u0)))
+    scale = load / area if area and load > 0 else 1.0
+    return Proof(
+        penetration=float(np.max(heights - u)),
+        largest_pull=float(max(0.0, -force[touching].min(initial=0.0))) / scale,
+        largest_force_off_contact=float(np.abs(force[~touching]).max(initial=0.0)) / scale,
+        load=load,
+        area=area,
+    )
+
+
+def heights_rounding(heights, u):
+    """One rounding error of a height measured from the highest point."""
+    return 2**-53 * np.abs(u - heights.max()).max()
+
+
+def assert_equilibrium(contact, *, k0, k1, load=None):
+    """The acceptance of every published state."""
+    proof = prove(contact.heights, contact.u, contact.u0, k0=k0, k1=k1)
+    assert proof.penetration <= 0
+    assert proof.largest_pull <= 1e-8
+    assert proof.largest_force_off_contact <= 1e-8
+    assert proof.area == contact.area == int(contact.in_contact.sum())
+    np.testing.assert_array_equal(contact.in_contact, contact.u == contact.heights)
+    assert contact.residual <= 1e-8
+    # The two sums, of contact forces and of spring forces, agree but for the rounding of N terms.
+    rounding = heights_rounding(contact.heights, contact.u) * k1 * contact.u.size
+    assert abs(contact.load - proof.load) <= 1e-10 * abs(proof.load) + rounding
+    if load is not None:
+        assert abs(proof.load / load - 1) <= 1e-10
+    return proof
