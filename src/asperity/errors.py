@@ -69,4 +69,4 @@ class OutputError(AsperityError, OSError):
 
 def is_finite_number(value: object) -> bool:
     """Whether a value is one real, finite number (and not a truth value)."""
-    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+    return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)

@@ -91,16 +91,18 @@ TOLERANCE = 1e-9
 """The tolerance to which published states are solved; the residual they carry shows it."""
 
 
-def residual(force: Field, in_contact: Mask, unloaded_scale: float = 1.0) -> float:
+def residual(force: Field, in_contact: Mask, smallest_scale: float = 0.0) -> float:
     """Largest violation of equilibrium, relative to the mean contact force.
 
     Off contact any force is a violation; in contact a pulling (negative) one is. Penetration needs
-    no term: solvers hold u at the heights exactly. Where no contact carries force, violations are
-    measured against ``unloaded_scale`` instead.
+    no term: solvers hold u at the heights exactly. Where the mean contact force is below
+    ``smallest_scale``, or there is no contact, violations are measured against that instead.
     """
     touching = force[in_contact]
-    scale = float(touching.mean()) if touching.size else 0.0
     worst = float(np.max(np.abs(force), where=~in_contact, initial=0.0))
+    mean = 0.0
     if touching.size:
+        mean = float(touching.mean())
         worst = max(worst, -float(touching.min()))
-    return worst / (scale if scale > 0 else unloaded_scale)
+    scale = max(mean, smallest_scale)
+    return worst / scale if scale > 0 else (0.0 if worst == 0 else np.inf)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from asperity.contact.controls import Control
+from asperity.contact.controls import Control, Load
 from asperity.contact.problem import Solution, residual
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
@@ -43,7 +43,9 @@ class Contact:
         Elastic energy, force times length (Jagla, Eq. e).
     residual
         Largest force off contact (or pull in contact) that the fields above leave, relative to the
-        mean contact force; evaluated from `u` and `u0` as they are, rounding included.
+        mean contact force; evaluated from `u` and `u0` as they are, rounding included. Where the
+        separation is held and the load has died out, relative to the smallest force that double
+        precision can resolve to as many digits.
     iterations
         Conjugate-gradient iterations spent.
     surface
@@ -119,8 +121,7 @@ def contact_from(
     u_modes = system.lattice.forward(u - system.datum)
     u0_modes = system.lattice.forward(u0 - system.datum)
     force = system.force(u_modes, u0_modes)
-    spring_force = float(system.spectra.creeping.flat[0] * np.max(u - heights))
-    left = residual(force, in_contact, unloaded_scale=spring_force or 1.0)
+    left = residual(force, in_contact, _smallest_force(system, u))
     if not left <= ACCEPTED_RESIDUAL:
         raise ConvergenceError(
             f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too "
@@ -139,6 +140,14 @@ def contact_from(
         iterations=solution.iterations,
         surface=surface,
     )
+
+
+def _smallest_force(system: System, u: Field) -> float:
+    """Under separation control the load may die out: the force whose last trusted digit is rounding."""
+    if isinstance(system.control, Load):
+        return 0.0
+    stiffest = float(np.max(system.spectra.permanent + system.spectra.creeping))
+    return float(np.spacing(np.abs(u).max())) * stiffest / ACCEPTED_RESIDUAL
 
 
 def _rounded_keeping_load(shape: Field, surface: Field, u: Field, datum: float) -> Field:

@@ -1,0 +1,198 @@
+r"""From measured heights to heights that a periodic lattice can bear: four rules, in this order.
+
+1. Undefined pixels are filled by the discrete harmonic function: each gets the mean of its neighbors on
+   the pixel grid (three at an edge, two at a corner), which is the solution of the Laplace equation with
+   the defined pixels as boundary values. By its maximum principle no filled pixel is above the highest
+   defined pixel around its hole: filling creates no summit, so it creates no contact of its own.
+2. The tilt of the sample in the instrument is removed.
+3. The heights are converted to the wanted unit.
+4. The surface is made periodic.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse
+from numpy.typing import NDArray
+from scipy.signal.windows import tukey
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import spsolve
+
+from asperity.errors import InputError
+from asperity.lattice import Field, Mask
+
+# Powers of ten of the length units.
+_EXPONENTS = {"km": 3, "m": 0, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
+# What is left of a flat surface after its tilt is removed is rounding: this part of its largest height.
+_ROUNDING = 1e-12
+
+
+def is_length(unit: str | None) -> bool:
+    """Whether this is a unit of length that can be converted."""
+    return unit in _EXPONENTS
+
+
+def length_factor(unit: str, target: str) -> float:
+    """How many of the `target` unit make one `unit`; both must be lengths."""
+    power = _EXPONENTS[unit] - _EXPONENTS[target]
+    # A division by a whole power of ten rounds once; a product with 1e-3 would round twice.
+    return 10.0**power if power >= 0 else 1 / 10.0**-power
+
+
+def fill(heights: Field) -> Field:
+    """Fill undefined pixels with the discrete harmonic function.
+
+    Parameters
+    ----------
+    heights
+        Shape ``(n,)`` or ``(n, m)``; NaN where undefined; at least one pixel defined.
+
+    Returns
+    -------
+    ndarray of the same shape
+        The defined pixels are returned as they are.
+    """
+    flat = heights.ravel()
+    missing = np.isnan(flat)
+    unknowns = int(missing.sum())
+    filled = flat.copy()
+    if unknowns:
+        number = np.cumsum(missing) - 1  # of the unknown that belongs to a missing pixel
+        here, there = _neighbors_of_missing(heights.shape, missing)
+        inner = missing[there]
+        edges = number[here[inner]], number[there[inner]]
+        links = scipy.sparse.csr_array((np.ones(len(edges[0])), edges), shape=(unknowns, unknowns))
+        degree = np.bincount(number[here], minlength=unknowns).astype(np.float64)
+        rim, rim_height = number[here[~inner]], flat[there[~inner]]
+        right = np.bincount(rim, weights=rim_height, minlength=unknowns)
+        laplacian = scipy.sparse.diags_array(degree, format="csc") - links.tocsc()
+        solution = np.atleast_1d(spsolve(laplacian, right, permc_spec="MMD_AT_PLUS_A"))
+        filled[missing] = _clipped(solution, links, rim, rim_height)
+    return filled.reshape(heights.shape)
+
+
+def _neighbors_of_missing(shape: tuple[int, ...], missing: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Flat indices of all pairs (missing pixel, its neighbor on the grid); the grid is not periodic."""
+    grid = np.arange(missing.size).reshape(shape)
+    pairs = []
+    for axis in range(grid.ndim):
+        lower = np.take(grid, range(grid.shape[axis] - 1), axis=axis).ravel()
+        upper = np.take(grid, range(1, grid.shape[axis]), axis=axis).ravel()
+        pairs += [
+            (lower[missing[lower]], upper[missing[lower]]),
+            (upper[missing[upper]], lower[missing[upper]]),
+        ]
+    return np.concatenate([p[0] for p in pairs]), np.concatenate([p[1] for p in pairs])
+
+
+def _clipped(
+    solution: Field, links: scipy.sparse.csr_array, rim: NDArray[np.intp], rim_height: Field
+) -> Field:
+    """Hold the solution in each hole between the lowest and the highest pixel of the hole's rim.
+
+    The exact solution is there anyway; its rounding could leave a summit of one unit in the last place.
+    """
+    holes, hole = connected_components(links, directed=False)
+    lowest, highest = np.full(holes, np.inf), np.full(holes, -np.inf)
+    np.minimum.at(lowest, hole[rim], rim_height)
+    np.maximum.at(highest, hole[rim], rim_height)
+    return np.clip(solution, lowest[hole], highest[hole])
+
+
+def remove_tilt(heights: Field, defined: Mask, rule: str) -> tuple[Field, list[float]]:
+    """Remove the tilt, found from the defined pixels alone.
+
+    Parameters
+    ----------
+    heights
+        Finite heights, shape ``(n,)`` or ``(n, m)``.
+    defined
+        Which pixels were measured; same shape.
+    rule
+        "plane" (the least-squares plane; a line for a profile), "mean" (a level plane) or "none".
+
+    Returns
+    -------
+    heights, coefficients
+        The heights left, and what was removed: the height at pixel 0 and the slope along each axis, a pixel.
+    """
+    if rule == "none":
+        return heights, [0.0] * (1 + heights.ndim)
+    mean = float(heights[defined].mean())
+    level = heights - mean
+    if rule == "mean":
+        return level, [mean] + [0.0] * heights.ndim
+    # Coordinates from -1 to 1: the least-squares problem is then well conditioned at any size.
+    axes = [np.linspace(-1, 1, n) if n > 1 else np.zeros(1) for n in heights.shape]
+    grids = np.meshgrid(*axes, indexing="ij", sparse=True)
+    columns = [np.ones(int(defined.sum()))] + [np.broadcast_to(g, heights.shape)[defined] for g in grids]
+    offset, *slopes = np.linalg.lstsq(np.stack(columns, axis=1), level[defined], rcond=None)[0].tolist()
+    plane = offset + sum(s * g for s, g in zip(slopes, grids, strict=True))
+    per_pixel = [2 * s / (n - 1) if n > 1 else 0.0 for s, n in zip(slopes, heights.shape, strict=True)]
+    return np.asarray(level - plane), [mean + offset - sum(slopes), *per_pixel]
+
+
+def scale_factor(heights: Field, unit: str, target: str | None, *, largest: float) -> tuple[float, str]:
+    """Find the factor to the wanted unit, and that unit's name.
+
+    Parameters
+    ----------
+    heights
+        The heights, in `unit`, with their tilt removed.
+    unit, target
+        The unit they have ("1" for none) and the wanted one: None keeps it, "rms" divides by the rms height.
+    largest
+        Largest height in magnitude before the tilt was removed: the measure of its rounding.
+
+    Raises
+    ------
+    InputError
+        If the heights have no unit to convert from, or are flat and shall be divided by their rms.
+    """
+    if target is None or target == unit:
+        return 1.0, unit
+    if target == "rms":
+        rms = float(heights.std())
+        if rms <= _ROUNDING * largest:
+            raise InputError(
+                "unit", expected="a rough surface for unit='rms'", got="a flat one", advice="unit=None"
+            )
+        return 1 / rms, "rms"
+    if not is_length(unit):
+        got = "heights without a unit" if unit == "1" else f"heights in {unit!r}"
+        raise InputError(
+            "unit",
+            expected=f"heights with a unit of length, for unit={target!r}",
+            got=got,
+            advice="unit=None or 'rms'",
+        )
+    return length_factor(unit, target), target
+
+
+def make_periodic(heights: Field, rule: str, *, border: float) -> Field:
+    """Make a surface periodic.
+
+    Parameters
+    ----------
+    heights
+        Finite heights, shape ``(n,)`` or ``(n, m)``.
+    rule
+        "mirror" appends the mirror image along each axis, which doubles it; all seams join equal heights
+        and no measured value is altered. "taper" lowers the deviation from the mean to zero over a border
+        of each axis, by half a period of a cosine. "wrap" leaves all as it is, with steps at the seams.
+    border
+        Width of the border on either side, as a part of the axis, for "taper".
+    """
+    if rule == "mirror":
+        for axis in range(heights.ndim):
+            heights = np.concatenate([heights, np.flip(heights, axis=axis)], axis=axis)
+        return heights
+    if rule == "wrap":
+        return heights
+    mean = heights.mean()
+    weight = np.ones(heights.shape)
+    for axis, n in enumerate(heights.shape):
+        # The seam lies half a pixel outside: zero weight there, so take the inner points of a wider window.
+        window = tukey(2 * n + 1, 2 * border)[1::2]
+        weight *= window.reshape([-1 if a == axis else 1 for a in range(heights.ndim)])
+    return np.asarray(mean + weight * (heights - mean))

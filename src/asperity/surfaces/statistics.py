@@ -1,0 +1,127 @@
+"""What a surface measures: moments of its heights, its slope, and the step at its periodic seam."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.surfaces.arguments import checked_positive
+from asperity.surfaces.heights import check_heights
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Statistics of a surface; lengths along z are in `unit`.
+
+    Attributes
+    ----------
+    shape
+        Sites along each axis.
+    minimum, maximum, mean
+        Of the heights.
+    rms_height
+        Standard deviation of the heights about their mean.
+    rms_slope
+        Root mean square of the gradient, from differences of neighbors inside the surface (the seam
+        is left out), in `slope_unit`.
+    skewness
+        Third moment about the mean over ``rms_height**3``; NaN for a flat surface.
+    kurtosis
+        Fourth moment about the mean over ``rms_height**4``, which is 3 for Gaussian heights; NaN for a
+        flat surface.
+    neighbor_steps
+        For each axis, the rms difference of neighbors inside the surface.
+    seam_steps
+        For each axis, the rms difference of the neighbors across the periodic seam (last and first site).
+    unit, slope_unit
+        Units of heights and slope; "1" if none is known.
+    undefined_pixels
+        How many pixels the measurement had left undefined.
+    """
+
+    shape: tuple[int, ...]
+    minimum: float
+    maximum: float
+    mean: float
+    rms_height: float
+    rms_slope: float
+    skewness: float
+    kurtosis: float
+    neighbor_steps: tuple[float, ...]
+    seam_steps: tuple[float, ...]
+    unit: str = "1"
+    slope_unit: str = "1/pixel"
+    undefined_pixels: int = 0
+
+    @property
+    def seam_ratio(self) -> float:
+        """Largest step at a seam, in units of the usual step along the same axis.
+
+        About 1 where the surface is truly periodic, 0 where it was mirrored (the seam joins equal
+        heights), well above 1 where the solver would see a cliff.
+        """
+        ratios = [
+            0.0 if seam == 0 else (seam / step if step else np.inf)
+            for seam, step in zip(self.seam_steps, self.neighbor_steps, strict=True)
+        ]
+        return float(max(ratios))
+
+
+def statistics(heights: object, pixel_size: tuple[float, ...] | None = None) -> Statistics:
+    """Measure a surface.
+
+    Parameters
+    ----------
+    heights
+        Whatever `check_heights` accepts.
+    pixel_size
+        Distance between sites along each axis, in the unit of the heights if the slope shall be a
+        pure number; None counts in pixels.
+
+    Returns
+    -------
+    Statistics
+
+    Raises
+    ------
+    InputError
+        If the heights are refused by `check_heights`, or the pixel size does not hold one positive
+        number for each axis.
+    """
+    xi = check_heights(heights)
+    if pixel_size is not None and len(pixel_size) != xi.ndim:
+        raise InputError("pixel_size", expected=f"{xi.ndim} numbers, one an axis", got=pixel_size)
+    sizes = (
+        (1.0,) * xi.ndim
+        if pixel_size is None
+        else tuple(checked_positive("pixel_size", s) for s in pixel_size)
+    )
+
+    steps = [np.diff(xi, axis=axis) for axis in range(xi.ndim)]
+    seams = [np.take(xi, 0, axis=axis) - np.take(xi, -1, axis=axis) for axis in range(xi.ndim)]
+    mean = float(xi.mean())
+    # Rounding leaves a flat surface a tiny rms about its mean: decide by its extremes instead.
+    flat = bool(xi.min() == xi.max())
+    rms = 0.0 if flat else float(xi.std())
+    normal = np.full(1, np.nan) if flat else (xi - mean) / rms
+    return Statistics(
+        shape=xi.shape,
+        minimum=float(xi.min()),
+        maximum=float(xi.max()),
+        mean=mean,
+        rms_height=rms,
+        rms_slope=float(np.sqrt(sum(_rms(d / s) ** 2 for d, s in zip(steps, sizes, strict=True)))),
+        skewness=float(np.mean(normal**3)),
+        kurtosis=float(np.mean(normal**4)),
+        neighbor_steps=tuple(_rms(d) for d in steps),
+        seam_steps=tuple(_rms(d) for d in seams),
+        slope_unit="1/pixel" if pixel_size is None else "1",
+    )
+
+
+def _rms(values: Field) -> float:
+    """Root mean square about zero; 0 for an axis of one site, which has no neighbors."""
+    return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0

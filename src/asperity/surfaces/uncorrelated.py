@@ -1,0 +1,67 @@
+"""Surfaces whose sites are independent: Gaussian and exponential heights.
+
+The paper's first case (E. A. Jagla, "Towards a modeling of the time dependence of contact area between
+solid bodies", section "The Model"): the heights xi(r) are drawn independently for each site from one
+distribution. The paper draws from the Gaussian. For exponential heights the theory of dilute contacts
+is simplest: the ratio A(t)/A(0) does not depend on the load.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asperity.lattice import Field
+from asperity.surfaces.arguments import checked_positive, checked_seed, checked_shape
+
+
+def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
+    """Draw independent Gaussian heights of mean 0.
+
+    Parameters
+    ----------
+    shape
+        Sites along each axis: ``(n, m)``, or ``n`` or ``(n,)`` for a profile.
+    rms
+        Standard deviation of the heights, in the unit that the heights shall have.
+    seed
+        Seed of the random numbers; the same seed gives the same surface.
+
+    Returns
+    -------
+    ndarray of float64, of the given shape
+
+    Raises
+    ------
+    InputError
+        If the shape is not one or two positive integers, `rms` is not positive and finite, or the
+        seed is not an integer of 0 or more.
+    """
+    lengths, width, number = checked_shape(shape), checked_positive("rms", rms), checked_seed(seed)
+    return np.random.default_rng(number).normal(scale=width, size=lengths)
+
+
+def exponential(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
+    """Draw independent heights of the density ``P(xi) = exp(-xi / rms) / rms`` for ``xi >= 0``.
+
+    Their standard deviation is `rms`, and so is their mean: the mean is not removed.
+
+    Parameters
+    ----------
+    shape
+        Sites along each axis: ``(n, m)``, or ``n`` or ``(n,)`` for a profile.
+    rms
+        Standard deviation of the heights, in the unit that the heights shall have.
+    seed
+        Seed of the random numbers; the same seed gives the same surface.
+
+    Returns
+    -------
+    ndarray of float64, of the given shape
+
+    Raises
+    ------
+    InputError
+        As for `gaussian`.
+    """
+    lengths, width, number = checked_shape(shape), checked_positive("rms", rms), checked_seed(seed)
+    return np.random.default_rng(number).exponential(scale=width, size=lengths)

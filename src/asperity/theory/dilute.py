@@ -1,0 +1,144 @@
+r"""Few contacts, far apart: the contact area of any law of heights, at any time.
+
+Asperities that do not feel each other share the load as in the theory of Greenwood and Williamson, with the
+compliance of a contact replaced by the one that has crept for a time t, J(t) = G/k0:
+
+    N0 E[(xi - d)+] = F J(t),      A = N0 Prob(xi > d)
+
+with N0 sites and d the height of the mean of u0 (rigid offset). At constant load d only falls, so every
+contact is pressed deeper and deeper, none opens, the problem stays linear and no history enters
+(E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), doi:10.1115/1.3644020).
+
+Corrections to the paper (E. A. Jagla, section "Analytical Results"):
+
+* Eq. (ndet) is dimensionally inconsistent, for v0 of Eq. (v0) contains f0. It should read
+  N(t)/N(0) = 1 + (k_eff/f0) int v0 dt, and it treats the contact as a bare spring k1 where the lattice has
+  k_eff = k0/G(x1, 0). Together N(t)/N(0) = G(x1, x2)/G(x1, 0): `exponential_growth`.
+  The paper's own expression, with f0 divided out, is `exponential_growth_paper`.
+* The late slope dN/N(0)/d ln t is k_eff/(8 pi k0), not a0 k1/k0 of Eq. (ndet2).
+* Eq. (vt) leaves out the instantaneous term f'(t) G(0)/k0, and the minus sign of Eq. (du0) is lost after it.
+  Neither changes dN/dt: the first cancels in the sum over contacts at constant load, the second occurs twice.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.errors import InputError
+from asperity.theory._checks import Floats, broadcast, line_or_plane, positive
+from asperity.theory.heights import HeightLaw
+from asperity.theory.indentation import compliance, site_stiffness
+
+
+def dilute_area(load_per_site: ArrayLike, compliance: ArrayLike, heights: HeightLaw) -> Floats:
+    """Return the fraction of sites in contact, A/N0, in the dilute theory.
+
+    Parameters
+    ----------
+    load_per_site
+        F/N0 (force), above 0.
+    compliance
+        J(t) = `compliance(x1, x2) / k0` (length per force), above 0; one entry a time, say.
+    heights
+        Law of the heights, lengths in the same unit.
+
+    Returns
+    -------
+    ndarray
+        Shape of load and compliance broadcast; a NumPy float if both are scalars. Trust it while the
+        contacts are apart: see `dilute_horizon`.
+
+    Raises
+    ------
+    InputError
+        For numbers that are not above 0 and finite, and for shapes that do not broadcast.
+    """
+    load, soft = broadcast(
+        load_per_site=positive("load_per_site", load_per_site),
+        compliance=positive("compliance", compliance),
+    )
+    return heights.exceedance(heights.separation_for(load * soft))
+
+
+def winkler_area(load_per_site: ArrayLike, k1: ArrayLike, heights: HeightLaw) -> Floats:
+    """Return the fraction of sites in contact on independent springs (k0 = 0), A/N0; exact at every load.
+
+    Without k0 nothing limits the creep, and the area of the relaxed state is the nominal one: this is the
+    area before any creep.
+
+    Parameters
+    ----------
+    load_per_site
+        F/N0 (force), above 0.
+    k1
+        Stiffness of a spring (force per length), above 0.
+    heights
+        Law of the heights.
+
+    Returns
+    -------
+    ndarray
+        Shape of load and k1 broadcast; a NumPy float if both are scalars.
+
+    Raises
+    ------
+    InputError
+        As `dilute_area`.
+    """
+    return dilute_area(load_per_site, 1 / positive("k1", k1), heights)
+
+
+def dilute_horizon(area_fraction: ArrayLike, dimension: int = 2) -> Floats:
+    """Reduced time k0 R t at which the dips around neighboring contacts meet.
+
+    The dip that a contact makes spreads over a distance that grows as (k0 R t)^(1/4); the mean spacing of
+    contacts is (A/N0)^(-1/dimension). They are equal at k0 R t = (A/N0)^(-4/dimension): an order of
+    magnitude, no sharp end. It does not know R_tilde, with which dips spread as (k0 R_tilde t)^(1/2).
+
+    Parameters
+    ----------
+    area_fraction
+        A/N0, above 0 and at most 1.
+    dimension
+        2 (square lattice) or 1 (line).
+
+    Returns
+    -------
+    ndarray
+        Shape of `area_fraction`; a NumPy float for a scalar.
+
+    Raises
+    ------
+    InputError
+        For a fraction out of range or another dimension.
+    """
+    fraction = positive("area_fraction", area_fraction)
+    if (fraction > 1).any():
+        raise InputError("area_fraction", expected="at most 1", got=float(fraction.max()), advice="A/N0")
+    return np.asarray(fraction ** (-4 / line_or_plane(dimension)))[()]
+
+
+def exponential_growth(x1: ArrayLike, x2: ArrayLike, viscous: ArrayLike = 0.0, dimension: int = 2) -> Floats:
+    """Return A(t)/A(0) = G(x1, x2)/G(x1, 0): the dilute theory of exponential heights.
+
+    The paper's Eq. (ndet), made dimensionally consistent and with the stiffness of a lattice site. The late
+    d ln A / d ln t is 1/(ln x2 + 10 ln 2 + gamma_E) on the square lattice: no material parameter is left.
+
+    Arguments, result and errors are those of `compliance`.
+    """
+    return np.asarray(compliance(x1, x2, viscous, dimension) * site_stiffness(x1, dimension))[()]
+
+
+def exponential_growth_paper(
+    x1: ArrayLike, x2: ArrayLike, viscous: ArrayLike = 0.0, dimension: int = 2
+) -> Floats:
+    """Return N(t)/N(0) = 1 + (k1/k0) [G(x1, x2) - G(x1, 0)]: the paper's Eq. (ndet), f0 divided out.
+
+    Only for comparison with the paper. It takes k1 for the stiffness of a contact, which makes the growth too
+    small by the factor x1 / site_stiffness(x1); `exponential_growth` does not.
+
+    Arguments, result and errors are those of `compliance`.
+    """
+    grown = compliance(x1, x2, viscous, dimension) - 1 / site_stiffness(x1, dimension)
+    return np.asarray(1 + np.asarray(x1, dtype=np.float64) * grown)[()]

@@ -1,0 +1,200 @@
+"""Laws of the heights of independent asperities, as the dilute theory needs them.
+
+A flat body at separation d touches the asperities with xi > d and compresses them by xi - d, so a law
+enters through `exceedance` Prob(xi > d), through `mean_excess` E[(xi - d)+], and through the inverse of the
+latter (J. A. Greenwood and J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import elementwise
+from scipy.special import erfcx, log_ndtr, ndtr
+
+from asperity.errors import ConvergenceError, InputError
+from asperity.theory._checks import Floats, numbers, positive
+
+_LOG_ROOT_TWO_PI = 0.5 * np.log(2 * np.pi)
+
+
+class HeightLaw(Protocol):
+    """What the dilute theory asks of a law of heights. Arrays of any shape; scalars in, NumPy float out."""
+
+    def exceedance(self, separation: ArrayLike) -> Floats:
+        """Prob(xi > d): the fraction of sites in contact at separation d (length)."""
+        ...
+
+    def mean_excess(self, separation: ArrayLike) -> Floats:
+        """E[(xi - d)+]: compression per site (length) at separation d (length)."""
+        ...
+
+    def separation_for(self, mean_excess: ArrayLike) -> Floats:
+        """Inverse of `mean_excess`: separation d (length) at a compression per site (length, above 0)."""
+        ...
+
+
+@dataclass(frozen=True)
+class GaussianHeights:
+    """Normal heights of mean 0: the paper's uncorrelated surfaces.
+
+    Parameters
+    ----------
+    rms
+        Standard deviation (length), above 0.
+
+    Raises
+    ------
+    InputError
+        For an `rms` that is not a number above 0.
+    """
+
+    rms: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_rms(self.rms)
+
+    def exceedance(self, separation: ArrayLike) -> Floats:
+        """Q(d/rms), the upper tail of the normal law."""
+        return np.asarray(ndtr(-numbers("separation", separation) / self.rms))[()]
+
+    def mean_excess(self, separation: ArrayLike) -> Floats:
+        """Rms [phi(x) - x Q(x)], x = d/rms, without the cancellation in the tail."""
+        x = numbers("separation", separation) / self.rms
+        return (self.rms * np.exp(_log_normal_excess(x)))[()]
+
+    def separation_for(self, mean_excess: ArrayLike) -> Floats:
+        """Root of a bracketed, elementwise search in the logarithm of the mean excess."""
+        target = positive("mean_excess", mean_excess) / self.rms
+        log_target = np.log(target)
+        # E[(xi - d)+] lies above -d, and below phi(d) for d > 0; the margin keeps rounding out.
+        highest = np.sqrt(np.maximum(-2 * (log_target + _LOG_ROOT_TWO_PI), 0)) + 1
+        found = elementwise.find_root(_log_excess_above, (-target - 1, highest), args=(log_target,))
+        if not np.all(found.success):
+            raise ConvergenceError(
+                "separation_for: the root search stopped; mean_excess / rms is out of reach"
+            )
+        return np.asarray(self.rms * found.x, dtype=np.float64)[()]
+
+
+@dataclass(frozen=True)
+class ExponentialHeights:
+    """Heights of density exp(-xi/rms)/rms for xi > 0: the paper's P(xi) with gamma = 1/rms.
+
+    Parameters
+    ----------
+    rms
+        Standard deviation about the mean, which is `rms` too (length), above 0.
+
+    Raises
+    ------
+    InputError
+        For an `rms` that is not a number above 0.
+    """
+
+    rms: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_rms(self.rms)
+
+    def exceedance(self, separation: ArrayLike) -> Floats:
+        """Exp(-d/rms), and 1 below the lowest asperity."""
+        x = numbers("separation", separation) / self.rms
+        return np.exp(-np.maximum(x, 0))[()]
+
+    def mean_excess(self, separation: ArrayLike) -> Floats:
+        """Rms exp(-d/rms), and rms - d below the lowest asperity."""
+        x = numbers("separation", separation) / self.rms
+        return (self.rms * (np.exp(-np.maximum(x, 0)) - np.minimum(x, 0)))[()]
+
+    def separation_for(self, mean_excess: ArrayLike) -> Floats:
+        """Invert in closed form: rms ln(rms/e) for e < rms, rms - e above."""
+        x = positive("mean_excess", mean_excess) / self.rms
+        return (self.rms * np.where(x < 1, -np.log(x), 1 - x))[()]
+
+
+@dataclass(frozen=True, eq=False)
+class EmpiricalHeights:
+    """Heights as given, site by site, whatever their law.
+
+    Parameters
+    ----------
+    heights
+        Any shape (length), not empty, finite; copied.
+
+    Raises
+    ------
+    InputError
+        For heights that are empty or not finite.
+    """
+
+    heights: ArrayLike
+
+    def __post_init__(self) -> None:
+        array = numbers("heights", self.heights)
+        if array.size == 0 or not np.isfinite(array).all():
+            raise InputError("heights", expected="finite heights, at least one", got=f"shape {array.shape}")
+        copied = array.copy()
+        copied.flags.writeable = False
+        object.__setattr__(self, "heights", copied)
+
+    @cached_property
+    def _descending(self) -> Floats:
+        return np.sort(np.ravel(self.heights))[::-1].astype(np.float64)
+
+    @cached_property
+    def _excess_at_knots(self) -> Floats:
+        """Mean excess at each height, descending. A sum of positive terms: nothing cancels."""
+        gaps = -np.diff(self._descending)
+        touching = np.arange(1, gaps.size + 1)
+        return np.concatenate([[0.0], np.cumsum(touching * gaps)]) / self._descending.size
+
+    def exceedance(self, separation: ArrayLike) -> Floats:
+        """Fraction of the heights above d."""
+        d = numbers("separation", separation)
+        return np.asarray(self._count_above(d) / self._descending.size)[()]
+
+    def mean_excess(self, separation: ArrayLike) -> Floats:
+        """Exact: piecewise linear in d, with a knot at each height."""
+        d = numbers("separation", separation)
+        above = self._count_above(d)
+        knot = np.maximum(above, 1) - 1  # the lowest height above d
+        fall = np.maximum(self._descending[knot] - d, 0)
+        rise = self._excess_at_knots[knot] + above * fall / self._descending.size
+        return np.asarray(np.where(above > 0, rise, 0.0))[()]
+
+    def separation_for(self, mean_excess: ArrayLike) -> Floats:
+        """Exact inverse of the piecewise linear `mean_excess`."""
+        target = positive("mean_excess", mean_excess)
+        touching = np.searchsorted(self._excess_at_knots, target, side="left")
+        knot = touching - 1
+        fall = (target - self._excess_at_knots[knot]) * self._descending.size / touching
+        return np.asarray(self._descending[knot] - fall)[()]
+
+    def _count_above(self, d: Floats) -> Floats:
+        ascending = self._descending[::-1]
+        return np.asarray(ascending.size - np.searchsorted(ascending, d, side="right"), dtype=np.int64)
+
+
+def _check_rms(rms: float) -> None:
+    if positive("rms", rms).ndim != 0:
+        raise InputError("rms", expected="one number", got=repr(rms))
+
+
+def _log_normal_excess(x: Floats) -> Floats:
+    """Logarithm of phi(x) - x Q(x) for the standard normal law."""
+    log_phi = -0.5 * x**2 - _LOG_ROOT_TWO_PI
+    # Above 0 by the Mills ratio Q/phi, which neither underflows nor overflows there.
+    high = np.maximum(x, 0)
+    above = log_phi + np.log1p(-high * np.sqrt(np.pi / 2) * erfcx(high / np.sqrt(2)))
+    low = np.minimum(x, 0)
+    below = np.log(np.exp(np.minimum(log_phi, 0)) - low * np.exp(log_ndtr(-low)))
+    return np.asarray(np.where(x > 0, above, below))
+
+
+def _log_excess_above(x: Floats, log_target: Floats) -> Floats:
+    return np.asarray(_log_normal_excess(x) - log_target)

@@ -1,0 +1,82 @@
+r"""Means over the Brillouin zone of functions of lam(q) alone.
+
+The elastic lattice enters the theory only through the eigenvalues lam(q) of minus its Laplacian, so
+the mean over wave vectors is an integral over lam with the density of states of the lattice,
+
+    line     rho(lam) = 1 / (pi sqrt(lam (4 - lam))),                        0 < lam < 4
+    square   rho(lam) = K(m) / (2 pi^2),  m = 1 - ((lam - 4)/4)^2,           0 < lam < 8
+
+(K: complete elliptic integral of parameter m; E. N. Economou, *Green's Functions in Quantum Physics*,
+section 5.3, doi:10.1007/3-540-28841-4). The second is even about lam = 4, where it diverges like a logarithm.
+
+The map lam = 4 / (1 + exp(-w)) sends w = -inf to the long waves lam = 0 and w = +inf to the singularity
+(for the line: to the edge) lam = 4; the half above 4 is its mirror 8 - lam. In w the integrand decays
+exponentially on both sides and is analytic for abs(Im w) < pi/4, so the plain trapezoidal rule of step h
+converges like exp(-pi^2 / (2 h)) (L. N. Trefethen and J. A. C. Weideman, SIAM Review 56, 385 (2014),
+doi:10.1137/130932132). Adaptive quadrature was not taken: the nodes would differ from one time to the next,
+and with them the rounding of a curve.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.special import ellipkm1, expit
+
+from asperity.theory._checks import Floats
+
+# exp(-pi^2 / (2 h)) = 7e-18.
+_STEP = 1 / 8
+# exp(-_REACH) = 6e-19: what is left outside the nodes, relative to what is inside.
+_REACH = 42.0
+
+
+def zone_nodes(dimension: int, log_scale: float) -> tuple[Floats, Floats]:
+    """Nodes and weights of the mean over the Brillouin zone.
+
+    Parameters
+    ----------
+    dimension
+        1 (line) or 2 (square lattice).
+    log_scale
+        Logarithm of the lam below which the integrand is that of lam = 0, times at most lam^0.
+
+    Returns
+    -------
+    lam, weight
+        Shape (n,) each; ``sum(weight * f(lam))`` is the mean of f over the zone.
+    """
+    # On the line the density of states is lam^(-1/2): the tails are twice as long.
+    reach = _REACH * (2 if dimension == 1 else 1)
+    lowest = min(log_scale - math.log(4), 0.0) - reach
+    w = _STEP * np.arange(math.floor(lowest / _STEP), math.ceil(reach / _STEP) + 1)
+    below, above = expit(w), expit(-w)  # lam / 4 and (4 - lam) / 4, each without cancellation
+    if dimension == 1:
+        return 4 * below, _STEP * np.sqrt(below * above) / math.pi
+    weight = _STEP * 4 * below * above * ellipkm1(above**2) / (2 * math.pi**2)
+    mirrored = w > -reach  # below that the weights are lost in rounding
+    lam = np.concatenate([4 * below, 4 + 4 * above[mirrored]])
+    return lam, np.concatenate([weight, weight[mirrored]])
+
+
+def torus_modes(shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """Eigenvalues lam of a finite periodic lattice, without lam = 0, and how many modes share each.
+
+    Parameters
+    ----------
+    shape
+        One or two positive lengths.
+
+    Returns
+    -------
+    lam, count
+        Shape (n,) each; the counts sum to the number of sites less one.
+    """
+    lam, count = np.zeros(1), np.ones(1)
+    for length in shape:
+        j = np.arange(length // 2 + 1)  # wave numbers q and -q share lam: half of the axis suffices
+        twins = np.where((j == 0) | (2 * j == length), 1.0, 2.0)
+        lam = np.add.outer(lam, 4 * np.sin(math.pi * j / length) ** 2).ravel()
+        count = np.multiply.outer(count, twins).ravel()
+    return lam[1:], count[1:]

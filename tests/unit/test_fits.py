@@ -1,0 +1,234 @@
+"""Fits of A(t): exact data, noise with known spread, units, and data that do not determine the law."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+from asperity.fits import LogarithmFit, SaturationFit, logarithm, saturation
+from asperity.theory import LATE_SLOPE, exponential_growth, site_stiffness
+
+Floats = NDArray[np.float64]
+
+TIME = np.concatenate([[0.0], np.logspace(-2, 6, 60)])
+
+
+def saturating(time: Floats, a: float, q: float, t0: float) -> Floats:
+    return a - (a - 1) / (1 + time / t0) ** q
+
+
+LAWS = [(5.0, 0.2, 3.0), (1.5, 1.0, 100.0), (40.0, 0.02, 0.1), (3.0, 0.5, 0.05), (2.0, 5.0, 1e4)]
+
+
+@pytest.mark.parametrize(("a", "q", "t0"), LAWS)
+@pytest.mark.parametrize("first", [0, 1])
+def test_saturation_recovers_exact_parameters(a: float, q: float, t0: float, first: int) -> None:
+    fit = saturation(TIME[first:], 7 * saturating(TIME[first:], a, q, t0))
+    assert (fit.a, fit.q, fit.t0) == pytest.approx((a, q, t0), rel=1e-8)
+    assert pytest.approx((a - 1) * q, rel=1e-8) == fit.C
+    assert fit.initial_area == pytest.approx(7, rel=1e-10)
+    assert fit.rms_residual < 1e-12
+    assert fit.r_squared == pytest.approx(1, abs=1e-12)
+
+
+@pytest.mark.parametrize(("C", "t0"), [(0.3, 2.0), (0.01, 50.0), (4.0, 0.02)])
+@pytest.mark.parametrize("first", [0, 1])
+def test_logarithm_recovers_exact_parameters(C: float, t0: float, first: int) -> None:
+    fit = logarithm(TIME[first:], 0.02 * (1 + C * np.log1p(TIME[first:] / t0)))
+    assert (fit.C, fit.t0, fit.initial_area) == pytest.approx((C, t0, 0.02), rel=1e-8)
+    assert fit.rms_residual < 1e-12
+
+
+def pulls(
+    law: Callable[..., Any],
+    model: Floats,
+    names: list[str],
+    truth: list[float],
+    time: Floats,
+    initial_free: bool,
+) -> Floats:
+    """(fitted - true) / stderr over 200 curves with noise of known origin, one row each."""
+    rng = np.random.default_rng(20)
+    rows = []
+    for _ in range(200):
+        area = model + 2e-3 * rng.normal(size=time.size)
+        if not initial_free:
+            area[0] = model[0]
+        fit = law(time, area)
+        rows.append(
+            [
+                (getattr(fit, n) - true) / getattr(fit, f"{n}_stderr")
+                for n, true in zip(names, truth, strict=True)
+            ]
+        )
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("initial_free", [False, True])
+def test_saturation_errors_are_standard_errors(initial_free: bool) -> None:
+    time = TIME[1:] if initial_free else TIME
+    names, truth = ["a", "q", "t0", "C"], [3.0, 0.4, 10.0, 0.8]
+    if initial_free:
+        names, truth = [*names, "initial_area"], [*truth, 1.0]
+    pull = pulls(saturation, saturating(time, 3.0, 0.4, 10.0), names, truth, time, initial_free)
+    # The spread of 200 pulls has a standard error of 5 %, their mean one of 7 %: bands of three of these.
+    assert pull.std(axis=0) == pytest.approx(np.ones(len(names)), abs=0.15)
+    assert pull.mean(axis=0) == pytest.approx(np.zeros(len(names)), abs=0.22)
+    # 99.7 % are expected within 3.
+    assert (np.abs(pull) < 3).mean() > 0.985
+
+
+def test_logarithm_errors_are_standard_errors() -> None:
+    model = 1 + 0.2 * np.log1p(TIME / 5)
+    pull = pulls(logarithm, model, ["C", "t0"], [0.2, 5.0], TIME, initial_free=False)
+    assert pull.std(axis=0) == pytest.approx(np.ones(2), abs=0.15)
+    assert pull.mean(axis=0) == pytest.approx(np.zeros(2), abs=0.22)
+    assert (np.abs(pull) < 3).mean() > 0.985
+
+
+def noisy(seed: int = 1) -> Floats:
+    area = saturating(TIME, 3.0, 0.3, 10.0) * (1 + 1e-3 * np.random.default_rng(seed).normal(size=TIME.size))
+    area[0] = 1.0
+    return area
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("law", [saturation, logarithm])
+def test_units_of_time_and_area_only_scale(law: Callable[..., Any], first: int) -> None:
+    time, area = TIME[first:], noisy()[first:]
+    one, other = law(time, area), law(3600 * time, 1e-6 * area)
+    assert other.t0 == pytest.approx(3600 * one.t0, rel=1e-6)
+    assert other.t0_stderr == pytest.approx(3600 * one.t0_stderr, rel=1e-5)
+    assert pytest.approx(one.C, rel=1e-6) == other.C
+    assert other.C_stderr == pytest.approx(one.C_stderr, rel=1e-5)
+    assert other.initial_area == pytest.approx(1e-6 * one.initial_area, rel=1e-7)
+    assert other.initial_area_stderr == pytest.approx(1e-6 * one.initial_area_stderr, rel=1e-5)
+    assert other.rms_residual == pytest.approx(one.rms_residual, rel=1e-8)
+    assert other.r_squared == pytest.approx(one.r_squared, rel=1e-10)
+
+
+def test_given_initial_area_is_kept_and_has_no_weight() -> None:
+    fit = saturation(TIME, noisy())
+    assert fit.initial_area == 1.0
+    assert fit.initial_area_stderr == 0.0
+    assert fit.predict(0.0) == 1.0
+
+
+@pytest.mark.parametrize("law", [saturation, logarithm])
+def test_prediction_residual_and_r_squared_say_the_same(law: Callable[..., Any]) -> None:
+    area = noisy()
+    fit = law(TIME, area)
+    after = fit.predict(TIME[1:])
+    assert fit.rms_residual == pytest.approx(np.sqrt(np.mean((after / area[1:] - 1) ** 2)), rel=1e-12)
+    squares = np.sum((after - area[1:]) ** 2) / np.sum((area[1:] - area[1:].mean()) ** 2)
+    assert fit.r_squared == pytest.approx(1 - squares, rel=1e-12)
+    assert np.array_equal(fit(TIME), fit.predict(TIME))
+    assert np.array_equal(fit.area_ratio(TIME) * fit.initial_area, fit.predict(TIME))
+
+
+def test_saturation_predicts_its_own_formula() -> None:
+    fit = saturation(TIME, noisy())
+    assert fit.area_ratio(TIME) == pytest.approx(saturating(TIME, fit.a, fit.q, fit.t0), rel=1e-12)
+    assert fit.area_ratio(1e300) == pytest.approx(fit.a, rel=1e-12)
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_pure_logarithm_leaves_a_open_but_not_C(first: int) -> None:
+    area = 1 + 0.3 * np.log1p(TIME[first:] / 2)
+    fit = saturation(TIME[first:], area)
+    assert pytest.approx(0.3, rel=1e-6) == fit.C
+    assert fit.t0 == pytest.approx(2.0, rel=1e-5)
+    assert math.isfinite(fit.a)
+    assert fit.a_stderr == math.inf
+    assert fit.q < 1e-6
+    assert fit.predict(TIME[first:]) == pytest.approx(area, rel=1e-6)
+
+
+def test_noisy_logarithm_says_that_q_may_be_zero() -> None:
+    rng = np.random.default_rng(4)
+    area = (1 + 0.05 * np.log1p(TIME / 2)) * (1 + 3e-3 * rng.normal(size=TIME.size))
+    area[0] = 1.0
+    fit = saturation(TIME, area)
+    assert fit.q < 3 * fit.q_stderr
+    assert fit.a_stderr > 0.3 * fit.a
+    assert abs(fit.C - 0.05) < 4 * fit.C_stderr
+
+
+@pytest.mark.parametrize("law", [saturation, logarithm])
+def test_a_late_piece_of_a_logarithm_does_not_determine_its_beginning(law: Callable[..., Any]) -> None:
+    time = TIME[40:]
+    rng = np.random.default_rng(0)
+    area = 7 * (1 + 0.3 * np.log1p(time / 2)) * (1 + 1e-3 * rng.normal(size=time.size))
+    fit = law(time, area)
+    assert all(math.isfinite(value) for value in (fit.C, fit.t0, fit.initial_area, fit.initial_area_stderr))
+    assert fit.t0_stderr > fit.t0
+    assert fit.initial_area_stderr > 0.1 * fit.initial_area
+    # What the piece does determine, the curve itself, is there.
+    assert fit.predict(time) == pytest.approx(area, rel=5e-3)
+
+
+def test_late_slope_of_the_dilute_theory_is_found() -> None:
+    """Eq. (ndet2), corrected: C = k_eff/(8 pi k0). The paper's k1/(8 pi k0) is 37 % off at k1/k0 = 10."""
+    time = np.logspace(5, 10, 40)
+    fit = logarithm(np.concatenate([[0], time]), np.concatenate([[1], exponential_growth(10.0, time)]))
+    assert pytest.approx(LATE_SLOPE * float(site_stiffness(10.0)), rel=1e-3) == fit.C
+
+
+def test_labeled_arrays_are_welcome() -> None:
+    area = xr.DataArray(noisy(), dims="time", coords={"time": TIME}, name="area")
+    assert saturation(area.time, area) == saturation(TIME, noisy())
+
+
+def test_results_are_frozen_and_of_their_kind() -> None:
+    assert isinstance(saturation(TIME, noisy()), SaturationFit)
+    fit = logarithm(TIME, noisy())
+    assert isinstance(fit, LogarithmFit)
+    with pytest.raises(AttributeError, match="cannot assign"):
+        fit.C = 1.0  # type: ignore[misc]
+
+
+GROWING = np.linspace(1.0, 2.0, 8)
+
+
+@pytest.mark.parametrize("law", [saturation, logarithm])
+@pytest.mark.parametrize(
+    ("time", "area", "message"),
+    [
+        (np.arange(8), np.ones(8), r"area: expected an area that grows with time, got 1 \.\.\. 1"),
+        (np.arange(8), GROWING[::-1], r"area: expected an area that grows with time, got 2 \.\.\. 1"),
+        (np.arange(8), GROWING[:7], "area: expected one for each of the 8 times, got 7 areas"),
+        (np.arange(8), GROWING - 1, r"area: expected areas above 0, got 0\.0"),
+        (np.arange(8), np.where(GROWING > 1.5, np.nan, GROWING), "area: expected finite numbers, got NaN or"),
+        (np.append(np.arange(7), np.inf), GROWING, "time: expected finite numbers.*relaxed state"),
+        (np.arange(8)[::-1], GROWING, "time: expected increasing times, not below 0"),
+        (np.arange(8) - 1, GROWING, "time: expected increasing times, not below 0"),
+        (np.zeros(8), GROWING, "time: expected increasing times, not below 0"),
+        ([], [], r"time: expected increasing times, not below 0, got none"),
+        (
+            np.arange(8).reshape(2, 4),
+            GROWING,
+            r"time: expected an array of one dimension, got shape \(2, 4\)",
+        ),
+        ("late", GROWING, "time: expected real numbers, got str"),
+        (np.arange(3), GROWING[:3], r"time: expected at least \d times above 0.*got 2"),
+        (np.arange(1, 4), GROWING[:3], r"time: expected at least \d times above 0.*got 3"),
+        (
+            np.arange(8),
+            [1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 1.1],
+            "area: expected an area that grows.*no growing law",
+        ),
+    ],
+)
+def test_bad_data_are_named(law: Callable[..., Any], time: ArrayLike, area: ArrayLike, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        law(time, area)
+
+
+def test_predictions_ask_for_times_after_contact() -> None:
+    with pytest.raises(InputError, match="time: expected times not below 0"):
+        logarithm(TIME, noisy()).predict([1.0, -1.0])

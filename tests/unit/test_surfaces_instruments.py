@@ -1,0 +1,175 @@
+"""Reading instrument files, through an optional library whose errors must not come through."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asperity.errors import MissingExtraError, SurfaceFileError
+from asperity.surfaces import read
+
+DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
+FILES = ("di-1.di", "mi-1.mi", "opd-1.opd")
+
+needs_library = pytest.mark.skipif(
+    importlib.util.find_spec("SurfaceTopography") is None, reason="SurfaceTopography is not installed"
+)
+
+
+def instrument_file(name: Any) -> Any:
+    if not (DATA / name).is_file():
+        pytest.skip(f"instrument file {name} is not in {DATA}; set ASPERITY_DATA to its folder")
+    return DATA / name
+
+
+@needs_library
+@pytest.mark.parametrize(
+    # Pixels, size and rms height as the data's own README gives them (opd: rms measured once, in nm).
+    ("name", "shape", "size", "unit", "rms"),
+    [
+        ("di-1.di", (512, 512), (500.0, 500.0), "nm", 10.0),
+        ("mi-1.mi", (256, 256), (20.0, 20.0), "um", 0.033),
+        ("opd-1.opd", (640, 480), (0.126, 0.094), "mm", 8.4e-6),
+    ],
+)
+def test_instrument_files_keep_their_size_and_height(
+    name: Any, shape: Any, size: Any, unit: Any, rms: Any
+) -> None:
+    surface = read(instrument_file(name), tilt="none", periodic="wrap")
+    assert surface.shape == shape
+    assert (surface.unit, surface.length_unit) == (unit, unit)
+    assert surface.pixel_size == pytest.approx([s / n for s, n in zip(size, shape, strict=True)], rel=5e-3)
+    assert surface.heights.std() == pytest.approx(rms, rel=0.02)
+    assert surface.provenance["physical_size"] == pytest.approx(size, rel=5e-3)
+    assert surface.provenance["format"] == name.rpartition(".")[2]
+    assert "SurfaceTopography" in str(surface.provenance["reader"])
+
+
+@needs_library
+@pytest.mark.parametrize("name", FILES)
+def test_defaults_make_instrument_files_periodic(name: Any) -> None:
+    path = instrument_file(name)
+    surface, cliff = read(path), read(path, periodic="wrap")
+    assert surface.shape == tuple(2 * n for n in cliff.shape)
+    np.testing.assert_array_equal(surface.heights[tuple(slice(n) for n in cliff.shape)], cliff.heights)
+    assert surface.describe().seam_ratio == 0
+    assert cliff.describe().seam_ratio > 2
+    assert read(path, periodic="taper").describe().seam_ratio < 1
+    np.testing.assert_allclose(read(path, unit="rms").heights.std(), 1, rtol=1e-12)
+
+
+@needs_library
+def test_axes_are_x_and_y() -> None:
+    # The microscope scans line by line along x: neighbors along x are alike, those along y are not.
+    along_x, along_y = read(instrument_file("di-1.di")).describe().neighbor_steps
+    assert along_x < along_y / 2
+
+
+@needs_library
+def test_units_are_converted() -> None:
+    path = instrument_file("mi-1.mi")
+    micro, nano = read(path), read(path, unit="nm")
+    np.testing.assert_allclose(nano.heights, 1000 * micro.heights, rtol=1e-15)
+    assert (nano.unit, nano.length_unit) == ("nm", "um")
+    assert nano.provenance["scale_factor"] == 1000
+    # The slope is a pure number whatever the unit of the heights.
+    assert nano.describe().rms_slope == pytest.approx(micro.describe().rms_slope)
+
+
+@needs_library
+def test_undefined_pixels_are_counted_and_limited() -> None:
+    path = instrument_file("opd-1.opd")
+    surface = read(path)
+    assert surface.provenance["undefined_pixels"] == surface.describe().undefined_pixels == 116
+    with pytest.raises(SurfaceFileError, match="expected no undefined pixel, got 116 of 307200"):
+        read(path, undefined="refuse")
+    with pytest.raises(SurfaceFileError, match=r"expected at most 0.0001 of the pixels undefined"):
+        read(path, max_undefined=1e-4)
+
+
+@needs_library
+def test_channels_by_name_and_number() -> None:
+    path = instrument_file("di-1.di")
+    default = read(path)
+    assert default.provenance["channel"] == "Height#1"
+    assert default.provenance["channels"] == ["Height#1", "Height#2"]
+    for channel in ("Height#1", "Height", 0):
+        np.testing.assert_array_equal(read(path, channel=channel).heights, default.heights)
+    second = read(path, channel="Height#2")
+    assert second.provenance["channel"] == "Height#2"
+    np.testing.assert_array_equal(read(path, channel=1).heights, second.heights)
+    assert not np.array_equal(second.heights, default.heights)
+
+
+@needs_library
+@pytest.mark.parametrize("channel", ["Phase", "Hight", 7, -1])
+def test_other_channels_list_the_right_ones(channel: Any) -> None:
+    message = (
+        f"expected one of its channels of heights: 'Height#1' .*, 'Height#2' .*, got channel={channel!r}"
+    )
+    with pytest.raises(SurfaceFileError, match=message):
+        read(instrument_file("di-1.di"), channel=channel)
+
+
+@needs_library
+@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("part", [1, 30, 1000, 9000, 0.25, 0.6, 0.97])
+def test_truncated_instrument_files(
+    tmp_path: Path, name: Any, part: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    whole = instrument_file(name).read_bytes()
+    path = tmp_path / name
+    path.write_bytes(whole[: part if isinstance(part, int) else int(part * len(whole))])
+    with pytest.raises(SurfaceFileError, match=f"{name}: expected a surface file, got") as caught:
+        read(path)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 300 + len(str(tmp_path))
+    assert capfd.readouterr() == ("", "")
+
+
+@needs_library
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("picture.png", b"\x89PNG\r\n\x1a\n" + np.random.default_rng(0).bytes(2000)),
+        # The library takes any file of 2 n^2 bytes for a map of the Earth, which has no signature.
+        ("noise.bin", np.random.default_rng(1).bytes(2 * 64 * 64)),
+        ("zeros.dat", bytes(8192)),
+        ("letter.di", b"Dear reader, this is\nno surface, not even 1.\n"),
+        ("archive.zip", b"PK\x03\x04" + bytes(300)),
+    ],
+)
+def test_other_kinds_of_files(tmp_path: Path, name: Any, content: Any) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(SurfaceFileError, match=f"{name}: expected .*, got"):
+        read(tmp_path / name)
+
+
+@needs_library
+def test_files_without_a_size_have_no_pixel_size(tmp_path: Path) -> None:
+    heights = np.random.default_rng(0).normal(size=(6, 5))
+    np.savetxt(tmp_path / "matrix.asc", heights, fmt="%.17g")
+    surface = read(tmp_path / "matrix.asc", tilt="none", periodic="wrap")
+    assert sorted(surface.shape) == [5, 6]
+    assert (surface.unit, surface.pixel_size, surface.length_unit) == ("1", None, None)
+    assert sorted(surface.heights.ravel().tolist()) == pytest.approx(sorted(heights.ravel().tolist()))
+
+
+def test_without_the_library_it_says_how_to_install_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
+    (tmp_path / "afm.di").write_bytes(b"\\*File list\r\n")
+    with pytest.raises(MissingExtraError, match=r"pip install 'asperity\[instruments\]'"):
+        read(tmp_path / "afm.di")
+
+
+def test_the_library_is_not_imported_before_it_is_needed() -> None:
+    code = "import sys, asperity.surfaces; sys.exit('SurfaceTopography' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,198 @@
+"""The rules that make a measurement ready: filling, tilt, unit, periodicity."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asperity.errors import InputError
+from asperity.surfaces import prepare
+
+
+def relaxed(heights: Any, sweeps: Any = 4000) -> Any:
+    """Harmonic filling by Jacobi sweeps, site by site: slow and obvious."""
+    missing = [tuple(site) for site in np.argwhere(np.isnan(heights))]
+    filled = np.where(np.isnan(heights), np.nanmean(heights), heights)
+    for _ in range(sweeps):
+        old = filled.copy()
+        for site in missing:
+            around = []
+            for axis, n in enumerate(heights.shape):
+                for step in (-1, 1):
+                    other = list(site)
+                    other[axis] += step
+                    if 0 <= other[axis] < n:
+                        around.append(old[tuple(other)])
+            filled[site] = sum(around) / len(around)
+    return filled
+
+
+def holed(shape: Any, fraction: Any, seed: Any) -> Any:
+    rng = np.random.default_rng(seed)
+    heights = rng.normal(size=shape)
+    heights[rng.random(shape) < fraction] = np.nan
+    return heights
+
+
+@pytest.mark.parametrize("shape", [(7, 6), (1, 9), (12,)])
+def test_fill_equals_slow_relaxation(shape: Any) -> None:
+    heights = holed(shape, 0.4, seed=8)
+    heights.flat[0] = np.nan  # a corner too
+    filled = prepare.fill(heights)
+    np.testing.assert_allclose(filled, relaxed(heights), atol=1e-10)
+    defined = ~np.isnan(heights)
+    np.testing.assert_array_equal(filled[defined], heights[defined])
+
+
+def test_fill_of_a_profile_is_a_straight_line() -> None:
+    profile = np.array([np.nan, 1.0, np.nan, np.nan, 7.0, np.nan])
+    np.testing.assert_allclose(prepare.fill(profile), [1, 1, 3, 5, 7, 7], rtol=1e-14)
+
+
+def test_fill_reproduces_a_harmonic_function() -> None:
+    i, j = np.meshgrid(np.arange(9.0), np.arange(9.0), indexing="ij")
+    saddle = (i - 4) ** 2 - (j - 4) ** 2 + 3 * i * j
+    holes = saddle.copy()
+    holes[2:6, 3:7] = np.nan
+    np.testing.assert_allclose(prepare.fill(holes), saddle, atol=1e-11)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6])
+@pytest.mark.parametrize("seed", range(5))
+def test_fill_creates_no_summit(seed: Any, offset: Any) -> None:
+    # Offsets bring out rounding: a filled pixel must not stick out even by one unit in the last place.
+    heights = holed((40, 40), 0.5, seed) + offset
+    filled = prepare.fill(heights)
+    padded = np.pad(filled, 1, constant_values=-np.inf)
+    around = np.stack([padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]])
+    summit = filled > around.max(axis=0)
+    assert not summit[np.isnan(heights)].any()
+    assert filled.max() == np.nanmax(heights)
+    assert filled.min() == np.nanmin(heights)
+
+
+def test_fill_of_a_level_surface_is_level_exactly() -> None:
+    heights = np.full((20, 20), 0.1)
+    heights[3:9, 2:17] = np.nan
+    assert np.unique(prepare.fill(heights)).tolist() == [0.1]
+
+
+def test_fill_without_holes_is_a_copy() -> None:
+    heights = np.eye(3)
+    filled = prepare.fill(heights)
+    np.testing.assert_array_equal(filled, heights)
+    assert not np.shares_memory(filled, heights)
+
+
+def test_plane_is_found_from_the_defined_pixels_alone() -> None:
+    i, j = np.meshgrid(np.arange(6.0), np.arange(9.0), indexing="ij")
+    plane = 5.0 + 0.25 * i - 2.0 * j
+    defined = np.ones(plane.shape, dtype=bool)
+    defined[1, 2] = defined[4, 4] = False
+    level, coefficients = prepare.remove_tilt(np.where(defined, plane, 100.0), defined, "plane")
+    assert coefficients == pytest.approx([5.0, 0.25, -2.0])
+    np.testing.assert_allclose(level[defined], 0, atol=1e-13)
+    np.testing.assert_allclose(level[~defined], (100.0 - plane)[~defined])
+
+
+def test_least_squares_leaves_nothing_along_the_plane() -> None:
+    heights = np.random.default_rng(1).normal(size=(30, 20)) + 1e4
+    level, coefficients = prepare.remove_tilt(heights, np.ones(heights.shape, dtype=bool), "plane")
+    i, j = np.meshgrid(np.arange(30.0), np.arange(20.0), indexing="ij")
+    for direction in (np.ones_like(i), i, j):
+        assert np.sum(level * direction) == pytest.approx(0, abs=1e-6)
+    np.testing.assert_allclose(level + coefficients[0] + coefficients[1] * i + coefficients[2] * j, heights)
+
+
+@pytest.mark.parametrize("shape", [(1, 8), (8, 1), (8,), (1, 1), (1,)])
+def test_plane_of_degenerate_shapes(shape: Any) -> None:
+    ramp = np.arange(math.prod(shape), dtype=float).reshape(shape) * 3 + 2
+    level, coefficients = prepare.remove_tilt(ramp, np.ones(shape, dtype=bool), "plane")
+    np.testing.assert_allclose(level, 0, atol=1e-13)
+    assert coefficients == pytest.approx([2.0] + [3.0 if n > 1 else 0.0 for n in shape])
+
+
+def test_mean_and_none() -> None:
+    heights = np.array([[1.0, 2.0], [3.0, 90.0]])
+    defined = np.array([[True, True], [True, False]])
+    level, coefficients = prepare.remove_tilt(heights, defined, "mean")
+    np.testing.assert_array_equal(level, heights - 2)
+    assert coefficients == [2.0, 0.0, 0.0]
+    same, nothing = prepare.remove_tilt(heights, defined, "none")
+    np.testing.assert_array_equal(same, heights)
+    assert nothing == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("unit", "target", "factor"),
+    [("m", "nm", 1e9), ("nm", "m", 1e-9), ("um", "mm", 1e-3), ("angstrom", "pm", 100.0), ("nm", "nm", 1.0)],
+)
+def test_length_factors(unit: Any, target: Any, factor: Any) -> None:
+    assert prepare.scale_factor(np.ones(3), unit, target, largest=1.0) == (factor, target)
+
+
+def test_units_can_be_kept_or_become_the_rms() -> None:
+    heights = np.array([1.0, -1.0, 3.0, -3.0])
+    assert prepare.scale_factor(heights, "V", None, largest=3.0) == (1.0, "V")
+    factor, unit = prepare.scale_factor(heights, "1", "rms", largest=3.0)
+    assert unit == "rms"
+    assert np.std(heights * factor) == pytest.approx(1.0)
+
+
+def test_units_that_cannot_be_had() -> None:
+    with pytest.raises(
+        InputError, match=r"unit: .*unit='nm', got heights without a unit; try unit=None or 'rms'"
+    ):
+        prepare.scale_factor(np.ones(3), "1", "nm", largest=1.0)
+    with pytest.raises(InputError, match="got heights in 'V'"):
+        prepare.scale_factor(np.ones(3), "V", "nm", largest=1.0)
+    # What rounding leaves of a plane is no roughness to divide by.
+    with pytest.raises(InputError, match="expected a rough surface for unit='rms', got a flat one"):
+        prepare.scale_factor(np.array([0.0, 1e-15, 0.0]), "nm", "rms", largest=5.0)
+
+
+@pytest.mark.parametrize("shape", [(5, 4), (7,), (1, 3)])
+def test_mirror_doubles_and_alters_nothing(shape: Any) -> None:
+    heights = np.random.default_rng(0).normal(size=shape)
+    mirrored = prepare.make_periodic(heights, "mirror", border=0.1)
+    assert mirrored.shape == tuple(2 * n for n in shape)
+    np.testing.assert_array_equal(mirrored[tuple(slice(n) for n in shape)], heights)
+    for axis in range(heights.ndim):
+        np.testing.assert_array_equal(mirrored, np.flip(mirrored, axis=axis))
+    assert mirrored.std() == pytest.approx(heights.std())
+
+
+def test_wrap_alters_nothing() -> None:
+    heights = np.random.default_rng(0).normal(size=(5, 4))
+    np.testing.assert_array_equal(prepare.make_periodic(heights, "wrap", border=0.1), heights)
+
+
+def test_taper_is_half_a_cosine_toward_the_mean() -> None:
+    n, border = 40, 0.1
+    profile = np.where(np.arange(n) % 2, 1.0, 5.0)  # deviations of -2 and 2 from the mean 3
+    tapered = prepare.make_periodic(profile, "taper", border=border)
+    weight = (tapered - 3.0) / (profile - 3.0)
+    place = np.arange(4) + 0.5  # pixels from the seam; the border has 4
+    np.testing.assert_allclose(weight[:4], 0.5 * (1 - np.cos(np.pi * place / 4)), atol=1e-14)
+    np.testing.assert_allclose(weight, weight[::-1], atol=1e-14)
+    np.testing.assert_allclose(weight[4:-4], 1, atol=1e-14)
+
+
+def test_taper_of_a_surface_is_the_product_of_its_axes() -> None:
+    weights = [
+        prepare.make_periodic(np.where(np.arange(n) % 2, 1.0, -1.0), "taper", border=0.2)
+        * np.where(np.arange(n) % 2, 1.0, -1.0)
+        for n in (20, 30)
+    ]
+    sign = np.where(np.add.outer(np.arange(20), np.arange(30)) % 2, 1.0, -1.0)
+    tapered = prepare.make_periodic(sign, "taper", border=0.2)
+    np.testing.assert_allclose(tapered, sign * np.outer(*weights), atol=1e-14)
+
+
+def test_taper_closes_the_seam() -> None:
+    ramp = np.add.outer(np.arange(50.0), np.arange(60.0))
+    tapered = prepare.make_periodic(ramp, "taper", border=0.1)
+    for axis in (0, 1):
+        seam = np.abs(np.take(tapered, 0, axis) - np.take(tapered, -1, axis)).max()
+        assert seam < np.abs(np.diff(tapered, axis=axis)).max() / 2

@@ -1,0 +1,183 @@
+"""Surfaces made at random: their laws, their seeds, and what they refuse."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.stats
+
+from asperity.errors import InputError
+from asperity.surfaces import exponential, gaussian, self_affine
+
+MAKERS = [gaussian, exponential]
+
+
+@pytest.mark.parametrize("make", MAKERS)
+@pytest.mark.parametrize(
+    ("shape", "expected"), [(7, (7,)), ((7,), (7,)), ((3, 5), (3, 5)), (np.int64(4), (4,))]
+)
+def test_uncorrelated_shape_and_type(make: Any, shape: Any, expected: Any) -> None:
+    heights = make(shape)
+    assert heights.shape == expected
+    assert heights.dtype == np.float64
+    assert heights.flags.c_contiguous
+
+
+@pytest.mark.parametrize(
+    ("make", "law"),
+    [(gaussian, scipy.stats.norm(scale=2.5)), (exponential, scipy.stats.expon(scale=2.5))],
+)
+def test_uncorrelated_heights_follow_their_law(make: Any, law: Any) -> None:
+    heights = make((300, 300), rms=2.5, seed=11)
+    # A right law fails this at one seed in a thousand; the seed is fixed.
+    assert scipy.stats.kstest(heights.ravel(), law.cdf).pvalue > 1e-3
+    # The standard error of the variance is sqrt((kurtosis - 1) / N) of it.
+    kurtosis = 3 + float(law.stats("k"))
+    assert heights.var() == pytest.approx(2.5**2, rel=4 * math.sqrt((kurtosis - 1) / heights.size))
+
+
+@pytest.mark.parametrize("make", MAKERS)
+def test_neighbors_are_uncorrelated(make: Any) -> None:
+    heights = make((300, 300), seed=5)
+    deviation = heights - heights.mean()
+    for axis in (0, 1):
+        correlation = np.mean(deviation * np.roll(deviation, 1, axis=axis)) / heights.var()
+        assert abs(correlation) < 4 / math.sqrt(heights.size)
+
+
+@pytest.mark.parametrize("make", [lambda **k: gaussian(64, **k), lambda **k: exponential(64, **k)])
+def test_rms_is_a_scale_and_seed_a_name(make: Any) -> None:
+    np.testing.assert_allclose(make(rms=3.0, seed=2), 3 * make(rms=1.0, seed=2), rtol=1e-15)
+    assert not np.array_equal(make(seed=2), make(seed=3))
+    np.testing.assert_array_equal(make(seed=np.int64(2)), make(seed=2))
+
+
+def slow_self_affine(size: Any, hurst: Any, delta: Any, seed: Any) -> Any:
+    """The paper's text, site by site; the random values are drawn in the same order as in the package."""
+    rng = np.random.default_rng(seed)
+    xi = [[0.0] * size for _ in range(size)]
+    side = size
+    while side >= 2:
+        half = side // 2
+        distance = side / 2**0.5
+        for i in range(half, size, side):
+            for j in range(half, size, side):
+                corners = [xi[(i + a) % size][(j + b) % size] for a in (-half, half) for b in (-half, half)]
+                xi[i][j] = sum(corners) / 4 + rng.normal(0.0, distance**hurst * delta)
+        distance /= 2**0.5
+        turned = [(i, j) for i in range(half, size, side) for j in range(0, size, side)]
+        turned += [(i, j) for i in range(0, size, side) for j in range(half, size, side)]
+        known = [list(row) for row in xi]
+        for i, j in turned:
+            around = [
+                known[(i + a) % size][(j + b) % size]
+                for a, b in ((half, 0), (-half, 0), (0, half), (0, -half))
+            ]
+            xi[i][j] = sum(around) / 4 + rng.normal(0.0, distance**hurst * delta)
+        side = half
+    return np.array(xi)
+
+
+@pytest.mark.parametrize(("size", "hurst", "delta"), [(2, 0.5, 0.01), (4, 1.0, 1.0), (32, 0.3, 0.2)])
+def test_self_affine_equals_the_paper_site_by_site(size: Any, hurst: Any, delta: Any) -> None:
+    fast = self_affine(size, hurst=hurst, delta=delta, seed=9)
+    np.testing.assert_allclose(
+        fast, slow_self_affine(size, hurst, delta, 9), rtol=0, atol=1e-13 * np.abs(fast).max()
+    )
+
+
+def midpoint_residuals(xi: Any, half: Any) -> Any:
+    """What each new center has beyond the mean of its corners: of the squares, of the turned ones."""
+    north, south = np.roll(xi, half, 0), np.roll(xi, -half, 0)
+    diagonal = (
+        np.roll(north, half, 1)
+        + np.roll(north, -half, 1)
+        + np.roll(south, half, 1)
+        + np.roll(south, -half, 1)
+    ) / 4
+    plus = (north + south + np.roll(xi, half, 1) + np.roll(xi, -half, 1)) / 4
+    step = 2 * half
+    turned = xi - plus
+    squares = (xi - diagonal)[half::step, half::step].ravel()
+    return squares, np.concatenate([turned[half::step, ::step].ravel(), turned[::step, half::step].ravel()])
+
+
+@pytest.mark.parametrize("hurst", [0.25, 0.8])
+def test_self_affine_increments_have_the_paper_width_at_every_level(hurst: Any) -> None:
+    size, delta = 32, 0.7
+    surfaces = [self_affine(size, hurst=hurst, delta=delta, seed=seed) for seed in range(200)]
+    assert all(xi[0, 0] == 0 for xi in surfaces)
+    half = size // 2
+    while half >= 1:
+        residuals = [midpoint_residuals(xi, half) for xi in surfaces]
+        for kind, distance in enumerate((half * math.sqrt(2), half)):
+            values = np.concatenate([parts[kind] for parts in residuals])
+            chi2 = np.sum((values / (distance**hurst * delta)) ** 2)
+            low, high = (scipy.stats.chi2.ppf(p, len(values)) for p in (1e-4, 1 - 1e-4))
+            assert low < chi2 < high
+        half //= 2
+
+
+def structure_exponent(size: Any, hurst: Any, lags: Any, seeds: Any) -> Any:
+    """Half the slope of <[xi(r) - xi(0)]^2> in r, both logarithmic."""
+    structure = np.zeros(len(lags))
+    for seed in range(seeds):
+        xi = self_affine(size, hurst=hurst, seed=seed)
+        structure += [np.mean((xi - np.roll(xi, r, 0)) ** 2 + (xi - np.roll(xi, r, 1)) ** 2) for r in lags]
+    return np.polyfit(np.log(lags), np.log(structure), 1)[0] / 2
+
+
+def test_structure_function_grows_with_the_hurst_exponent() -> None:
+    # Midpoints without further additions approach the exponent from below as the range of scales opens: the
+    # larger squares leave a background that is smooth, so its increments grow with the distance itself.
+    near = structure_exponent(1024, 0.5, [8, 16, 32, 64], 6)
+    far = structure_exponent(128, 0.5, [8, 16, 32], 60)
+    assert far < near < 0.5
+    assert near == pytest.approx(0.5, abs=0.04)
+    assert structure_exponent(1024, 0.3, [8, 16, 32, 64], 6) == pytest.approx(0.3, abs=0.02)
+
+
+def test_self_affine_is_homogeneous_in_delta_and_named_by_its_seed() -> None:
+    np.testing.assert_allclose(self_affine(16, delta=0.3, seed=4), 30 * self_affine(16, seed=4), rtol=1e-13)
+    assert not np.array_equal(self_affine(16, seed=4), self_affine(16, seed=5))
+
+
+@pytest.mark.parametrize("size", [1, 0, -4, 3, 100, 64.0, "64", True, None])
+def test_self_affine_refuses_other_sizes(size: Any) -> None:
+    with pytest.raises(InputError, match="size: expected a power of two"):
+        self_affine(size)
+
+
+def test_self_affine_names_the_powers_around() -> None:
+    with pytest.raises(InputError, match="try 64 or 128"):
+        self_affine(100)
+
+
+@pytest.mark.parametrize("hurst", [0, -0.5, 1.01, math.nan, math.inf, "0.5", None, True])
+def test_self_affine_refuses_other_exponents(hurst: Any) -> None:
+    with pytest.raises(InputError, match="hurst: expected a number above 0 and up to 1"):
+        self_affine(8, hurst=hurst)
+
+
+@pytest.mark.parametrize("value", [0, -1.0, math.nan, math.inf, "1", None, 1j, True])
+def test_widths_must_be_positive(value: Any) -> None:
+    for name, make in (("rms", gaussian), ("rms", exponential)):
+        with pytest.raises(InputError, match=f"{name}: expected a positive, finite number"):
+            make(8, rms=value)
+    with pytest.raises(InputError, match="delta: expected a positive, finite number"):
+        self_affine(8, delta=value)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.0, "1", None, False])
+@pytest.mark.parametrize("make", [gaussian, exponential, self_affine])
+def test_seeds_must_be_integers(make: Any, seed: Any) -> None:
+    with pytest.raises(InputError, match="seed: expected an integer, 0 or more"):
+        make(8, seed=seed)
+
+
+@pytest.mark.parametrize("shape", [0, (3, 0), (2, 2, 2), (), 2.5, (4, 4.0), "44", None, (True, 3)])
+@pytest.mark.parametrize("make", MAKERS)
+def test_shapes_must_be_one_or_two_lengths(make: Any, shape: Any) -> None:
+    with pytest.raises(InputError, match=r"shape: expected .*positive"):
+        make(shape)
