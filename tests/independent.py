@@ -41,7 +41,7 @@ def prove(heights, u, u0, *, k0, k1):
 
 def heights_rounding(heights, u):
     """One rounding error of a height measured from the highest point."""
-    return 2**-53 * np.abs(u - heights.max()).max()
+    return 2**-52 * np.abs(u - heights.max()).max()
 
 
 def assert_equilibrium(contact, *, k0, k1, load=None):

@@ -67,6 +67,10 @@ class OutputError(AsperityError, OSError):
     """Results could not be written."""
 
 
+LARGEST = 1e100
+"""Numbers beyond it, or below its inverse, would overflow or vanish when energies are computed."""
+
+
 def is_finite_number(value: object) -> bool:
-    """Whether a value is one real, finite number (and not a truth value)."""
-    return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
+    """Whether a value is one real number (and not a truth value) that can be computed with."""
+    return not isinstance(value, bool) and isinstance(value, Real) and math.fabs(value) <= LARGEST

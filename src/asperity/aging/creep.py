@@ -102,18 +102,22 @@ def creep(
     return _frames(start, stops, rtol, solver or ActiveSet())
 
 
-def check_times(times: ArrayLike) -> Field:
+def check_times(times: ArrayLike, name: str = "times") -> Field:
     """Strictly increasing, finite times >= 0, as an array without the time 0."""
-    stops = np.atleast_1d(np.asarray(times, dtype=np.float64))
     advice = "np.geomspace(1e-3, 1e6, 37)"
+    try:
+        stops = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise InputError(name, expected="a list of times", got=repr(times), advice=advice) from None
     if stops.ndim != 1 or stops.size == 0:
-        raise InputError("times", expected="a list of times", got=f"shape {stops.shape}", advice=advice)
-    if not (np.isfinite(stops).all() and (stops >= 0).all()):
-        raise InputError("times", expected="finite times >= 0", got=f"{stops.min()}", advice=advice)
+        raise InputError(name, expected="a list of times", got=f"shape {stops.shape}", advice=advice)
+    wrong = ~(np.isfinite(stops) & (stops >= 0))
+    if wrong.any():
+        raise InputError(name, expected="finite times >= 0", got=float(stops[wrong][0]), advice=advice)
     if not (np.diff(stops) > 0).all():
         at = int(np.argmin(np.diff(stops)))
         raise InputError(
-            "times",
+            name,
             expected="strictly increasing times",
             got=f"{stops[at]} before {stops[at + 1]}",
             advice="np.unique(times)",

@@ -29,6 +29,9 @@ from asperity.lattice import Field, Mask
 _ASTRAY = 0.02
 """Largest sum of the forces off contact, relative to tolerance times load: it too must be small."""
 
+_NOTHING = 1e-120
+"""Forces below it are none: their squares would vanish."""
+
 
 @dataclass(frozen=True)
 class ActiveSet:
@@ -103,7 +106,8 @@ class _Run:
         self.force = self.problem.force(self.u)
         self.defect = np.where(self.in_contact, 0.0, -self.force)
         stiffest = float(self.problem.stiffness.max())
-        self.rounding = 4 * float(np.finfo(float).eps) * stiffest * float(np.abs(self.u).max())
+        deepest = float(np.abs(self.u).max())
+        self.rounding = max(4 * float(np.finfo(float).eps) * stiffest * deepest, _NOTHING)
         self.direction: Field | None = None
         self.slope = 0.0
 

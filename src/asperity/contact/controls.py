@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from asperity.errors import InputError, is_finite_number
+from asperity.errors import LARGEST, InputError, is_finite_number
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class Load:
     value: float
 
     def __post_init__(self) -> None:
-        if not is_finite_number(self.value) or self.value <= 0:
+        if not is_finite_number(self.value) or self.value < 1 / LARGEST:
             raise InputError("load", expected="a finite number > 0", got=self.value)
 
 

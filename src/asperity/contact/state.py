@@ -122,6 +122,9 @@ def contact_from(
     u0_modes = system.lattice.forward(u0 - system.datum)
     force = system.force(u_modes, u0_modes)
     left = residual(force, in_contact, _smallest_force(system, u))
+    if isinstance(system.control, Load):
+        carried = float(system.spectra.creeping.flat[0] * np.sum(u - u0))
+        left = max(left, abs(carried / system.control.value - 1))
     if not left <= ACCEPTED_RESIDUAL:
         raise ConvergenceError(
             f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too "
@@ -147,7 +150,8 @@ def _smallest_force(system: System, u: Field) -> float:
     if isinstance(system.control, Load):
         return 0.0
     stiffest = float(np.max(system.spectra.permanent + system.spectra.creeping))
-    return float(np.spacing(np.abs(u).max())) * stiffest / ACCEPTED_RESIDUAL
+    largest = max(float(np.abs(u).max()), float(np.abs(u - system.datum).max()))
+    return 4 * float(np.spacing(largest)) * stiffest / ACCEPTED_RESIDUAL
 
 
 def _rounded_keeping_load(shape: Field, surface: Field, u: Field, datum: float) -> Field:

@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike
 from asperity.aging.creep import DEFAULT_RTOL, Frame, Hold, check_times, creep
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
-from asperity.errors import InputError
-from asperity.lattice import Field
 from asperity.results.dataset import dataset_of
 from asperity.results.store import save
 
@@ -67,7 +65,8 @@ def age(
         ``rtol`` times the largest deformation so far (the rms of u about its mean); measured, not
         proved: see `asperity.aging.creep.STEP_TOLERANCE`.
     fields_at
-        Times >= 0 at which to keep u, u0 and in_contact; they need not be among ``times``.
+        Strictly increasing times >= 0 at which to keep u, u0 and in_contact; they need not be among
+        ``times``.
     progress
         Called with each `Frame` as it is reached.
     solver
@@ -90,22 +89,17 @@ def age(
     with adaptive steps; see `asperity.aging.tr_bdf2`.
     """
     recorded = check_times(times)
-    kept = _field_times(fields_at)
-    every_stop = np.union1d(recorded, kept[kept > 0])
+    kept = check_times(fields_at, "fields_at") if np.size(fields_at) else np.empty(0)
+    keep_start = bool(np.any(np.asarray(fields_at) == 0))
     frames: list[Frame] = []
     snapshots: list[Frame] = []
-    for frame in creep(contact, every_stop, hold=hold, rtol=rtol, solver=solver):
+    final = contact
+    for frame in creep(contact, np.union1d(recorded, kept), hold=hold, rtol=rtol, solver=solver):
         if progress is not None:
             progress(frame)
-        if frame.time in kept:
+        final = frame.contact
+        if frame.time in kept or (frame.time == 0 and keep_start):
             snapshots.append(frame)
-        frames.append(frame)
-    in_series = [frame for frame in frames if frame.time == 0 or frame.time in recorded]
-    return History(dataset_of(in_series, snapshots, rtol=rtol), frames[-1].contact)
-
-
-def _field_times(fields_at: Sequence[float]) -> Field:
-    times = np.unique(np.asarray(fields_at, dtype=np.float64))
-    if not (np.isfinite(times).all() and (times >= 0).all()):
-        raise InputError("fields_at", expected="finite times >= 0", got=list(fields_at))
-    return times
+        if frame.time in recorded or frame.time == 0:
+            frames.append(frame)
+    return History(dataset_of(frames, snapshots, rtol=rtol), final)

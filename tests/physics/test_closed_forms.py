@@ -1,0 +1,208 @@
+"""The simulation against closed forms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from asperity import age, press, relax
+from asperity.aging import creep
+from asperity.solids import spring_lattice
+from asperity.theory import (
+    EmpiricalHeights,
+    GaussianHeights,
+    compliance,
+    dilute_area,
+    dilute_horizon,
+    full_contact_load,
+    full_contact_load_relaxed,
+    site_stiffness,
+    torus_compliance,
+    winkler_area,
+)
+from tests.independent import laplacian
+from tests.surfaces import correlated, uncorrelated
+
+
+def spike(shape):
+    """One asperity."""
+    heights = np.full(shape, -10.0)
+    heights[tuple(n // 3 for n in shape)] = 0.0
+    return heights
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (64,), (15, 20)])
+@pytest.mark.parametrize("R_viscous", [0.0, 0.2])
+def test_one_contact_on_a_torus(shape, R_viscous):
+    x1, load = 3.0, 0.5
+    contact = press(spike(shape), spring_lattice(k0=1.0, k1=x1, R=1.0, R_viscous=R_viscous), load=load)
+    times = np.array([1.0, 1e2, 1e4])
+    separation = age(contact, times, rtol=1e-5).dataset["separation"].values
+    expected = -load * torus_compliance(x1, np.concatenate([[0.0], times]), shape, viscous=R_viscous)
+    deformation = contact.u.std()
+    np.testing.assert_allclose(separation[0], expected[0], rtol=1e-12)
+    np.testing.assert_allclose(separation, expected, atol=1e-4 * deformation + 2e-4 * abs(expected[-1]))
+    assert relax(contact).separation == pytest.approx(
+        -load * torus_compliance(x1, np.inf, shape, viscous=R_viscous), rel=1e-11
+    )
+
+
+def test_one_contact_follows_the_infinite_lattice_while_the_torus_is_large():
+    load, x1 = 0.5, 3.0
+    contact = press(spike((128, 128)), spring_lattice(k0=1.0, k1=x1), load=load)
+    times = np.array([1.0, 1e2, 1e4])
+    fall = -age(contact, times, rtol=1e-4).dataset["separation"].values / load
+    # On the torus the mean of u0 is conserved by creep: it lags by 1/(k1 N), and by no more.
+    np.testing.assert_allclose(fall, compliance(x1, np.concatenate([[0], times])), atol=2e-4)
+
+
+def test_site_stiffness_on_a_large_lattice():
+    for x1 in (1.0, 10.0):
+        contact = press(spike((200, 200)), spring_lattice(k0=2.0, k1=2.0 * x1), load=1.0)
+        fall = -contact.separation
+        assert 1.0 / fall / 2.0 == pytest.approx(site_stiffness(x1), rel=2e-4)
+
+
+def test_line_contact_sinks_like_the_fourth_root_of_time():
+    contact = press(spike((4096,)), spring_lattice(k0=1.0, k1=3.0), load=0.1)
+    times = np.geomspace(1e4, 1e8, 5)
+    fall = -age(contact, times, rtol=1e-4).dataset["separation"].values[1:] / 0.1
+    np.testing.assert_allclose(np.diff(np.log(fall)) / np.diff(np.log(times)), 0.25, atol=2e-3)
+    np.testing.assert_allclose(fall, compliance(3.0, times, dimension=1), rtol=2e-3)
+
+
+def test_independent_springs_are_the_winkler_foundation():
+    rough = uncorrelated(64)
+    solid = spring_lattice(k0=0.0, k1=3.0)
+    for p in (1e-4, 0.03, 3.0, 30.0):
+        contact = press(rough, solid, load=p * rough.size)
+        expected = winkler_area(p, 3.0, EmpiricalHeights(rough))
+        assert contact.area == round(float(expected) * rough.size)
+        np.testing.assert_allclose(contact.u, np.maximum(rough, contact.separation), atol=1e-12)
+    large = uncorrelated(1000, seed=5)
+    share = press(large, solid, load=0.03 * large.size).area / large.size
+    probability = float(winkler_area(0.03, 3.0, GaussianHeights()))
+    assert abs(share - probability) < 3 * np.sqrt(probability / large.size)
+
+
+@pytest.mark.parametrize("rough", [uncorrelated(32), correlated(32), uncorrelated(32)[0]])
+def test_full_contact_begins_where_it_should(rough):
+    solid = spring_lattice(k0=0.5, k1=2.0)
+    at_once = full_contact_load(rough, k0=0.5, k1=2.0)
+    assert press(rough, solid, load=at_once * (1 + 1e-9)).area == rough.size
+    assert press(rough, solid, load=at_once * (1 - 1e-6)).area < rough.size
+    relaxed = full_contact_load_relaxed(rough, k0=0.5)
+    assert relax(press(rough, solid, load=relaxed * (1 + 1e-9))).area == rough.size
+    assert relax(press(rough, solid, load=relaxed * (1 - 1e-6))).area < rough.size
+
+
+@pytest.mark.parametrize(
+    ("R", "R_viscous", "hold"), [(0.5, 0.0, "load"), (0.5, 0.2, "load"), (0.5, 0.2, "separation")]
+)
+def test_modes_decay_exponentially_in_full_contact(R, R_viscous, hold):
+    k1 = 2.0
+    rough = correlated(16)
+    start = full_contact_load(rough, k0=1.0, k1=k1)
+    contact = press(rough, spring_lattice(k0=1.0, k1=k1, R=R, R_viscous=R_viscous), load=3 * start)
+    times = [0.01, 0.1, 0.5]
+    qx, qy = (2 * np.pi * np.fft.fftfreq(n) for n in rough.shape)
+    lam = 4 - 2 * np.cos(qx)[:, None] - 2 * np.cos(qy)[None, :]
+    rate = k1 * (R * lam + R_viscous)
+    if hold == "load":
+        rate[0, 0] = 0.0
+    before = np.fft.fft2(contact.u0 - rough)
+    for frame in creep(contact, times, hold=hold, rtol=1e-5):
+        assert frame.contact.area == rough.size
+        exact = np.fft.ifft2(before * np.exp(-rate * frame.time)).real
+        error = np.sqrt(np.mean((frame.contact.u0 - rough - exact) ** 2))
+        assert error <= 1e-5 * rough.std()
+
+
+@pytest.mark.parametrize("R_viscous", [0.0, 0.3])
+def test_modes_decay_exponentially_without_contact(R_viscous):
+    k0, k1, R = 1.5, 2.0, 0.5
+    n = 24
+    waves = np.sin(2 * np.pi * 3 * np.arange(n) / n)[:, None] * np.cos(2 * np.pi * np.arange(n) / n)[None, :]
+    lam = 4 - 2 * np.cos(2 * np.pi * 3 / n) - 2 * np.cos(2 * np.pi / n)
+    solid = spring_lattice(k0=k0, k1=k1, R=R, R_viscous=R_viscous)
+    free = press(np.full((n, n), -50.0), solid, separation=0.0)
+    bent = replace(free, u0=waves, u=k1 / (k1 + k0 * lam) * waves)
+    rate = (R * lam + R_viscous) * k0 * k1 * lam / (k1 + k0 * lam)
+    for frame in creep(bent, [0.1, 1.0, 5.0], rtol=1e-5):
+        exact = np.exp(-rate * frame.time) * waves
+        np.testing.assert_allclose(frame.contact.u0, exact, atol=1e-5)
+
+
+@pytest.mark.parametrize("R_viscous", [0.0, 0.5])
+def test_energy_law_at_constant_load(R_viscous):
+    k1, R, load = 3.0, 0.7, 80.0
+    contact = press(uncorrelated(32), spring_lattice(k0=1.0, k1=k1, R=R, R_viscous=R_viscous), load=load)
+    middle, h = np.array([0.05, 0.5, 5.0, 50.0]), 1e-3
+    times = np.sort(np.concatenate([middle * (1 - h), middle, middle * (1 + h)]))
+    frames = {frame.time: frame for frame in creep(contact, times, rtol=1e-6)}
+
+    def potential(frame):
+        return frame.contact.energy - load * frame.approach
+
+    for time in middle:
+        before, at, after = (frames[t] for t in (time * (1 - h), time, time * (1 + h)))
+        s = k1 * (at.contact.u0 - at.contact.u)
+        bonds = sum(np.sum((s - np.roll(s, 1, axis)) ** 2) for axis in (0, 1))
+        dissipation = R * bonds + R_viscous * np.sum(s**2)
+        measured = (potential(after) - potential(before)) / (2 * h * time)
+        assert measured == pytest.approx(-dissipation, rel=2e-3)
+
+
+def test_energy_falls_at_constant_separation():
+    contact = press(uncorrelated(32), spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1), separation=1.5)
+    energy = age(contact, np.geomspace(1e-3, 1e3, 25)).dataset["energy"].values
+    assert (np.diff(energy) < 0).all()
+
+
+def test_scaling_stiffness_load_and_mobility_together_changes_nothing():
+    rough = uncorrelated(32)
+    times = np.geomspace(1e-2, 1e4, 7)
+
+    def areas(c, s=1.0):
+        solid = spring_lattice(k0=1.0 * c, k1=3.0 * c, R=0.5 / c)
+        return age(press(s * rough, solid, load=40.0 * c * s), times).dataset["area"].values
+
+    np.testing.assert_array_equal(areas(10.0), areas(1.0))
+    np.testing.assert_array_equal(areas(1e-9), areas(1.0))
+    np.testing.assert_array_equal(areas(1.0, s=1e-9), areas(1.0))
+    np.testing.assert_array_equal(areas(1.0, s=1e6), areas(1.0))
+
+
+def test_rigid_offset_of_the_heights_shifts_everything_and_changes_nothing():
+    rough = uncorrelated(32)
+    solid = spring_lattice(k0=1.0, k1=3.0)
+    low, high = (press(rough + offset, solid, load=40.0) for offset in (0.0, 1024.0))
+    np.testing.assert_array_equal(low.in_contact, high.in_contact)
+    np.testing.assert_allclose(high.u, low.u + 1024.0, atol=1e-9)
+    assert high.energy == pytest.approx(low.energy, rel=1e-9)
+
+
+def test_dilute_theory_where_it_claims_to_hold():
+    # The heights are the same on both sides, so that no sampling error enters; what is left is the
+    # influence of contacts on each other, of relative size area fraction times range squared.
+    rough = uncorrelated(256)
+    p, x1 = 1e-3, 3.0
+    contact = press(rough, spring_lattice(k0=1.0, k1=x1), load=p * rough.size)
+    times = np.array([1.0, 1e2, 1e4])
+    area = age(contact, times).dataset["area"].values
+    fraction = dilute_area(p, compliance(x1, np.concatenate([[0.0], times])), EmpiricalHeights(rough))
+    assert dilute_horizon(fraction[-1]) > times[-1]
+    np.testing.assert_allclose(area / rough.size, fraction, rtol=0.06)
+
+
+def test_relaxed_state_has_equal_springs_and_does_not_depend_on_k1():
+    rough = uncorrelated(48)
+    load = 0.05 * rough.size
+    states = [relax(press(rough, spring_lattice(k0=2.0, k1=k1), load=load)) for k1 in (0.1, 30.0)]
+    for state, k1 in zip(states, (0.1, 30.0), strict=True):
+        np.testing.assert_allclose(k1 * (state.u - state.u0), load / rough.size, rtol=1e-7)
+        curvature = 2.0 * laplacian(state.u)[~state.in_contact]
+        np.testing.assert_allclose(curvature, load / rough.size, rtol=1e-6)
+        assert state.separation == pytest.approx(state.u.mean() - load / (rough.size * k1), abs=1e-12)
+    np.testing.assert_array_equal(states[0].in_contact, states[1].in_contact)
+    np.testing.assert_allclose(states[0].u, states[1].u, atol=1e-7)

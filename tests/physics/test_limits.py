@@ -1,0 +1,92 @@
+"""t -> infinity: the direct limit against very long runs, and what has no limit."""
+
+import numpy as np
+import pytest
+
+from asperity import age, press, relax
+from asperity.errors import InputError
+from asperity.solids import spring_lattice
+from tests.surfaces import uncorrelated
+
+ROUGH = uncorrelated(24)
+LATE = [1e2, 1e6]
+
+
+@pytest.mark.parametrize("R_viscous", [0.0, 0.3])
+@pytest.mark.parametrize("k0", [0.0, 1.0])
+def test_a_long_run_under_load_ends_at_the_limit(k0, R_viscous):
+    contact = press(ROUGH, spring_lattice(k0=k0, k1=3.0, R_viscous=R_viscous), load=30.0)
+    limit, final = relax(contact), age(contact, LATE).final
+    np.testing.assert_array_equal(limit.in_contact, final.in_contact)
+    np.testing.assert_allclose(limit.u, final.u, atol=1e-6)
+    np.testing.assert_allclose(limit.u0, final.u0, atol=1e-6)
+    assert limit.load == pytest.approx(30.0, rel=1e-10)
+
+
+@pytest.mark.parametrize("separation", [1.0, 5.0])
+def test_a_long_run_at_constant_separation_ends_at_the_limit(separation):
+    contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0), separation=separation)
+    limit, final = relax(contact), age(contact, LATE).final
+    np.testing.assert_array_equal(limit.in_contact, final.in_contact)
+    np.testing.assert_allclose(limit.u0, final.u0, atol=1e-6)
+    assert limit.separation == pytest.approx(separation, abs=1e-12)
+    assert limit.load == pytest.approx(final.load, rel=1e-6)
+
+
+def test_viscous_creep_at_constant_separation_lets_the_load_die_out():
+    contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0, R_viscous=0.3), separation=1.0)
+    history = age(contact, LATE)
+    limit = relax(contact)
+    assert limit.load == 0
+    assert limit.area == 1
+    np.testing.assert_array_equal(limit.u, ROUGH.max())
+    assert history.dataset["load"].values[-1] == pytest.approx(0.0, abs=1e-9)
+    # The last contact parts while the tolerance of aging still allows a residue of shape.
+    np.testing.assert_allclose(history.final.u0, limit.u0, atol=1e-5)
+    assert (history.dataset["approach"].values == 0).all()
+
+
+def test_viscous_creep_under_load_has_a_limit_of_shape_but_the_body_sinks_without_end():
+    R_viscous, load = 0.3, 30.0
+    viscous = press(ROUGH, spring_lattice(k0=1.0, k1=3.0, R_viscous=R_viscous), load=load)
+    conserving = press(ROUGH, spring_lattice(k0=1.0, k1=3.0), load=load)
+    np.testing.assert_allclose(relax(viscous).u, relax(conserving).u, atol=1e-9)
+    data = age(viscous, [1e5, 2e5]).dataset
+    sinking = np.diff(data["approach"].values[1:])[0] / 1e5
+    assert sinking == pytest.approx(R_viscous * load / ROUGH.size, rel=1e-6)
+    assert data["separation"].values[-1] == pytest.approx(relax(viscous).separation, abs=1e-6)
+    # The mean of u0 cannot fall without end: the surface rests on the heights.
+    assert data["separation"].values[-1] > ROUGH.mean() - load / (3.0 * ROUGH.size)
+
+
+def test_without_mobility_nothing_creeps():
+    contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0, R=0.0), load=30.0)
+    np.testing.assert_allclose(age(contact, [1.0, 1e6]).final.u0, contact.u0, atol=1e-12)
+    np.testing.assert_array_equal(relax(contact).in_contact, contact.in_contact)
+
+
+def test_independent_springs_relax_to_full_contact():
+    limit = relax(press(ROUGH, spring_lattice(k0=0.0, k1=3.0), load=1.0))
+    assert limit.area == ROUGH.size
+    np.testing.assert_allclose(limit.force, 1.0 / ROUGH.size, rtol=1e-10)
+
+
+def test_a_limit_that_depends_on_the_path_is_refused():
+    contact = press(ROUGH, spring_lattice(k0=0.0, k1=3.0), separation=1.0)
+    with pytest.raises(InputError, match=r"path-dependent shape; try asperity\.age"):
+        relax(contact)
+
+
+def test_an_aged_contact_relaxes_to_the_same_limit():
+    contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0), load=30.0)
+    np.testing.assert_allclose(relax(age(contact, [3.0]).final).u, relax(contact).u, atol=1e-8)
+
+
+def test_aging_in_two_parts_is_aging_in_one():
+    contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0), load=30.0)
+    first = age(contact, [2.0], rtol=1e-4).final
+    np.testing.assert_allclose(
+        age(first, [5.0], rtol=1e-4).final.u0,
+        age(contact, [7.0], rtol=1e-4).final.u0,
+        atol=3e-4 * contact.u.std(),
+    )

@@ -1,0 +1,58 @@
+"""Any surface, any solid, any load: the conditions of contact hold."""
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from asperity import press, relax
+from asperity.aging import creep
+from asperity.solids import spring_lattice
+from tests.independent import assert_equilibrium
+
+shapes = st.one_of(st.tuples(st.integers(1, 12)), st.tuples(st.integers(1, 7), st.integers(1, 7)))
+# Few distinct values: plateaus, ties and flat surfaces are where sets of contacts are ambiguous.
+stepped = shapes.flatmap(lambda shape: hnp.arrays(float, shape, elements=st.integers(-3, 3).map(float)))
+smooth = shapes.flatmap(lambda shape: hnp.arrays(float, shape, elements=st.floats(-1, 1, width=16)))
+surfaces = st.one_of(stepped, smooth)
+stiffness = st.floats(-2, 2).map(lambda exponent: 10.0**exponent)
+loads = st.floats(-3, 2).map(lambda exponent: 10.0**exponent)
+modest = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+
+
+@modest
+@given(surfaces, stiffness, loads)
+def test_pressed_and_relaxed_under_load(rough, k1, p):
+    load = p * rough.size
+    contact = press(rough, spring_lattice(k0=1.0, k1=k1), load=load)
+    assert_equilibrium(contact, k0=1.0, k1=k1, load=load)
+    assert_equilibrium(relax(contact), k0=1.0, k1=k1, load=load)
+
+
+@modest
+@given(surfaces, stiffness, st.floats(-5, 5))
+def test_pressed_at_a_separation(rough, k1, separation):
+    contact = press(rough, spring_lattice(k0=1.0, k1=k1), separation=separation)
+    assert_equilibrium(contact, k0=1.0, k1=k1)
+    assert contact.area > 0 or separation >= rough.max() - 1e-12
+
+
+@modest
+@given(surfaces, stiffness, loads, st.sampled_from([0.0, 0.3]), st.sampled_from(["load", "separation"]))
+def test_every_frame(rough, k1, p, R_viscous, hold):
+    contact = press(rough, spring_lattice(k0=1.0, k1=k1, R_viscous=R_viscous), load=p * rough.size)
+    for frame in creep(contact, [1e-2, 1.0, 1e2], hold=hold, rtol=1e-2):
+        state = frame.contact
+        assert (state.u >= rough).all()
+        assert (state.force >= 0).all()
+        assert state.residual <= 1e-8
+        assert state.area == (state.u == rough).sum()
+
+
+@modest
+@given(surfaces, loads, loads)
+def test_area_and_approach_grow_with_load(rough, p, more):
+    solid = spring_lattice(k0=1.0, k1=3.0)
+    light = press(rough, solid, load=p * rough.size)
+    heavy = press(rough, solid, load=(p + more) * rough.size)
+    assert heavy.separation < light.separation
+    assert (heavy.u <= light.u + 1e-7).all()

@@ -1,0 +1,106 @@
+"""Bad input at the doors of press, age and relax: one clear line, and nothing computed."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.errors import ConvergenceError, InputError
+from tests.surfaces import uncorrelated
+
+ROUGH = uncorrelated(8)
+SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+CONTACT = asp.press(ROUGH, SOLID, load=5.0)
+
+
+@pytest.mark.parametrize(
+    ("heights", "message"),
+    [
+        (np.where(ROUGH.max() == ROUGH, np.nan, ROUGH), "NaN"),
+        (np.where(ROUGH.max() == ROUGH, np.inf, ROUGH), "infinite"),
+        (np.zeros((0, 4)), "empty|shape"),
+        (np.zeros((2, 2, 2)), "dimension"),
+        (1.0, "dimension"),
+        (np.array([["a", "b"]]), "number"),
+        (ROUGH + 1j, "real"),
+    ],
+)
+def test_heights(heights, message):
+    with pytest.raises(InputError, match=message):
+        asp.press(heights, SOLID, load=1.0)
+
+
+@pytest.mark.parametrize("load", [0.0, -3.0, np.nan, np.inf, 1e-300, 1e308, "800", True])
+def test_loads_that_are_no_load(load):
+    with pytest.raises(InputError, match="load: expected a finite number > 0, got"):
+        asp.press(ROUGH, SOLID, load=load)
+
+
+@pytest.mark.parametrize("separation", [np.nan, -np.inf, "1"])
+def test_separations_that_are_none(separation):
+    with pytest.raises(InputError, match="separation: expected a finite number, got"):
+        asp.press(ROUGH, SOLID, separation=separation)
+
+
+def test_both_or_neither_of_load_and_separation():
+    with pytest.raises(InputError, match=r"expected exactly one of the two, got both; try load=800\.0"):
+        asp.press(ROUGH, SOLID, load=1.0, separation=0.0)
+    with pytest.raises(InputError, match="expected exactly one of the two, got neither"):
+        asp.press(ROUGH, SOLID)
+
+
+def test_a_load_that_no_state_can_carry():
+    membrane = asp.solids.spring_lattice(k0=1.0, k1=0.0)
+    with pytest.raises(InputError, match="no load can be carried; try k1 > 0"):
+        asp.press(ROUGH, membrane, load=1.0)
+
+
+@pytest.mark.parametrize("load", [1e-20, 1e-30, 1e-99])
+def test_a_load_too_small_for_double_precision(load):
+    with pytest.raises(ConvergenceError, match="too small for these heights in double precision"):
+        asp.press(ROUGH, SOLID, load=load)
+
+
+def test_heights_too_large_to_compute_with():
+    with pytest.raises(InputError, match=r"heights: expected heights up to 1e\+100"):
+        asp.press(1e200 * ROUGH, SOLID, load=1.0)
+
+
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        ([1.0, 0.5], "strictly increasing times, got 1.0 before 0.5"),
+        ([1.0, 1.0], "strictly increasing"),
+        ([-1.0, 1.0], "finite times >= 0, got -1"),
+        ([1.0, np.inf], "finite times"),
+        ([np.nan], "finite times"),
+        ([], "a list of times"),
+        (["soon"], "a list of times"),
+    ],
+)
+def test_times(times, message):
+    with pytest.raises(InputError, match=message):
+        asp.age(CONTACT, times)
+
+
+@pytest.mark.parametrize("rtol", [0.0, -1.0, 1.0, np.nan, "small"])
+def test_tolerances(rtol):
+    with pytest.raises(InputError, match=r"rtol: expected a number above 0 and up to 0\.1"):
+        asp.age(CONTACT, [1.0], rtol=rtol)
+
+
+def test_other_arguments():
+    with pytest.raises(InputError, match="hold: expected 'load' or 'separation', got 'height'"):
+        asp.age(CONTACT, [1.0], hold="height")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="fields_at: expected finite times >= 0"):
+        asp.age(CONTACT, [1.0], fields_at=[-1.0])
+    with pytest.raises(InputError, match=r"start: expected a contact of shape \(4, 4\), got \(8, 8\)"):
+        asp.press(uncorrelated(4), SOLID, load=1.0, start=CONTACT)
+
+
+def test_arguments_are_not_changed():
+    heights = ROUGH.copy()
+    contact = asp.press(heights, SOLID, load=5.0)
+    asp.age(contact, [1.0])
+    np.testing.assert_array_equal(heights, ROUGH)
+    heights[:] = 0
+    np.testing.assert_array_equal(contact.heights, ROUGH)

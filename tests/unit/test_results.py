@@ -1,0 +1,129 @@
+"""Histories, the Dataset, and its way to disk and back."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity.errors import InputError, OutputError
+from asperity.results.store import whole_folder
+from tests.surfaces import uncorrelated
+
+SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)
+CONTACT = asp.press(uncorrelated(12), SOLID, load=10.0)
+HISTORY = asp.age(CONTACT, [0.1, 1.0, 10.0], fields_at=[0.0, 1.0, 3.0])
+
+
+def names(folder):
+    return [path.name for path in folder.iterdir()]
+
+
+def test_time_series():
+    data = HISTORY.dataset
+    np.testing.assert_array_equal(data["time"], [0.0, 0.1, 1.0, 10.0])
+    assert data["area"].values[0] == CONTACT.area
+    assert data["area"].values[-1] == HISTORY.final.area
+    assert data["area"].dtype.kind == "i"
+    np.testing.assert_allclose(data["load"], 10.0, rtol=1e-10)
+    assert data["separation"].values[0] == CONTACT.separation
+    assert data["energy"].values[-1] == HISTORY.final.energy
+    assert (data["residual"] <= 1e-8).all()
+    assert (data["steps"].values[1:] >= 1).all()
+    assert (data["iterations"].values[1:] >= 1).all()
+    np.testing.assert_allclose(data["contact_fraction"], data["area"] / 144)
+
+
+def test_fields_at_requested_times_only():
+    data = HISTORY.dataset
+    np.testing.assert_array_equal(data["field_time"], [0.0, 1.0, 3.0])
+    assert data["u"].dims == ("field_time", "y", "x")
+    np.testing.assert_array_equal(data["u"].values[0], CONTACT.u)
+    np.testing.assert_array_equal(data["in_contact"].values[1].sum(), data["area"].sel(time=1.0))
+    np.testing.assert_array_equal(data["in_contact"], data["u"] == data["heights"])
+
+
+def test_everything_explains_itself():
+    data = HISTORY.dataset
+    for variable in data.variables.values():
+        assert variable.attrs["long_name"]
+        assert variable.attrs["units"]
+    assert data.attrs["k1"] == 3.0
+    assert data.attrs["R_viscous"] == 0.1
+    assert data.attrs["held"] == "load"
+    assert data.attrs["held_load"] == 10.0
+    assert data.attrs["asperity_version"] == asp.__version__
+    assert data.attrs["rtol"] > 0
+
+
+def test_the_origin_of_measured_heights_is_recorded(tmp_path):
+    np.save(tmp_path / "rough.npy", uncorrelated(6))
+    surface = asp.surfaces.read(tmp_path / "rough.npy")
+    data = asp.age(asp.press(surface, SOLID, load=1.0), [1.0]).dataset
+    assert json.loads(data.attrs["surface"])["file"] == "rough.npy"
+
+
+def test_one_dimensional_contacts_have_one_axis():
+    contact = asp.press(uncorrelated(16)[0], SOLID, load=2.0)
+    data = asp.age(contact, [1.0], fields_at=[1.0]).dataset
+    assert data["u"].dims == ("field_time", "x")
+
+
+def test_progress_sees_every_stop():
+    seen = []
+    asp.age(CONTACT, [0.1, 1.0], fields_at=[0.5], progress=lambda frame: seen.append(frame.time))
+    assert seen == [0.0, 0.1, 0.5, 1.0]
+
+
+def test_saved_and_reopened_without_loss(tmp_path):
+    HISTORY.save(tmp_path / "run.zarr")
+    xr.testing.assert_identical(asp.results.load(tmp_path / "run.zarr"), HISTORY.dataset)
+
+
+def test_what_exists_is_kept_unless_told_otherwise(tmp_path):
+    path = tmp_path / "run.zarr"
+    HISTORY.save(path)
+    with pytest.raises(OutputError, match="exists already and is kept"):
+        HISTORY.save(path)
+    shorter = asp.age(CONTACT, [0.1])
+    shorter.save(path, overwrite=True)
+    assert asp.results.load(path).sizes["time"] == 2
+    assert names(tmp_path) == ["run.zarr"]
+
+
+def test_a_failed_write_leaves_nothing(tmp_path):
+    def write_half():
+        with whole_folder(tmp_path / "run") as folder:
+            (folder / "half").write_text("written")
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(OutputError, match="No space left on device; nothing was left there"):
+        write_half()
+    assert names(tmp_path) == []
+
+
+def test_a_failed_overwrite_keeps_what_was_there(tmp_path):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "old").write_text("precious")
+    with pytest.raises(KeyboardInterrupt), whole_folder(tmp_path / "run", overwrite=True):
+        raise KeyboardInterrupt
+    assert (tmp_path / "run" / "old").read_text() == "precious"
+    assert names(tmp_path) == ["run"]
+
+
+def test_a_folder_where_none_can_be(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="could not write"):
+        HISTORY.save(tmp_path / "file" / "run.zarr")
+
+
+@pytest.mark.parametrize("kind", ["missing", "empty", "other"])
+def test_loading_what_is_no_result(tmp_path, kind):
+    path = tmp_path / "thing"
+    if kind != "missing":
+        path.mkdir()
+    if kind == "other":
+        (path / "notes.txt").write_text("hello")
+    with pytest.raises(InputError, match="path: expected a folder that asperity wrote"):
+        asp.results.load(path)

@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+
+from asperity.errors import InputError
+from asperity.lattice import Lattice
+from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, spring_lattice
+
+
+def test_spring_lattice_spectra():
+    lattice = Lattice((6, 5))
+    spectra = spring_lattice(k0=2.0, k1=3.0, R=0.5, R_viscous=0.1).on(lattice)
+    np.testing.assert_allclose(spectra.permanent, 2.0 * lattice.lam)
+    np.testing.assert_allclose(spectra.creeping, 3.0)
+    np.testing.assert_allclose(spectra.mobility, 0.5 * lattice.lam + 0.1)
+
+
+@pytest.mark.parametrize("name", ["k0", "k1", "R", "R_viscous"])
+@pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, "3", None, True, [1.0]])
+def test_parameters_are_checked_when_the_solid_is_built(name, value):
+    parameters = {"k0": 1.0, "k1": 3.0, name: value}
+    with pytest.raises(InputError, match=f"^{name}: expected a finite number >= 0, got"):
+        spring_lattice(**parameters)
+
+
+def test_all_stiffness_zero_is_refused():
+    with pytest.raises(InputError, match=r"k0 and k1: expected a stiffness above 0, got both 0; try k0=1\.0"):
+        spring_lattice(k0=0.0, k1=0.0)
+
+
+def test_numbers_of_any_real_kind_are_accepted():
+    assert spring_lattice(k0=np.float64(1), k1=3).parameters == {
+        "k0": 1.0,
+        "k1": 3.0,
+        "R": 1.0,
+        "R_viscous": 0.0,
+    }
+
+
+def solid(permanent=None, stiffness=None, mobility=None):
+    return Solid(
+        permanent=permanent or LaplacianSpectrum(laplacian=1.0),
+        branches=(
+            CreepBranch(
+                stiffness=stiffness or LaplacianSpectrum(uniform=1.0),
+                mobility=mobility or LaplacianSpectrum(laplacian=1.0),
+            ),
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (solid(permanent=LaplacianSpectrum(uniform=1.0)), "permanent stiffness: expected 0 at wave vector 0"),
+        (solid(stiffness=LaplacianSpectrum(laplacian=1.0)), "no load can be carried; try k1 > 0"),
+        (solid(mobility=LaplacianSpectrum(uniform=-1.0)), "mobility: expected a finite spectrum >= 0"),
+        (solid(stiffness=lambda _: np.ones(3)), r"creeping stiffness: expected shape \(4, 3\)"),
+        (solid(stiffness=lambda lattice: np.where(lattice.lam == 0, 1.0, np.nan)), "a finite spectrum"),
+    ],
+)
+def test_spectra_are_checked_on_the_lattice(wrong, message):
+    with pytest.raises(InputError, match=message):
+        wrong.on(Lattice((4, 4)))
+
+
+def test_exactly_one_branch_for_now():
+    with pytest.raises(InputError, match="exactly one creeping branch, got 0 branches"):
+        Solid(permanent=LaplacianSpectrum(laplacian=1.0), branches=())

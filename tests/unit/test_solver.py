@@ -1,0 +1,99 @@
+"""The contact solver on its own: dense reference, cycling, giving up."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from asperity.contact import ActiveSet
+from asperity.contact.pinning import effective_pinning
+from asperity.contact.problem import TOLERANCE, ContactProblem, Guess, residual
+from asperity.errors import ConvergenceError
+from asperity.lattice import Lattice
+from tests.surfaces import correlated
+
+
+def tiny_problem(seed, n=9, load=None):
+    """A one-dimensional problem small enough to try every set of contacts."""
+    rng = np.random.default_rng(seed)
+    lattice = Lattice((n,))
+    stiffness = 0.3 * lattice.lam + (0.0 if load else 0.5)
+    pull = lattice.forward(-0.2 * rng.uniform(size=n))
+    if load:
+        pull[0] = -load
+    heights = rng.normal(size=n)
+    return ContactProblem(lattice, stiffness, pull, heights - heights.max())
+
+
+def by_exhaustion(problem):
+    """Try all subsets: solve each densely, keep the one that satisfies every condition."""
+    n = problem.lattice.sites
+    identity = np.eye(n)
+    S = np.stack([problem.lattice.apply(problem.stiffness, row) for row in identity])
+    b = problem.lattice.backward(problem.pull)
+    for size in range(n + 1):
+        for contacts in map(np.array, itertools.combinations(range(n), size)):
+            held = contacts.astype(int)
+            free = np.setdiff1d(np.arange(n), held)
+            u = problem.heights.copy()
+            if len(free) == n and problem.load_controlled:
+                continue
+            rest = S[np.ix_(free, held)] @ u[held]
+            u[free] = np.linalg.solve(S[np.ix_(free, free)], b[free] - rest)
+            force = S @ u - b
+            if (force >= -1e-12).all() and (u >= problem.heights - 1e-12).all():
+                return u
+    raise AssertionError("no set of contacts is right")
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("load", [None, 0.5, 5.0])
+@pytest.mark.parametrize(
+    "method", [ActiveSet(), ActiveSet(careful_after=0, patience=0)], ids=["block", "single"]
+)
+def test_agrees_with_exhaustion_from_any_start(seed, load, method):
+    problem = tiny_problem(seed, load=load)
+    expected = by_exhaustion(problem)
+    n = problem.lattice.sites
+    for contacts in (np.ones(n, bool), np.zeros(n, bool), np.arange(n) % 2 == 0):
+        solution = method.solve(problem, Guess(np.zeros(n), contacts), TOLERANCE)
+        np.testing.assert_allclose(solution.u, expected, atol=1e-7)
+
+
+def test_gives_up_with_advice():
+    heights = correlated(64)
+    lattice = Lattice(heights.shape)
+    pull = np.zeros(lattice.spectral_shape, complex)
+    pull[0, 0] = -100.0
+    problem = ContactProblem(lattice, lattice.lam.copy(), pull, heights - heights.max())
+    guess = Guess(np.zeros_like(heights), heights > heights.mean())
+    with pytest.raises(
+        ConvergenceError, match=r"after 5 iterations, expected 1.0e-09; try ActiveSet\(max_iter"
+    ):
+        ActiveSet(max_iterations=5).solve(problem, guess, TOLERANCE)
+
+
+def test_residual_sees_forces_off_contact_and_pulls_in_contact():
+    contact = np.array([True, True, False])
+    assert residual(np.array([1.0, 3.0, 0.0]), contact) == 0
+    assert residual(np.array([1.0, 3.0, -0.2]), contact) == pytest.approx(0.1)
+    assert residual(np.array([-1.0, 3.0, 0.0]), contact) == pytest.approx(1.0)
+    assert residual(np.array([0.0, 0.0, 0.2]), ~np.ones(3, bool), smallest_scale=4.0) == pytest.approx(0.05)
+    assert residual(np.zeros(3), np.ones(3, bool)) == 0
+    assert residual(np.ones(3), np.zeros(3, bool)) == np.inf
+
+
+@pytest.mark.parametrize("fraction", [1e-3, 0.1, 0.9])
+def test_pinning_solves_its_condition(fraction):
+    lattice = Lattice((300, 301))
+    stiffness = lattice.lam + 0.1
+    sigma = effective_pinning(lattice, stiffness, fraction)
+    # Sampled modes and a coarse root: good to some percent, which is all that it needs to be.
+    assert lattice.mean_over_modes(sigma / (stiffness + sigma)) == pytest.approx(fraction, rel=0.1)
+
+
+def test_pinning_has_finite_answers_at_the_ends():
+    lattice = Lattice((20, 20))
+    assert effective_pinning(lattice, lattice.lam, 1.0) > 1e3
+    assert 0 < effective_pinning(lattice, lattice.lam, 1 / 400) < 0.1
+    assert effective_pinning(lattice, np.zeros_like(lattice.lam), 0.5) > 0
