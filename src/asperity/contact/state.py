@@ -150,7 +150,7 @@ def _smallest_force(system: System, u: Field) -> float:
     if isinstance(system.control, Load):
         return 0.0
     stiffest = float(np.max(system.spectra.permanent + system.spectra.creeping))
-    largest = max(float(np.abs(u).max()), float(np.abs(u - system.datum).max()))
+    largest = max(float(np.abs(field).max()) for field in (u, u - system.datum, system.heights))
     return 4 * float(np.spacing(largest)) * stiffest / ACCEPTED_RESIDUAL
 
 
