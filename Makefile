@@ -1,0 +1,55 @@
+# Needs git, python3 >= 3.11, pip and make; everything else goes into .venv.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8
+
+.PHONY: help run test test-slow check format bench clean
+
+help:  ## List the targets
+	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 12
+
+run: $(VENV)/.run  ## Age a rough contact over nine decades and draw it
+	$(BIN)/asperity run --out results/demo --overwrite
+
+test: $(VENV)/.dev  ## Run the test suite
+	$(PYTEST)
+
+test-slow: $(VENV)/.dev  ## Run the long physics
+	$(PYTEST) -m slow
+
+check: $(VENV)/.dev  ## Lint, format and types
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+format: $(VENV)/.dev  ## Format the source
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+bench: $(VENV)/.run  ## Time the engine
+	$(BIN)/python benchmarks/aging.py
+
+clean:  ## Remove the environment and what was computed
+	rm -rf $(VENV) .boot results .pytest_cache .mypy_cache .ruff_cache .hypothesis
+
+# Some systems ship Python without venv; virtualenv then makes the environment.
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Asperity needs Python 3.11 or newer; try: make PYTHON=python3.12 ..."; exit 1; }
+	@echo "Making $(VENV) ..."
+	@$(PYTHON) -m venv $(VENV) >/dev/null 2>&1 || { \
+	  rm -rf $(VENV); \
+	  $(PYTHON) -m pip install --quiet --target .boot virtualenv && \
+	  PYTHONPATH=.boot $(PYTHON) -m virtualenv --quiet $(VENV); }
+
+$(VENV)/.run: pyproject.toml | $(BIN)/python
+	@echo "Installing Asperity ..."
+	@$(PIP) install --editable .
+	@touch $@
+
+$(VENV)/.dev: pyproject.toml | $(BIN)/python
+	@echo "Installing Asperity and its tools ..."
+	@$(PIP) install --editable '.[dev]'
+	@touch $@ $(VENV)/.run
