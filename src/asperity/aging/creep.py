@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.aging.tr_bdf2 import Point, rms, take_step
+from asperity.aging.tr_bdf2 import Past, Point, rms, take_step
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.controls import Control, Load, Separation
 from asperity.contact.problem import ContactSolver, Solution
@@ -62,6 +62,19 @@ class Frame:
     iterations: int
 
 
+@dataclass(frozen=True, eq=False)
+class Midway:
+    """All that is needed to go on from a time between two frames, to identical results."""
+
+    point: Point
+    earlier: Past | None
+    deformation: float
+    length: float
+    steps: int
+    rejected: int
+    iterations: int
+
+
 def creep(
     contact: Contact,
     times: ArrayLike,
@@ -69,6 +82,8 @@ def creep(
     hold: Hold | None = None,
     rtol: float = DEFAULT_RTOL,
     solver: ContactSolver | None = None,
+    midway: Midway | None = None,
+    after_step: Callable[[Midway], None] | None = None,
 ) -> Iterator[Frame]:
     """Yield a frame at time 0 and then at exactly each of the times.
 
@@ -86,6 +101,10 @@ def creep(
         deformation reached so far: the rms of u about its mean. See `STEP_TOLERANCE`.
     solver
         How to solve the contact problems; `ActiveSet` by default.
+    midway
+        Go on from here, with the frames after it; all other arguments as at first.
+    after_step
+        Called after each step with the state from which to go on.
 
     Raises
     ------
@@ -97,9 +116,14 @@ def creep(
     stops = check_times(times)
     if not (is_finite_number(rtol) and 0 < rtol <= 0.1):
         raise InputError("rtol", expected="a number above 0 and up to 0.1", got=rtol, advice="rtol=2e-3")
-    control = control_held(contact, hold)
-    start = replace(contact, control=control)
-    return _frames(start, stops, rtol, solver or ActiveSet())
+    start = replace(contact, control=control_held(contact, hold))
+    march = _March(start.system, solver or ActiveSet(), rtol, after_step)
+    if midway is None:
+        march.begin(_start_point(march.system, start))
+    else:
+        march.resume(midway)
+        stops = stops[stops >= midway.point.time]
+    return _frames(start, stops, march, from_start=midway is None)
 
 
 def check_times(times: ArrayLike, name: str = "times") -> Field:
@@ -136,26 +160,14 @@ def control_held(contact: Contact, hold: Hold | None) -> Control:
     raise InputError("hold", expected="'load' or 'separation'", got=repr(hold))
 
 
-def _frames(start: Contact, stops: Field, rtol: float, solver: ContactSolver) -> Iterator[Frame]:
+def _frames(start: Contact, stops: Field, march: _March, *, from_start: bool) -> Iterator[Frame]:
     """Integrate and publish."""
-    system = start.system
-    yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
-    march = _March(system, solver, rtol, _start_point(system, start))
+    if from_start:
+        yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
     for stop in stops:
         march.advance_to(float(stop))
-        shape = system.lattice.backward(march.point.shape)
-        solution = replace(march.point.solution, iterations=march.iterations)
-        state = contact_from(
-            system, solution, shape, solid=start.solid, heights=start.heights, surface=start.surface
-        )
-        yield Frame(
-            float(stop),
-            state,
-            approach=_approach(system, start, state, float(stop)),
-            steps=march.steps,
-            rejected=march.rejected,
-            iterations=march.iterations,
-        )
+        yield march.frame(start)
+        march.reset_counts()
 
 
 def _start_point(system: System, contact: Contact) -> Point:
@@ -177,17 +189,60 @@ def _approach(system: System, start: Contact, now: Contact, time: float) -> floa
 class _March:
     """Adaptive steps from stop to stop."""
 
-    def __init__(self, system: System, solver: ContactSolver, rtol: float, start: Point) -> None:
-        self.system, self.solver = system, solver
-        self.tolerance = (STEP_TOLERANCE * rtol) ** 1.5
-        self.point, self.earlier = start, None
-        self.deformation = 0.0
-        self.steps = self.rejected = self.iterations = 0
-        self.raise_deformation()
-        self.length = self.first_length()
-
     point: Point
-    earlier: Point | None
+    earlier: Past | None
+    deformation: float
+    length: float
+
+    def __init__(
+        self, system: System, solver: ContactSolver, rtol: float, after_step: Callable[[Midway], None] | None
+    ) -> None:
+        self.system, self.solver, self.after_step = system, solver, after_step
+        self.tolerance = (STEP_TOLERANCE * rtol) ** 1.5
+        self.reset_counts()
+
+    def reset_counts(self) -> None:
+        """Count from zero."""
+        self.steps = self.rejected = self.iterations = 0
+
+    def begin(self, start: Point) -> None:
+        """Set out, with a first step over which u0 changes by a small part of the deformation."""
+        self.point, self.earlier, self.deformation = start, None, 0.0
+        self.raise_deformation()
+        rate = rms(self.system.lattice, start.rate)
+        self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / rate if rate > 0 else math.inf
+
+    def resume(self, state: Midway) -> None:
+        """Go on from where another march was."""
+        self.point, self.earlier = state.point, state.earlier
+        self.deformation, self.length = state.deformation, state.length
+        self.steps, self.rejected, self.iterations = state.steps, state.rejected, state.iterations
+
+    def midway(self) -> Midway:
+        """From where another march can go on."""
+        return Midway(
+            self.point,
+            self.earlier,
+            self.deformation,
+            self.length,
+            self.steps,
+            self.rejected,
+            self.iterations,
+        )
+
+    def frame(self, start: Contact) -> Frame:
+        """Publish the present state."""
+        shape = self.system.lattice.backward(self.point.shape)
+        state = contact_from(
+            self.system,
+            replace(self.point.solution, iterations=self.iterations),
+            shape,
+            solid=start.solid,
+            heights=start.heights,
+            surface=start.surface,
+        )
+        approach = _approach(self.system, start, state, self.point.time)
+        return Frame(self.point.time, state, approach, self.steps, self.rejected, self.iterations)
 
     def raise_deformation(self) -> None:
         """Let the scale of the error follow the largest deformation so far."""
@@ -198,14 +253,8 @@ class _March:
         if self.deformation == 0:  # a flat surface: the stretch of the creeping springs
             self.deformation = rms(lattice, self.point.surface - self.point.shape)
 
-    def first_length(self) -> float:
-        """A first step over which u0 changes by a small part of the deformation."""
-        rate = rms(self.system.lattice, self.point.rate)
-        return 0.1 * self.tolerance ** (1 / 3) * self.deformation / rate if rate > 0 else math.inf
-
     def advance_to(self, stop: float) -> None:
-        """Step until the time is exactly ``stop``, counting from zero."""
-        self.steps = self.rejected = self.iterations = 0
+        """Step until the time is exactly ``stop``."""
         while self.point.time < stop:
             left = stop - self.point.time
             landing = self.length >= left * (1 - 1e-9)
@@ -217,22 +266,30 @@ class _March:
             # The error of a step grows like its cube; 0.9 leaves a margin.
             change = min(4.0, max(0.2, 0.9 * error ** (-1 / 3))) if error > 0 else 4.0
             if error > 1:
-                self.rejected += 1
-                self.length = length * change
-                if self.length < _SMALLEST_STEP * max(self.point.time, length):
-                    raise ConvergenceError(
-                        f"aging: steps shrank to {self.length:.1e} at time {self.point.time:.3e}; "
-                        "try a larger rtol"
-                    )
+                self.reject(length * change)
                 continue
             self.steps += 1
             self.length = max(length * change, min(self.length, 4.0 * length))
-            self.earlier = self.point
+            self.earlier = Past.of(self.point)
             self.point = replace(step.end, time=stop) if landing else step.end
             self.raise_deformation()
+            if self.after_step is not None:
+                self.after_step(self.midway())
+
+    def reject(self, shorter: float) -> None:
+        """Try again with a shorter step."""
+        self.rejected += 1
+        if shorter < _SMALLEST_STEP * max(self.point.time, self.length):
+            raise ConvergenceError(
+                f"aging: steps shrank to {shorter:.1e} at time {self.point.time:.3e}; try a larger rtol"
+            )
+        self.length = shorter
 
     def relative(self, error: float) -> float:
         """Error in units of what is allowed."""
         if error == 0:
             return 0.0
-        return error / (self.tolerance * self.deformation) if self.deformation > 0 else math.inf
+        if not (math.isfinite(error) and self.deformation > 0):
+            return math.inf
+        relative: float = error / (self.tolerance * self.deformation)
+        return relative

@@ -45,6 +45,19 @@ class Point:
 
 
 @dataclass(frozen=True, eq=False)
+class Past:
+    """A surface that was, from which to extrapolate."""
+
+    time: float
+    u: Field
+
+    @classmethod
+    def of(cls, point: Point) -> Past:
+        """Remember a point."""
+        return cls(point.time, point.solution.u)
+
+
+@dataclass(frozen=True, eq=False)
 class Step:
     """The outcome of one step: its end, the error of u0 (rms over sites) and the iterations spent."""
 
@@ -62,7 +75,7 @@ def take_step(
     solver: ContactSolver,
     duration: float,
     start: Point,
-    earlier: Point | None,
+    earlier: Past | None,
     *,
     publish: bool,
 ) -> Step:
@@ -86,7 +99,7 @@ def take_step(
         solver,
         time=start.time + duration,
         before=u0 + (WEIGHT * duration) * (f0 + middle.rate),
-        known=(start, middle),
+        known=(Past.of(start), middle),
         tolerance=TOLERANCE if publish else _PASSING_TOLERANCE,
     )
     defect = (1 - 4 * WEIGHT) / 3 * f0 + middle.rate / 3 - 2 * DIAGONAL / 3 * end.rate
@@ -111,7 +124,7 @@ def _stage(
     *,
     time: float,
     before: Modes,
-    known: tuple[Point | None, Point],
+    known: tuple[Past | None, Point],
     tolerance: float,
 ) -> Point:
     """Solve one implicit stage that ends at ``time``."""
@@ -123,7 +136,7 @@ def _stage(
     return Point(time, surface, shape, rate, solution)
 
 
-def _extrapolate(system: System, time: float, earlier: Point | None, latest: Point) -> Guess:
+def _extrapolate(system: System, time: float, earlier: Past | None, latest: Point) -> Guess:
     """Continue the surface in the logarithm of time, which is how contacts grow."""
     u = latest.solution.u
     if earlier is None:
@@ -132,5 +145,5 @@ def _extrapolate(system: System, time: float, earlier: Point | None, latest: Poi
         ahead = math.log(time / latest.time) / math.log(latest.time / earlier.time)
     else:
         ahead = (time - latest.time) / (latest.time - earlier.time)
-    predicted = u + min(ahead, 2.0) * (u - earlier.solution.u)
+    predicted = u + min(ahead, 2.0) * (u - earlier.u)
     return Guess(predicted, predicted <= system.heights)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.aging.creep import DEFAULT_RTOL, Frame, Hold, check_times, creep
+from asperity.aging.creep import DEFAULT_RTOL, Frame, Hold, Midway, check_times, control_held, creep
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
-from asperity.results.dataset import dataset_of
+from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
+from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.store import save
 
 
@@ -34,7 +36,7 @@ class History:
     dataset: xr.Dataset
     final: Contact
 
-    def save(self, path: str, *, overwrite: bool = False) -> None:
+    def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the dataset; see `asperity.results.save`."""
         save(self.dataset, path, overwrite=overwrite)
 
@@ -47,6 +49,7 @@ def age(
     rtol: float = DEFAULT_RTOL,
     fields_at: Sequence[float] = (),
     progress: Callable[[Frame], None] | None = None,
+    checkpoint: str | Path | Checkpoint | None = None,
     solver: ContactSolver | None = None,
 ) -> History:
     r"""Let a contact creep under what it was pressed by, and record it at exactly the given times.
@@ -69,6 +72,10 @@ def age(
         ``times``.
     progress
         Called with each `Frame` as it is reached.
+    checkpoint
+        File in which to keep the run's place, every ten seconds or as `Checkpoint` says. If it exists,
+        the run goes on from there, to the result that it would have had undisturbed. The file
+        stays: remove it when the results are safe.
     solver
         How to solve the contact problems; `ActiveSet` by default.
 
@@ -79,7 +86,7 @@ def age(
     Raises
     ------
     InputError
-        Times, tolerance or ``hold`` cannot be used.
+        Times, tolerance or ``hold`` cannot be used; or the checkpoint is another run's.
     ConvergenceError
         A contact problem was not solved, or steps shrank to nothing.
 
@@ -91,15 +98,30 @@ def age(
     recorded = check_times(times)
     kept = check_times(fields_at, "fields_at") if np.size(fields_at) else np.empty(0)
     keep_start = bool(np.any(np.asarray(fields_at) == 0))
-    frames: list[Frame] = []
-    snapshots: list[Frame] = []
-    final = contact
-    for frame in creep(contact, np.union1d(recorded, kept), hold=hold, rtol=rtol, solver=solver):
+    start = replace(contact, control=control_held(contact, hold))
+    rows: list[Row] = []
+    snapshots: list[Snapshot] = []
+    keeper, midway = None, None
+    if checkpoint is not None:
+        settings = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
+        fields = np.append(kept, 0.0) if keep_start else kept
+        keeper = Keeper(settings, fingerprint_of(start, recorded, fields, rtol, solver))
+        place = keeper.read()
+        if place is not None:
+            midway, rows, snapshots = place.midway, place.rows, place.snapshots
+
+    def keep_place(here: Midway) -> None:
+        if keeper is not None and keeper.is_due():
+            keeper.write(Place(here, rows, snapshots))
+
+    final = start
+    stops = np.union1d(recorded, kept)
+    for frame in creep(start, stops, rtol=rtol, solver=solver, midway=midway, after_step=keep_place):
         if progress is not None:
             progress(frame)
         final = frame.contact
         if frame.time in kept or (frame.time == 0 and keep_start):
-            snapshots.append(frame)
+            snapshots.append(snapshot_of(frame))
         if frame.time in recorded or frame.time == 0:
-            frames.append(frame)
-    return History(dataset_of(frames, snapshots, rtol=rtol), final)
+            rows.append(row_of(frame))
+    return History(dataset_of(start, rows, snapshots, rtol=rtol), final)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -13,6 +14,7 @@ from asperity._version import __version__
 from asperity.aging.creep import Frame
 from asperity.contact.controls import Load
 from asperity.contact.state import Contact
+from asperity.lattice import Field, Mask
 
 SERIES: dict[str, tuple[str, str]] = {
     "area": ("real contact area", "sites"),
@@ -34,40 +36,68 @@ FIELDS: dict[str, tuple[str, str]] = {
 _TIME_UNIT = "1 / (stiffness unit * R unit)"
 
 
-def dataset_of(frames: Sequence[Frame], snapshots: Sequence[Frame], *, rtol: float) -> xr.Dataset:
-    """Gather frames into a Dataset.
+Row = dict[str, float]
+"""One entry of the time series: ``time`` and a value for each of `SERIES`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The fields at one time."""
+
+    time: float
+    u: Field
+    u0: Field
+    in_contact: Mask
+
+
+def row_of(frame: Frame) -> Row:
+    """Take the entry of the time series from a frame."""
+    return {"time": frame.time} | {name: _value(frame, name) for name in SERIES}
+
+
+def snapshot_of(frame: Frame) -> Snapshot:
+    """Take the fields from a frame."""
+    contact = frame.contact
+    return Snapshot(frame.time, contact.u, contact.u0, contact.in_contact)
+
+
+def dataset_of(
+    start: Contact, rows: Sequence[Row], snapshots: Sequence[Snapshot], *, rtol: float
+) -> xr.Dataset:
+    """Gather a history into a Dataset.
 
     Parameters
     ----------
-    frames
-        The moments of the time series; the first is at time 0.
+    start
+        The contact from which it started.
+    rows
+        The time series; the first is at time 0.
     snapshots
         The moments whose fields are kept; may be empty.
     rtol
         The tolerance to record.
     """
-    first = frames[0].contact
-    sites = ("y", "x")[2 - first.heights.ndim :]
+    sites = ("y", "x")[2 - start.heights.ndim :]
     dataset = xr.Dataset(
-        data_vars={name: ("time", np.array([_value(frame, name) for frame in frames])) for name in SERIES},
-        coords={"time": [frame.time for frame in frames]}
-        | {axis: np.arange(n) for axis, n in zip(sites, first.heights.shape, strict=True)},
+        data_vars={name: ("time", np.array([row[name] for row in rows])) for name in SERIES},
+        coords={"time": [row["time"] for row in rows]}
+        | {axis: np.arange(n) for axis, n in zip(sites, start.heights.shape, strict=True)},
     )
-    dataset["heights"] = (sites, first.heights)
+    dataset["heights"] = (sites, start.heights)
     if snapshots:
-        dataset = dataset.assign_coords(field_time=[frame.time for frame in snapshots])
+        dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
         for name in FIELDS:
-            fields = np.stack([getattr(frame.contact, name) for frame in snapshots])
+            fields = np.stack([getattr(snapshot, name) for snapshot in snapshots])
             dataset[name] = (("field_time", *sites), fields)
     _describe(dataset)
-    return dataset.assign_attrs(_attributes(first, rtol))
+    return dataset.assign_attrs(_attributes(start, rtol))
 
 
-def _value(frame: Frame, name: str) -> float | int:
+def _value(frame: Frame, name: str) -> float:
     if name == "contact_fraction":
         return frame.contact.area / frame.contact.heights.size
     owner = frame if name in ("approach", "steps", "rejected", "iterations") else frame.contact
-    value: float | int = getattr(owner, name)
+    value: float = getattr(owner, name)
     return value
 
 

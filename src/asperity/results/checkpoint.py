@@ -1,0 +1,180 @@
+"""A long run's place in a file, so that a killed run goes on and ends at the identical result."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import time as clock
+import zipfile
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity._version import __version__
+from asperity.aging.creep import Midway
+from asperity.aging.tr_bdf2 import Past, Point
+from asperity.contact.problem import ContactSolver, Solution
+from asperity.contact.state import Contact
+from asperity.errors import InputError, OutputError
+from asperity.lattice import Field
+from asperity.results.dataset import Row, Snapshot
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Where a run keeps its place, and how often.
+
+    Parameters
+    ----------
+    path
+        The file; it appears under its name only when it is complete, and stays after the run.
+    every
+        Least number of seconds between two writes.
+    """
+
+    path: str | Path
+    every: float = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """What a checkpoint holds: the march, and what was recorded on the way."""
+
+    midway: Midway
+    rows: list[Row]
+    snapshots: list[Snapshot]
+
+
+class Keeper:
+    """Writes and reads the checkpoint of one run, and of no other."""
+
+    def __init__(self, checkpoint: Checkpoint, fingerprint: str) -> None:
+        self.path = Path(checkpoint.path)
+        self.every = checkpoint.every
+        self.fingerprint = fingerprint
+        self.written = clock.monotonic()
+
+    def is_due(self) -> bool:
+        """Whether it is time to write again."""
+        return clock.monotonic() - self.written >= self.every
+
+    def write(self, place: Place) -> None:
+        """Write atomically: a kill at any moment leaves the old or the new checkpoint.
+
+        Raises
+        ------
+        OutputError
+            The disk refused; an earlier checkpoint is untouched.
+        """
+        part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with part.open("wb") as file:
+                np.savez(file, **_packed(place, self.fingerprint))  # type: ignore[arg-type]
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(self.path)
+        except OSError as error:
+            with suppress(OSError):
+                part.unlink()
+            raise OutputError(
+                f"could not write the checkpoint {self.path}: {error.strerror or error}"
+            ) from error
+        self.written = clock.monotonic()
+
+    def read(self) -> Place | None:
+        """Read the checkpoint, if there is one.
+
+        Raises
+        ------
+        InputError
+            The file is no checkpoint, or that of a run with other parameters.
+        """
+        if not self.path.exists():
+            return None
+        advice = "another path, or remove the file"
+        try:
+            with self.path.open("rb") as file, zipfile.ZipFile(file):
+                file.seek(0)
+                archive = np.load(file, allow_pickle=False)
+                arrays = {name: archive[name] for name in archive.files}
+            facts = json.loads(str(arrays["facts"]))
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+            raise InputError(
+                "checkpoint", expected="a checkpoint of this run", got=f"{self.path}: {error}", advice=advice
+            ) from error
+        if facts["fingerprint"] != self.fingerprint:
+            raise InputError(
+                "checkpoint",
+                expected="a checkpoint of this run",
+                got=f"{self.path}, of a run with other parameters",
+                advice=advice,
+            )
+        return _unpacked(facts, arrays)
+
+
+def fingerprint_of(
+    start: Contact, times: Field, fields_at: Field, rtol: float, solver: ContactSolver | None
+) -> str:
+    """Hash all that a history depends on."""
+    spectra = start.system.spectra
+    digest = hashlib.sha256(repr((__version__, start.control, rtol, solver, start.u.shape)).encode())
+    for array in (
+        start.heights,
+        start.u,
+        start.u0,
+        spectra.permanent,
+        spectra.creeping,
+        spectra.mobility,
+        times,
+        fields_at,
+    ):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
+    midway, point = place.midway, place.midway.point
+    facts = {
+        "fingerprint": fingerprint,
+        "time": point.time,
+        "residual": point.solution.residual,
+        "earlier": None if midway.earlier is None else midway.earlier.time,
+        "march": [midway.deformation, midway.length, midway.steps, midway.rejected, midway.iterations],
+        "rows": place.rows,
+        "snapshots": [snapshot.time for snapshot in place.snapshots],
+    }
+    arrays = {
+        "facts": np.array(json.dumps(facts)),
+        "surface": point.surface,
+        "shape": point.shape,
+        "rate": point.rate,
+        "u": point.solution.u,
+        "in_contact": point.solution.in_contact,
+        "force": point.solution.force,
+    }
+    if midway.earlier is not None:
+        arrays["earlier_u"] = midway.earlier.u
+    for name in ("u", "u0", "in_contact"):
+        if place.snapshots:
+            arrays[f"kept_{name}"] = np.stack([getattr(snapshot, name) for snapshot in place.snapshots])
+    return arrays
+
+
+def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Place:
+    deformation, length, steps, rejected, iterations = facts["march"]
+    solution = Solution(arrays["u"], arrays["in_contact"], arrays["force"], facts["residual"], 0, 0)
+    point = Point(facts["time"], arrays["surface"], arrays["shape"], arrays["rate"], solution)
+    earlier = None if facts["earlier"] is None else Past(facts["earlier"], arrays["earlier_u"])
+    snapshots = [
+        Snapshot(time, *(arrays[f"kept_{name}"][index] for name in ("u", "u0", "in_contact")))
+        for index, time in enumerate(facts["snapshots"])
+    ]
+    midway = Midway(point, earlier, deformation, length, steps, rejected, iterations)
+    return Place(midway, facts["rows"], snapshots)
