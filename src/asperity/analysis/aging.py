@@ -1,0 +1,182 @@
+r"""The growth of the contact area: what was computed, the law that fits it, the theory that predicts it.
+
+The law is the paper's Eq. (a), fitted by `asperity.fits.saturation`. The theory is that of dilute
+contacts, `asperity.theory.dilute_area`; it is evaluated only where it is claimed to hold:
+
+* the heights of the sites are independent (a law of heights is given) and the load is held,
+* at most a tenth of the sites touch,
+* the dips around contacts have not met: their widths (k0/k1)^(1/2), (k0 R t)^(1/4) and
+  (k0 R_viscous t)^(1/2) are below the spacing of contacts, (A/N)^(-1/dimension).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from asperity.errors import ConvergenceError, InputError
+from asperity.fits import SaturationFit, saturation
+from asperity.lattice import Field
+from asperity.theory import compliance, dilute_area, dilute_horizon
+from asperity.theory.heights import HeightLaw
+
+DILUTE_FRACTION = 0.1
+"""Largest contact fraction at which the dilute theory is shown."""
+
+_POOR_FIT = 0.05
+"""Relative misfit, rms, above which a fit is called poor."""
+
+_FEWEST_TIMES = 4
+"""One more than the law has parameters."""
+
+_SMOOTH_CURVE = 200
+"""Points of a curve that is drawn as a line."""
+
+
+@dataclass(frozen=True, eq=False)
+class AgingSummary:
+    """What a history says about the growth of the contact area.
+
+    Attributes
+    ----------
+    time, area_ratio
+        Hold times above 0 and A(t)/A(0) at them, shape ``(n,)``.
+    initial_area, sites
+        A(0), and the nominal area; in sites.
+    relaxed_ratio
+        A(infinity)/A(0), or None if the history does not hold the relaxed state.
+    steepest_per_decade, steepest_time
+        Largest growth of A/A(0) in a decade of time between two recorded times, and the (geometric)
+        middle of the two; NaN for fewer than two times.
+    fit, fit_note
+        The saturation law, or None; and what must be said about it, or "".
+    fit_curve
+        The law at `curve_time`, or None.
+    curve_time
+        Times at which `fit_curve` is given, shape ``(m,)``.
+    dilute_time, dilute_ratio, dilute_note
+        Prediction of the dilute theory, A(t)/A(0) of its own, up to its horizon, shape ``(k,)``; or
+        empty, and why.
+    """
+
+    time: Field
+    area_ratio: Field
+    initial_area: int
+    sites: int
+    relaxed_ratio: float | None
+    steepest_per_decade: float
+    steepest_time: float
+    fit: SaturationFit | None
+    fit_note: str
+    fit_curve: Field | None
+    curve_time: Field
+    dilute_time: Field
+    dilute_ratio: Field
+    dilute_note: str
+
+
+def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> AgingSummary:
+    """Summarize the growth of the contact area.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History`, with the relaxed state if `with_limit` added it.
+    law
+        Law of the heights, such as ``theory.GaussianHeights(rms=1.0)``, if the sites are independent;
+        None for any other surface, about which the dilute theory says nothing.
+
+    Returns
+    -------
+    AgingSummary
+
+    Raises
+    ------
+    InputError
+        The history holds no time above 0, or started without any contact.
+    """
+    time, area = np.asarray(dataset["time"], dtype=np.float64), np.asarray(dataset["area"], dtype=np.float64)
+    if time.size < 2:
+        raise InputError("dataset", expected="a history of times above 0", got=f"{time.size} time")
+    if area[0] == 0:
+        raise InputError("dataset", expected="contact at time 0", got="none", advice="a larger load")
+    later, ratio = time[1:], area[1:] / area[0]
+    fit, fit_note = _fit(time, area)
+    curve_time = np.geomspace(later[0], later[-1], _SMOOTH_CURVE)
+    dilute_time, dilute_ratio, dilute_note = _dilute(dataset, law, curve_time)
+    steepest, when = _steepest(later, ratio)
+    relaxed = dataset.attrs.get("relaxed_area")
+    return AgingSummary(
+        time=later,
+        area_ratio=ratio,
+        initial_area=int(area[0]),
+        sites=int(dataset["heights"].size),
+        relaxed_ratio=None if relaxed is None else float(relaxed / area[0]),
+        steepest_per_decade=steepest,
+        steepest_time=when,
+        fit=fit,
+        fit_note=fit_note,
+        fit_curve=None if fit is None else fit.area_ratio(curve_time),
+        curve_time=curve_time,
+        dilute_time=dilute_time,
+        dilute_ratio=dilute_ratio,
+        dilute_note=dilute_note,
+    )
+
+
+def _fit(time: Field, area: Field) -> tuple[SaturationFit | None, str]:
+    """Fit Eq. (a), and say honestly if it means little."""
+    if area[-1] <= area[0]:
+        return None, "no fit: the area does not grow"
+    if time.size - 1 < _FEWEST_TIMES:
+        return None, f"no fit: it takes {_FEWEST_TIMES} times above 0 or more"
+    try:
+        fit = saturation(time, area)
+    except (InputError, ConvergenceError) as error:
+        return None, f"no fit: {error}"
+    if not (fit.q_stderr < 0.5 * fit.q and np.isfinite(fit.a_stderr)):
+        return fit, "a and q are not determined by these times; their product C = (a - 1) q is"
+    if not fit.t0_stderr < fit.t0:
+        return fit, "t0 is not determined by these times"
+    if fit.rms_residual > _POOR_FIT:
+        return fit, f"the law misses these areas by {100 * fit.rms_residual:.2g} % rms"
+    return fit, ""
+
+
+def _steepest(time: Field, ratio: Field) -> tuple[float, float]:
+    if time.size < 2:
+        return float("nan"), float("nan")
+    slopes = np.diff(ratio) / np.diff(np.log10(time))
+    at = int(np.argmax(slopes))
+    return float(slopes[at]), float(np.sqrt(time[at] * time[at + 1]))
+
+
+def _dilute(dataset: xr.Dataset, law: HeightLaw | None, time: Field) -> tuple[Field, Field, str]:
+    """Times up to the horizon, the theory's A(t)/A(0) there, and why there is none."""
+    nothing = np.empty(0)
+    k0, k1, R, viscous = (float(dataset.attrs.get(name, 0)) for name in ("k0", "k1", "R", "R_viscous"))
+    if law is None:
+        return nothing, nothing, "the dilute theory needs independent sites"
+    if dataset.attrs["held"] != "load":
+        return nothing, nothing, "the dilute theory needs a constant load"
+    if not (k0 > 0 and k1 > 0 and R > 0):
+        return nothing, nothing, "the dilute theory needs k0, k1 and R above 0"
+    dimension = dataset["heights"].ndim
+    load_per_site = float(dataset.attrs["held_load"]) / dataset["heights"].size
+    growth = compliance(k1 / k0, k0 * R * np.append(0.0, time), viscous / R, dimension) / k0
+    fraction = dilute_area(load_per_site, growth, law)
+    initial, later = float(fraction[0]), fraction[1:]
+    spacing = later ** (-1 / dimension)
+    apart = (
+        (later <= DILUTE_FRACTION)
+        & (np.sqrt(k0 / k1) < spacing)
+        & (k0 * R * time < dilute_horizon(np.minimum(later, 1.0), dimension))
+        & (np.sqrt(k0 * viscous * time) < spacing)
+    )
+    # The fraction only grows and so do the dips: once they have met they stay so.
+    holds = np.logical_and.accumulate(apart)
+    if not holds.any():
+        return nothing, nothing, "the contacts are too dense for the dilute theory"
+    return time[holds], later[holds] / initial, ""

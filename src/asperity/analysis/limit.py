@@ -1,0 +1,55 @@
+"""Put the relaxed state beside the history that creeps toward it."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from asperity.contact.state import Contact
+from asperity.errors import InputError
+
+
+def with_limit(dataset: xr.Dataset, limit: Contact) -> xr.Dataset:
+    """Add the relaxed state to a history.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History`.
+    limit
+        The state from `asperity.relax`, of the same surface.
+
+    Returns
+    -------
+    Dataset
+        A copy with the fields ``in_contact_relaxed`` and ``u_relaxed`` and the attributes
+        ``relaxed_area`` (sites), ``relaxed_load``, ``relaxed_separation``, ``relaxed_energy`` and
+        ``relaxed_residual``.
+
+    Raises
+    ------
+    InputError
+        The state is of another lattice.
+    """
+    sites = dataset["heights"].dims
+    if limit.heights.shape != dataset["heights"].shape:
+        raise InputError(
+            "limit", expected=f"a contact of shape {dataset['heights'].shape}", got=limit.heights.shape
+        )
+    extended = dataset.copy()
+    extended["in_contact_relaxed"] = xr.DataArray(
+        limit.in_contact,
+        dims=sites,
+        attrs={"long_name": "whether the site is in contact in the relaxed state", "units": "1"},
+    )
+    extended["u_relaxed"] = xr.DataArray(
+        limit.u,
+        dims=sites,
+        attrs={"long_name": "height of the elastic surface in the relaxed state", "units": "height unit"},
+    )
+    return extended.assign_attrs(
+        relaxed_area=limit.area,
+        relaxed_load=limit.load,
+        relaxed_separation=limit.separation,
+        relaxed_energy=limit.energy,
+        relaxed_residual=limit.residual,
+    )

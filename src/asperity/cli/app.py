@@ -1,0 +1,161 @@
+"""The commands, and the one place where errors become words.
+
+Exit status: 0 for success, 2 for bad input, 1 for any other failure, 130 when interrupted. The engine
+is imported inside the commands, so that help and mistakes in the arguments appear at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+from cyclopts.exceptions import CycloptsError
+
+from asperity._version import __version__
+from asperity.cli.flags import (
+    AgingFlags,
+    ContactFlags,
+    FileFlags,
+    OutputFlags,
+    SolidFlags,
+    SurfaceFlags,
+    Switch,
+    given,
+)
+from asperity.errors import AsperityError, ConfigError, InputError
+
+app = App(
+    name="asperity",
+    help="How the real contact between rough solids grows old.",
+    version=__version__,
+    help_format="plaintext",
+    suppress_keyboard_interrupt=False,
+)
+
+
+@app.command
+def run(
+    config: Path | None = None,
+    /,
+    *,
+    out: Path = Path("asperity-out"),
+    overwrite: Switch = False,
+    quiet: Switch = False,
+    surface: SurfaceFlags | None = None,
+    preparation: FileFlags | None = None,
+    solid: SolidFlags | None = None,
+    contact: ContactFlags | None = None,
+    aging: AgingFlags | None = None,
+    output: OutputFlags | None = None,
+) -> None:
+    """Press an elastic solid onto a rough surface and let the contact age.
+
+    Without arguments: a Gaussian surface of 200 x 200 sites, k1/k0 = 3, nine decades of hold time.
+    Flags override the configuration file, whose sections are the groups below.
+
+    Parameters
+    ----------
+    config
+        Configuration, a TOML file; a run writes its own to the results as config.toml.
+    out
+        Folder for the results, which appears when all is written; it must not exist yet.
+    overwrite
+        Replace the results of an earlier run.
+    quiet
+        Print neither progress nor summary.
+    """
+    flags = given(surface, preparation, solid, contact, aging, output)
+    from asperity.cli.config_file import read_config
+
+    settings = read_config(config, flags)
+    from asperity.cli.run import run as run_it
+
+    run_it(settings, out=out, overwrite=overwrite, quiet=quiet)
+
+
+@app.command(name="surface")
+def show_surface(
+    file: Path,
+    /,
+    *,
+    out: Path | None = None,
+    overwrite: Switch = False,
+    preparation: FileFlags | None = None,
+) -> None:
+    """Say what a surface file holds and what a run would make of it, and draw it.
+
+    Parameters
+    ----------
+    file
+        A surface file of an instrument, a .npy array, or a text matrix.
+    out
+        Figure to write (.png, .pdf or .svg); by default the file's name with .png, in the current folder.
+    overwrite
+        Replace the figure if it exists.
+    """
+    from asperity.cli.config_file import file_surface
+
+    settings = file_surface(file, given(preparation).get("surface", {}))
+    from asperity.cli.show import show
+
+    show(settings, out=out, overwrite=overwrite)
+
+
+def main(arguments: Annotated[Sequence[str] | None, Parameter(parse=False)] = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments
+        The words after ``asperity``; by default those of the process.
+
+    Returns
+    -------
+    int
+        The exit status.
+    """
+    try:
+        app(
+            sys.argv[1:] if arguments is None else list(arguments),
+            exit_on_error=False,
+            print_error=False,
+            result_action="return_value",
+        )
+        sys.stdout.flush()
+    except CycloptsError as error:
+        return _complain(2, _usage(error))
+    except ConfigError as error:
+        return _complain(2, *error.problems)
+    except InputError as error:
+        return _complain(2, str(error))
+    except AsperityError as error:
+        return _complain(1, str(error))
+    except BrokenPipeError:
+        # The reader of our words has gone; let the interpreter's last flush go nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        return _complain(1, f"{error.filename}: {error.strerror}" if error.filename else str(error))
+    except MemoryError as error:
+        return _complain(1, f"not enough memory: {error or 'try a smaller surface'}")
+    except KeyboardInterrupt:
+        return _complain(130, "interrupted; nothing was written")
+    return 0
+
+
+def _complain(status: int, *problems: str) -> int:
+    for problem in problems:
+        print("asperity:", " ".join(problem.split()), file=sys.stderr)
+    return status
+
+
+def _usage(error: CycloptsError) -> str:
+    """Spell an error of the arguments, with a way out."""
+    text = str(error)
+    if error.unused_tokens and "Unused Tokens" in text:
+        text = f"too many arguments: {' '.join(error.unused_tokens)}"
+    return f"{text.rstrip('.')} (see asperity --help)"

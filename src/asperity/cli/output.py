@@ -1,0 +1,154 @@
+"""The files of a run: all of them in one folder, which is complete or not there."""
+
+from __future__ import annotations
+
+import csv
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from asperity.analysis import contact_maps
+from asperity.cli.config_file import to_toml
+from asperity.errors import InputError, OutputError
+from asperity.figures import aging_curve, contact_figure
+from asperity.figures.style import RESOLUTION
+from asperity.results import save
+from asperity.results.store import whole_folder
+
+if TYPE_CHECKING:
+    from asperity.cli.run import Outcome
+
+_SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
+_COLUMNS = ("area", "load", "separation", "energy")
+
+
+def check_free(out: Path, *, overwrite: bool) -> None:
+    """Make sure, before anything is computed, that the results can be written.
+
+    Raises
+    ------
+    InputError
+        The folder exists and is not to be replaced, or is no earlier run's.
+    OutputError
+        Nothing can be written there.
+    """
+    folder = out.resolve()
+    if folder == Path.cwd() or folder in Path.cwd().parents:
+        raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
+    if out.exists() and not out.is_dir():
+        raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
+    if out.exists() and any(out.iterdir()):
+        is_run = all((out / name).exists() for name in _SIGNS_OF_A_RUN)
+        if not is_run:
+            raise InputError(
+                "--out",
+                expected="a new folder",
+                got=f"{out}, which holds something else than a run and is kept",
+                advice="another name",
+            )
+        if not overwrite:
+            raise InputError(
+                "--out",
+                expected="a new folder",
+                got=f"{out}, which holds a run and is kept",
+                advice="another name, or --overwrite",
+            )
+    ground = folder.parent
+    while not ground.exists():
+        ground = ground.parent
+    try:
+        # Permissions do not tell of read-only disks and full quotas: try.
+        with tempfile.TemporaryDirectory(prefix=".asperity-", dir=ground):
+            pass
+    except OSError as error:
+        raise OutputError(f"cannot write {out}: {error.strerror}: {ground}") from error
+
+
+def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> None:
+    """Write every file of a run.
+
+    Parameters
+    ----------
+    outcome
+        What the run found.
+    out
+        The folder.
+    text
+        The summary, as text.
+    overwrite
+        Whether an earlier run may be replaced; an empty folder always may.
+
+    Raises
+    ------
+    OutputError
+        The disk refused; nothing is left.
+    """
+    check_free(out, overwrite=overwrite)  # again: hours may have passed
+    with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
+        try:
+            save(outcome.dataset, folder / "history.zarr")
+        except OutputError as error:
+            # Its own name is that of a folder which will be gone; the disk's reason is what matters.
+            if isinstance(error.__cause__, OSError):
+                raise error.__cause__ from None
+            raise
+        (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
+        (folder / "summary.txt").write_text(text, encoding="utf-8")
+        _write_table(outcome, folder / "aging.csv")
+        for name, figure in _figures(outcome).items():
+            for kind in outcome.config.output.figures:
+                figure.savefig(folder / f"{name}.{kind}", dpi=RESOLUTION)
+
+
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write a figure that is complete under its name or not there.
+
+    Raises
+    ------
+    OutputError
+        The disk refused.
+    """
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
+        os.close(handle)
+        staging = Path(name)
+        try:
+            figure.savefig(staging, dpi=RESOLUTION)
+            staging.chmod(0o644)
+            staging.replace(path)
+        finally:
+            staging.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"could not write {path}: {error.strerror or error}") from error
+
+
+def _figures(outcome: Outcome) -> dict[str, Figure]:
+    drawn = {"aging": aging_curve(outcome.dataset, outcome.summary)}
+    if outcome.config.output.maps_at:
+        drawn["contacts"] = contact_figure(contact_maps(outcome.dataset))
+    return drawn
+
+
+def _write_table(outcome: Outcome, path: Path) -> None:
+    """One row a time, from 0 on; numbers to the last digit."""
+    summary, dataset = outcome.summary, outcome.dataset
+    series = {name: dataset[name].values.tolist() for name in _COLUMNS}
+    ratios = [1.0, *summary.area_ratio.tolist()]
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(["time", "area", "area_ratio", "load", "separation", "energy"])
+        times = dataset["time"].values.tolist()
+        table.writerows(
+            zip(
+                times,
+                series["area"],
+                ratios,
+                series["load"],
+                series["separation"],
+                series["energy"],
+                strict=True,
+            )
+        )

@@ -1,0 +1,111 @@
+"""Progress: a bar on a terminal, a line for each decade elsewhere, nothing if quiet."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Protocol
+
+from rich.console import Console
+from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bar
+
+from asperity.aging import Frame
+
+
+class Progress(Protocol):
+    """Someone who is told how far a run has come."""
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        """Begin a stage; aging passes the times that it will record."""
+        ...
+
+    def remark(self, text: str) -> None:
+        """The user should know this before the run ends."""
+        ...
+
+    def reached(self, frame: Frame) -> None:
+        """Aging has come to this moment."""
+        ...
+
+
+@contextmanager
+def progress_shown(*, quiet: bool) -> Iterator[Progress]:
+    """Choose how progress is shown, on the error stream, until the run ends."""
+    if quiet:
+        yield _Nobody()
+    elif not sys.stderr.isatty():
+        yield _Lines()
+    else:
+        columns = (
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[state]}"),
+            TimeElapsedColumn(),
+        )
+        with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+            yield _OnTerminal(bar)
+
+
+class _Nobody:
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        pass
+
+    def remark(self, text: str) -> None:
+        pass
+
+    def reached(self, frame: Frame) -> None:
+        pass
+
+
+class _Lines:
+    """Plain lines, for logs."""
+
+    def __init__(self) -> None:
+        self._decade = -math.inf
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        span = f" to t = {times[-1]:g}" if times else ""
+        self._say(f"{name}{span}")
+
+    def remark(self, text: str) -> None:
+        self._say(f"remark: {text}")
+
+    def reached(self, frame: Frame) -> None:
+        # The epsilon puts 10^k, however rounded, at the start of its decade.
+        decade = math.floor(math.log10(frame.time) + 1e-9) if frame.time > 0 else -math.inf
+        if frame.time == 0 or decade > self._decade:
+            self._decade = decade
+            self._say(f"  t = {frame.time:<8.4g} {_state(frame)}")
+
+    def _say(self, text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+
+class _OnTerminal:
+    """A bar whose length is the number of times recorded: even in the decades."""
+
+    def __init__(self, bar: Bar) -> None:
+        self._bar = bar
+        self._task = bar.add_task("", total=None, state="")
+        self._times: Sequence[float] = ()
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        self._times = times
+        self._bar.reset(self._task, description=name, total=len(times) or None, state="")
+
+    def remark(self, text: str) -> None:
+        self._bar.console.print(f"remark: {text}", highlight=False, markup=False)
+
+    def reached(self, frame: Frame) -> None:
+        done = sum(time <= frame.time for time in self._times)
+        state = f"t = {frame.time:.3g} of {self._times[-1]:.3g}, {_state(frame)}"
+        self._bar.update(self._task, completed=done, state=state)
+
+
+def _state(frame: Frame) -> str:
+    contact = frame.contact
+    return f"area {contact.area} sites ({100 * contact.area / contact.heights.size:.3g} %)"

@@ -1,0 +1,152 @@
+"""The command ``asperity surface``: what a surface file holds, in words and as a figure."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from asperity.analysis import surface_view
+from asperity.cli.config import MeasuredSurface
+from asperity.cli.output import write_figure
+from asperity.cli.report import aligned
+from asperity.errors import InputError
+from asperity.figures import surface_figure
+from asperity.surfaces import Statistics, Surface, read
+
+_SUFFIXES = (".png", ".pdf", ".svg")
+
+
+def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> None:
+    """Read, describe and draw a surface.
+
+    Parameters
+    ----------
+    settings
+        The file and how to prepare it.
+    out
+        The figure, or None to name it after the file.
+    overwrite
+        Whether an existing figure may be replaced.
+
+    Raises
+    ------
+    AsperityError
+        The file cannot be used, or the figure not written.
+    """
+    file = Path(settings.path)
+    target = Path(f"{file.stem}.png") if out is None else out
+    _check_target(target, overwrite=overwrite)
+    # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
+    found = read(
+        file,
+        undefined=settings.undefined,
+        max_undefined=settings.max_undefined,
+        tilt="none",
+        periodic="wrap",
+        channel=settings.channel,
+    )
+    prepared = read(
+        file,
+        undefined=settings.undefined,
+        max_undefined=settings.max_undefined,
+        tilt=settings.tilt,
+        periodic=settings.periodic,
+        unit=settings.unit,
+        channel=settings.channel,
+    )
+    figure = surface_figure(surface_view(prepared), title=file.name, note=_note(prepared, settings))
+    write_figure(figure, target)
+    sys.stdout.write(f"{aligned(_origin(found))}\n\n")
+    sys.stdout.write(f"{aligned(_comparison(found.describe(), prepared.describe()))}\n\n")
+    sys.stdout.write(f"{aligned(_preparation(prepared))}\n\nfigure written: {target}\n")
+
+
+def _check_target(target: Path, *, overwrite: bool) -> None:
+    if target.suffix.lower() not in _SUFFIXES:
+        raise InputError("--out", expected=f"a name that ends in {', '.join(_SUFFIXES)}", got=target)
+    if target.is_dir() or not target.parent.is_dir():
+        raise InputError("--out", expected="a file in a folder that exists", got=target)
+    if target.exists() and not overwrite:
+        raise InputError(
+            "--out",
+            expected="a new file",
+            got=f"{target}, which is kept",
+            advice="another name, or --overwrite",
+        )
+
+
+def _origin(found: Surface) -> list[tuple[str, str]]:
+    """Say what the file holds."""
+    facts = found.provenance
+    shape, size = _listed(facts["original_shape"]), _listed(facts["physical_size"])
+    undefined = int(str(facts["undefined_pixels"]))
+    pixels = " x ".join(map(str, shape))
+    channels = ", ".join(map(str, _listed(facts["channels"])))
+    length_unit = facts["length_unit"] or "(no unit)"
+    rows = [
+        ("file", str(facts["file"])),
+        ("format", f"{facts['format']}, read by {facts['reader']}"),
+        ("pixels", f"{pixels}, undefined: {undefined or 'none'}"),
+        ("size", f"{' x '.join(f'{s:g}' for s in size)} {length_unit}" if size else "not in the file"),
+        ("unit of heights", "not in the file" if found.unit == "1" else found.unit),
+    ]
+    if channels:
+        rows.append(("channels", f"{channels}; shown: {facts['channel']}"))
+    return rows + [("remark", str(remark)) for remark in _listed(facts["reader_remarks"])]
+
+
+def _comparison(before: Statistics, after: Statistics) -> list[tuple[str, ...]]:
+    """Statistics of the file's heights and of those that a run would get."""
+    entries: list[tuple[str, Callable[[Statistics], str]]] = [
+        ("sites", lambda s: " x ".join(map(str, s.shape))),
+        ("minimum", lambda s: f"{s.minimum:.5g}{_of(s.unit)}"),
+        ("maximum", lambda s: f"{s.maximum:.5g}{_of(s.unit)}"),
+        ("rms height", lambda s: f"{s.rms_height:.5g}{_of(s.unit)}"),
+        ("rms slope", lambda s: f"{s.rms_slope:.4g}{_of(s.slope_unit)}"),
+        ("skewness", lambda s: f"{s.skewness:.3g}"),
+        ("kurtosis (Gaussian: 3)", lambda s: f"{s.kurtosis:.3g}"),
+        ("step at the seam / usual step", lambda s: f"{s.seam_ratio:.3g}"),
+    ]
+    return [("", "in the file", "prepared"), *((name, text(before), text(after)) for name, text in entries)]
+
+
+def _preparation(prepared: Surface) -> list[tuple[str, str]]:
+    """Say what a run would do."""
+    facts = prepared.provenance
+    tilt = ", ".join(f"{value:.4g}" for value in _listed(facts["tilt_coefficients"]))
+    removed = "" if facts["tilt_rule"] == "none" else f": removed height and slopes per pixel {tilt}"
+    return [
+        ("undefined pixels", f"{facts['undefined_rule']} ({facts['undefined_pixels']})"),
+        ("tilt", f"{facts['tilt_rule']}{removed}"),
+        (
+            "unit",
+            "as in the file"
+            if facts["scale_factor"] == 1
+            else f"{prepared.unit}: heights x {facts['scale_factor']:g}",
+        ),
+        ("made periodic by", str(facts["periodic_rule"])),
+    ]
+
+
+def _note(prepared: Surface, settings: MeasuredSurface) -> str:
+    facts = prepared.provenance
+    shape = " × ".join(map(str, _listed(facts["original_shape"])))
+    parts = [f"{shape} pixels"]
+    if facts["undefined_pixels"]:
+        parts.append(f"{facts['undefined_pixels']} undefined pixels filled")
+    parts.append({"plane": "plane removed", "mean": "mean removed", "none": "tilt kept"}[settings.tilt])
+    if settings.periodic == "mirror":
+        final = " × ".join(map(str, prepared.shape))
+        parts.append(f"mirrored to {final} in a run")
+    elif settings.periodic == "taper":
+        parts.append("border tapered")
+    return ", ".join(parts)
+
+
+def _listed(value: object) -> list[object]:
+    return list(value) if isinstance(value, list) else []
+
+
+def _of(unit: str) -> str:
+    return "" if unit == "1" else f" {unit}"

@@ -1,0 +1,10 @@
+"""Figures: what analysis found, drawn. Nothing is computed here, and no display is needed.
+
+Each function returns a `matplotlib.figure.Figure`; write it with ``figure.savefig("name.png")``.
+"""
+
+from asperity.figures.aging import aging_curve
+from asperity.figures.contacts import contact_figure
+from asperity.figures.surface import surface_figure
+
+__all__ = ["aging_curve", "contact_figure", "surface_figure"]

@@ -1,0 +1,139 @@
+"""The aging curve: contact area against the logarithm of the hold time."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+from numpy.typing import ArrayLike
+
+from asperity.analysis import AgingSummary
+from asperity.figures import style
+from asperity.lattice import Field
+
+
+def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
+    """Draw A(t)/A(0), the saturation law, the dilute theory where it holds, and the relaxed limit.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History`, for the conditions in the title.
+    summary
+        From `asperity.analysis.aging_summary` of it.
+
+    Returns
+    -------
+    Figure
+    """
+    figure = Figure(figsize=(6.4, 4.6), layout="constrained")
+    axes = figure.add_subplot()
+    axes.set_xscale("log")
+    axes.plot(
+        summary.time,
+        summary.area_ratio,
+        "o",
+        color=style.INK,
+        markersize=4.5,
+        markerfacecolor="white",
+        label="computed",
+        zorder=4,
+    )
+    _draw_law(axes, summary)
+    _draw_theory(axes, summary)
+    if summary.relaxed_ratio is not None:
+        axes.axhline(
+            summary.relaxed_ratio,
+            color=style.GRAY,
+            linestyle=":",
+            linewidth=1.6,
+            label=rf"relaxed limit $t \to \infty$: {summary.relaxed_ratio:.4g}",
+            zorder=1,
+        )
+    _frame(axes, summary)
+    axes.set_title(f"Growth of the real contact area with hold time\n{_conditions(dataset)}", fontsize=10)
+    axes.legend(loc="best", fontsize=8, framealpha=0.95)
+    return figure
+
+
+def _draw_law(axes: Axes, summary: AgingSummary) -> None:
+    fit = summary.fit
+    if fit is None or summary.fit_curve is None:
+        axes.plot([], [], " ", label=_wrapped(summary.fit_note))
+        return
+    label = "\n".join(
+        [
+            r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
+            f"   $a$ = {style.uncertain(fit.a, fit.a_stderr)}",
+            f"   $q$ = {style.uncertain(fit.q, fit.q_stderr)}",
+            f"   $t_0$ = {style.uncertain(fit.t0, fit.t0_stderr)}",
+        ]
+        + ([f"   {_wrapped(summary.fit_note)}"] if summary.fit_note else [])
+    )
+    axes.plot(summary.curve_time, summary.fit_curve, "-", color=style.BLUE, linewidth=1.6, label=label)
+
+
+def _draw_theory(axes: Axes, summary: AgingSummary) -> None:
+    if summary.dilute_time.size == 0:
+        return
+    label = "dilute theory (no fit)"
+    if summary.dilute_time[-1] < summary.curve_time[-1]:
+        ends = style.power(float(f"{summary.dilute_time[-1]:.0e}"))
+        label += f", fails as the dips\naround contacts meet, before $t$ ~ ${ends}$"
+    axes.plot(
+        summary.dilute_time,
+        summary.dilute_ratio,
+        "--",
+        color=style.VERMILION,
+        linewidth=1.8,
+        label=label,
+        zorder=3,
+    )
+
+
+def _frame(axes: Axes, summary: AgingSummary) -> None:
+    """Label the axes; the right one counts the nominal area."""
+    axes.set_xlabel(r"hold time $t$  [1 / (stiffness $\times$ mobility)]")
+    axes.set_ylabel(r"contact area $A(t)\,/\,A(0)$")
+    axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+    percent = 100.0 * summary.initial_area / summary.sites
+
+    def to_percent(ratio: ArrayLike) -> Field:
+        return np.asarray(ratio, dtype=np.float64) * percent
+
+    def to_ratio(share: ArrayLike) -> Field:
+        return np.asarray(share, dtype=np.float64) / percent
+
+    right = axes.secondary_yaxis("right", functions=(to_percent, to_ratio))
+    right.set_ylabel("real contact [% of nominal area]")
+    right.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.margins(x=0.03)
+
+
+def _conditions(dataset: xr.Dataset) -> str:
+    """Say on one line what the surface was, what was held and what the solid was."""
+    attrs = dataset.attrs
+    origin = json.loads(attrs.get("surface", "{}"))
+    source = str(origin.get("file", origin.get("kind", ""))).replace("_", "-")
+    lattice = " × ".join(str(n) for n in dataset["heights"].shape)
+    held = str(attrs["held"])
+    parts = [f"{source} {lattice} sites".strip(), f"{held} {float(attrs[f'held_{held}']):.6g} held"]
+    parts += [f"{name} = {float(attrs[name]):g}" for name in ("k0", "k1", "R") if name in attrs]
+    if float(attrs.get("R_viscous", 0)) > 0:
+        parts.append(f"R_viscous = {float(attrs['R_viscous']):g}")
+    return ", ".join(parts)
+
+
+def _wrapped(text: str) -> str:
+    """Break a long note for the legend."""
+    lines, line = [], ""
+    for word in text.split():
+        if len(line) + len(word) > 42:
+            lines.append(line)
+            line = ""
+        line = f"{line} {word}".strip()
+    return "\n   ".join([*lines, line])

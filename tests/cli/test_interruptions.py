@@ -1,0 +1,102 @@
+"""Disks that fill up, users who stop a run, readers who go away: nothing half-written is left."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import SMALL, process
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
+
+
+def test_a_disk_that_fills_up(tmp_path: Path) -> None:
+    # No file may grow beyond the limit, which the history fits into and the first figure does not.
+    full = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))"
+    running = process("run", *SMALL, "--quiet", "--out", tmp_path / "out", before=full)
+    out, error = running.communicate(timeout=60)
+    assert (running.returncode, out) == (1, "")
+    assert error == f"asperity: could not write {tmp_path / 'out'}: File too large; nothing was left there\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_that_fills_up_keeps_the_earlier_run(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("history.zarr", "config.toml", "summary.txt"):
+        (out / name).write_text("earlier")
+    # This one stops the history.
+    full = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))"
+    running = process("run", *SMALL, "--quiet", "--overwrite", "--out", out, before=full)
+    _, error = running.communicate(timeout=60)
+    assert running.returncode == 1
+    assert "File too large" in error
+    assert (out / "summary.txt").read_text() == "earlier"
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_a_figure_on_a_disk_that_fills_up(tmp_path: Path) -> None:
+    (tmp_path / "rough.txt").write_text("\n".join("1 2 3 5" for _ in range(4)))
+    full = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))"
+    running = process("surface", tmp_path / "rough.txt", "--out", tmp_path / "a.png", before=full)
+    out, error = running.communicate(timeout=60)
+    assert (running.returncode, out) == (1, "")
+    assert error == f"asperity: could not write {tmp_path / 'a.png'}: File too large\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["rough.txt"]
+
+
+def test_a_run_that_is_stopped(tmp_path: Path) -> None:
+    # Python ignores the signal if it was started with it ignored, as in a shell's background.
+    listen = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
+    running = process("run", "--shape", "400,400", "--out", tmp_path / "out", before=listen)
+    assert running.stderr is not None
+    for line in running.stderr:
+        if line.startswith("  t = 0.001"):
+            break
+    running.send_signal(signal.SIGINT)
+    out, error = running.communicate(timeout=60)
+    assert (running.returncode, out) == (130, "")
+    assert error.splitlines()[-1] == "asperity: interrupted; nothing was written"
+    assert "Traceback" not in error
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_reader_who_goes_away(tmp_path: Path) -> None:
+    running = process("run", *SMALL, "--out", tmp_path / "out")
+    assert running.stdout is not None
+    running.stdout.close()
+    assert running.stderr is not None
+    error = running.stderr.read()
+    running.stderr.close()
+    running.wait(timeout=60)
+    assert "Traceback" not in error
+    assert "Exception ignored" not in error
+    assert (tmp_path / "out" / "summary.txt").exists()
+
+
+def test_on_a_terminal_there_is_a_bar(tmp_path: Path) -> None:
+    pty = pytest.importorskip("pty")
+    import os
+
+    ours, theirs = pty.openpty()
+    code = "import sys; from asperity.cli import main; sys.exit(main(sys.argv[1:]))"
+    words = [sys.executable, "-c", code, "run", *SMALL, "--out", str(tmp_path / "out")]
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=theirs) as running:
+        os.close(theirs)
+        shown = b""
+        while True:
+            try:
+                piece = os.read(ours, 4096)
+            except OSError:  # the terminal is gone
+                break
+            if not piece:
+                break
+            shown += piece
+    os.close(ours)
+    assert running.returncode == 0
+    assert b"\x1b[" in shown
+    assert b"aging" in shown

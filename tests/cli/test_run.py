@@ -1,0 +1,223 @@
+"""``asperity run``: what it writes, and that it can be run again."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity import age, press, relax, results
+from asperity.analysis import hold_times
+from asperity.solids import spring_lattice
+from asperity.surfaces import exponential, gaussian, read, self_affine
+from tests.cli.conftest import SMALL, Asperity
+
+BRIEF = ("--times", "1", "--maps-at", "", "--quiet")
+"""One time, no map, no word."""
+
+
+def test_all_files_are_there(finished: Path) -> None:
+    assert sorted(p.name for p in finished.iterdir()) == [
+        "aging.csv",
+        "aging.png",
+        "config.toml",
+        "contacts.png",
+        "history.zarr",
+        "summary.txt",
+    ]
+    assert list(finished.parent.iterdir()) == [finished]
+
+
+def test_the_history_is_that_of_the_verbs(finished: Path) -> None:
+    dataset = results.load(finished / "history.zarr")
+    contact = press(gaussian((32, 32), seed=7), spring_lattice(k0=1.0, k1=3.0), load=20.5)
+    times = hold_times(first=1e-3, last=10.0, per_decade=2)
+    history = age(contact, times, rtol=2e-3, fields_at=dataset["field_time"].values.tolist())
+    np.testing.assert_array_equal(dataset["area"], history.dataset["area"])
+    np.testing.assert_array_equal(dataset["in_contact"], history.dataset["in_contact"])
+    limit = relax(contact)
+    assert dataset.attrs["relaxed_area"] == limit.area
+    np.testing.assert_array_equal(dataset["in_contact_relaxed"], limit.in_contact)
+    assert json.loads(dataset.attrs["surface"])["seed"] == 7
+    assert dataset.attrs["config"] == (finished / "config.toml").read_text()
+    assert dataset["field_time"].values[0] == 0
+    assert dataset["field_time"].size == 6
+
+
+def test_the_table_holds_the_history(finished: Path) -> None:
+    dataset = results.load(finished / "history.zarr")
+    with (finished / "aging.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert list(rows[0]) == ["time", "area", "area_ratio", "load", "separation", "energy"]
+    for name in ("time", "area", "load", "separation", "energy"):
+        np.testing.assert_array_equal([float(row[name]) for row in rows], dataset[name])
+    ratio = dataset["area"] / dataset["area"][0]
+    np.testing.assert_array_equal([float(row["area_ratio"]) for row in rows], ratio)
+
+
+def test_a_run_repeated_from_its_own_configuration_is_identical(
+    finished: Path, tmp_path: Path, asperity: Asperity
+) -> None:
+    out = tmp_path / "again"
+    assert asperity("run", finished / "config.toml", "--quiet", "--out", out) == (0, "", "")
+    first, again = (results.load(folder / "history.zarr") for folder in (finished, out))
+    assert first.identical(again)
+    assert (out / "config.toml").read_text() == (finished / "config.toml").read_text()
+    assert (out / "aging.csv").read_bytes() == (finished / "aging.csv").read_bytes()
+
+
+def test_the_summary_says_what_was_found(tmp_path: Path, asperity: Asperity) -> None:
+    out = tmp_path / "new" / "out"
+    status, text, progress = asperity("run", *SMALL, "--out", out)
+    dataset = results.load(out / "history.zarr")
+    initial, last = int(dataset["area"][0]), int(dataset["area"][-1])
+    assert status == 0
+    assert f"{initial} of 1024 sites = {100 * initial / 1024:.4g} %" in text
+    assert f"{last} of 1024 sites" in text
+    assert f"{dataset.attrs['relaxed_area']} of 1024 sites" in text
+    assert "k1 = 3" in text
+    assert "no load was given: took 20.5 = 0.005 (k0 + k1) x rms height x sites" in text
+    assert f"{int(dataset['steps'].sum())} time steps" in text
+    assert str(out) in text
+    assert text.startswith((out / "summary.txt").read_text() + "\n")
+    assert "remark: no load was given: took 20.5" in progress
+    # Not a terminal: plain lines, one a decade, and the start.
+    reached = [line.split()[2] for line in progress.splitlines() if line.startswith("  t = ")]
+    assert reached == ["0", "0.001", "0.01", "0.1", "1", "10"]
+    assert "\x1b" not in progress + text
+
+
+@pytest.mark.parametrize(
+    ("words", "heights"),
+    [
+        (("--shape", "16", "8"), gaussian((16, 8))),
+        (("--shape", "64", "--rms", "2"), gaussian(64, rms=2.0)),
+        (("--surface", "exponential", "--shape", "16,16", "--seed", "3"), exponential((16, 16), seed=3)),
+        (("--surface", "self_affine", "--size", "16", "--hurst", "0.8"), self_affine(16, hurst=0.8)),
+    ],
+)
+def test_every_kind_of_surface(
+    words: tuple[str, ...], heights: np.ndarray, tmp_path: Path, asperity: Asperity
+) -> None:
+    out = tmp_path / "out"
+    assert asperity("run", *words, *BRIEF, "--out", out) == (0, "", "")
+    np.testing.assert_array_equal(results.load(out / "history.zarr")["heights"], heights)
+
+
+def test_a_measured_surface(tmp_path: Path, asperity: Asperity) -> None:
+    np.save(tmp_path / "rough.npy", gaussian((12, 10), seed=4))
+    config = tmp_path / "run.toml"
+    config.write_text("[surface]\npath = 'rough.npy'\nperiodic = 'wrap'\ntilt = 'none'")
+    out = tmp_path / "out"
+    assert asperity("run", config, *BRIEF, "--out", out)[0] == 0
+    dataset = results.load(out / "history.zarr")
+    surface = read(tmp_path / "rough.npy", periodic="wrap", tilt="none")
+    np.testing.assert_array_equal(dataset["heights"], surface.heights)
+    assert json.loads(dataset.attrs["surface"])["sha256"] == surface.provenance["sha256"]
+    # The written configuration finds the file from anywhere.
+    assert f'path = "{tmp_path / "rough.npy"}"' in (out / "config.toml").read_text()
+
+
+def test_held_separation_and_chosen_maps_and_formats(tmp_path: Path, asperity: Asperity) -> None:
+    out = tmp_path / "out"
+    words = ("--separation", "1.5", "--maps-at", "0", "0.5", "--figures", "svg", "--times", "0.1", "1")
+    status, text, _ = asperity("run", "--shape", "16,16", *words, "--out", out)
+    assert status == 0
+    assert "separation 1.5" in text
+    assert "no fit: " in text
+    dataset = results.load(out / "history.zarr")
+    np.testing.assert_allclose(dataset["separation"], 1.5)
+    assert dataset["field_time"].values.tolist() == [0.0, 0.5]
+    assert dataset["time"].values.tolist() == [0.0, 0.1, 1.0]
+    assert (out / "aging.svg").exists()
+    assert not (out / "aging.png").exists()
+
+
+def test_without_maps_there_is_no_map(tmp_path: Path, asperity: Asperity) -> None:
+    config = tmp_path / "run.toml"
+    config.write_text("[output]\nmaps_at = []")
+    out = tmp_path / "out"
+    assert asperity("run", config, "--shape", "8,8", "--times", "1", "--quiet", "--out", out)[0] == 0
+    assert not (out / "contacts.png").exists()
+
+
+def test_a_state_that_depends_on_the_path_is_left_out_with_a_remark(
+    tmp_path: Path, asperity: Asperity
+) -> None:
+    words = ("--shape", "16,16", "--k0", "0", "--separation", "1", "--times", "1", "--maps-at", "")
+    status, text, _ = asperity("run", *words, "--out", tmp_path / "out")
+    assert status == 0
+    assert "no relaxed state: " in text
+    assert "contact relaxed" not in text
+
+
+def test_a_cliff_at_the_seam_deserves_a_remark(tmp_path: Path, asperity: Asperity) -> None:
+    np.save(tmp_path / "ramp.npy", np.arange(16.0) ** 2 / 100)
+    words = (
+        "--file",
+        tmp_path / "ramp.npy",
+        "--periodic",
+        "wrap",
+        "--tilt",
+        "none",
+        "--times",
+        "1",
+        "--maps-at",
+        "",
+    )
+    _, text, _ = asperity("run", *words, "--out", tmp_path / "out")
+    assert "the surface is not periodic: the step at its seam is" in text
+
+
+def test_results_are_kept_unless_overwriting_is_asked_for(
+    finished: Path, tmp_path: Path, asperity: Asperity
+) -> None:
+    out = tmp_path / "out"
+    words = ("run", "--shape", "8,8", *BRIEF, "--out", out)
+    out.mkdir()
+    assert asperity(*words) == (0, "", "")  # an empty folder is as good as none
+    before = (out / "config.toml").read_text()
+    status, _, error = asperity(*words, "--k1", "4")
+    assert status == 2
+    assert error == (
+        f"asperity: --out: expected a new folder, got {out}, which holds a run and is kept; "
+        "try another name, or --overwrite\n"
+    )
+    assert (out / "config.toml").read_text() == before
+    assert asperity(*words, "--k1", "4", "--overwrite") == (0, "", "")
+    assert "k1 = 4.0" in (out / "config.toml").read_text()
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_only_the_folder_of_a_run_is_ever_replaced(
+    tmp_path: Path, asperity: Asperity, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "text").write_text("years of work")
+    monkeypatch.chdir(tmp_path / "thesis")
+    for out, reason in (
+        (tmp_path / "thesis" / "text", "which is a file"),
+        (Path(), "expected a folder of its own"),
+        (tmp_path, "expected a folder of its own"),
+    ):
+        status, _, error = asperity("run", "--out", out, "--overwrite")
+        assert status == 2
+        assert reason in error
+    monkeypatch.chdir(tmp_path.parent)
+    status, _, error = asperity("run", "--out", tmp_path / "thesis", "--overwrite")
+    assert (status, error.count("\n")) == (2, 1)
+    assert "holds something else than a run" in error
+    assert (tmp_path / "thesis" / "text").read_text() == "years of work"
+
+
+def test_a_folder_that_cannot_be_made_is_found_before_anything_is_computed(
+    tmp_path: Path, asperity: Asperity
+) -> None:
+    (tmp_path / "file").write_text("")
+    out = tmp_path / "file" / "out"
+    status, text, error = asperity("run", "--out", out)
+    assert (status, text) == (1, "")
+    assert error == f"asperity: cannot write {out}: Not a directory: {tmp_path / 'file'}\n"

@@ -1,0 +1,93 @@
+"""``asperity surface``: what it says about a file, and what it draws."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity.surfaces import gaussian
+from tests.cli.conftest import Asperity
+
+DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def row(text: str, name: str) -> str:
+    """What stands beside a name."""
+    (line,) = [line for line in text.splitlines() if line.startswith(name)]
+    return line.removeprefix(name).strip()
+
+
+def test_an_array(asperity: Asperity) -> None:
+    heights = gaussian((24, 16), seed=5) + 100 + 0.5 * np.arange(24)[:, None]
+    heights[3, 4] = np.nan
+    np.save("rough.npy", heights)
+    status, text, error = asperity("surface", "rough.npy")
+    assert (status, error) == (0, "")
+    assert row(text, "pixels") == "24 x 16, undefined: 1"
+    assert row(text, "size") == "not in the file"
+    assert row(text, "unit of heights") == "not in the file"
+    assert row(text, "sites").split("  ")[0] == "24 x 16"
+    assert row(text, "sites").endswith("48 x 32")
+    maximum = float(row(text, "maximum").split()[0])
+    assert maximum == pytest.approx(np.nanmax(heights), rel=1e-4)
+    # The tilt was most of the roughness: without it the noise of rms 1 is left.
+    before, after = (float(word) for word in row(text, "rms height").split())
+    assert before == pytest.approx(np.nanstd(heights), rel=0.01)
+    assert after == pytest.approx(1.0, rel=0.1)
+    assert row(text, "made periodic by") == "mirror"
+    assert row(text, "figure written:") == "rough.png"
+    assert Path("rough.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_profile_in_text_with_options(asperity: Asperity) -> None:
+    Path("line.txt").write_text("\n".join(f"{h:.6f}" for h in gaussian(50, seed=1)))
+    words = ("--tilt", "none", "--periodic", "taper", "--unit", "rms", "--out", "line.pdf")
+    status, text, _ = asperity("surface", "line.txt", *words)
+    assert status == 0
+    assert row(text, "made periodic by") == "taper"
+    assert row(text, "tilt") == "none"
+    assert "rms" in row(text, "unit  ")
+    assert Path("line.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_figure_is_kept(asperity: Asperity) -> None:
+    np.save("rough.npy", gaussian((8, 8)))
+    Path("rough.png").write_text("mine")
+    status, _, error = asperity("surface", "rough.npy")
+    assert status == 2
+    assert error == (
+        "asperity: --out: expected a new file, got rough.png, which is kept; "
+        "try another name, or --overwrite\n"
+    )
+    assert Path("rough.png").read_text() == "mine"
+    assert asperity("surface", "rough.npy", "--overwrite")[0] == 0
+    assert Path("rough.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"no instrument files in {DATA}; set ASPERITY_DATA")
+@pytest.mark.parametrize(
+    ("name", "pixels", "size"),
+    # What the instruments' own notes say of these files.
+    [
+        ("mi-1.mi", "256 x 256, undefined: none", "20 x 20 um"),
+        ("opd-1.opd", "640 x 480, undefined: 116", "0.125909 x 0.0944319 mm"),
+    ],
+)
+def test_files_of_instruments(asperity: Asperity, name: str, pixels: str, size: str) -> None:
+    pytest.importorskip("SurfaceTopography", reason="needs asperity[instruments]")
+    status, text, error = asperity("surface", DATA / name, "--unit", "nm")
+    assert (status, error) == (0, "")
+    assert row(text, "pixels") == pixels
+    assert row(text, "size") == size
+    assert "nm" in row(text, "rms height")
+    status, _, error = asperity("surface", DATA / name, "--channel", "nonsense", "--overwrite")
+    assert status == 2
+    assert "expected one of its channels of heights" in error

@@ -1,0 +1,241 @@
+"""Analysis: what a history says, checked by closed forms and by counting again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from asperity import age, press, relax
+from asperity.analysis import (
+    SiteState,
+    aging_summary,
+    contact_maps,
+    hold_times,
+    map_times,
+    modest_load,
+    surface_view,
+    with_limit,
+)
+from asperity.errors import InputError
+from asperity.solids import spring_lattice
+from asperity.surfaces import Surface, gaussian, self_affine
+from asperity.theory import (
+    ExponentialHeights,
+    GaussianHeights,
+    dilute_area,
+    exponential_growth,
+    site_stiffness,
+)
+
+TIMES = np.geomspace(1e-2, 1e4, 25)
+
+
+@pytest.fixture(scope="module")
+def aged() -> xr.Dataset:
+    """A self-affine surface on which contacts are won and lost."""
+    contact = press(self_affine(32, hurst=0.8, seed=3), spring_lattice(k0=1.0, k1=0.1), load=2.0)
+    history = age(contact, [1.0, 100.0, 1e4], fields_at=[0.0, 100.0, 1e4], rtol=1e-2)
+    return with_limit(history.dataset, relax(contact))
+
+
+def synthetic(
+    ratio: np.ndarray, times: np.ndarray = TIMES, sites: int = 10**6, **attrs: float | str
+) -> xr.Dataset:
+    """A history with a given A(t)/A(0), without any simulation."""
+    area = 1e4 * np.concatenate([[1.0], ratio])
+    conditions = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": 0.0, "held": "load", "held_load": 1e-3 * sites}
+    return xr.Dataset(
+        {
+            "area": ("time", area),
+            "load": ("time", np.full(area.size, 1e-3 * sites)),
+            "heights": (("y", "x"), np.zeros((sites // 1000, 1000))),
+        },
+        coords={"time": np.concatenate([[0.0], times])},
+        attrs=conditions | attrs,
+    )
+
+
+def saturating(times: np.ndarray, a: float, q: float, t0: float) -> np.ndarray:
+    return a - (a - 1) / (1 + times / t0) ** q
+
+
+def test_the_default_load_of_the_paper_is_800() -> None:
+    assert modest_load(k0=1.0, k1=3.0, rms=1.0, sites=200 * 200) == 800.0
+    assert modest_load(k0=1.0, k1=3.0, rms=1.23456, sites=100) == 2.47
+    with pytest.raises(InputError, match=r"rms height of the surface is 0.*try a load of your own"):
+        modest_load(k0=1.0, k1=3.0, rms=0.0, sites=100)
+
+
+def test_hold_times_are_even_in_the_decades() -> None:
+    times = hold_times(first=1e-3, last=1e6, per_decade=4)
+    assert times.size == 37
+    assert (times[0], times[-1]) == (1e-3, 1e6)
+    np.testing.assert_allclose(times[1:] / times[:-1], 10**0.25)
+    assert hold_times(first=1.0, last=1.1, per_decade=1).tolist() == [1.0, 1.1]
+    with pytest.raises(InputError, match="0 < first < last, got 2 and 1"):
+        hold_times(first=2.0, last=1.0, per_decade=4)
+    with pytest.raises(InputError, match="per_decade"):
+        hold_times(first=1.0, last=2.0, per_decade=0)
+
+
+def test_maps_are_of_recorded_times_from_0_to_the_last() -> None:
+    times = [0.0, *TIMES.tolist()]
+    chosen = map_times(times)
+    assert len(chosen) == 6
+    assert (chosen[0], chosen[-1]) == (0.0, times[-1])
+    assert set(chosen) <= set(times)
+    np.testing.assert_allclose(np.diff(np.log(chosen[1:])), np.log(chosen[2] / chosen[1]))
+    assert map_times([1.0]) == (0.0, 1.0)
+    assert map_times([0.0]) == (0.0,)
+
+
+def test_maps_account_for_every_site(aged: xr.Dataset) -> None:
+    maps = contact_maps(aged)
+    assert maps.times.tolist() == [0.0, 100.0, 1e4, np.inf]
+    initial = int(aged["area"][0])
+    recorded = [int(aged["area"].sel(time=t)) for t in (0.0, 100.0, 1e4)]
+    assert [maps.area(n) for n in range(4)] == [*recorded, aged.attrs["relaxed_area"]]
+    for number in range(4):
+        assert maps.count(number, SiteState.KEPT) + maps.count(number, SiteState.LOST) == initial
+    assert maps.count(0, SiteState.NEW) == maps.count(0, SiteState.LOST) == 0
+    assert maps.count(2, SiteState.LOST) > 0
+    assert maps.count(2, SiteState.NEW) > 0
+    touching = maps.states == SiteState.KEPT
+    assert np.array_equal(touching.any(axis=0), aged["in_contact"].values[0])
+    np.testing.assert_array_equal(
+        maps.surfaces[3][maps.states[3] == SiteState.NEW], maps.heights[maps.states[3] == SiteState.NEW]
+    )
+
+
+def test_a_history_without_fields_has_no_maps(aged: xr.Dataset) -> None:
+    with pytest.raises(InputError, match="a history that kept fields"):
+        contact_maps(aged.drop_vars(["in_contact", "u"]))
+
+
+def test_the_window_of_a_profile_has_most_contacts() -> None:
+    contact = press(gaussian(400, seed=1), spring_lattice(k0=1.0, k1=3.0), load=10.0)
+    maps = contact_maps(age(contact, [1.0], fields_at=[0.0, 1.0], rtol=1e-2).dataset)
+    first, last = maps.window
+    touching = np.isin(maps.states[-1], (SiteState.KEPT, SiteState.NEW))
+    best = max(int(touching[i : i + 160].sum()) for i in range(400 - 160 + 1))
+    assert last - first == 160
+    assert int(touching[first:last].sum()) == best
+
+
+def test_the_limit_must_be_of_the_same_lattice(aged: xr.Dataset) -> None:
+    other = press(gaussian((8, 8)), spring_lattice(k0=1.0, k1=3.0), load=1.0)
+    with pytest.raises(InputError, match=r"limit: expected a contact of shape \(32, 32\), got \(8, 8\)"):
+        with_limit(aged, other)
+
+
+def test_a_known_law_is_found_again() -> None:
+    dataset = synthetic(saturating(TIMES, 3.0, 0.4, 2.0), relaxed_area=30000.0)
+    summary = aging_summary(dataset)
+    assert summary.fit is not None
+    assert (summary.fit.a, summary.fit.q, summary.fit.t0) == pytest.approx((3.0, 0.4, 2.0), rel=1e-6)
+    assert summary.fit_note == ""
+    assert summary.fit_curve is not None
+    np.testing.assert_allclose(summary.fit_curve, saturating(summary.curve_time, 3.0, 0.4, 2.0), rtol=1e-6)
+    assert summary.relaxed_ratio == 3.0
+    assert (summary.initial_area, summary.sites) == (10000, 10**6)
+    assert summary.dilute_note == "the dilute theory needs independent sites"
+
+
+def test_the_steepest_growth_is_that_of_a_logarithm() -> None:
+    summary = aging_summary(synthetic(1 + 0.3 * np.arange(25.0) / 4))
+    assert summary.steepest_per_decade == pytest.approx(0.3, rel=1e-12)
+
+
+def test_a_fit_that_means_little_says_so() -> None:
+    assert "not determined" in aging_summary(synthetic(1 + 0.3 * np.log1p(TIMES / 0.1))).fit_note
+    two_steps = saturating(TIMES, 2.0, 3.0, 0.1) + saturating(TIMES, 9.0, 3.0, 300.0) - 1
+    assert "misses these areas by" in aging_summary(synthetic(two_steps)).fit_note
+    constant = aging_summary(synthetic(np.ones(25)))
+    assert (constant.fit, constant.fit_curve, constant.fit_note) == (
+        None,
+        None,
+        "no fit: the area does not grow",
+    )
+    few = aging_summary(synthetic(np.array([1.5]), times=np.array([1.0])))
+    assert few.fit is None
+    assert few.fit_note == "no fit: it takes 4 times above 0 or more"
+    assert np.isnan(few.steepest_per_decade)
+
+
+def test_what_cannot_be_summarized_is_refused() -> None:
+    with pytest.raises(InputError, match="a history of times above 0"):
+        aging_summary(synthetic(np.empty(0), times=np.empty(0)))
+    untouched = synthetic(np.ones(25))
+    untouched["area"] = untouched["area"] * 0
+    with pytest.raises(InputError, match="contact at time 0"):
+        aging_summary(untouched)
+
+
+def test_exponential_heights_grow_like_the_compliance_until_the_dips_meet() -> None:
+    # The closed form G(x1, x2)/G(x1, 0) knows neither load nor height law: an independent path.
+    dataset = synthetic(saturating(TIMES, 3.0, 0.4, 2.0), k0=2.0, k1=6.0, held_load=2e3)
+    summary = aging_summary(dataset, law=ExponentialHeights(rms=1.0))
+    np.testing.assert_allclose(
+        summary.dilute_ratio, exponential_growth(3.0, 2.0 * summary.dilute_time), rtol=1e-9
+    )
+    fraction = summary.dilute_ratio * dilute_area(2e-3, 1 / (2.0 * site_stiffness(3.0)), ExponentialHeights())
+    assert ((2.0 * summary.dilute_time) ** 0.25 < 1.001 * fraction**-0.5).all()
+    assert 0 < summary.dilute_time.size <= summary.curve_time.size
+    assert summary.dilute_note == ""
+
+
+def test_viscous_creep_makes_the_dips_meet_sooner() -> None:
+    ratio = saturating(TIMES, 3.0, 0.4, 2.0)
+    still = aging_summary(synthetic(ratio, held_load=2e4), law=GaussianHeights())
+    viscous = aging_summary(synthetic(ratio, held_load=2e4, R_viscous=1.0), law=GaussianHeights())
+    assert viscous.dilute_time[-1] < still.dilute_time[-1] < TIMES[-1]
+
+
+@pytest.mark.parametrize(
+    ("attribute", "value", "note"),
+    [
+        ("held", "separation", "needs a constant load"),
+        ("R", 0.0, "needs k0, k1 and R above 0"),
+        ("held_load", 1e6, "too dense"),
+        ("k1", 1e-4, "too dense"),  # the elastic dips, (k0/k1)^(1/2) sites wide, meet at once
+    ],
+)
+def test_the_dilute_theory_is_not_claimed_where_it_does_not_hold(
+    attribute: str, value: float | str, note: str
+) -> None:
+    dataset = synthetic(saturating(TIMES, 3.0, 0.4, 2.0)).assign_attrs({attribute: value})
+    summary = aging_summary(dataset, law=GaussianHeights())
+    assert summary.dilute_time.size == summary.dilute_ratio.size == 0
+    assert note in summary.dilute_note
+
+
+def test_a_view_shows_the_measured_part_in_readable_units() -> None:
+    measured = gaussian((30, 20), rms=5e-9, seed=2)
+    doubled = np.concatenate([measured, measured[::-1]])
+    surface = Surface(
+        np.concatenate([doubled, doubled[:, ::-1]], axis=1),
+        "m",
+        (1e-7, 2e-7),
+        "m",
+        {"original_shape": [30, 20], "periodic_rule": "mirror", "reader": "SurfaceTopography 1"},
+    )
+    view = surface_view(surface)
+    assert (view.unit, view.length_unit) == ("nm", "um")
+    np.testing.assert_allclose(view.heights, measured * 1e9)
+    assert view.pixel_size == pytest.approx((0.1, 0.2))
+    # x, the first axis, runs to the right: the profile is along it, in the middle of the second.
+    assert view.transposed
+    np.testing.assert_array_equal(view.profile, view.heights[:, 10])
+    assert view.middle == pytest.approx(10.5 * 0.2)
+    assert float(np.sum(view.density * np.diff(view.bin_edges))) == pytest.approx(1.0)
+    np.testing.assert_allclose(view.profile_position[:2], [0.05, 0.15])
+
+
+def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
+    view = surface_view(Surface(gaussian((6, 9), seed=1)))
+    assert (view.unit, view.length_unit, view.transposed) == ("1", "pixel", False)
+    np.testing.assert_array_equal(view.profile, view.heights[3])
+    line = surface_view(Surface(np.zeros(5)))
+    assert line.profile.size == 5
+    assert np.isnan(line.normal_density).all()

@@ -1,0 +1,251 @@
+"""Figures: what is drawn is what analysis found, and a reader is told what it is."""
+
+from __future__ import annotations
+
+import dataclasses
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.colors
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from asperity import age, press, relax
+from asperity.analysis import (
+    AgingSummary,
+    ContactMaps,
+    SiteState,
+    aging_summary,
+    contact_maps,
+    surface_view,
+    with_limit,
+)
+from asperity.figures import aging_curve, contact_figure, style, surface_figure
+from asperity.solids import spring_lattice
+from asperity.surfaces import Surface, gaussian
+from asperity.theory import GaussianHeights
+
+
+def history(shape: tuple[int, ...]) -> xr.Dataset:
+    contact = press(gaussian(shape), spring_lattice(k0=1.0, k1=3.0), load=0.02 * np.prod(shape))
+    times = np.geomspace(1e-2, 100, 9)
+    return with_limit(age(contact, times, fields_at=[0.0, 1.0, 100.0], rtol=1e-2).dataset, relax(contact))
+
+
+@pytest.fixture(scope="module")
+def aged() -> xr.Dataset:
+    return history((32, 32))
+
+
+@pytest.fixture(scope="module")
+def summary(aged: xr.Dataset) -> AgingSummary:
+    return aging_summary(aged, law=GaussianHeights())
+
+
+def legend_of(figure: Figure) -> str:
+    legend = figure.axes[0].get_legend()
+    assert legend is not None
+    return "\n".join(text.get_text() for text in legend.get_texts())
+
+
+def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSummary) -> None:
+    figure = aging_curve(aged, summary)
+    axes = figure.axes[0]
+    markers = next(line for line in axes.lines if line.get_marker() == "o")
+    np.testing.assert_array_equal(markers.get_xdata(), summary.time)
+    np.testing.assert_array_equal(markers.get_ydata(), summary.area_ratio)
+    dashed = next(line for line in axes.lines if line.get_linestyle() == "--")
+    np.testing.assert_array_equal(dashed.get_ydata(), summary.dilute_ratio)
+    limit = next(line for line in axes.lines if line.get_linestyle() == ":")
+    np.testing.assert_array_equal(limit.get_ydata(), [summary.relaxed_ratio] * 2)
+    assert axes.get_xscale() == "log"
+    assert "hold time" in axes.get_xlabel()
+    assert "A(t)" in axes.get_ylabel()
+    assert "load 20.48 held" in axes.get_title()
+    (right,) = axes.child_axes
+    assert "% of nominal area" in right.get_ylabel()
+    figure.draw_without_rendering()
+    low, high = axes.get_ylim()
+    share = 100 * summary.initial_area / summary.sites
+    assert right.get_ylim() == pytest.approx((low * share, high * share))
+
+
+def test_the_legend_gives_the_fit_with_its_uncertainty(aged: xr.Dataset, summary: AgingSummary) -> None:
+    assert summary.fit is not None
+    fit = dataclasses.replace(summary.fit, a=3.061, a_stderr=0.023, q=0.2083, q_stderr=0.0097)
+    text = legend_of(aging_curve(aged, dataclasses.replace(summary, fit=fit)))
+    assert "3.061 ± 0.023" in text
+    assert "0.2083 ± 0.0097" in text
+    assert "dilute theory (no fit)" in text
+    assert "relaxed limit" in text
+
+
+def test_what_is_missing_is_not_drawn_and_the_legend_says_why(
+    aged: xr.Dataset, summary: AgingSummary
+) -> None:
+    bare = dataclasses.replace(
+        summary,
+        fit=None,
+        fit_curve=None,
+        fit_note="no fit: the area does not grow",
+        dilute_time=np.empty(0),
+        dilute_ratio=np.empty(0),
+        relaxed_ratio=None,
+    )
+    figure = aging_curve(aged, bare)
+    text = legend_of(figure)
+    assert "no fit: the area does not grow" in text
+    assert "dilute" not in text
+    assert "relaxed" not in text
+    assert [line.get_linestyle() for line in figure.axes[0].lines].count("--") == 0
+
+
+def test_a_theory_that_ends_says_where(aged: xr.Dataset, summary: AgingSummary) -> None:
+    shortened = dataclasses.replace(
+        summary, dilute_time=summary.dilute_time[:50], dilute_ratio=summary.dilute_ratio[:50]
+    )
+    assert "dips" in legend_of(aging_curve(aged, shortened))
+
+
+PALETTE = {
+    SiteState.FREE: "white",
+    SiteState.KEPT: style.INK,
+    SiteState.NEW: style.VERMILION,
+    SiteState.LOST: style.SKY,
+}
+
+
+def test_maps_color_every_site(aged: xr.Dataset) -> None:
+    maps = contact_maps(aged)
+    panels = [axes for axes in contact_figure(maps).axes if "sites" in axes.get_title()]
+    assert len(panels) == len(maps.times)
+    for number, axes in enumerate(panels):
+        shown = np.asarray(axes.images[0].get_array())
+        for state, color in PALETTE.items():
+            colored = np.isclose(shown, matplotlib.colors.to_rgb(color)).all(axis=-1)
+            np.testing.assert_array_equal(colored, maps.states[number] == state)
+    assert f"{maps.area(0)} sites" in panels[0].get_title()
+    assert "relaxed" in panels[-1].get_title()
+
+
+def some_maps(states: np.ndarray, *, transposed: bool = False) -> ContactMaps:
+    return ContactMaps(
+        heights=np.zeros(states.shape[1:]),
+        times=np.arange(float(len(states))),
+        states=states.astype(np.int8),
+        surfaces=np.zeros(states.shape),
+        height_range=(-1.0, 1.0),
+        window=(0, states.shape[1]),
+        transposed=transposed,
+        unit="1",
+    )
+
+
+def test_few_contacts_of_a_large_surface_get_larger_marks() -> None:
+    states = np.zeros((1, 300, 200))
+    states[0, 10, 190] = SiteState.KEPT
+    figure = contact_figure(some_maps(states))
+    marks = figure.axes[1].collections[0]
+    np.testing.assert_array_equal(np.asarray(marks.get_offsets()), [[190, 10]])  # column, row downward
+    assert "marks are larger than a site" in figure.get_suptitle()
+    # From an instrument the first axis is x, to the right, and the second y, upward.
+    flipped = contact_figure(some_maps(states, transposed=True)).axes[1].collections[0]
+    np.testing.assert_array_equal(np.asarray(flipped.get_offsets()), [[10, 199 - 190]])
+
+
+@pytest.mark.parametrize(("sites", "fraction"), [(60, 0.3), (600, 0.4), (600, 0.02)])
+def test_the_ink_of_a_map_tells_of_the_contact_fraction(sites: int, fraction: float) -> None:
+    # Marks that are smaller than a pixel would vanish, and marks that are too large would fill the map.
+    states = (np.random.default_rng(0).random((1, sites, sites)) < fraction).astype(int)
+    figure = contact_figure(some_maps(states))
+    canvas = FigureCanvasAgg(figure)
+    figure.set_dpi(style.RESOLUTION)
+    canvas.draw()
+    box = figure.axes[1].get_window_extent()
+    pixels = np.asarray(canvas.buffer_rgba())[::-1, :, 0] / 255
+    inside = pixels[int(box.y0) + 4 : int(box.y1) - 4, int(box.x0) + 4 : int(box.x1) - 4]
+    ink = 1 - float(inside.mean())
+    assert 0.9 * fraction < ink < max(1.1 * fraction, 0.35)
+
+
+def test_a_line_contact_has_profiles() -> None:
+    maps = contact_maps(history((300,)))
+    figure = contact_figure(maps)
+    upper, lower = figure.axes
+    curves = [line for line in upper.lines if line.get_linestyle() == "-"]
+    first, last = maps.window
+    for number, curve in enumerate(curves):
+        np.testing.assert_array_equal(curve.get_ydata(), maps.surfaces[number][first:last])
+    assert len(curves) == len(maps.times) == len(lower.get_yticklabels())
+
+
+@pytest.mark.parametrize("heights", [gaussian((20, 12)), gaussian(64), np.zeros((4, 4))])
+def test_a_surface_is_drawn_with_units(heights: np.ndarray) -> None:
+    surface = Surface(heights, "nm", (0.5,) * heights.ndim, "um")
+    figure = surface_figure(surface_view(surface), title="name.npy", note="3 undefined pixels filled")
+    labels = " ".join(axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes)
+    assert "height [nm]" in labels
+    assert "position [µm]" in labels
+    assert figure.get_suptitle() == "name.npy\n3 undefined pixels filled"
+    figure.draw_without_rendering()
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+def test_figures_can_be_written(aged: xr.Dataset, summary: AgingSummary, tmp_path: Path, kind: str) -> None:
+    path = tmp_path / f"aging.{kind}"
+    aging_curve(aged, summary).savefig(path)
+    magic = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}[kind]
+    assert path.read_bytes().startswith(magic)
+
+
+def test_no_global_figure_machinery_is_touched() -> None:
+    code = "import sys, asperity.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_the_marks_of_maps_differ_in_gray() -> None:
+    # Relative luminance, Rec. 709, of white paper and of the three marks.
+    colors = ("#ffffff", style.INK, style.VERMILION, style.SKY)
+    weights = np.array([0.2126, 0.7152, 0.0722])
+    gray = np.sort([float(weights @ np.asarray(matplotlib.colors.to_rgb(color))) for color in colors])
+    assert np.diff(gray).min() > 0.15
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (0.25, "0.25"),
+        (1000.0, "1000"),
+        (1e6, "10^{6}"),
+        (1.78e4, r"1.8 \times 10^{4}"),
+        (1e-5, "10^{-5}"),
+        (float("inf"), r"\infty"),
+    ],
+)
+def test_powers(value: float, text: str) -> None:
+    assert style.power(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (3.0612, 0.0229, "3.061 ± 0.023"),
+        (55.2, 13.9, "55 ± 14"),
+        (35.0, 212.0, "35 ± 200"),
+        (0.5, float("inf"), "0.5 (undetermined)"),
+        (2.0, 0.0, "2"),
+    ],
+)
+def test_uncertain_numbers(value: float, error: float, text: str) -> None:
+    assert style.uncertain(value, error) == text
+
+
+def test_counts_and_units() -> None:
+    assert style.count(40000) == "40\u202f000"
+    assert style.with_unit("height", "1") == "height"
+    assert style.with_unit("height", "um") == "height [µm]"
