@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from asperity.cli import main
 from tests.cli.conftest import SMALL, process
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
@@ -63,6 +64,33 @@ def test_a_run_that_is_stopped(tmp_path: Path) -> None:
     assert error.splitlines()[-1] == "asperity: interrupted; nothing was written"
     assert "Traceback" not in error
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) -> None:
+    often = "import asperity.cli.run as command\ncommand._CHECKPOINT_EVERY = 0.0"
+    flags = ("--shape", "64,64", "--last", "1e4")
+    for stop in (signal.SIGKILL, signal.SIGINT):
+        listen = f"{often}\nimport signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
+        running = process("run", *flags, "--out", tmp_path / "out", before=listen)
+        assert running.stderr is not None
+        for line in running.stderr:
+            if line.startswith("  t = 1 " if stop == signal.SIGKILL else "  t = 100"):
+                break
+        running.send_signal(stop)
+        _, error = running.communicate(timeout=60)
+        (place,) = tmp_path.iterdir()
+        assert place.name.startswith("out.")
+        assert place.suffix == ".checkpoint"
+    assert error.splitlines()[-1] == f"asperity: interrupted; the same command goes on from {place}"
+    running = process("run", *flags, "--out", tmp_path / "out", before=often)
+    _, error = running.communicate(timeout=60)
+    assert running.returncode == 0
+    assert f"going on from {place}" in error
+    assert "  t = 0.001" not in error
+    assert main(["run", *flags, "--quiet", "--out", str(tmp_path / "undisturbed")]) == 0
+    for name in ("aging.csv", "config.toml"):
+        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "undisturbed" / name).read_bytes()
+    assert {path.name for path in tmp_path.iterdir()} == {"out", "undisturbed"}
 
 
 def test_a_reader_who_goes_away(tmp_path: Path) -> None:

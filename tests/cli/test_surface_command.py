@@ -31,7 +31,7 @@ def test_an_array(asperity: Asperity) -> None:
     np.save("rough.npy", heights)
     status, text, error = asperity("surface", "rough.npy")
     assert (status, error) == (0, "")
-    assert row(text, "pixels") == "24 x 16, undefined: 1"
+    assert row(text, "pixels") == "24 x 16 (rows x columns), undefined: 1"
     assert row(text, "size") == "not in the file"
     assert row(text, "unit of heights") == "not in the file"
     assert row(text, "sites").split("  ")[0] == "24 x 16"
@@ -77,8 +77,8 @@ def test_a_figure_is_kept(asperity: Asperity) -> None:
     ("name", "pixels", "size"),
     # What the instruments' own notes say of these files.
     [
-        ("mi-1.mi", "256 x 256, undefined: none", "20 x 20 um"),
-        ("opd-1.opd", "640 x 480, undefined: 116", "0.125909 x 0.0944319 mm"),
+        ("mi-1.mi", "256 x 256 (rows x columns), undefined: none", "20 x 20 um"),
+        ("opd-1.opd", "480 x 640 (rows x columns), undefined: 116", "0.0944319 x 0.125909 mm"),
     ],
 )
 def test_files_of_instruments(asperity: Asperity, name: str, pixels: str, size: str) -> None:

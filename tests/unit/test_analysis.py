@@ -218,23 +218,21 @@ def test_a_view_shows_the_measured_part_in_readable_units() -> None:
         "m",
         (1e-7, 2e-7),
         "m",
-        {"original_shape": [30, 20], "periodic_rule": "mirror", "reader": "SurfaceTopography 1"},
+        {"original_shape": [30, 20], "periodic_rule": "mirror"},
     )
     view = surface_view(surface)
     assert (view.unit, view.length_unit) == ("nm", "um")
     np.testing.assert_allclose(view.heights, measured * 1e9)
     assert view.pixel_size == pytest.approx((0.1, 0.2))
-    # x, the first axis, runs to the right: the profile is along it, in the middle of the second.
-    assert view.transposed
-    np.testing.assert_array_equal(view.profile, view.heights[:, 10])
-    assert view.middle == pytest.approx(10.5 * 0.2)
+    np.testing.assert_array_equal(view.profile, view.heights[15])
+    assert view.middle == pytest.approx(15.5 * 0.1)
     assert float(np.sum(view.density * np.diff(view.bin_edges))) == pytest.approx(1.0)
-    np.testing.assert_allclose(view.profile_position[:2], [0.05, 0.15])
+    np.testing.assert_allclose(view.profile_position[:2], [0.1, 0.3])
 
 
 def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
     view = surface_view(Surface(gaussian((6, 9), seed=1)))
-    assert (view.unit, view.length_unit, view.transposed) == ("1", "pixel", False)
+    assert (view.unit, view.length_unit) == ("1", "pixel")
     np.testing.assert_array_equal(view.profile, view.heights[3])
     line = surface_view(Surface(np.zeros(5)))
     assert line.profile.size == 5

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from asperity.cli.config import Aging, MeasuredSurface, Output, RunConfig, SelfAffine
-from asperity.cli.config_file import file_surface, read_config, to_toml
-from asperity.cli.flags import AgingFlags, FileFlags, SolidFlags, SurfaceFlags, flag_of, given
+from asperity.cli.flags import AgingFlags, FileFlags, SolidFlags, SurfaceFlags, given
+from asperity.config.mistakes import flag_of
+from asperity.config.models import Aging, MeasuredSurface, Output, RunConfig, SelfAffine
+from asperity.config.reading import file_surface, read_config, to_toml
 from asperity.errors import ConfigError
 
 

@@ -20,6 +20,8 @@ ROOMS = [
     {"theory", "fits"},
     {"analysis"},
     {"figures"},
+    {"config"},
+    {"runs"},
     {"cli"},
     {"__main__"},
 ]

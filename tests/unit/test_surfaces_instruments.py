@@ -34,7 +34,7 @@ def instrument_file(name: Any) -> Any:
     [
         ("di-1.di", (512, 512), (500.0, 500.0), "nm", 10.0),
         ("mi-1.mi", (256, 256), (20.0, 20.0), "um", 0.033),
-        ("opd-1.opd", (640, 480), (0.126, 0.094), "mm", 8.4e-6),
+        ("opd-1.opd", (480, 640), (0.094, 0.126), "mm", 8.4e-6),
     ],
 )
 def test_instrument_files_keep_their_size_and_height(
@@ -64,10 +64,15 @@ def test_defaults_make_instrument_files_periodic(name: Any) -> None:
 
 
 @needs_library
-def test_axes_are_x_and_y() -> None:
-    # The microscope scans line by line along x: neighbors along x are alike, those along y are not.
-    along_x, along_y = read(instrument_file("di-1.di")).describe().neighbor_steps
-    assert along_x < along_y / 2
+def test_rows_are_scan_lines_and_run_downward() -> None:
+    # The microscope scans line by line: neighbors along a row are alike, those in a column are not.
+    surface = read(instrument_file("di-1.di"), tilt="none", periodic="wrap")
+    down, along = surface.describe().neighbor_steps
+    assert along < down / 2
+    from SurfaceTopography import read_topography
+
+    upward = read_topography(str(instrument_file("di-1.di"))).heights()  # x first, y upward
+    np.testing.assert_array_equal(surface.heights[-1], upward[:, 0])
 
 
 @needs_library

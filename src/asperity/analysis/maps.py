@@ -45,9 +45,6 @@ class ContactMaps:
     window
         First site and site after the last of the stretch of a profile that has most contacts and is
         short enough to draw; the whole first axis for a surface.
-    transposed
-        Whether the first axis of the arrays runs to the right and the second up (files of instruments),
-        rather than the first down and the second to the right (matrices).
     unit
         Unit of the heights; "1" if unknown.
     """
@@ -58,7 +55,6 @@ class ContactMaps:
     surfaces: Field
     height_range: tuple[float, float]
     window: tuple[int, int]
-    transposed: bool
     unit: str
 
     def area(self, number: int) -> int:
@@ -108,14 +104,8 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         surfaces=np.stack(surfaces),
         height_range=color_range(heights),
         window=_busiest(touching[-1]),
-        transposed=len(dataset["heights"].dims) == 2 and first_axis_is_x(origin),
         unit=str(origin.get("unit", "1")),
     )
-
-
-def first_axis_is_x(provenance: dict[str, object]) -> bool:
-    """Whether a surface came from an instrument, whose files put x first."""
-    return "reader" in provenance and str(provenance["reader"]).startswith("SurfaceTopography")
 
 
 def color_range(heights: Field) -> tuple[float, float]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.analysis.maps import color_range, first_axis_is_x
+from asperity.analysis.maps import color_range
 from asperity.lattice import Field
 from asperity.surfaces import Surface
 from asperity.surfaces.prepare import is_length, length_factor
@@ -28,7 +28,7 @@ class SurfaceView:
         the unit that makes the numbers readable, which need not be the surface's.
     pixel_size
         Distance between sites along each axis in `length_unit`.
-    transposed, height_range
+    height_range
         As in `ContactMaps`.
     bin_edges, density
         Histogram of the heights: edges, shape ``(k + 1,)``, and probability per unit height, ``(k,)``.
@@ -44,7 +44,6 @@ class SurfaceView:
     unit: str
     length_unit: str
     pixel_size: tuple[float, ...]
-    transposed: bool
     height_range: tuple[float, float]
     bin_edges: Field
     density: Field
@@ -70,10 +69,8 @@ def surface_view(surface: Surface) -> SurfaceView:
     unit = _readable(surface.unit, float(np.ptp(heights)))
     heights = heights * _factor(surface.unit, unit)
     size, length_unit = _axes(surface, heights.shape)
-    transposed = heights.ndim == 2 and first_axis_is_x(dict(surface.provenance))
-    across = 0 if transposed or heights.ndim == 1 else 1
-    middle = heights.shape[1 - across] // 2 if heights.ndim == 2 else 0
-    profile = heights if heights.ndim == 1 else np.take(heights, middle, axis=1 - across)
+    middle = heights.shape[0] // 2
+    profile = heights if heights.ndim == 1 else heights[middle]
     # At most 80 bins, and about 20 heights a bin for short profiles; one bin for a flat surface.
     bins = int(np.clip(heights.size // 20, 1, 80)) if heights.min() < heights.max() else 1
     density, edges = np.histogram(heights, bins=bins, density=True)
@@ -89,14 +86,13 @@ def surface_view(surface: Surface) -> SurfaceView:
         unit=unit,
         length_unit=length_unit,
         pixel_size=size,
-        transposed=transposed,
         height_range=color_range(heights),
         bin_edges=edges,
         density=density,
         normal_density=normal,
-        profile_position=(np.arange(profile.size) + 0.5) * size[across],
+        profile_position=(np.arange(profile.size) + 0.5) * size[-1],
         profile=profile,
-        middle=(middle + 0.5) * size[1 - across] if heights.ndim == 2 else 0.0,
+        middle=(middle + 0.5) * size[0] if heights.ndim == 2 else 0.0,
     )
 
 

@@ -69,7 +69,7 @@ def run(
         Print neither progress nor summary.
     """
     flags = given(surface, preparation, solid, contact, aging, output)
-    from asperity.cli.config_file import read_config
+    from asperity.config.reading import read_config
 
     settings = read_config(config, flags)
     from asperity.cli.run import run as run_it
@@ -97,7 +97,7 @@ def show_surface(
     overwrite
         Replace the figure if it exists.
     """
-    from asperity.cli.config_file import file_surface
+    from asperity.config.reading import file_surface
 
     settings = file_surface(file, given(preparation).get("surface", {}))
     from asperity.cli.show import show
@@ -142,8 +142,8 @@ def main(arguments: Annotated[Sequence[str] | None, Parameter(parse=False)] = No
         return _complain(1, f"{error.filename}: {error.strerror}" if error.filename else str(error))
     except MemoryError as error:
         return _complain(1, f"not enough memory: {error or 'try a smaller surface'}")
-    except KeyboardInterrupt:
-        return _complain(130, "interrupted; nothing was written")
+    except KeyboardInterrupt as interrupt:
+        return _complain(130, str(interrupt) or "interrupted; nothing was written")
     return 0
 
 

@@ -154,12 +154,6 @@ def given(*groups: Flags | None) -> dict[str, dict[str, object]]:
     return sections
 
 
-def flag_of(section: str, key: str) -> str:
-    """Name of the flag that sets a key."""
-    names = {("surface", "kind"): "surface", ("surface", "path"): "file"}
-    return "--" + names.get((section, key), key).replace("_", "-")
-
-
 def _parsed(key: str, value: object) -> object:
     if key == "channel" and isinstance(value, str) and value.isdecimal():
         return int(value)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
-from asperity.cli.config_file import to_toml
+from asperity.config.reading import to_toml
 from asperity.errors import InputError, OutputError
 from asperity.figures import aging_curve, contact_figure
 from asperity.figures.style import RESOLUTION
@@ -19,7 +19,7 @@ from asperity.results import save
 from asperity.results.store import whole_folder
 
 if TYPE_CHECKING:
-    from asperity.cli.run import Outcome
+    from asperity.runs import Outcome
 
 _SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
 _COLUMNS = ("area", "load", "separation", "energy")

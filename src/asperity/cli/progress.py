@@ -6,29 +6,13 @@ import math
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
 from asperity.aging import Frame
-
-
-class Progress(Protocol):
-    """Someone who is told how far a run has come."""
-
-    def stage(self, name: str, times: Sequence[float] = ()) -> None:
-        """Begin a stage; aging passes the times that it will record."""
-        ...
-
-    def remark(self, text: str) -> None:
-        """The user should know this before the run ends."""
-        ...
-
-    def reached(self, frame: Frame) -> None:
-        """Aging has come to this moment."""
-        ...
+from asperity.runs import Progress
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from asperity.figures.style import uncertain
 
 if TYPE_CHECKING:
     from asperity.analysis import AgingSummary
-    from asperity.cli.run import Outcome
+    from asperity.runs import Outcome
 
 Row = tuple[str, str]
 

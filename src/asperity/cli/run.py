@@ -2,61 +2,21 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
 import sys
 import time as clock
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-import xarray as xr
-
-from asperity.aging import relax
-from asperity.analysis import AgingSummary, aging_summary, hold_times, map_times, modest_load, with_limit
-from asperity.cli.config import (
-    Aging,
-    Exponential,
-    Gaussian,
-    MeasuredSurface,
-    RunConfig,
-    SelfAffine,
-)
-from asperity.cli.config_file import to_toml
 from asperity.cli.output import check_free, write_results
-from asperity.cli.progress import Progress, progress_shown
+from asperity.cli.progress import progress_shown
 from asperity.cli.report import aligned, run_report
-from asperity.contact import Contact, press
-from asperity.errors import InputError
-from asperity.lattice import Field
-from asperity.results import History, age
-from asperity.solids import spring_lattice
-from asperity.surfaces import Surface, exponential, gaussian, read, self_affine
-from asperity.theory import ExponentialHeights, GaussianHeights
-from asperity.theory.heights import HeightLaw
+from asperity.config import RunConfig, to_toml
+from asperity.results import Checkpoint
+from asperity.runs import execute
 
-_CLIFF = 3.0
-"""Step at the periodic seam, in usual steps, that deserves a remark."""
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """All that a run found.
-
-    Attributes
-    ----------
-    config
-        The configuration with nothing left open: reading it again gives the same result.
-    dataset
-        The history, with the relaxed state where there is one.
-    summary
-        Its analysis.
-    remarks
-        What the user should know: a choice that was made, a result that is missing.
-    """
-
-    config: RunConfig
-    dataset: xr.Dataset
-    summary: AgingSummary
-    remarks: tuple[str, ...]
+_CHECKPOINT_EVERY = 20.0
+"""Seconds between checkpoints: shorter runs leave none."""
 
 
 def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
@@ -67,7 +27,7 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
     config
         What to run.
     out
-        Folder of the results.
+        Folder of the results. A long run keeps its place in a file beside it.
     overwrite
         Whether an earlier run's folder may be replaced.
     quiet
@@ -76,128 +36,35 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
     Raises
     ------
     AsperityError
-        As the engine does; or the folder cannot be written. Nothing is left then.
+        As the engine does; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
     started = clock.perf_counter()
-    with progress_shown(quiet=quiet) as progress:
-        outcome = _compute(config, progress)
-        rows = run_report(outcome, seconds=clock.perf_counter() - started)
-        progress.stage("writing the results")
-        write_results(outcome, out, text=aligned(rows), overwrite=overwrite)
+    place = _place(config, out)
+    try:
+        with progress_shown(quiet=quiet) as progress:
+            if place.exists():
+                progress.stage(f"going on from {place}")
+            checkpoint = Checkpoint(place, every=_CHECKPOINT_EVERY)
+            outcome = execute(config, progress, checkpoint=checkpoint, threads=_cores())
+            rows = run_report(outcome, seconds=clock.perf_counter() - started)
+            progress.stage("writing the results")
+            write_results(outcome, out, text=aligned(rows), overwrite=overwrite)
+    except KeyboardInterrupt:
+        kept = f"the same command goes on from {place}" if place.exists() else "nothing was written"
+        raise KeyboardInterrupt(f"interrupted; {kept}") from None
+    place.unlink(missing_ok=True)
     if not quiet:
         files = ", ".join(sorted(path.name for path in out.iterdir()))
         sys.stdout.write(f"{aligned([*rows, ('written', f'{out}: {files}')])}\n")
 
 
-def _compute(config: RunConfig, progress: Progress) -> Outcome:
-    """Run the engine's verbs one after the other."""
-    progress.stage("making the surface")
-    rough = _surface(config)
-    wanted = config.solid
-    solid = spring_lattice(k0=wanted.k0, k1=wanted.k1, R=wanted.R, R_viscous=wanted.R_viscous)
-    config, remarks = _completed(config, rough)
-    for remark in remarks:
-        progress.remark(remark)
-    progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    contact = press(rough, solid, load=config.contact.load, separation=config.contact.separation)
-    if contact.area == 0:
-        raise InputError(
-            "separation",
-            expected=f"one at which the solids touch, below {contact.heights.max():.6g}",
-            got=config.contact.separation,
-            advice="a smaller one, or a load",
-        )
-    history = _age(contact, config, progress)
-    progress.stage("finding the relaxed state")
-    dataset, late_remarks = _with_limit(history, contact, config)
-    dataset = dataset.assign_attrs(config=to_toml(config))
-    return Outcome(config, dataset, aging_summary(dataset, law=_law(config)), remarks + late_remarks)
+def _place(config: RunConfig, out: Path) -> Path:
+    """Name the checkpoint after the run, so that a run with other parameters never meets it."""
+    mark = hashlib.sha256(to_toml(config).encode()).hexdigest()[:8]
+    return out.with_name(f"{out.name}.{mark}.checkpoint")
 
 
-def _surface(config: RunConfig) -> Surface:
-    """Make or read the surface, and let it know where it comes from."""
-    chosen = config.surface
-    match chosen:
-        case MeasuredSurface():
-            return read(
-                chosen.path,
-                undefined=chosen.undefined,
-                max_undefined=chosen.max_undefined,
-                tilt=chosen.tilt,
-                periodic=chosen.periodic,
-                unit=chosen.unit,
-                channel=chosen.channel,
-            )
-        case SelfAffine(size=size, hurst=hurst, delta=delta, seed=seed):
-            heights = self_affine(size, hurst=hurst, delta=delta, seed=seed)
-        case Gaussian(shape=shape, rms=rms, seed=seed):
-            heights = gaussian(tuple(shape), rms=rms, seed=seed)
-        case Exponential(shape=shape, rms=rms, seed=seed):
-            heights = exponential(tuple(shape), rms=rms, seed=seed)
-    return Surface(heights, provenance=chosen.model_dump())
-
-
-def _law(config: RunConfig) -> HeightLaw | None:
-    """The law of the heights, if the sites are independent."""
-    match config.surface:
-        case Gaussian(rms=rms):
-            return GaussianHeights(rms=rms)
-        case Exponential(rms=rms):
-            return ExponentialHeights(rms=rms)
-        case _:
-            return None
-
-
-def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
-    """Decide what the configuration leaves open: the load, the maps; make the path absolute."""
-    chosen = config.surface
-    remarks: tuple[str, ...] = ()
-    if isinstance(chosen, MeasuredSurface):
-        chosen = chosen.model_copy(update={"path": str(Path(chosen.path).resolve())})
-    contact = config.contact
-    if contact.load is None and contact.separation is None:
-        # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
-        nominal = isinstance(chosen, Gaussian | Exponential)
-        rms = chosen.rms if isinstance(chosen, Gaussian | Exponential) else rough.describe().rms_height
-        load = modest_load(k0=config.solid.k0, k1=config.solid.k1, rms=rms, sites=rough.heights.size)
-        contact = contact.model_copy(update={"load": load})
-        which = "" if nominal else ", measured"
-        remarks = (f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}",)
-    if isinstance(chosen, MeasuredSurface) and (cliff := rough.describe().seam_ratio) > _CLIFF:
-        remarks += (
-            f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
-            "try periodic = 'mirror'",
-        )
-    maps_at = config.output.maps_at
-    if maps_at is None:
-        maps_at = list(map_times(_times(config.aging).tolist()))
-    output = config.output.model_copy(update={"maps_at": maps_at})
-    return config.model_copy(update={"surface": chosen, "contact": contact, "output": output}), remarks
-
-
-def _times(aging: Aging) -> Field:
-    if aging.times is not None:
-        return np.asarray(aging.times, dtype=np.float64)
-    return hold_times(first=aging.first, last=aging.last, per_decade=aging.per_decade)
-
-
-def _age(contact: Contact, config: RunConfig, progress: Progress) -> History:
-    times = _times(config.aging)
-    progress.stage("aging", times=times.tolist())
-    return age(
-        contact,
-        times,
-        hold=config.aging.hold,
-        rtol=config.aging.rtol,
-        fields_at=config.output.maps_at or (),
-        progress=progress.reached,
-    )
-
-
-def _with_limit(history: History, contact: Contact, config: RunConfig) -> tuple[xr.Dataset, tuple[str, ...]]:
-    """Add the relaxed state, unless it depends on the path, which only k0 = 0 can cause."""
-    try:
-        return with_limit(history.dataset, relax(contact, hold=config.aging.hold)), ()
-    except InputError as error:
-        return history.dataset, (f"no relaxed state: {error}",)
+def _cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

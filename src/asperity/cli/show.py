@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from asperity.analysis import surface_view
-from asperity.cli.config import MeasuredSurface
 from asperity.cli.output import write_figure
 from asperity.cli.report import aligned
+from asperity.config.models import MeasuredSurface
 from asperity.errors import InputError
 from asperity.figures import surface_figure
 from asperity.surfaces import Statistics, Surface, read
@@ -87,7 +87,10 @@ def _origin(found: Surface) -> list[tuple[str, str]]:
     rows = [
         ("file", str(facts["file"])),
         ("format", f"{facts['format']}, read by {facts['reader']}"),
-        ("pixels", f"{pixels}, undefined: {undefined or 'none'}"),
+        (
+            "pixels",
+            f"{pixels}{' (rows x columns)' if len(shape) == 2 else ''}, undefined: {undefined or 'none'}",
+        ),
         ("size", f"{' x '.join(f'{s:g}' for s in size)} {length_unit}" if size else "not in the file"),
         ("unit of heights", "not in the file" if found.unit == "1" else found.unit),
     ]

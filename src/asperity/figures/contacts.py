@@ -12,7 +12,6 @@ from matplotlib.lines import Line2D
 
 from asperity.analysis import ContactMaps, SiteState
 from asperity.figures import style
-from asperity.lattice import Field
 
 _COLUMNS = 4
 _PANEL = 2.45
@@ -55,8 +54,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     panels = 1 + len(maps.times)
     columns = min(_COLUMNS, panels)
     rows = math.ceil(panels / columns)
-    picture = _picture(maps.heights, maps.transposed)
-    tall = min(3.0, max(0.4, picture.shape[0] / picture.shape[1]))
+    tall = min(3.0, max(0.4, maps.heights.shape[0] / maps.heights.shape[1]))
     figure = Figure(
         figsize=(_PANEL * columns + 0.8, (_PANEL * tall + 0.4) * rows + 0.7), layout="constrained"
     )
@@ -64,7 +62,11 @@ def _map_figure(maps: ContactMaps) -> Figure:
     for unused in grid[panels:]:
         unused.set_axis_off()
     image = grid[0].imshow(
-        picture, cmap=style.HEIGHT_MAP, clim=maps.height_range, interpolation="antialiased", rasterized=True
+        maps.heights,
+        cmap=style.HEIGHT_MAP,
+        clim=maps.height_range,
+        interpolation="antialiased",
+        rasterized=True,
     )
     grid[0].set_title("rough surface", fontsize=9)
     figure.colorbar(
@@ -76,7 +78,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
         pad=0.02,
         extend="both",
     )
-    enlarged = _enlarged_side(maps, picture.shape)
+    enlarged = _enlarged_side(maps, maps.heights.shape)
     for number, axes in enumerate(grid[1:panels]):
         if enlarged is None:
             _draw_sites(axes, maps, number)
@@ -86,7 +88,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     for axes in grid[:panels]:
         axes.set_xticks([])
         axes.set_yticks([])
-    note = f"each panel: {picture.shape[1]} × {picture.shape[0]} sites"
+    note = f"each panel: {maps.heights.shape[1]} × {maps.heights.shape[0]} sites"
     if enlarged is not None:
         note += "; marks are larger than a site"
     figure.suptitle(f"Where the solids touch as the contact ages  ({note})", fontsize=11)
@@ -96,7 +98,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
 
 def _draw_sites(axes: Axes, maps: ContactMaps, number: int) -> None:
     """Color each site; where sites are smaller than the pixels of the figure, shades show their density."""
-    states = _picture(maps.states[number], maps.transposed)
+    states = maps.states[number]
     palette = np.ones((len(SiteState), 3))
     for state, (color, _) in _MARKS.items():
         palette[state] = to_rgb(color)
@@ -105,7 +107,7 @@ def _draw_sites(axes: Axes, maps: ContactMaps, number: int) -> None:
 
 def _draw_marks(axes: Axes, maps: ContactMaps, number: int, side: float) -> None:
     """Put a mark of readable size on each of the few sites in contact."""
-    states = _picture(maps.states[number], maps.transposed)
+    states = maps.states[number]
     axes.set_xlim(-0.5, states.shape[1] - 0.5)
     axes.set_ylim(states.shape[0] - 0.5, -0.5)
     axes.set_aspect("equal")
@@ -135,11 +137,6 @@ def _legend(figure: Figure, maps: ContactMaps) -> None:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles) or 1, fontsize=9, frameon=False
     )
-
-
-def _picture(field: Field | np.ndarray, transposed: bool) -> np.ndarray:
-    """Turn a field as its picture is seen: rows downward."""
-    return np.asarray(field.T[::-1] if transposed else field)
 
 
 def _enlarged_side(maps: ContactMaps, shape: tuple[int, ...]) -> float | None:

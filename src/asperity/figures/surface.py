@@ -45,23 +45,18 @@ def surface_figure(view: SurfaceView, *, title: str, note: str = "") -> Figure:
 
 
 def _draw_map(figure: Figure, axes: Axes, view: SurfaceView) -> None:
-    rows_first = view.heights.T if view.transposed else view.heights
-    across, down = (0, 1) if view.transposed else (1, 0)
-    width = view.heights.shape[across] * view.pixel_size[across]
-    height = view.heights.shape[down] * view.pixel_size[down]
+    rows, columns = view.heights.shape
     image = axes.imshow(
-        rows_first,
+        view.heights,
         cmap=style.HEIGHT_MAP,
         clim=view.height_range,
-        # x to the right and y up for instruments; rows downward for a matrix.
-        origin="lower" if view.transposed else "upper",
-        extent=(0.0, width, 0.0, height) if view.transposed else (0.0, width, height, 0.0),
+        extent=(0.0, columns * view.pixel_size[1], rows * view.pixel_size[0], 0.0),
         interpolation="antialiased",
         rasterized=True,
     )
     axes.axhline(view.middle, color="white", linestyle="--", linewidth=1.0)
-    axes.set_xlabel(style.with_unit("x" if view.transposed else "column", view.length_unit))
-    axes.set_ylabel(style.with_unit("y" if view.transposed else "row", view.length_unit))
+    axes.set_xlabel(style.with_unit("x", view.length_unit))
+    axes.set_ylabel(style.with_unit("y", view.length_unit))
     axes.set_title("height map", fontsize=9)
     figure.colorbar(image, ax=axes, label=style.with_unit("height", view.unit), shrink=0.85, extend="both")
 

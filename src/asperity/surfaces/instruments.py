@@ -1,7 +1,7 @@
 """Files of microscopes and profilometers, through the optional library SurfaceTopography.
 
-The axes are those of that library: the first is x and the second is y, so that a picture is
-``heights.T`` with its origin below.
+That library puts x first and y, upward, second. Here a surface is a matrix like any other: rows
+downward, as its picture is seen, and columns to the right.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.errors import MissingExtraError, SurfaceFileError
 from asperity.surfaces.raw import RawSurface
@@ -77,16 +78,19 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
         raise SurfaceFileError(str(path), expected="heights on a regular grid", got="scattered points")
     _require_whole(reader, chosen)
     topography = _topography(chosen)
-    heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
+    heights = _rows_downward(np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan))
     unit = _spelled(topography.unit)
     sizes = chosen.physical_sizes
     known = sizes is not None and all(s is not None for s in sizes)
+    downward = sizes[::-1] if known else ()
     return RawSurface(
         np.array(heights, dtype=np.float64, order="C"),
         format=kind,
         reader=f"SurfaceTopography {importlib.metadata.version('SurfaceTopography')}",
         unit=unit or "1",
-        pixel_size=tuple(float(s) / n for s, n in zip(sizes, heights.shape, strict=True)) if known else None,
+        pixel_size=tuple(float(s) / n for s, n in zip(downward, heights.shape, strict=True))
+        if known
+        else None,
         length_unit=unit if known else None,
         channel=str(chosen.channel_id),
         channels=tuple(str(c.channel_id) for c in reader.channels if _holds_heights(c)),
@@ -139,6 +143,10 @@ def _require_whole(reader: Any, chosen: Any) -> None:
         # Any other trouble with a channel that nobody asked for is nobody's trouble.
         except Exception:
             continue
+
+
+def _rows_downward(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    return heights.T[::-1] if heights.ndim == 2 else heights
 
 
 def _spelled(unit: object) -> str | None:

@@ -111,8 +111,8 @@ def read(
     """Read a measured surface and make it ready for the solver.
 
     ``.npy`` files and text (``.txt``, ``.csv``, ``.dat``: a matrix of numbers) are read directly,
-    everything else by the optional library SurfaceTopography, with x as the first axis and y as the
-    second. The rules below are applied in their order.
+    everything else by the optional library SurfaceTopography; rows run downward, as the surface is
+    seen in a picture. The rules below are applied in their order.
 
     Parameters
     ----------
@@ -132,7 +132,8 @@ def read(
         rms height of the pixels after the tilt was removed. The pixel size keeps the file's unit.
     periodic
         "mirror" reflects the surface along each axis, which doubles each: continuous, and no measured value
-        is altered. "taper" brings a border of 10 % of each axis, on either side, to the mean by a cosine.
+        is altered. "taper" brings a border of 10 % of each axis, on either side, to the mean by a cosine;
+        under a heavy load or after long creep the flat border touches too, and counts as contact.
         "wrap" takes it as it is: the seam keeps its step.
     channel
         Name or number of the channel, for instrument files with several; None for the file's default.

@@ -1,0 +1,14 @@
+"""The configuration of a run: its model, its file, and how its mistakes are named."""
+
+from asperity.config.models import MeasuredSurface, RunConfig
+from asperity.config.reading import config_from, file_surface, read_config, read_tables, to_toml
+
+__all__ = [
+    "MeasuredSurface",
+    "RunConfig",
+    "config_from",
+    "file_surface",
+    "read_config",
+    "read_tables",
+    "to_toml",
+]

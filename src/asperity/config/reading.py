@@ -1,0 +1,153 @@
+"""From a TOML file and flags to a checked configuration, and from a configuration to TOML."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from asperity.config.mistakes import Sections, is_unknown, spelled, unknown_names
+from asperity.config.models import SURFACES, MeasuredSurface, RunConfig
+from asperity.errors import ConfigError
+
+# A flag replaces the keys that say the same thing in another way.
+_RIVALS = {
+    ("contact", "load"): ("separation",),
+    ("contact", "separation"): ("load",),
+    ("aging", "times"): ("first", "last", "per_decade"),
+    ("aging", "first"): ("times",),
+    ("aging", "last"): ("times",),
+    ("aging", "per_decade"): ("times",),
+}
+
+
+def read_config(path: Path | None, flags: Sections) -> RunConfig:
+    """Read a configuration, lay the flags over it, and check the whole.
+
+    Parameters
+    ----------
+    path
+        TOML file, or None for the defaults. A relative path of a surface in it is relative to it.
+    flags
+        Values by section and key.
+
+    Raises
+    ------
+    ConfigError
+        With one line for each mistake.
+    """
+    return config_from({} if path is None else read_tables(path), flags, path)
+
+
+def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> RunConfig:
+    """Check the tables of a file, with flags laid over them; ``path`` names the file in mistakes.
+
+    Raises
+    ------
+    ConfigError
+        With one line for each mistake.
+    """
+    merged = _merged(tables, flags)
+    problems = unknown_names(merged, flags, path)
+    try:
+        config = RunConfig.model_validate(merged)
+    except ValidationError as error:
+        problems += [spelled(detail, flags, path) for detail in error.errors() if not is_unknown(detail)]
+        raise ConfigError(problems) from None
+    if problems:
+        raise ConfigError(problems)
+    return config
+
+
+def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
+    """Check how a surface file shall be prepared.
+
+    Raises
+    ------
+    ConfigError
+        With one line for each mistake.
+    """
+    given = {"path": str(path), **flags}
+    try:
+        return MeasuredSurface.model_validate(given)
+    except ValidationError as error:
+        raise ConfigError(
+            [spelled(detail, {"surface": given}, None, section="surface") for detail in error.errors()]
+        ) from None
+
+
+def to_toml(config: RunConfig) -> str:
+    """Write a configuration so that `read_config` reads the very same one."""
+    lines = []
+    for section, keys in config.model_dump(exclude_none=True).items():
+        if "times" in keys:
+            keys = {key: value for key, value in keys.items() if key not in ("first", "last", "per_decade")}
+        lines += [f"[{section}]", *(f"{key} = {_toml_value(value)}" for key, value in keys.items()), ""]
+    return "\n".join(lines)
+
+
+def read_tables(path: Path) -> dict[str, Any]:
+    """Read the tables of a TOML file; a relative path of a surface becomes relative to the file.
+
+    Raises
+    ------
+    ConfigError
+        It cannot be read, or is no TOML.
+    """
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError([f"{path}: not a TOML file: {error}"]) from None
+    except UnicodeDecodeError:
+        raise ConfigError([f"{path}: not a TOML file: not text in UTF-8"]) from None
+    except OSError as error:
+        raise ConfigError([f"{path}: {error.strerror}"]) from None
+    surface = tables.get("surface")
+    if isinstance(surface, dict) and isinstance(surface.get("path"), str):
+        surface["path"] = str(path.parent / surface["path"])
+    return tables
+
+
+def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
+    merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
+    for section, keys in flags.items():
+        table = merged.setdefault(section, {})
+        if not isinstance(table, dict):  # a mistake of the file; it is reported
+            continue
+        for key in keys:
+            for rival in _RIVALS.get((section, key), ()):
+                if rival not in keys:
+                    table.pop(rival, None)
+        table.update(keys)
+    surface = merged.setdefault("surface", {})
+    if isinstance(surface, dict):
+        chosen = flags.get("surface", {})
+        if "path" in chosen and "kind" not in chosen:
+            surface["kind"] = "file"
+        surface.setdefault("kind", "file" if "path" in surface else "gaussian")
+        _drop_foreign(surface, tables.get("surface"), chosen)
+    return merged
+
+
+def _drop_foreign(surface: dict[str, Any], before: object, chosen: dict[str, object]) -> None:
+    """Where a flag replaces the file's kind of surface, the file's keys for the old kind go with it."""
+    model = SURFACES.get(surface["kind"]) if isinstance(surface["kind"], str) else None
+    old = before.get("kind", "gaussian") if isinstance(before, dict) else surface["kind"]
+    if model is None or old == surface["kind"] or old not in SURFACES:
+        return
+    for key in set(SURFACES[old].model_fields) - set(model.model_fields) - set(chosen):
+        surface.pop(key, None)
+
+
+def _toml_value(value: object) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml_value, value))}]"
+    if isinstance(value, str):
+        # JSON's escapes are TOML's, but for DEL, which TOML wants escaped.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value)

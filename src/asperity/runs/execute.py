@@ -1,0 +1,209 @@
+"""One run: a configuration in, a history with its limit and its summary out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import scipy.fft
+import xarray as xr
+
+from asperity.aging import Frame, relax
+from asperity.analysis import AgingSummary, aging_summary, hold_times, map_times, modest_load, with_limit
+from asperity.config import MeasuredSurface, RunConfig, to_toml
+from asperity.config.models import Aging, Exponential, Gaussian, SelfAffine
+from asperity.contact import Contact, press
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.results import Checkpoint, History, age
+from asperity.solids import spring_lattice
+from asperity.surfaces import Surface, exponential, gaussian, read, self_affine
+from asperity.theory import ExponentialHeights, GaussianHeights
+from asperity.theory.heights import HeightLaw
+
+_CLIFF = 3.0
+"""Step at the periodic seam, in usual steps, that deserves a remark."""
+
+_LARGE = 512**2
+"""Sites from which transforms gain from a second thread."""
+
+
+class Progress(Protocol):
+    """Someone who is told how far a run has come."""
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        """Begin a stage; aging passes the times that it will record."""
+        ...
+
+    def remark(self, text: str) -> None:
+        """The user should know this before the run ends."""
+        ...
+
+    def reached(self, frame: Frame) -> None:
+        """Aging has come to this moment."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """All that a run found.
+
+    Attributes
+    ----------
+    config
+        The configuration with nothing left open: reading it again gives the same result.
+    dataset
+        The history, with the relaxed state where there is one.
+    summary
+        Its analysis.
+    remarks
+        What the user should know: a choice that was made, a result that is missing.
+    """
+
+    config: RunConfig
+    dataset: xr.Dataset
+    summary: AgingSummary
+    remarks: tuple[str, ...]
+
+
+def execute(
+    config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None, threads: int = 1
+) -> Outcome:
+    """Run the engine's verbs one after the other.
+
+    Parameters
+    ----------
+    config
+        What to run.
+    progress
+        Who is told how far it has come.
+    checkpoint
+        Where aging keeps its place; see `asperity.age`.
+    threads
+        Threads for the transforms of lattices large enough to gain from them; the results do not
+        depend on it.
+
+    Raises
+    ------
+    AsperityError
+        As the engine does.
+    """
+    progress.stage("making the surface")
+    rough = _surface(config)
+    config, remarks = _completed(config, rough)
+    for remark in remarks:
+        progress.remark(remark)
+    with scipy.fft.set_workers(threads if rough.heights.size >= _LARGE else 1):
+        contact = _press(rough, config, progress)
+        history = _age(contact, config, progress, checkpoint)
+        progress.stage("finding the relaxed state")
+        dataset, late_remarks = _with_limit(history, contact, config)
+    dataset = dataset.assign_attrs(config=to_toml(config))
+    return Outcome(config, dataset, aging_summary(dataset, law=_law(config)), remarks + late_remarks)
+
+
+def _press(rough: Surface, config: RunConfig, progress: Progress) -> Contact:
+    wanted = config.solid
+    solid = spring_lattice(k0=wanted.k0, k1=wanted.k1, R=wanted.R, R_viscous=wanted.R_viscous)
+    progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
+    contact = press(rough, solid, load=config.contact.load, separation=config.contact.separation)
+    if contact.area == 0:
+        raise InputError(
+            "separation",
+            expected=f"one at which the solids touch, below {contact.heights.max():.6g}",
+            got=config.contact.separation,
+            advice="a smaller one, or a load",
+        )
+    return contact
+
+
+def _surface(config: RunConfig) -> Surface:
+    """Make or read the surface, and let it know where it comes from."""
+    chosen = config.surface
+    match chosen:
+        case MeasuredSurface():
+            return read(
+                chosen.path,
+                undefined=chosen.undefined,
+                max_undefined=chosen.max_undefined,
+                tilt=chosen.tilt,
+                periodic=chosen.periodic,
+                unit=chosen.unit,
+                channel=chosen.channel,
+            )
+        case SelfAffine(size=size, hurst=hurst, delta=delta, seed=seed):
+            heights = self_affine(size, hurst=hurst, delta=delta, seed=seed)
+        case Gaussian(shape=shape, rms=rms, seed=seed):
+            heights = gaussian(tuple(shape), rms=rms, seed=seed)
+        case Exponential(shape=shape, rms=rms, seed=seed):
+            heights = exponential(tuple(shape), rms=rms, seed=seed)
+    return Surface(heights, provenance=chosen.model_dump())
+
+
+def _law(config: RunConfig) -> HeightLaw | None:
+    """The law of the heights, if the sites are independent."""
+    match config.surface:
+        case Gaussian(rms=rms):
+            return GaussianHeights(rms=rms)
+        case Exponential(rms=rms):
+            return ExponentialHeights(rms=rms)
+        case _:
+            return None
+
+
+def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
+    """Decide what the configuration leaves open: the load, the maps; make the path absolute."""
+    chosen = config.surface
+    remarks: tuple[str, ...] = ()
+    if isinstance(chosen, MeasuredSurface):
+        chosen = chosen.model_copy(update={"path": str(Path(chosen.path).resolve())})
+    contact = config.contact
+    if contact.load is None and contact.separation is None:
+        # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
+        nominal = isinstance(chosen, Gaussian | Exponential)
+        rms = chosen.rms if isinstance(chosen, Gaussian | Exponential) else rough.describe().rms_height
+        load = modest_load(k0=config.solid.k0, k1=config.solid.k1, rms=rms, sites=rough.heights.size)
+        contact = contact.model_copy(update={"load": load})
+        which = "" if nominal else ", measured"
+        remarks = (f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}",)
+    if isinstance(chosen, MeasuredSurface) and (cliff := rough.describe().seam_ratio) > _CLIFF:
+        remarks += (
+            f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
+            "try periodic = 'mirror'",
+        )
+    maps_at = config.output.maps_at
+    if maps_at is None:
+        maps_at = list(map_times(_times(config.aging).tolist()))
+    output = config.output.model_copy(update={"maps_at": maps_at})
+    return config.model_copy(update={"surface": chosen, "contact": contact, "output": output}), remarks
+
+
+def _times(aging: Aging) -> Field:
+    if aging.times is not None:
+        return np.asarray(aging.times, dtype=np.float64)
+    return hold_times(first=aging.first, last=aging.last, per_decade=aging.per_decade)
+
+
+def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Checkpoint | None) -> History:
+    times = _times(config.aging)
+    progress.stage("aging", times=times.tolist())
+    return age(
+        contact,
+        times,
+        hold=config.aging.hold,
+        rtol=config.aging.rtol,
+        fields_at=config.output.maps_at or (),
+        progress=progress.reached,
+        checkpoint=checkpoint,
+    )
+
+
+def _with_limit(history: History, contact: Contact, config: RunConfig) -> tuple[xr.Dataset, tuple[str, ...]]:
+    """Add the relaxed state, unless it depends on the path, which only k0 = 0 can cause."""
+    try:
+        return with_limit(history.dataset, relax(contact, hold=config.aging.hold)), ()
+    except InputError as error:
+        return history.dataset, (f"no relaxed state: {error}",)
