@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,7 +20,7 @@ def blocks(language):
 
 def test_the_ten_lines_run_as_printed(capsys):
     (code,) = blocks("python")
-    names = {}
+    names: dict[str, Any] = {}
     exec(code, names)
     printed = capsys.readouterr().out.split()
     (promised,) = re.findall(r"sites in contact: ([\d ]+)", code)
