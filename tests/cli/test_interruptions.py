@@ -15,9 +15,14 @@ from tests.cli.conftest import SMALL, process
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
 
 
+def limited(size: int) -> str:
+    """Let no file grow beyond a size; Python's own bytecode files must not be cut off by it."""
+    return f"import resource\nsys.dont_write_bytecode = True\nresource.setrlimit(resource.RLIMIT_FSIZE, ({size},) * 2)"
+
+
 def test_a_disk_that_fills_up(tmp_path: Path) -> None:
     # No file may grow beyond the limit, which the history fits into and the first figure does not.
-    full = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))"
+    full = limited(20_000)
     running = process("run", *SMALL, "--quiet", "--out", tmp_path / "out", before=full)
     out, error = running.communicate(timeout=60)
     assert (running.returncode, out) == (1, "")
@@ -31,7 +36,7 @@ def test_a_disk_that_fills_up_keeps_the_earlier_run(tmp_path: Path) -> None:
     for name in ("history.zarr", "config.toml", "summary.txt"):
         (out / name).write_text("earlier")
     # This one stops the history.
-    full = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))"
+    full = limited(200)
     running = process("run", *SMALL, "--quiet", "--overwrite", "--out", out, before=full)
     _, error = running.communicate(timeout=60)
     assert running.returncode == 1
@@ -42,7 +47,7 @@ def test_a_disk_that_fills_up_keeps_the_earlier_run(tmp_path: Path) -> None:
 
 def test_a_figure_on_a_disk_that_fills_up(tmp_path: Path) -> None:
     (tmp_path / "rough.txt").write_text("\n".join("1 2 3 5" for _ in range(4)))
-    full = "import resource\nresource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))"
+    full = limited(200)
     running = process("surface", tmp_path / "rough.txt", "--out", tmp_path / "a.png", before=full)
     out, error = running.communicate(timeout=60)
     assert (running.returncode, out) == (1, "")
