@@ -17,7 +17,8 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX sig
 
 def limited(size: int) -> str:
     """Let no file grow beyond a size; Python's own bytecode files must not be cut off by it."""
-    return f"import resource\nsys.dont_write_bytecode = True\nresource.setrlimit(resource.RLIMIT_FSIZE, ({size},) * 2)"
+    limit = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
+    return f"sys.dont_write_bytecode = True\n{limit}"
 
 
 def test_a_disk_that_fills_up(tmp_path: Path) -> None:
