@@ -22,6 +22,7 @@ ROOMS = [
     {"figures"},
     {"config"},
     {"runs"},
+    {"campaign"},
     {"cli"},
     {"__main__"},
 ]

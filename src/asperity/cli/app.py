@@ -105,6 +105,84 @@ def show_surface(
     show(settings, out=out, overwrite=overwrite)
 
 
+@app.command
+def sweep(
+    plan: Path,
+    /,
+    *,
+    out: Path,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    dry_run: Switch = False,
+    retry_failed: Switch = False,
+    quiet: Switch = False,
+) -> None:
+    """Do a campaign: many runs from one file, in one folder. The same command again does what is missing.
+
+    Parameters
+    ----------
+    plan
+        A TOML file as for a run, with a section [sweep] of lists: load = [200.0, 800.0], seeds = 32, ...
+    out
+        Folder of the campaign; made, or gone on with.
+    workers
+        Worker processes on this machine. [default: its cores]
+    scheduler
+        Address of a Dask scheduler to use instead, such as tcp://10.0.0.1:8786.
+    dry_run
+        Only say how many runs, how long, and how much disk.
+    retry_failed
+        Try again what failed earlier.
+    quiet
+        Print neither progress nor summary.
+    """
+    if workers is not None and workers < 1:
+        raise InputError("--workers", expected="1 or more", got=workers)
+    from asperity.campaign import read_plan
+    from asperity.cli import campaign
+    from asperity.runs import cores
+
+    settings = read_plan(plan)
+    if dry_run:
+        campaign.dry_run(settings, out, workers=workers or cores())
+    else:
+        campaign.sweep(
+            settings, out, workers=workers, scheduler=scheduler, retry_failed=retry_failed, quiet=quiet
+        )
+
+
+@app.command
+def status(out: Path, /) -> None:
+    """Say how many runs of a campaign are done, running, failed (and why), and left.
+
+    Parameters
+    ----------
+    out
+        Folder of the campaign.
+    """
+    from asperity.cli import campaign
+
+    campaign.status(out)
+
+
+@app.command
+def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -> None:
+    """Gather a campaign into one Dataset with ensemble means, and a table (CSV) of its runs.
+
+    Parameters
+    ----------
+    out
+        Folder of the campaign.
+    to
+        Name to write, ending in .zarr; the table goes beside it. [default: gathered.zarr in the folder]
+    overwrite
+        Replace what was gathered there.
+    """
+    from asperity.cli import campaign
+
+    campaign.gather(out, to=to, overwrite=overwrite)
+
+
 def main(arguments: Annotated[Sequence[str] | None, Parameter(parse=False)] = None) -> int:
     """Run the command line.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import os
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +15,7 @@ from asperity.errors import InputError, OutputError
 from asperity.figures import aging_curve, contact_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
-from asperity.results.store import whole_folder
+from asperity.results.store import whole_file, whole_folder
 
 if TYPE_CHECKING:
     from asperity.runs import Outcome
@@ -111,18 +110,8 @@ def write_figure(figure: Figure, path: Path) -> None:
     OutputError
         The disk refused.
     """
-    try:
-        handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
-        os.close(handle)
-        staging = Path(name)
-        try:
-            figure.savefig(staging, dpi=RESOLUTION)
-            staging.chmod(0o644)
-            staging.replace(path)
-        finally:
-            staging.unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"could not write {path}: {error.strerror or error}") from error
+    with whole_file(path) as part:
+        figure.savefig(part, dpi=RESOLUTION)
 
 
 def _figures(outcome: Outcome) -> dict[str, Figure]:

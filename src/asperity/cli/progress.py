@@ -12,14 +12,14 @@ from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColum
 from rich.progress import Progress as Bar
 
 from asperity.aging import Frame
-from asperity.runs import Progress
+from asperity.runs import Progress, Silent
 
 
 @contextmanager
 def progress_shown(*, quiet: bool) -> Iterator[Progress]:
     """Choose how progress is shown, on the error stream, until the run ends."""
     if quiet:
-        yield _Nobody()
+        yield Silent()
     elif not sys.stderr.isatty():
         yield _Lines()
     else:
@@ -32,17 +32,6 @@ def progress_shown(*, quiet: bool) -> Iterator[Progress]:
         )
         with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
             yield _OnTerminal(bar)
-
-
-class _Nobody:
-    def stage(self, name: str, times: Sequence[float] = ()) -> None:
-        pass
-
-    def remark(self, text: str) -> None:
-        pass
-
-    def reached(self, frame: Frame) -> None:
-        pass
 
 
 class _Lines:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import sys
 import time as clock
 from pathlib import Path
@@ -13,7 +12,7 @@ from asperity.cli.progress import progress_shown
 from asperity.cli.report import aligned, run_report
 from asperity.config import RunConfig, to_toml
 from asperity.results import Checkpoint
-from asperity.runs import execute
+from asperity.runs import cores, execute
 
 _CHECKPOINT_EVERY = 20.0
 """Seconds between checkpoints: shorter runs leave none."""
@@ -46,7 +45,7 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
             if place.exists():
                 progress.stage(f"going on from {place}")
             checkpoint = Checkpoint(place, every=_CHECKPOINT_EVERY)
-            outcome = execute(config, progress, checkpoint=checkpoint, threads=_cores())
+            outcome = execute(config, progress, checkpoint=checkpoint, threads=cores())
             rows = run_report(outcome, seconds=clock.perf_counter() - started)
             progress.stage("writing the results")
             write_results(outcome, out, text=aligned(rows), overwrite=overwrite)
@@ -63,8 +62,3 @@ def _place(config: RunConfig, out: Path) -> Path:
     """Name the checkpoint after the run, so that a run with other parameters never meets it."""
     mark = hashlib.sha256(to_toml(config).encode()).hexdigest()[:8]
     return out.with_name(f"{out.name}.{mark}.checkpoint")
-
-
-def _cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -13,7 +13,7 @@ from asperity.config.models import SURFACES, Aging, Contact, Output, Solid
 
 Sections = dict[str, dict[str, object]]
 
-_SECTIONS: dict[str, type[BaseModel]] = {
+SECTIONS: dict[str, type[BaseModel]] = {
     "solid": Solid,
     "contact": Contact,
     "aging": Aging,
@@ -31,7 +31,7 @@ def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) ->
     """Find sections and keys that do not exist, and suggest those that do."""
     problems = []
     for section, table in merged.items():
-        if section != "surface" and section not in _SECTIONS:
+        if section != "surface" and section not in SECTIONS:
             problems.append(_where(path, _no_section(section, table)))
         elif not isinstance(table, dict):
             problems.append(_where(path, f"{section}: expected a section [{section}], got {table!r}"))
@@ -43,8 +43,8 @@ def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) ->
 def _no_section(name: str, content: object) -> str:
     """Say what is wrong with a name at the top of the file."""
     if isinstance(content, dict):
-        return f"[{name}]: no such section{_suggestion(name, ['surface', *_SECTIONS])}"
-    homes = [section for section, model in _SECTIONS.items() if name in model.model_fields]
+        return f"[{name}]: no such section{_suggestion(name, ['surface', *SECTIONS])}"
+    homes = [section for section, model in SECTIONS.items() if name in model.model_fields]
     if any(name in model.model_fields for model in SURFACES.values()):
         homes.append("surface")
     where = f"; it belongs below [{homes[0]}]" if homes else ""
@@ -53,7 +53,7 @@ def _no_section(name: str, content: object) -> str:
 
 def _unknown_keys(section: str, table: dict[str, Any], flags: Sections, path: Path | None) -> list[str]:
     kind = table.get("kind")
-    model = _SECTIONS.get(section)
+    model = SECTIONS.get(section)
     if section == "surface":
         model = SURFACES.get(kind) if isinstance(kind, str) else None
     if model is None:  # the kind itself is the mistake

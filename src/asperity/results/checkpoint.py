@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import time as clock
 import zipfile
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,6 +22,7 @@ from asperity.contact.state import Contact
 from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
 from asperity.results.dataset import Row, Snapshot
+from asperity.results.store import whole_file
 
 
 @dataclass(frozen=True)
@@ -72,20 +71,13 @@ class Keeper:
         OutputError
             The disk refused; an earlier checkpoint is untouched.
         """
-        part = self.path.with_name(f".{self.path.name}.{os.getpid()}.part")
+        arrays = _packed(place, self.fingerprint)
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            with part.open("wb") as file:
-                np.savez(file, **_packed(place, self.fingerprint))  # type: ignore[arg-type]
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(self.path)
         except OSError as error:
-            with suppress(OSError):
-                part.unlink()
-            raise OutputError(
-                f"could not write the checkpoint {self.path}: {error.strerror or error}"
-            ) from error
+            raise OutputError(f"could not write {self.path}: {error.strerror or error}") from error
+        with whole_file(self.path) as part, part.open("wb") as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]
         self.written = clock.monotonic()
 
     def read(self) -> Place | None:

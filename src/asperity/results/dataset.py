@@ -33,7 +33,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "u0": ("creeping shape of the elastic surface", "height unit"),
     "in_contact": ("whether the site is in contact", "1"),
 }
-_TIME_UNIT = "1 / (stiffness unit * R unit)"
+TIME_UNIT = "1 / (stiffness unit * R unit)"
 
 
 Row = dict[str, float]
@@ -104,8 +104,8 @@ def _value(frame: Frame, name: str) -> float:
 def _describe(dataset: xr.Dataset) -> None:
     """Give every variable its long name and unit."""
     others = {
-        "time": ("hold time", _TIME_UNIT),
-        "field_time": ("hold time at which fields were kept", _TIME_UNIT),
+        "time": ("hold time", TIME_UNIT),
+        "field_time": ("hold time at which fields were kept", TIME_UNIT),
         "x": ("site index along the last axis", "lattice spacing"),
         "y": ("site index along the first axis", "lattice spacing"),
         "heights": ("height of the rigid rough surface", "height unit"),

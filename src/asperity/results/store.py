@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+import uuid
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import xarray as xr
@@ -69,7 +70,7 @@ def whole_folder(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
         staging = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent))
         yield staging
         staging.chmod(0o777 & ~_umask())
-        _flush(staging)
+        flush(staging)
         _move_into_place(staging, path)
     except OSError as error:
         if isinstance(error, OutputError):
@@ -79,6 +80,27 @@ def whole_folder(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     finally:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """A file to write that takes the name ``path``, replacing what is there, only when all is written.
+
+    Raises
+    ------
+    OutputError
+        The disk refused; what was there before is untouched.
+    """
+    part = path.with_name(f".{path.stem}.{uuid.uuid4().hex}{path.suffix}")
+    try:
+        yield part
+        _flush_file(part)
+        part.replace(path)
+    except OSError as error:
+        raise OutputError(f"could not write {path}: {error.strerror or error}") from error
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def _move_into_place(staging: Path, path: Path) -> None:
@@ -92,12 +114,16 @@ def _move_into_place(staging: Path, path: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def _flush(folder: Path) -> None:
+def flush(folder: Path) -> None:
     """Have the disk accept every byte before the folder gets its name."""
     for file in folder.rglob("*"):
         if file.is_file():
-            with file.open("rb") as handle:
-                os.fsync(handle.fileno())
+            _flush_file(file)
+
+
+def _flush_file(file: Path) -> None:
+    with file.open("rb") as handle:
+        os.fsync(handle.fileno())
 
 
 def _umask() -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,6 +46,19 @@ class Progress(Protocol):
     def reached(self, frame: Frame) -> None:
         """Aging has come to this moment."""
         ...
+
+
+class Silent:
+    """A `Progress` that tells nobody."""
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        """Say nothing."""
+
+    def remark(self, text: str) -> None:
+        """Say nothing."""
+
+    def reached(self, frame: Frame) -> None:
+        """Say nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,19 +190,20 @@ def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str,
         )
     maps_at = config.output.maps_at
     if maps_at is None:
-        maps_at = list(map_times(_times(config.aging).tolist()))
+        maps_at = list(map_times(hold_times_of(config.aging).tolist()))
     output = config.output.model_copy(update={"maps_at": maps_at})
     return config.model_copy(update={"surface": chosen, "contact": contact, "output": output}), remarks
 
 
-def _times(aging: Aging) -> Field:
+def hold_times_of(aging: Aging) -> Field:
+    """Times that a configuration asks to record, without 0."""
     if aging.times is not None:
         return np.asarray(aging.times, dtype=np.float64)
     return hold_times(first=aging.first, last=aging.last, per_decade=aging.per_decade)
 
 
 def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Checkpoint | None) -> History:
-    times = _times(config.aging)
+    times = hold_times_of(config.aging)
     progress.stage("aging", times=times.tolist())
     return age(
         contact,
@@ -207,3 +222,8 @@ def _with_limit(history: History, contact: Contact, config: RunConfig) -> tuple[
         return with_limit(history.dataset, relax(contact, hold=config.aging.hold)), ()
     except InputError as error:
         return history.dataset, (f"no relaxed state: {error}",)
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

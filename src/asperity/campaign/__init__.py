@@ -1,0 +1,19 @@
+"""Campaigns: thousands of runs from one file, in one store that survives anything."""
+
+from asperity.campaign.estimate import Estimate, estimate
+from asperity.campaign.gather import load_plan, open, table  # noqa: A004
+from asperity.campaign.plan import Plan, read_plan
+from asperity.campaign.sweep import Tally, sweep, tally
+
+__all__ = [
+    "Estimate",
+    "Plan",
+    "Tally",
+    "estimate",
+    "load_plan",
+    "open",
+    "read_plan",
+    "sweep",
+    "table",
+    "tally",
+]

@@ -1,0 +1,175 @@
+"""A campaign as one Dataset over the swept parameters and the seeds, with its ensemble."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asperity._version import __version__
+from asperity.campaign.plan import Axis, Plan, Run
+from asperity.campaign.store import FITTED, Store
+from asperity.config import RunConfig
+from asperity.errors import InputError
+from asperity.results.dataset import SERIES, TIME_UNIT
+
+_NO_ENSEMBLE = (
+    *("steps", "rejected", "iterations", "residual", "worst_residual", "relaxed_residual"),
+    *("sites", "held", "seconds"),
+    *(f"fit_{name}_uncertainty" for name in FITTED),
+)
+"""Numbers about the computation, of which no ensemble is taken."""
+
+
+def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open, as xarray and zarr have it)
+    """Open the runs of a campaign that are finished.
+
+    Parameters
+    ----------
+    directory
+        Folder of the campaign.
+
+    Returns
+    -------
+    Dataset
+        Over the swept parameters (or ``point``, for zipped ones), ``seed`` and ``time``: the series of
+        `asperity.age`. Where a swept parameter has the name of a series, such as the load, that series
+        is called ``load_history``. Over all but ``time``: one number a run, such as ``relaxed_area`` or
+        ``fit_q``. Over all but ``seed``: the ensemble, ``area_mean``, ``area_stderr`` (standard error of
+        the mean), and so on, and the ``count`` of finished seeds. What is not finished is NaN.
+
+    Raises
+    ------
+    InputError
+        The folder holds no campaign, or no finished run.
+    """
+    plan = load_plan(directory)
+    store = Store(Path(directory))
+    finished = {name: store.read(name) for name in {run.identity for run in plan.runs} & store.done()}
+    if not finished:
+        raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
+    some = next(iter(finished.values()))
+    times = some.series[0]
+    shape = _shape(plan)
+    series = np.full((len(SERIES), *shape, times.size), np.nan)
+    names = sorted({name for run in finished.values() for name in run.scalars})
+    scalars = np.full((len(names), *shape), np.nan)
+    for run in plan.runs:
+        if run.identity in finished:
+            one, place = finished[run.identity], _place(plan, run)
+            everything: tuple[Any, ...] = (slice(None), *place)
+            series[everything] = one.series[1:]
+            for row, name in enumerate(names):
+                scalars[row, *place] = one.scalars.get(name, np.nan)
+    dims = _dims(plan)
+    coordinates = _coordinates(plan)
+    dataset = xr.Dataset(coords=coordinates | {"time": times})
+    for row, (name, (long_name, unit)) in enumerate(SERIES.items()):
+        # A swept load is a coordinate; the load as it developed needs another name then.
+        free = f"{name}_history" if name in coordinates else name
+        dataset[free] = ((*dims, "time"), series[row], {"long_name": long_name, "units": unit})
+    for row, name in enumerate(names):
+        dataset[name] = (dims, scalars[row], {"long_name": name.replace("_", " "), "units": ""})
+    dataset["time"].attrs.update(long_name="hold time", units=TIME_UNIT)
+    if "seed" in dims:
+        dataset = _with_ensemble(dataset)
+    return dataset.assign_attrs(
+        title="Aging of rough contacts: a campaign",
+        asperity_version=__version__,
+        runs=len({run.identity for run in plan.runs}),
+        finished=len(finished),
+    )
+
+
+def table(dataset: xr.Dataset) -> pd.DataFrame:
+    """One row a run: its coordinates and its numbers, from the dataset of `open`.
+
+    Parameters
+    ----------
+    dataset
+        From `open`.
+
+    Returns
+    -------
+    DataFrame
+        Runs that are not finished are left out.
+    """
+    whole = set(dataset.dims) - {"time"}
+    numbers = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == whole]
+    if not whole:
+        return pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
+    return dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
+
+
+def load_plan(directory: str | Path) -> Plan:
+    """Read the plan that a campaign was last given.
+
+    Raises
+    ------
+    InputError
+        The folder holds no campaign.
+    """
+    path = Path(directory) / "plan.json"
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8"))
+        axes = tuple(Axis(section, name, tuple(values)) for section, name, values in facts["axes"])
+        runs = tuple(
+            Run(identity, tuple(point), seed, RunConfig.model_validate(config))
+            for identity, point, seed, config in facts["runs"]
+        )
+        return Plan(axes, tuple(facts["seeds"]), facts["zipped"], runs)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        reason = "no such campaign" if isinstance(error, FileNotFoundError) else str(error)
+        raise InputError(
+            "campaign", expected="a folder that asperity sweep wrote", got=f"{directory}: {reason}"
+        ) from error
+
+
+def _dims(plan: Plan) -> tuple[str, ...]:
+    swept = ("point",) if plan.zipped and plan.axes else tuple(axis.name for axis in plan.axes)
+    return (*swept, "seed") if plan.seeds else swept
+
+
+def _shape(plan: Plan) -> tuple[int, ...]:
+    swept = tuple(len(axis.values) for axis in plan.axes)
+    swept = swept[:1] if plan.zipped else swept
+    return (*swept, len(plan.seeds)) if plan.seeds else swept
+
+
+def _place(plan: Plan, run: Run) -> list[int]:
+    swept = list(run.point[:1] if plan.zipped else run.point)
+    return swept if run.seed is None else [*swept, plan.seeds.index(run.seed)]
+
+
+def _coordinates(plan: Plan) -> dict[str, object]:
+    if plan.zipped and plan.axes:
+        coordinates: dict[str, object] = {axis.name: ("point", list(axis.values)) for axis in plan.axes}
+        coordinates["point"] = np.arange(len(plan.axes[0].values))
+    else:
+        coordinates = {axis.name: list(axis.values) for axis in plan.axes}
+    return coordinates | ({"seed": list(plan.seeds)} if plan.seeds else {})
+
+
+def _with_ensemble(dataset: xr.Dataset) -> xr.Dataset:
+    """Mean over the seeds, its standard error, and how many seeds are finished."""
+    finished = dataset["initial_area"].count("seed")
+    names = [str(name) for name in dataset.data_vars if str(name) not in _NO_ENSEMBLE]
+    for name in names:
+        values = dataset[name]
+        count = values.count("seed")
+        # With one seed there is no spread to judge by: NaN.
+        spread = values.std("seed", ddof=0) / np.sqrt((count - 1).where(count > 1))
+        described = {"units": values.attrs["units"]}
+        long_name = values.attrs["long_name"]
+        dataset[f"{name}_mean"] = values.mean("seed").assign_attrs(
+            long_name=f"{long_name}, mean over the seeds", **described
+        )
+        dataset[f"{name}_stderr"] = spread.assign_attrs(
+            long_name=f"{long_name}, standard error of the mean", **described
+        )
+    dataset["count"] = finished.assign_attrs(long_name="finished seeds", units="1")
+    return dataset

@@ -1,0 +1,221 @@
+"""The plan of a campaign: a run configuration with lists in it, spread out into single runs.
+
+The file is that of ``asperity run`` with one more section::
+
+    [sweep]
+    load = [200.0, 800.0]     # any key of [surface], [solid], [contact], or [aging] hold and rtol
+    k1 = [1.0, 3.0, 10.0]
+    seeds = 32                # so many from the surface's seed on, or a list
+    combine = "grid"          # every load with every k1; "zip" takes them pairwise
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from asperity._version import __version__
+from asperity.config import MeasuredSurface, RunConfig, config_from, read_tables
+from asperity.config.mistakes import SECTIONS, Sections
+from asperity.config.models import SURFACES
+from asperity.errors import ConfigError
+
+Value = float | int | str
+_NOT_SWEPT = ("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures")
+_STORE_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A parameter that is swept: its section, its name, and its values as coordinates."""
+
+    section: str
+    name: str
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: its coordinates and its configuration; `identity` is a hash of all that it depends on."""
+
+    identity: str
+    point: tuple[int, ...]
+    seed: int | None
+    config: RunConfig
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All runs of a campaign.
+
+    Attributes
+    ----------
+    axes
+        The swept parameters, without the seed.
+    seeds
+        The seeds; empty for measured surfaces, which have none.
+    zipped
+        Whether the axes go pairwise, along one dimension ``point``.
+    runs
+        In the order of the grid, seeds fastest.
+    """
+
+    axes: tuple[Axis, ...]
+    seeds: tuple[int, ...]
+    zipped: bool
+    runs: tuple[Run, ...]
+
+
+def read_plan(path: Path) -> Plan:
+    """Read and check a campaign.
+
+    Parameters
+    ----------
+    path
+        The TOML file.
+
+    Raises
+    ------
+    ConfigError
+        With one line for each mistake in any of the runs; nothing has been started.
+    """
+    tables = read_tables(path)
+    swept = tables.pop("sweep", {})
+    if not isinstance(swept, dict):
+        raise ConfigError([f"{path}: sweep: expected a section [sweep], got {swept!r}"])
+    problems: list[str] = []
+    surface = tables.get("surface", {})
+    kind = ""
+    if isinstance(surface, dict):
+        kind = surface.get("kind", "file" if "path" in surface else "gaussian")
+    combine = swept.pop("combine", "grid")
+    if combine not in ("grid", "zip"):
+        problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
+    seeds = _seeds(swept.pop("seeds", None), surface, kind, problems)
+    lists = dict(_lists(swept, problems))
+    if combine == "zip" and len({len(values) for values in lists.values()}) > 1:
+        lengths = ", ".join(f"{name} {len(values)}" for (_, name), values in lists.items())
+        problems.append(f"[sweep]: expected lists of one length for combine = 'zip', got {lengths}")
+    output = tables.setdefault("output", {})
+    if isinstance(output, dict):
+        output.setdefault("maps_at", [])
+    if problems:
+        problems = [f"{path}: {problem}" for problem in problems]
+        try:  # the rest of the file may hold mistakes too
+            config_from(tables, {}, path)
+        except ConfigError as error:
+            problems += error.problems
+        raise ConfigError(problems)
+    runs = _runs(tables, lists, seeds, path, zipped=combine == "zip")
+    axes = tuple(Axis(section, name, tuple(map(_label, values))) for (section, name), values in lists.items())
+    return Plan(axes, seeds, combine == "zip", runs)
+
+
+def _lists(swept: dict[str, Any], problems: list[str]) -> Iterator[tuple[tuple[str, str], list[Any]]]:
+    """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
+    homes = {name: "surface" for model in SURFACES.values() for name in model.model_fields}
+    homes |= {name: section for section, model in SECTIONS.items() for name in model.model_fields}
+    flat: dict[tuple[str | None, str], Any] = {}
+    for key, value in swept.items():
+        inner = value.items() if isinstance(value, dict) else [(None, value)]
+        flat |= {(key, name) if name else (None, key): values for name, values in inner}
+    for (section, name), values in flat.items():
+        where = f"[sweep] {name}"
+        if name not in homes or (section is not None and homes[name] != section):
+            close = get_close_matches(name, [*homes, "seeds", "combine"], n=1)
+            hint = f"; did you mean {close[0]!r}?" if close else ""
+            problems.append(f"{where}: no such key{hint}")
+        elif name in _NOT_SWEPT:
+            advice = "; try seeds" if name == "seed" else ""
+            problems.append(f"{where}: cannot be swept{advice}")
+        elif not isinstance(values, list) or not values:
+            problems.append(f"{where}: expected a list of values, got {values!r}")
+        elif len({_label(value) for value in values}) < len(values):
+            problems.append(f"{where}: expected different values, got {values!r}")
+        else:
+            yield (homes[name], name), values
+
+
+def _seeds(given: object, surface: object, kind: str, problems: list[str]) -> tuple[int, ...]:
+    """Seeds from a number or a list; a measured surface has none."""
+    first = surface.get("seed", 0) if isinstance(surface, dict) else 0
+    if kind == "file":
+        if given is not None:
+            problems.append("[sweep] seeds: a measured surface has no seed")
+        return ()
+    if given is None:
+        given = [first]
+    if isinstance(given, int) and not isinstance(given, bool) and given >= 1 and isinstance(first, int):
+        given = list(range(first, first + given))
+    if not isinstance(given, list) or not given or len(set(map(str, given))) < len(given):
+        expected = "a number of seeds or a list of different ones"
+        problems.append(f"[sweep] seeds: expected {expected}, got {given!r}")
+        return ()
+    return tuple(given)
+
+
+def _runs(
+    tables: dict[str, Any],
+    lists: dict[tuple[str, str], list[Any]],
+    seeds: tuple[int, ...],
+    path: Path,
+    *,
+    zipped: bool,
+) -> tuple[Run, ...]:
+    """Spread out; check every run, and name every mistake once."""
+    lengths = [range(len(values)) for values in lists.values()]
+    points = list(zip(*lengths, strict=True)) if zipped and lists else list(itertools.product(*lengths))
+    problems: dict[str, None] = {}
+    contents: dict[str, str] = {}
+    runs = []
+    for point, seed in itertools.product(points, seeds or (None,)):
+        flags: Sections = {}
+        for ((section, name), values), index in zip(lists.items(), point, strict=True):
+            value = values[index]
+            if name == "path" and isinstance(value, str):
+                value = str(path.parent / value)
+            flags.setdefault(section, {})[name] = value
+        if seed is not None:
+            flags.setdefault("surface", {})["seed"] = seed
+        merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
+        for section, keys in flags.items():
+            table = merged.setdefault(section, {})
+            if isinstance(table, dict):  # otherwise a mistake, which is reported below
+                table.update(keys)
+        try:
+            config = config_from(merged, {}, path)
+            runs.append(Run(_identity(config, contents), point, seed, config))
+        except ConfigError as error:
+            problems |= dict.fromkeys(error.problems)
+    if problems:
+        raise ConfigError(list(problems))
+    return tuple(runs)
+
+
+def _identity(config: RunConfig, contents: dict[str, str]) -> str:
+    """Hash all that the numbers of a run depend on; a measured surface counts by its content."""
+    facts = config.model_dump()
+    facts["output"].pop("figures")
+    if isinstance(config.surface, MeasuredSurface):
+        name = facts["surface"].pop("path")
+        if name not in contents:
+            try:
+                contents[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
+            except OSError as error:
+                raise ConfigError([f"[surface] path: {name}: {error.strerror}"]) from None
+        facts["surface"]["content"] = contents[name]
+    facts["version"] = [__version__, _STORE_FORMAT]
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def _label(value: object) -> Value:
+    """A value as a coordinate."""
+    if isinstance(value, list):
+        return "x".join(map(str, value))
+    return value if isinstance(value, float | int | str) else repr(value)

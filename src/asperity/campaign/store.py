@@ -1,0 +1,206 @@
+"""The folder of a campaign: one zarr store of finished runs, and the traces of those under way.
+
+    DIR/plan.json                     the plan last given
+    DIR/runs.zarr/<identity>          a finished run: a zarr group, complete or not there
+    DIR/work/...                      locks, failures, checkpoints, and runs being written
+
+A run is written beside the store with its mark ``complete`` last, flushed, and moved in under its name
+by one rename. Two writers of the same run cannot disturb each other: the second finds the name taken.
+Locks belong to living processes: the operating system drops them when one is killed.
+"""
+
+from __future__ import annotations
+
+import shutil
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+from filelock import FileLock, Timeout
+
+from asperity.errors import InputError, OutputError
+from asperity.lattice import Field
+from asperity.results.dataset import FIELDS, SERIES
+from asperity.results.store import flush, whole_file
+from asperity.runs import Outcome
+
+QUANTITIES = ("time", *SERIES)
+FITTED = ("a", "q", "t0", "C")
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """A finished run as stored: its time series, shape ``(quantities, times)``, and its scalars."""
+
+    series: Field
+    scalars: dict[str, float]
+    config: str
+
+
+class Store:
+    """The runs of one campaign on disk."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self.runs = directory / "runs.zarr"
+        self.work = directory / "work"
+
+    def prepare(self) -> None:
+        """Create the folders; harmless if they exist."""
+        for name in ("locks", "failed", "checkpoints", "staging"):
+            (self.work / name).mkdir(parents=True, exist_ok=True)
+        zarr.open_group(self.runs, mode="a")
+
+    def is_done(self, identity: str) -> bool:
+        """Whether the run is finished."""
+        return (self.runs / identity / "zarr.json").exists()
+
+    def done(self) -> set[str]:
+        """Identities of all finished runs."""
+        return {path.parent.name for path in self.runs.glob("*/zarr.json")}
+
+    def checkpoint(self, identity: str) -> Path:
+        """Where a run keeps its place."""
+        return self.work / "checkpoints" / f"{identity}.npz"
+
+    @contextmanager
+    def claim(self, identity: str) -> Iterator[bool]:
+        """Try to be the only process at work on a run; yields whether it is."""
+        lock = FileLock(self._lock(identity))
+        try:
+            lock.acquire(blocking=False)
+        except Timeout:
+            yield False
+            return
+        try:
+            yield True
+        finally:
+            with suppress(OSError):
+                self._lock(identity).unlink(missing_ok=True)
+            lock.release()
+
+    def running(self) -> set[str]:
+        """Identities of the runs that living processes on this machine are at work on."""
+        return {path.stem for path in (self.work / "locks").glob("*.lock") if _is_locked(path)}
+
+    def failures(self) -> dict[str, str]:
+        """Runs that failed, and why."""
+        reasons = {}
+        for path in (self.work / "failed").glob("*.txt"):
+            with suppress(OSError):  # forgiven meanwhile
+                reasons[path.stem] = path.read_text(encoding="utf-8").strip()
+        return reasons
+
+    def fail(self, identity: str, reason: str) -> None:
+        """Record why a run failed."""
+        with whole_file(self.work / "failed" / f"{identity}.txt") as part:
+            part.write_text(reason, encoding="utf-8")
+
+    def forgive(self, identity: str) -> None:
+        """Forget a failure."""
+        (self.work / "failed" / f"{identity}.txt").unlink(missing_ok=True)
+
+    def write(self, identity: str, outcome: Outcome, seconds: float) -> None:
+        """Store a finished run.
+
+        Raises
+        ------
+        OutputError
+            The disk refused; the store is as it was.
+        """
+        staging = self.work / "staging" / f"{identity}.{uuid.uuid4().hex}"
+        try:
+            try:
+                _write_group(staging, outcome, seconds)
+                flush(staging)
+                staging.rename(self.runs / identity)
+            finally:
+                if staging.exists():
+                    shutil.rmtree(staging, ignore_errors=True)
+        except OSError as error:
+            if self.is_done(identity):  # another process was faster, with the same numbers
+                return
+            raise OutputError(
+                f"could not write to {self.directory}: {error.strerror or error}; nothing there is damaged"
+            ) from error
+
+    def read(self, identity: str) -> Finished:
+        """Read a finished run.
+
+        Raises
+        ------
+        InputError
+            It is not there, or not readable.
+        """
+        try:
+            group = zarr.open_group(self.runs / identity, mode="r")
+            facts: dict[str, Any] = dict(group.attrs)
+            series = np.asarray(group["series"])
+            return Finished(series, facts["scalars"], facts["config"])
+        except (OSError, KeyError, ValueError) as error:
+            raise InputError(
+                "campaign", expected=f"a finished run in {self.runs}", got=f"{identity}: {error}"
+            ) from error
+
+    def _lock(self, identity: str) -> Path:
+        return self.work / "locks" / f"{identity}.lock"
+
+
+def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
+    """One array holds the series: writing costs by the array, and there may be thousands of runs."""
+    dataset = outcome.dataset
+    series = np.stack([np.asarray(dataset[name], dtype=np.float64) for name in QUANTITIES])
+    group = zarr.open_group(folder, mode="w")
+    group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))
+    for name in (*FIELDS, "field_time"):
+        if name in dataset:
+            values = np.asarray(dataset[name])
+            group.create_array(name, data=values, chunks=values.shape)
+    group.attrs.update(
+        {
+            "quantities": list(QUANTITIES),
+            "scalars": _scalars(outcome) | {"seconds": seconds},
+            "config": str(dataset.attrs["config"]),
+            "asperity_version": str(dataset.attrs["asperity_version"]),
+            "heights_sha256": str(dataset.attrs["heights_sha256"]),
+            "complete": True,
+        }
+    )
+
+
+def _scalars(outcome: Outcome) -> dict[str, float]:
+    """One number each: where the run began and ended, its limit, its fit; absent where there is none."""
+    dataset, summary = outcome.dataset, outcome.summary
+    scalars = {
+        "sites": float(summary.sites),
+        "held": float(dataset.attrs[f"held_{dataset.attrs['held']}"]),
+        "initial_area": float(summary.initial_area),
+        "final_area": float(dataset["area"][-1]),
+        "worst_residual": float(dataset["residual"].max()),
+    }
+    scalars |= {
+        name: float(value)
+        for name, value in dataset.attrs.items()
+        if name.startswith("relaxed_") and np.isfinite(value)
+    }
+    if summary.fit is not None:
+        fitted = {f"fit_{name}": getattr(summary.fit, name) for name in FITTED}
+        fitted |= {f"fit_{name}_uncertainty": getattr(summary.fit, f"{name}_stderr") for name in FITTED}
+        fitted["fit_misfit"] = summary.fit.rms_residual
+        scalars |= {name: float(value) for name, value in fitted.items() if np.isfinite(value)}
+    return scalars
+
+
+def _is_locked(path: Path) -> bool:
+    lock = FileLock(path)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        return True
+    lock.release()
+    return False

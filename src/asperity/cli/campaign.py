@@ -1,0 +1,206 @@
+"""The commands ``asperity sweep``, ``status`` and ``gather``."""
+
+from __future__ import annotations
+
+import sys
+import time as clock
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress as Bar
+
+import asperity.campaign as campaign
+from asperity.campaign import Plan, Tally
+from asperity.cli.report import aligned
+from asperity.errors import AsperityError, InputError
+from asperity.results import save
+from asperity.results.store import whole_file
+
+_LINE_EVERY = 10.0
+"""Seconds between two plain lines of progress."""
+
+_SHOWN_FAILURES = 10
+
+
+def dry_run(plan: Plan, out: Path, *, workers: int) -> None:
+    """Say what a campaign would do."""
+    judged = campaign.estimate(plan, out)
+    rows = [
+        ("runs", f"{len({run.identity for run in plan.runs})}, of which {judged.runs} are to do"),
+        ("dimensions", _dimensions(plan)),
+        ("time", f"about {_spell(judged.seconds / workers)} on {workers} workers, judged by {judged.basis}"),
+        ("disk", f"about {_size(judged.bytes)}"),
+    ]
+    sys.stdout.write(f"{aligned(rows)}\n")
+
+
+def sweep(
+    plan: Plan, out: Path, *, workers: int | None, scheduler: str | None, retry_failed: bool, quiet: bool
+) -> None:
+    """Do what is missing, and say how it ended.
+
+    Raises
+    ------
+    AsperityError
+        The disk or the scheduler refused; or some runs failed, after all others were done.
+    """
+    _check_out(out)
+    try:
+        with _shown(quiet=quiet) as show:
+            end = campaign.sweep(
+                plan, out, workers=workers, scheduler=scheduler, retry_failed=retry_failed, progress=show
+            )
+    except KeyboardInterrupt:
+        done = campaign.tally(plan, out).done
+        raise KeyboardInterrupt(
+            f"interrupted; {done} runs are done and kept, and the same command does the rest"
+        ) from None
+    if not quiet:
+        sys.stdout.write(f"{aligned(_tally_rows(end))}\n")
+    if end.failed:
+        raise AsperityError(
+            f"{end.failed} of {end.total} runs failed: asperity status {out} says why; "
+            "try again with --retry-failed"
+        )
+
+
+def status(out: Path) -> None:
+    """Say how far a campaign is."""
+    end = campaign.tally(campaign.load_plan(out), out)
+    sys.stdout.write(f"{aligned(_tally_rows(end))}\n")
+
+
+def gather(out: Path, *, to: Path | None, overwrite: bool) -> None:
+    """Write a campaign's Dataset and a table of its runs.
+
+    Raises
+    ------
+    AsperityError
+        There is nothing to gather, or it cannot be written.
+    """
+    dataset = campaign.open(out)
+    target = out / "gathered.zarr" if to is None else to
+    if target.suffix != ".zarr":
+        raise InputError("--to", expected="a name that ends in .zarr", got=target)
+    csv = target.with_suffix(".csv")
+    # Gathering again, with more runs, is what one does: the default place is always replaced.
+    replace = overwrite or to is None
+    if csv.exists() and not replace:
+        raise InputError("--to", expected="a new name", got=f"{csv} exists", advice="--overwrite")
+    save(dataset, target, overwrite=replace)
+    runs = campaign.table(dataset)
+    with whole_file(csv) as part:
+        runs.to_csv(part, index=False)
+    sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
+    rows = [
+        ("finished", f"{dataset.attrs['finished']} of {dataset.attrs['runs']} runs"),
+        ("dimensions", sizes),
+        ("written", f"{target}: all series and their ensemble; asp.results.load opens it"),
+        ("", f"{csv}: one row a run, {len(runs)} rows"),
+    ]
+    sys.stdout.write(f"{aligned(rows)}\n")
+
+
+def _check_out(out: Path) -> None:
+    """Refuse a folder that holds something else."""
+    if out.exists() and not out.is_dir():
+        raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
+    ours = any((out / name).exists() for name in ("plan.json", "work"))
+    if out.exists() and any(out.iterdir()) and not ours:
+        raise InputError(
+            "--out",
+            expected="a new folder, or that of a campaign",
+            got=f"{out}, which holds something else and is kept",
+            advice="another name",
+        )
+
+
+def _tally_rows(end: Tally) -> list[tuple[str, str]]:
+    rows = [
+        ("runs", str(end.total)),
+        ("done", str(end.done)),
+        ("running", str(end.running)),
+        ("failed", str(end.failed)),
+        ("left", str(end.left)),
+    ]
+    reasons = list(end.reasons.items())
+    rows += [(f"  {name}", reason) for name, reason in reasons[:_SHOWN_FAILURES]]
+    if len(reasons) > _SHOWN_FAILURES:
+        rows.append(("  ...", f"and {len(reasons) - _SHOWN_FAILURES} more"))
+    return rows
+
+
+@contextmanager
+def _shown(*, quiet: bool) -> Iterator[Callable[[Tally], None]]:
+    """Progress with the time left: a bar on a terminal, lines elsewhere."""
+    if quiet:
+        yield lambda _: None
+    elif sys.stderr.isatty():
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+        )
+        with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task("runs", total=None)
+            yield lambda now: bar.update(
+                task, total=now.total, completed=now.done + now.failed, description=_words(now)
+            )
+    else:
+        yield _Lines().say
+
+
+class _Lines:
+    """A line at the start, one every few seconds, one at the end."""
+
+    def __init__(self) -> None:
+        self.begin = self.last = clock.monotonic()
+        self.over_at_begin: int | None = None
+
+    def say(self, now: Tally) -> None:
+        over = now.done + now.failed
+        first = self.over_at_begin is None
+        if self.over_at_begin is None:
+            self.over_at_begin = over
+        moment = clock.monotonic()
+        if first or over == now.total or moment - self.last >= _LINE_EVERY:
+            self.last = moment
+            fresh = over - self.over_at_begin
+            left = (now.total - over) * (moment - self.begin) / fresh if fresh else None
+            estimate = f", about {_spell(left)} left" if left else ""
+            print(f"{_words(now)}: {over} of {now.total}{estimate}", file=sys.stderr, flush=True)
+
+
+def _words(now: Tally) -> str:
+    return f"runs, {now.failed} failed" if now.failed else "runs"
+
+
+def _dimensions(plan: Plan) -> str:
+    axes = [f"{axis.name} ({len(axis.values)})" for axis in plan.axes]
+    joined = (", " if plan.zipped else " x ").join(axes)
+    parts = [f"{joined} pairwise" if plan.zipped and axes else joined] if axes else []
+    if plan.seeds:
+        parts.append(f"seed ({len(plan.seeds)})")
+    return " x ".join(parts) or "a single run"
+
+
+def _spell(seconds: float) -> str:
+    units = (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0), ("seconds", 1.0))
+    unit, length = next((u for u in units if seconds >= 1.5 * u[1]), units[-1])
+    value = seconds / length
+    return f"{value:.2g} {unit}" if value < 9.95 else f"{value:.0f} {unit}"
+
+
+def _size(count: int) -> str:
+    value = float(count)
+    for unit in ("B", "kB", "MB", "GB"):
+        if value < 1000:
+            return f"{value:.3g} {unit}"
+        value /= 1000
+    return f"{value:.3g} TB"
