@@ -327,6 +327,7 @@ def _with_linear_part(law: _Law, shape: Floats, curve: _Curve) -> Floats | None:
 
 def _optimum(theta: Floats, residual: Floats, jacobian: Floats, curve: _Curve) -> _Optimum:
     squares = float(residual @ residual)
+    total = float(np.sum((curve.area - curve.area.mean()) ** 2))
     variance = squares / (residual.size - theta.size)
     # Columns to one length first: a parameter that does little is not one that is undetermined.
     length = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny ** 0.25)
@@ -345,7 +346,8 @@ def _optimum(theta: Floats, residual: Floats, jacobian: Floats, curve: _Curve) -
         initial_area=initial * curve.area_unit,
         initial_area_stderr=spread * curve.area_unit,
         rms_residual=float(np.sqrt(np.mean((residual / curve.area) ** 2))),
-        r_squared=1 - squares / float(np.sum((curve.area - curve.area.mean()) ** 2)),
+        # Areas that have grown at once and stay: there is no variation to explain.
+        r_squared=1 - squares / total if total > 0 else float("nan"),
     )
 
 

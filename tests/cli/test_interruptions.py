@@ -84,7 +84,7 @@ def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) ->
                 break
         running.send_signal(stop)
         _, error = running.communicate(timeout=60)
-        (place,) = tmp_path.iterdir()
+        (place,) = (path for path in tmp_path.iterdir() if not path.name.startswith("."))
         assert place.name.startswith("out.")
         assert place.suffix == ".checkpoint"
     assert error.splitlines()[-1] == f"asperity: interrupted; the same command goes on from {place}"

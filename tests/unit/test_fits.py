@@ -232,3 +232,11 @@ def test_bad_data_are_named(law: Callable[..., Any], time: ArrayLike, area: Arra
 def test_predictions_ask_for_times_after_contact() -> None:
     with pytest.raises(InputError, match="time: expected times not below 0"):
         logarithm(TIME, noisy()).predict([1.0, -1.0])
+
+
+def test_areas_that_grow_at_once_and_stay_have_no_variation_to_explain() -> None:
+    laws: tuple[Callable[..., SaturationFit | LogarithmFit], ...] = (saturation, logarithm)
+    for law in laws:
+        fit = law([0.0, 1.0, 2.0, 4.0, 8.0, 16.0], [3.0, 4.0, 4.0, 4.0, 4.0, 4.0])
+        assert np.isnan(fit.r_squared)
+        np.testing.assert_allclose(fit.area_ratio(np.array([2.0, 16.0])), 4 / 3, rtol=0.1)

@@ -51,10 +51,14 @@ class Store:
         self.work = directory / "work"
 
     def prepare(self) -> None:
-        """Create the folders; harmless if they exist."""
+        """Create the folders, and clear what killed writers left; harmless while others write."""
         for name in ("locks", "failed", "checkpoints", "staging"):
             (self.work / name).mkdir(parents=True, exist_ok=True)
         zarr.open_group(self.runs, mode="a")
+        running = self.running()
+        for left in (self.work / "staging").iterdir():
+            if left.name.partition(".")[0] not in running:  # its writer was killed
+                shutil.rmtree(left, ignore_errors=True)
 
     def is_done(self, identity: str) -> bool:
         """Whether the run is finished."""

@@ -251,7 +251,7 @@ def _client(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
                 n_workers=number,
                 threads_per_worker=1,
                 processes=True,
-                dashboard_address=None,
+                dashboard_address=":0",
                 memory_limit=None,
                 silence_logs=50,
             ) as cluster,

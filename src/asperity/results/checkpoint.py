@@ -22,7 +22,7 @@ from asperity.contact.state import Contact
 from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
 from asperity.results.dataset import Row, Snapshot
-from asperity.results.store import whole_file
+from asperity.results.store import remove_parts, whole_file
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,7 @@ class Keeper:
         InputError
             The file is no checkpoint, or that of a run with other parameters.
         """
+        remove_parts(self.path)
         if not self.path.exists():
             return None
         advice = "another path, or remove the file"

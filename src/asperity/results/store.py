@@ -91,7 +91,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     OutputError
         The disk refused; what was there before is untouched.
     """
-    part = path.with_name(f".{path.stem}.{uuid.uuid4().hex}{path.suffix}")
+    part = path.with_name(f"{_part_of(path)}{uuid.uuid4().hex}{path.suffix}")
     try:
         yield part
         _flush_file(part)
@@ -101,6 +101,16 @@ def whole_file(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+def remove_parts(path: Path) -> None:
+    """Remove what killed writers of a file left beside it; only for a file that has one writer."""
+    for part in path.parent.glob(f"{_part_of(path)}*"):
+        part.unlink(missing_ok=True)
+
+
+def _part_of(path: Path) -> str:
+    return f".{path.name}.part-"
 
 
 def _move_into_place(staging: Path, path: Path) -> None:

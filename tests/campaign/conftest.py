@@ -1,0 +1,67 @@
+"""Small campaigns, run as a user runs them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import zarr
+
+SMALL = """
+[surface]
+shape = [16, 16]
+[aging]
+first = 0.1
+last = 10.0
+per_decade = 2
+[sweep]
+load = [4.0, 12.0]
+k1 = [1.0, 3.0]
+seeds = 3
+"""
+
+
+def written(folder: Path, text: str = SMALL) -> Path:
+    path = folder / "campaign.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def start(*words: str | Path, before: str = "") -> subprocess.Popen[str]:
+    """Start the command in a process group of its own, after some Python code."""
+    code = (
+        "import sys\n"
+        "if __name__ == '__main__':\n"
+        f"    {before or 'pass'}\n"
+        "    from asperity.cli import main\n"
+        "    sys.exit(main(sys.argv[1:]))"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-c", code, *map(str, words)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def finish(*words: str | Path, before: str = "") -> tuple[int, str, str]:
+    """Run the command to its end."""
+    running = start(*words, before=before)
+    try:
+        out, error = running.communicate(timeout=300)
+    except subprocess.TimeoutExpired:
+        os.killpg(running.pid, signal.SIGKILL)
+        raise
+    return running.returncode, out, error
+
+
+def numbers(folder: Path) -> dict[str, bytes]:
+    """The series of every run in a store, to the last bit."""
+    store = folder / "runs.zarr"
+    names = [path.parent.name for path in store.glob("*/zarr.json")]
+    return {name: np.asarray(zarr.open_group(store / name, mode="r")["series"]).tobytes() for name in names}

@@ -1,0 +1,243 @@
+"""Campaigns from one file to one Dataset."""
+
+import json
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import asperity.campaign as campaign
+from asperity import age, press
+from asperity.campaign.store import Store
+from asperity.campaign.worker import run_task
+from asperity.cli import main
+from asperity.errors import InputError
+from asperity.results import load as load_results
+from asperity.solids import spring_lattice
+from asperity.surfaces import gaussian
+from tests.campaign.conftest import SMALL, finish, numbers, start, written
+
+pytestmark = [
+    pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals"),
+    pytest.mark.xdist_group("sweep"),
+]
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """A finished campaign on two workers, not to be changed."""
+    folder = tmp_path_factory.mktemp("campaign")
+    status, out, error = finish("sweep", written(folder), "--out", folder / "out", "--workers", "2")
+    assert (status, "Traceback" in error) == (0, False), error
+    assert out.split() == ["runs", "12", "done", "12", "running", "0", "failed", "0", "left", "0"]
+    assert error.startswith("runs: 0 of 12")
+    return folder
+
+
+def do_here(plan, directory):
+    """Do a plan without a cluster, in this process."""
+    store = Store(directory)
+    directory.mkdir(exist_ok=True)
+    store.prepare()
+    from asperity.campaign.sweep import plan_to_json
+
+    (directory / "plan.json").write_text(plan_to_json(plan))
+    return [run_task(str(directory), run.identity, run.config.model_dump_json()) for run in plan.runs]
+
+
+def test_the_dataset_holds_what_single_runs_give(done):
+    data = campaign.open(done / "out")
+    assert data["area"].dims == ("load", "k1", "seed", "time")
+    assert data.attrs["finished"] == data.attrs["runs"] == 12
+    for k1, seed in ((1.0, 0), (3.0, 2)):
+        contact = press(gaussian((16, 16), seed=seed), spring_lattice(k0=1.0, k1=k1), load=12.0)
+        alone = age(contact, np.geomspace(0.1, 10.0, 5)).dataset
+        there = data.sel(load=12.0, k1=k1, seed=seed)
+        for name in ("area", "separation", "energy", "residual"):
+            np.testing.assert_array_equal(there[name], alone[name])
+        np.testing.assert_array_equal(there["load_history"], alone["load"])
+        assert float(there["initial_area"]) == contact.area
+
+
+def test_the_ensemble(done):
+    data = campaign.open(done / "out")
+    areas = data["area"].values
+    np.testing.assert_allclose(data["area_mean"], areas.mean(axis=2))
+    np.testing.assert_allclose(data["area_stderr"], areas.std(axis=2, ddof=1) / np.sqrt(3), atol=1e-15)
+    assert (data["count"] == 3).all()
+    assert data["relaxed_area_mean"].dims == ("load", "k1")
+    for variable in data.variables.values():
+        assert "long_name" in variable.attrs or variable.dims in (("load",), ("k1",), ("seed",))
+
+
+def test_the_numbers_do_not_depend_on_the_number_of_workers(done, tmp_path):
+    reports = do_here(campaign.read_plan(written(tmp_path)), tmp_path / "out")
+    assert {state for _, state, _ in reports} == {"done"}
+    assert numbers(tmp_path / "out") == numbers(done / "out")
+
+
+def test_the_same_command_again_does_nothing(done):
+    before = {path: path.stat().st_mtime_ns for path in (done / "out" / "runs.zarr").rglob("*")}
+    plan = campaign.read_plan(done / "campaign.toml")
+    assert campaign.sweep(plan, done / "out").done == 12
+    assert {path: path.stat().st_mtime_ns for path in (done / "out" / "runs.zarr").rglob("*")} == before
+
+
+def test_adding_seeds_does_only_the_new_ones(done, tmp_path):
+    plan = campaign.read_plan(written(tmp_path, SMALL.replace("seeds = 3", "seeds = 4")))
+    counted = campaign.tally(plan, done / "out")
+    assert (counted.total, counted.done, counted.left) == (16, 12, 4)
+
+
+def test_the_dry_run_starts_nothing(done, tmp_path, capsys):
+    path = written(tmp_path)
+    assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--dry-run", "--workers", "2"]) == 0
+    text = capsys.readouterr().out
+    assert "12, of which 12 are to do" in text
+    assert "load (2) x k1 (2) x seed (3)" in text
+    assert "on 2 workers, judged by a trial run of 64 x 64 sites" in text
+    assert not (tmp_path / "out").exists()
+    assert main(["sweep", str(path), "--out", str(done / "out"), "--dry-run"]) == 0
+    assert "12, of which 0 are to do" in capsys.readouterr().out
+
+
+def test_status_and_gather(done, tmp_path, capsys):
+    assert main(["status", str(done / "out")]) == 0
+    assert "done     12" in capsys.readouterr().out
+    target = tmp_path / "all.zarr"
+    assert main(["gather", str(done / "out"), "--to", str(target)]) == 0
+    assert "one row a run, 12 rows" in capsys.readouterr().out
+    xr.testing.assert_identical(load_results(target), campaign.open(done / "out"))
+    table = (tmp_path / "all.csv").read_text().splitlines()
+    assert len(table) == 13
+    assert table[0].startswith("load,k1,seed,")
+    assert main(["gather", str(done / "out"), "--to", str(target)]) == 2
+    assert "all.csv exists; try --overwrite" in capsys.readouterr().err
+    assert main(["gather", str(done / "out"), "--to", str(target), "--overwrite"]) == 0
+
+
+def test_what_is_not_finished_is_nan(tmp_path):
+    plan = campaign.read_plan(written(tmp_path))
+    out = tmp_path / "out"
+    with pytest.raises(InputError, match="a folder that asperity sweep wrote"):
+        campaign.open(out)
+    some = campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:4])
+    do_here(some, out)
+    from asperity.campaign.sweep import plan_to_json
+
+    (out / "plan.json").write_text(plan_to_json(plan))
+    data = campaign.open(out)
+    assert int(data["count"].sum()) == 4
+    assert int(np.isfinite(data["initial_area"]).sum()) == 4
+    assert float(data["count"].sel(load=4.0, k1=3.0)) == 1
+    assert np.isnan(data["area_stderr"].sel(load=4.0, k1=3.0)).all()
+    assert len(campaign.table(data)) == 4
+
+
+def test_zipped_parameters_share_one_dimension(tmp_path):
+    text = SMALL.replace("seeds = 3", "combine = 'zip'\nseeds = 2")
+    do_here(campaign.read_plan(written(tmp_path, text)), tmp_path / "out")
+    data = campaign.open(tmp_path / "out")
+    assert data["area"].dims == ("point", "seed", "time")
+    assert data["k1"].values.tolist() == [1.0, 3.0]
+    assert data.sel(point=1)["held"].values.tolist() == [12.0, 12.0]
+
+
+def test_a_failed_run_does_not_stop_the_others_and_is_tried_again_when_asked(tmp_path):
+    # At the larger separation nothing touches.
+    text = SMALL.replace("load = [4.0, 12.0]", "separation = [1.0, 50.0]")
+    status, out, error = finish("sweep", written(tmp_path, text), "--out", tmp_path / "out")
+    assert status == 1
+    assert error.splitlines()[-1].startswith("asperity: 6 of 12 runs failed: asperity status")
+    assert out.split()[:8] == ["runs", "12", "done", "6", "running", "0", "failed", "6"]
+    assert "expected one at which the solids touch" in out
+    plan = campaign.read_plan(tmp_path / "campaign.toml")
+    counted = campaign.tally(plan, tmp_path / "out")
+    assert (counted.done, counted.failed, counted.left) == (6, 6, 0)
+    # Not tried again by itself ...
+    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / "work" / "failed").iterdir()}
+    assert campaign.sweep(plan, tmp_path / "out").failed == 6
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    # ... but when asked.
+    assert campaign.sweep(plan, tmp_path / "out", workers=1, retry_failed=True).failed == 6
+    assert all(path.stat().st_mtime_ns > then for path, then in before.items())
+
+
+def test_a_folder_with_something_else_is_kept(tmp_path, capsys):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "thesis.tex").write_text("precious")
+    assert main(["sweep", str(written(tmp_path)), "--out", str(tmp_path / "out")]) == 2
+    assert "which holds something else and is kept" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["sweep", "none.toml", "--out", "x"], "none.toml: No such file"),
+        (["sweep", "campaign.toml"], "--out"),
+        (["sweep", "campaign.toml", "--out", "x", "--workers", "0"], "--workers: expected 1 or more, got 0"),
+        (["sweep", "campaign.toml", "--out", "x", "--scheduler", "nonsense"], "address of a Dask scheduler"),
+        (["status", "x"], "a folder that asperity sweep wrote, got x: no such campaign"),
+        (["gather", "x"], "a folder that asperity sweep wrote"),
+    ],
+)
+def test_mistakes_end_in_one_line(tmp_path, monkeypatch, capsys, words, message):
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path)
+    assert main(words) == 2
+    (line,) = capsys.readouterr().err.splitlines()[-1:]
+    assert line.startswith("asperity: ")
+    assert message in line
+
+
+def test_two_campaigns_on_one_folder_at_once(tmp_path, done):
+    path = written(tmp_path)
+    both = [start("sweep", path, "--out", tmp_path / "out", "--workers", "1") for _ in range(2)]
+    for running in both:
+        out, error = running.communicate(timeout=300)
+        assert running.returncode == 0, error
+        assert "done     12" in out
+    assert numbers(tmp_path / "out") == numbers(done / "out")
+    assert list((tmp_path / "out" / "work" / "staging").iterdir()) == []
+
+
+def test_a_disk_that_fills_up(tmp_path):
+    # The limit stops the series of a run, not the plan.
+    limit = (
+        "import resource; sys.dont_write_bytecode = True; "
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000))"
+    )
+    long = SMALL.replace("per_decade = 2", "per_decade = 400").replace("seeds = 3", "seeds = 1")
+    path = written(tmp_path, long)
+    status, _, error = finish("sweep", path, "--out", tmp_path / "out", "--workers", "1", before=limit)
+    assert status == 1
+    (line,) = error.splitlines()[-1:]
+    assert "nothing there is damaged; free some space and give the same command again" in line
+    assert "Traceback" not in error
+    assert numbers(tmp_path / "out") == {}
+    status, _, error = finish("sweep", path, "--out", tmp_path / "out")
+    assert status == 0, error
+    assert len(numbers(tmp_path / "out")) == 4
+
+
+def test_interrupting_is_harmless(tmp_path):
+    listen = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    text = SMALL.replace("seeds = 3", "seeds = 200")
+    running = start("sweep", written(tmp_path, text), "--out", tmp_path / "out", before=listen)
+    while not numbers(tmp_path / "out"):
+        time.sleep(0.1)
+    os.kill(running.pid, signal.SIGINT)
+    _, error = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert "runs are done and kept, and the same command does the rest" in error.splitlines()[-1]
+    assert "Traceback" not in error
+
+
+def test_the_plan_is_kept_beside_the_runs(done):
+    facts = json.loads((done / "out" / "plan.json").read_text())
+    assert len(facts["runs"]) == 12
+    assert campaign.load_plan(done / "out") == campaign.read_plan(done / "campaign.toml")

@@ -1,0 +1,151 @@
+"""The plan of a campaign: how lists spread out, what identifies a run, how mistakes are named."""
+
+import numpy as np
+import pytest
+
+from asperity.campaign import read_plan
+from asperity.errors import ConfigError
+
+BASE = """
+[surface]
+shape = [8, 8]
+seed = 3
+[aging]
+last = 1.0
+"""
+
+
+def written(folder, text, name="campaign.toml"):
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def plan_of(folder, sweep, base=BASE):
+    return read_plan(written(folder, f"{base}\n[sweep]\n{sweep}"))
+
+
+def problems_of(folder, text):
+    with pytest.raises(ConfigError) as caught:
+        read_plan(written(folder, text))
+    return [problem.partition("campaign.toml: ")[2] or problem for problem in caught.value.problems]
+
+
+def test_a_grid_spreads_out_with_the_seeds_fastest(tmp_path):
+    plan = plan_of(tmp_path, "load = [1, 2.0]\nk1 = [1.0, 3.0, 9.0]\nseeds = 2")
+    assert [(axis.section, axis.name, axis.values) for axis in plan.axes] == [
+        ("contact", "load", (1, 2.0)),
+        ("solid", "k1", (1.0, 3.0, 9.0)),
+    ]
+    assert plan.seeds == (3, 4)
+    assert len(plan.runs) == 12
+    described = [(run.config.contact.load, run.config.solid.k1, run.config.surface.seed) for run in plan.runs]
+    assert described[:3] == [(1.0, 1.0, 3), (1.0, 1.0, 4), (1.0, 3.0, 3)]
+    assert len({run.identity for run in plan.runs}) == 12
+
+
+def test_zipped_lists_go_pairwise_and_still_cross_the_seeds(tmp_path):
+    plan = plan_of(tmp_path, "combine = 'zip'\nload = [1.0, 2.0]\nk1 = [1.0, 3.0]\nseeds = [5, 9]")
+    described = [(run.config.contact.load, run.config.solid.k1, run.seed) for run in plan.runs]
+    assert described == [(1.0, 1.0, 5), (1.0, 1.0, 9), (2.0, 3.0, 5), (2.0, 3.0, 9)]
+
+
+def test_without_lists_there_is_one_run(tmp_path):
+    plan = read_plan(written(tmp_path, BASE))
+    assert len(plan.runs) == 1
+    assert plan.seeds == (3,)
+
+
+def test_a_section_may_be_named_and_values_may_be_lists(tmp_path):
+    plan = plan_of(tmp_path, "surface.shape = [[4, 4], [8, 6]]")
+    assert plan.axes[0].values == ("4x4", "8x6")
+    assert [run.config.surface.shape for run in plan.runs] == [[4, 4], [8, 6]]
+
+
+def test_adding_values_keeps_the_identities_of_the_rest(tmp_path):
+    few = plan_of(tmp_path, "load = [1.0, 2.0]\nseeds = 2")
+    many = plan_of(tmp_path, "load = [0.5, 1.0, 2.0]\nk1 = [3.0]\nseeds = 5")
+    assert {run.identity for run in few.runs} < {run.identity for run in many.runs}
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["[solid]\nR = 2.0", "[solid]\nk0 = 1.5", "[contact]\nload = 3.0", "[output]\nmaps_at = [1.0]"],
+)
+def test_any_parameter_changes_the_identity(tmp_path, change):
+    before = plan_of(tmp_path, "k1 = [1.0]").runs[0].identity
+    assert plan_of(tmp_path, "k1 = [1.0]", base=f"{BASE}\n{change}").runs[0].identity != before
+
+
+def test_the_format_of_figures_does_not(tmp_path):
+    before = plan_of(tmp_path, "k1 = [1.0]").runs[0].identity
+    other = f"{BASE}\n[output]\nfigures = ['pdf']"
+    assert plan_of(tmp_path, "k1 = [1.0]", base=other).runs[0].identity == before
+
+
+def test_a_measured_surface_counts_by_its_content(tmp_path):
+    heights = np.random.default_rng(0).normal(size=(6, 6))
+    text = "[surface]\npath = 'rough.npy'\n[sweep]\nload = [1.0]"
+    np.save(tmp_path / "rough.npy", heights)
+    first = read_plan(written(tmp_path, text)).runs[0]
+    assert first.seed is None
+    (tmp_path / "elsewhere").mkdir()
+    np.save(tmp_path / "elsewhere" / "rough.npy", heights)
+    assert read_plan(written(tmp_path / "elsewhere", text)).runs[0].identity == first.identity
+    np.save(tmp_path / "rough.npy", 2 * heights)
+    assert read_plan(written(tmp_path, text)).runs[0].identity != first.identity
+
+
+def test_every_mistake_is_named_before_anything_starts(tmp_path):
+    problems = problems_of(
+        tmp_path,
+        """
+        [surface]
+        shap = [4, 4]
+        [sweep]
+        laod = [1.0]
+        k1 = 3.0
+        seed = [1]
+        times = [[1.0]]
+        R = [1.0, 1.0]
+        seeds = -2
+        combine = "product"
+        """,
+    )
+    assert problems == [
+        "[sweep] combine: expected 'grid' or 'zip', got 'product'",
+        "[sweep] seeds: expected a number of seeds or a list of different ones, got -2",
+        "[sweep] laod: no such key; did you mean 'load'?",
+        "[sweep] k1: expected a list of values, got 3.0",
+        "[sweep] seed: cannot be swept; try seeds",
+        "[sweep] times: cannot be swept",
+        "[sweep] R: expected different values, got [1.0, 1.0]",
+        "[surface] shap: no such key; did you mean 'shape'?",
+    ]
+
+
+def test_mistakes_in_any_run_are_named_once(tmp_path):
+    text = f"{BASE}\n[sweep]\nload = [1.0, -1.0]\nk1 = [1.0, 'two']\nseeds = 3"
+    assert problems_of(tmp_path, text) == [
+        "[solid] k1: expected a number, got 'two'",
+        "[contact] load: expected a number above 0.0, got -1.0",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("sweep = 3", "sweep: expected a section [sweep], got 3"),
+        ("[sweep]\nload = []", "[sweep] load: expected a list of values, got []"),
+        (
+            "[sweep]\ncombine='zip'\nload=[1.0,2.0]\nk1=[1.0]",
+            "lists of one length for combine = 'zip', got load 2, k1 1",
+        ),
+        ("[sweep]\nseeds = [1, 1]", "expected a number of seeds or a list of different ones, got [1, 1]"),
+        ("[surface]\npath='x.npy'\n[sweep]\nseeds = 3", "[sweep] seeds: a measured surface has no seed"),
+        ("[surface]\npath='none.npy'", "none.npy: No such file"),
+        ("[contact]\nseparation=1.0\n[sweep]\nload=[1.0]", "expected load or separation, got both"),
+    ],
+)
+def test_single_mistakes(tmp_path, text, problem):
+    assert any(problem in line for line in problems_of(tmp_path, text))
