@@ -8,7 +8,8 @@ The whole vocabulary::
     history = asp.age(contact, times=np.geomspace(1e-3, 1e6, 37))
     limit   = asp.relax(contact)
 
-with `asp.theory` and `asp.fits` to judge the results by, and `asp.results` to keep them.
+with `asp.theory` and `asp.fits` to judge the results by, `asp.results` to keep them, and `asp.campaign` to
+do thousands of them.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING
 from asperity._version import __version__
 
 if TYPE_CHECKING:
-    from asperity import errors, fits, results, solids, surfaces, theory
+    from asperity import campaign, errors, fits, results, solids, surfaces, theory
     from asperity.aging import relax
     from asperity.contact import Contact, press
     from asperity.results import History, age
@@ -29,6 +30,7 @@ __all__ = [
     "History",
     "__version__",
     "age",
+    "campaign",
     "errors",
     "fits",
     "press",

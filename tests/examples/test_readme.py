@@ -19,7 +19,7 @@ def blocks(language):
 
 
 def test_the_ten_lines_run_as_printed(capsys):
-    (code,) = blocks("python")
+    (code,) = (block for block in blocks("python") if "press" in block)
     names: dict[str, Any] = {}
     exec(code, names)
     printed = capsys.readouterr().out.split()

@@ -69,6 +69,7 @@ def test_public_names():
         "History",
         "__version__",
         "age",
+        "campaign",
         "errors",
         "fits",
         "press",
