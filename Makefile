@@ -18,6 +18,7 @@ test: $(VENV)/.dev  ## Run the test suite
 
 test-slow: $(VENV)/.dev  ## Run the long physics
 	$(PYTEST) -m slow
+	HYPOTHESIS_PROFILE=other $(PYTEST) tests/properties
 
 check: $(VENV)/.dev  ## Lint, format and types
 	$(BIN)/ruff check
@@ -36,6 +37,7 @@ clean:  ## Remove the environment and what was computed
 
 # Some systems ship Python without venv; virtualenv then makes the environment.
 $(BIN)/python:
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON): not found; try: make PYTHON=python3.12 ..."; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 	  { echo "Asperity needs Python 3.11 or newer; try: make PYTHON=python3.12 ..."; exit 1; }
 	@echo "Making $(VENV) ..."

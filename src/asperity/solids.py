@@ -127,7 +127,8 @@ def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0
         Stiffness of the springs between nearest neighbors, force per length; H = k0 lam(q). With
         ``k0=0`` the surface is a bed of independent springs.
     k1
-        Stiffness of the springs to the bulk, force per length; C = k1.
+        Stiffness of the springs to the bulk, force per length; C = k1. With ``k1=0`` there is nothing
+        through which to press: `asperity.press` refuses.
     R
         Mobility of creep that conserves the mean of u0, velocity per force; M = R lam(q) + R_viscous.
     R_viscous
@@ -149,7 +150,7 @@ def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0
     parameters = {"k0": k0, "k1": k1, "R": R, "R_viscous": R_viscous}
     for name, value in parameters.items():
         if not (is_finite_number(value) and value >= 0):
-            raise InputError(name, expected="a finite number >= 0", got=value)
+            raise InputError(name, expected="a finite number >= 0", got=repr(value))
     if k0 == 0 and k1 == 0:
         raise InputError("k0 and k1", expected="a stiffness above 0", got="both 0", advice="k0=1.0, k1=3.0")
     return Solid(

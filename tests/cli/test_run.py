@@ -82,7 +82,7 @@ def test_the_summary_says_what_was_found(tmp_path: Path, asperity: Asperity) -> 
     assert "no load was given: took 20.5 = 0.005 (k0 + k1) x rms height x sites" in text
     assert f"{int(dataset['steps'].sum())} time steps" in text
     assert str(out) in text
-    assert text.startswith((out / "summary.txt").read_text() + "\n")
+    assert text.startswith((out / "summary.txt").read_text())
     assert "remark: no load was given: took 20.5" in progress
     # Not a terminal: plain lines, one a decade, and the start.
     reached = [line.split()[2] for line in progress.splitlines() if line.startswith("  t = ")]

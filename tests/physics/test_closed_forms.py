@@ -115,7 +115,9 @@ def test_modes_decay_exponentially_in_full_contact(R, R_viscous, hold):
         assert frame.contact.area == rough.size
         exact = np.fft.ifft2(before * np.exp(-rate * frame.time)).real
         error = np.sqrt(np.mean((frame.contact.u0 - rough - exact) ** 2))
-        assert error <= 1e-5 * rough.std()
+        # Where the mean of u0 creeps too, the stretch of the springs counts as deformation.
+        scale = rough.std() if hold == "load" else np.sqrt(np.mean((rough - contact.u0) ** 2))
+        assert error <= 1e-5 * scale
 
 
 @pytest.mark.parametrize("R_viscous", [0.0, 0.3])

@@ -5,6 +5,7 @@ import pytest
 
 from asperity import age, press, relax
 from asperity.aging import creep
+from asperity.errors import ConvergenceError
 from asperity.solids import spring_lattice
 from asperity.theory import full_contact_load
 from tests.independent import assert_equilibrium, prove
@@ -68,6 +69,14 @@ def test_lattices_of_any_shape(shape):
     final = age(contact, [0.1, 10.0]).final
     assert_equilibrium(final, k0=0.7, k1=2.0, load=load)
     assert_equilibrium(relax(contact), k0=0.7, k1=2.0, load=load)
+
+
+def test_a_press_that_the_heights_cannot_resolve_is_refused_under_either_control():
+    rough = uncorrelated(32)
+    weak = spring_lattice(k0=1.0, k1=1e-9)
+    for held in ({"separation": rough.max() - 1e-3}, {"load": 1e-3 * 1e-9 * rough.size}):
+        with pytest.raises(ConvergenceError, match="too small for these heights in double precision"):
+            press(rough, weak, **held)
 
 
 def test_no_contact_at_a_large_separation():

@@ -5,7 +5,7 @@ import pytest
 
 from asperity import age, press, relax
 from asperity.errors import InputError
-from asperity.solids import spring_lattice
+from asperity.solids import Solid, spring_lattice
 from tests.surfaces import uncorrelated
 
 ROUGH = uncorrelated(24)
@@ -57,6 +57,38 @@ def test_viscous_creep_under_load_has_a_limit_of_shape_but_the_body_sinks_withou
     assert data["separation"].values[-1] == pytest.approx(relax(viscous).separation, abs=1e-6)
     # The mean of u0 cannot fall without end: the surface rests on the heights.
     assert data["separation"].values[-1] > ROUGH.mean() - load / (3.0 * ROUGH.size)
+
+
+@pytest.mark.parametrize("k0", [0.0, 1.0])
+@pytest.mark.parametrize("above", np.linspace(0.01, 40.0, 7))
+def test_a_body_that_hangs_free_stays_as_it_is(k0, above):
+    solid = spring_lattice(k0=k0, k1=3.0, R_viscous=0.1)
+    contact = press(ROUGH, solid, separation=ROUGH.max() + above)
+    history = age(contact, LATE)
+    for state in (contact, history.final, relax(contact)):
+        assert state.area == 0
+        assert np.ptp(state.u) <= 1e-13 * np.abs(contact.u).max()
+        np.testing.assert_allclose(state.u0, contact.u0, rtol=1e-13)
+    assert history.dataset["rejected"].sum() == 0
+
+
+def test_independent_springs_let_go_one_by_one_as_the_load_dies_out():
+    # Rounding decides here whether a contact pushes or pulls; the solver must not go round in circles.
+    spike = np.full((16, 16), -5.0)
+    spike[3, 4] = spike[9, 9] = 0.7
+    solid = spring_lattice(k0=0.0, k1=3.0, R=0.0, R_viscous=1.0)
+    history = age(press(spike, solid, separation=0.0), np.array([1.0, 1e2, 1e4, 1e6]) / 3)
+    assert history.dataset["load"].values[-1] == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(history.final.u0[3, 4], 0.7, atol=1e-3)  # within rtol of the stretch
+
+
+def test_a_solid_that_is_soft_to_some_waves_only_is_refused():
+    solid = Solid(
+        permanent=lambda lattice: np.where(lattice.lam > 4, lattice.lam, 0.0),
+        branches=spring_lattice(k0=1.0, k1=3.0).branches,
+    )
+    with pytest.raises(InputError, match="at every wave vector but 0, or nowhere"):
+        relax(press(ROUGH, solid, load=10.0))
 
 
 def test_without_mobility_nothing_creeps():

@@ -16,7 +16,7 @@ smooth = shapes.flatmap(lambda shape: hnp.arrays(float, shape, elements=st.float
 surfaces = st.one_of(stepped, smooth)
 stiffness = st.floats(-2, 2).map(lambda exponent: 10.0**exponent)
 loads = st.floats(-3, 2).map(lambda exponent: 10.0**exponent)
-modest = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+modest = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @modest

@@ -1,5 +1,6 @@
 """A run that was stopped anywhere goes on to the identical result."""
 
+import io
 import subprocess
 import sys
 import time
@@ -63,6 +64,7 @@ def test_a_finished_run_resumes_to_the_same(tmp_path):
     "other",
     [
         {"times": TIMES[:-1]},
+        {"times": TIMES[:-1], "fields_at": sorted([TIMES[-1], *KEEP])},
         {"rtol": 1e-3},
         {"fields_at": [100.0]},
         {"hold": "separation"},
@@ -80,7 +82,9 @@ def test_the_checkpoint_of_another_run_is_refused(tmp_path, other):
 
 def test_a_file_that_is_no_checkpoint_is_refused(tmp_path):
     path = tmp_path / "place.npz"
-    for content in (b"", b"hello", b"PK\x03\x04 cut off"):
+    empty = io.BytesIO()
+    np.savez(empty, facts=np.array("{}"))
+    for content in (b"", b"hello", b"PK\x03\x04 cut off", empty.getvalue()):
         path.write_bytes(content)
         with pytest.raises(InputError, match="checkpoint: expected a checkpoint of this run"):
             asp.age(CONTACT, TIMES, checkpoint=path)

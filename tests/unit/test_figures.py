@@ -38,7 +38,7 @@ def history(shape: tuple[int, ...]) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def aged() -> xr.Dataset:
-    return history((32, 32))
+    return history((64, 64))
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSumma
     assert axes.get_xscale() == "log"
     assert "hold time" in axes.get_xlabel()
     assert "A(t)" in axes.get_ylabel()
-    assert "load 20.48 held" in axes.get_title()
+    assert "load 81.92 held" in axes.get_title()
     (right,) = axes.child_axes
     assert "% of nominal area" in right.get_ylabel()
     figure.draw_without_rendering()

@@ -8,7 +8,7 @@ import pytest
 from asperity.contact import ActiveSet
 from asperity.contact.pinning import effective_pinning
 from asperity.contact.problem import TOLERANCE, ContactProblem, Guess, residual
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Lattice
 from tests.surfaces import correlated
 
@@ -71,6 +71,23 @@ def test_gives_up_with_advice():
         ConvergenceError, match=r"after 5 iterations, expected 1.0e-09; try ActiveSet\(max_iter"
     ):
         ActiveSet(max_iterations=5).solve(problem, guess, TOLERANCE)
+
+
+@pytest.mark.parametrize("wrong", [{"reduction": 1.5}, {"reduction": np.nan}, {"patience": -1}])
+def test_settings_are_checked(wrong):
+    with pytest.raises(InputError, match=f"{next(iter(wrong))}: expected"):
+        ActiveSet(**wrong)
+
+
+def test_a_set_of_contacts_that_does_not_settle_is_given_up():
+    heights = correlated(64)
+    lattice = Lattice(heights.shape)
+    pull = np.zeros(lattice.spectral_shape, complex)
+    pull[0, 0] = -100.0
+    problem = ContactProblem(lattice, lattice.lam.copy(), pull, heights - heights.max())
+    guess = Guess(np.zeros_like(heights), heights > heights.mean())
+    with pytest.raises(ConvergenceError, match="2 revisions of the set of contacts did not settle it"):
+        ActiveSet(max_revisions=2).solve(problem, guess, TOLERANCE)
 
 
 def test_residual_sees_forces_off_contact_and_pulls_in_contact():

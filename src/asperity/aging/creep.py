@@ -5,24 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.aging.tr_bdf2 import Past, Point, rms, take_step
 from asperity.contact.active_set import ActiveSet
-from asperity.contact.controls import Control, Load, Separation
-from asperity.contact.problem import ContactSolver, Solution
-from asperity.contact.state import Contact, contact_from
+from asperity.contact.controls import Hold, Load
+from asperity.contact.problem import TOLERANCE, ContactSolver
+from asperity.contact.state import Contact, contact_from, hold_contact
 from asperity.contact.system import System
-from asperity.errors import ConvergenceError, InputError, is_finite_number
+from asperity.errors import LARGEST, ConvergenceError, InputError, is_finite_number
 from asperity.lattice import Field
-
-Hold = Literal["load", "separation"]
 
 DEFAULT_RTOL = 2e-3
 """Area within a few tenths of a percent; measured in ``tests/physics/test_time_accuracy.py``."""
+
+SMALLEST_RTOL, LARGEST_RTOL = 1e-6, 0.1
+"""Steps multiply by ten for every hundredth of rtol; below the smallest, days would pass unseen."""
 
 STEP_TOLERANCE = 3.0
 """One step may err by ``(STEP_TOLERANCE * rtol) ** 1.5`` deformations.
@@ -33,8 +33,8 @@ fractions from 0.002 to 0.5, two kinds of surface, both controls, with viscous c
 that the sum stays below ``rtol``.
 """
 
-_SMALLEST_STEP = 1e-12
-"""Shortest step, relative to the time reached or the first step."""
+_MOST_REJECTIONS = 50
+"""Rejections in a row after which a step is not going to succeed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,8 @@ def creep(
         the contact was pressed by.
     rtol
         Bound on the error of u0 at every time, rms over the sites, relative to the largest
-        deformation reached so far: the rms of u about its mean. See `STEP_TOLERANCE`.
+        deformation reached so far: the rms of u about its mean (or of u - u0, if that is larger,
+        where the mean of u0 creeps too or u is flat). See `STEP_TOLERANCE`.
     solver
         How to solve the contact problems; `ActiveSet` by default.
     midway
@@ -114,12 +115,13 @@ def creep(
         A contact problem was not solved, or steps shrank to nothing.
     """
     stops = check_times(times)
-    if not (is_finite_number(rtol) and 0 < rtol <= 0.1):
-        raise InputError("rtol", expected="a number above 0 and up to 0.1", got=rtol, advice="rtol=2e-3")
-    start = replace(contact, control=control_held(contact, hold))
+    if not (is_finite_number(rtol) and SMALLEST_RTOL <= rtol <= LARGEST_RTOL):
+        expected = f"a number from {SMALLEST_RTOL:g} to {LARGEST_RTOL:g}"
+        raise InputError("rtol", expected=expected, got=repr(rtol), advice=f"rtol={DEFAULT_RTOL:g}")
+    start = hold_contact(contact, hold)
     march = _March(start.system, solver or ActiveSet(), rtol, after_step)
     if midway is None:
-        march.begin(_start_point(march.system, start))
+        march.begin(Point.of(march.system, start))
     else:
         march.resume(midway)
         stops = stops[stops >= midway.point.time]
@@ -135,9 +137,10 @@ def check_times(times: ArrayLike, name: str = "times") -> Field:
         raise InputError(name, expected="a list of times", got=repr(times), advice=advice) from None
     if stops.ndim != 1 or stops.size == 0:
         raise InputError(name, expected="a list of times", got=f"shape {stops.shape}", advice=advice)
-    wrong = ~(np.isfinite(stops) & (stops >= 0))
+    wrong = ~((stops == 0) | ((stops >= 1 / LARGEST) & (stops <= LARGEST)))
     if wrong.any():
-        raise InputError(name, expected="finite times >= 0", got=float(stops[wrong][0]), advice=advice)
+        expected = f"finite times >= 0 (0, or from {1 / LARGEST:g} to {LARGEST:g})"
+        raise InputError(name, expected=expected, got=float(stops[wrong][0]), advice=advice)
     if not (np.diff(stops) > 0).all():
         at = int(np.argmin(np.diff(stops)))
         raise InputError(
@@ -149,17 +152,6 @@ def check_times(times: ArrayLike, name: str = "times") -> Field:
     return stops[stops > 0]
 
 
-def control_held(contact: Contact, hold: Hold | None) -> Control:
-    """What is held: as asked, or what the contact was pressed by."""
-    if hold is None or (hold == "load") == isinstance(contact.control, Load):
-        return contact.control
-    if hold == "load":
-        return Load(contact.load)
-    if hold == "separation":
-        return Separation(contact.separation)
-    raise InputError("hold", expected="'load' or 'separation'", got=repr(hold))
-
-
 def _frames(start: Contact, stops: Field, march: _March, *, from_start: bool) -> Iterator[Frame]:
     """Integrate and publish."""
     if from_start:
@@ -168,13 +160,6 @@ def _frames(start: Contact, stops: Field, march: _March, *, from_start: bool) ->
         march.advance_to(float(stop))
         yield march.frame(start)
         march.reset_counts()
-
-
-def _start_point(system: System, contact: Contact) -> Point:
-    solution = Solution(contact.u - system.datum, contact.in_contact, contact.force, contact.residual, 0, 0)
-    surface = system.lattice.forward(solution.u)
-    shape = system.lattice.forward(contact.u0 - system.datum)
-    return Point(0.0, surface, shape, system.creep_rate(surface, shape), solution)
 
 
 def _approach(system: System, start: Contact, now: Contact, time: float) -> float:
@@ -193,12 +178,14 @@ class _March:
     earlier: Past | None
     deformation: float
     length: float
+    streak = 0
 
     def __init__(
         self, system: System, solver: ContactSolver, rtol: float, after_step: Callable[[Midway], None] | None
     ) -> None:
         self.system, self.solver, self.after_step = system, solver, after_step
         self.tolerance = (STEP_TOLERANCE * rtol) ** 1.5
+        self.passing = max(TOLERANCE, rtol / 2000)
         self.reset_counts()
 
     def reset_counts(self) -> None:
@@ -240,18 +227,26 @@ class _March:
             solid=start.solid,
             heights=start.heights,
             surface=start.surface,
+            load_may_vanish=True,
         )
         approach = _approach(self.system, start, state, self.point.time)
         return Frame(self.point.time, state, approach, self.steps, self.rejected, self.iterations)
 
     def raise_deformation(self) -> None:
         """Let the scale of the error follow the largest deformation so far."""
-        lattice = self.system.lattice
-        shape = self.point.surface.copy()
+        lattice, point = self.system.lattice, self.point
+        shape = point.surface.copy()
         shape.flat[0] = 0.0
-        self.deformation = max(self.deformation, rms(lattice, shape))
-        if self.deformation == 0:  # a flat surface: the stretch of the creeping springs
-            self.deformation = rms(lattice, self.point.surface - self.point.shape)
+        scale = rms(lattice, shape)
+        free_mean = self.system.spectra.mobility.flat[0] > 0 and not isinstance(self.system.control, Load)
+        if scale <= self.rounding() or free_mean:
+            # A flat surface, or one whose mean creeps too: the stretch of the creeping springs.
+            scale = max(scale, rms(lattice, point.surface - point.shape))
+        self.deformation = max(self.deformation, scale)
+
+    def rounding(self) -> float:
+        """Error of u0 that rounding alone makes."""
+        return 64 * float(np.finfo(float).eps) * float(np.abs(self.point.solution.u).max())
 
     def advance_to(self, stop: float) -> None:
         """Step until the time is exactly ``stop``."""
@@ -260,15 +255,23 @@ class _March:
             landing = self.length >= left * (1 - 1e-9)
             # Two equal steps rather than a long one and a sliver.
             length = left if landing else left / 2 if 2 * self.length > left else self.length
-            step = take_step(self.system, self.solver, length, self.point, self.earlier, publish=landing)
+            step = take_step(
+                self.system,
+                self.solver,
+                length,
+                self.point,
+                self.earlier,
+                tolerances=(self.passing, TOLERANCE if landing else self.passing),
+            )
             self.iterations += step.iterations
             error = self.relative(step.error)
             # The error of a step grows like its cube; 0.9 leaves a margin.
             change = min(4.0, max(0.2, 0.9 * error ** (-1 / 3))) if error > 0 else 4.0
             if error > 1:
-                self.reject(length * change)
+                self.reject(length, change)
                 continue
             self.steps += 1
+            self.streak = 0
             self.length = max(length * change, min(self.length, 4.0 * length))
             self.earlier = Past.of(self.point)
             self.point = replace(step.end, time=stop) if landing else step.end
@@ -276,18 +279,19 @@ class _March:
             if self.after_step is not None:
                 self.after_step(self.midway())
 
-    def reject(self, shorter: float) -> None:
+    def reject(self, length: float, change: float) -> None:
         """Try again with a shorter step."""
         self.rejected += 1
-        if shorter < _SMALLEST_STEP * max(self.point.time, self.length):
+        self.streak += 1
+        if self.streak > _MOST_REJECTIONS:
             raise ConvergenceError(
-                f"aging: steps shrank to {shorter:.1e} at time {self.point.time:.3e}; try a larger rtol"
+                f"aging: steps shrank to {length:.1e} at time {self.point.time:.3e}; try a larger rtol"
             )
-        self.length = shorter
+        self.length = length * change
 
     def relative(self, error: float) -> float:
         """Error in units of what is allowed."""
-        if error == 0:
+        if error <= self.rounding():
             return 0.0
         if not (math.isfinite(error) and self.deformation > 0):
             return math.inf

@@ -12,15 +12,12 @@ With D = 0 wherever M C > 0, the implicit step of infinite duration is the answe
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from asperity.aging.creep import Hold, control_held
 from asperity.contact.active_set import ActiveSet
-from asperity.contact.controls import Load
+from asperity.contact.controls import Hold, Load
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
-from asperity.contact.state import Contact, contact_from
+from asperity.contact.state import Contact, contact_from, hold_contact
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -52,10 +49,20 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
     ConvergenceError
         The solver did not reach its tolerance.
     """
-    start = replace(contact, control=control_held(contact, hold))
+    start = hold_contact(contact, hold)
     system = start.system
     step = system.implicit_step(np.inf)
-    if np.any(step.stiffness.flat[1:] == 0):
+    soft = step.stiffness.flat[1:] == 0
+    if soft.any() and start.area == 0:
+        return start  # nothing pushes, and nothing but a push would move it
+    if soft.any() and not soft.all():
+        raise InputError(
+            "solid",
+            expected="permanent stiffness above 0 at every wave vector but 0, or nowhere",
+            got="some without, along which the limit depends on the path",
+            advice="asperity.age with late times",
+        )
+    if soft.any():
         solution, shape = _without_stiffness(start, system)
     elif step.stiffness.flat[0] == 0 and not isinstance(system.control, Load):
         solution, shape = _unloaded(start, system)
@@ -65,7 +72,13 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
         solution = (solver or ActiveSet()).solve(step.problem(before), guess, TOLERANCE)
         shape = system.lattice.backward(step.crept_shape(system.lattice.forward(solution.u), before))
     return contact_from(
-        system, solution, shape, solid=start.solid, heights=start.heights, surface=start.surface
+        system,
+        solution,
+        shape,
+        solid=start.solid,
+        heights=start.heights,
+        surface=start.surface,
+        load_may_vanish=True,
     )
 
 

@@ -4,7 +4,7 @@ One step of length h from (u0, f0), with f = M C (u - u0) the rate:
 
     stage 1   v = u0 + d h f0                    (trapezoid to t + 2 d h)
     stage 2   v = u0 + w h (f0 + f1)             (backward differences to t + h)
-    each:     solve the implicit step of duration d h from v, then f = (u0_stage - v) / (d h)
+    each:     solve the implicit step of duration d h from v for u and u0, then f = M C (u - u0)
 
     d = 1 - 1/sqrt 2,   w = sqrt 2 / 4
 
@@ -25,7 +25,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
+from asperity.contact.problem import ContactSolver, Guess, Solution
+from asperity.contact.state import Contact
 from asperity.contact.system import ImplicitStep, System
 from asperity.lattice import Field, Lattice, Modes
 
@@ -42,6 +43,15 @@ class Point:
     shape: Modes
     rate: Modes
     solution: Solution
+
+    @classmethod
+    def of(cls, system: System, contact: Contact) -> Point:
+        """Take a published contact as the state at time 0."""
+        u = contact.u - system.datum
+        solution = Solution(u, contact.in_contact, contact.force, contact.residual, 0, 0)
+        surface = system.lattice.forward(u)
+        shape = system.lattice.forward(contact.u0 - system.datum)
+        return cls(0.0, surface, shape, system.creep_rate(surface, shape), solution)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,10 +76,6 @@ class Step:
     iterations: int
 
 
-_PASSING_TOLERANCE = 1e-6
-"""Tolerance of contact problems whose solutions are only passed through: far below any rtol."""
-
-
 def take_step(
     system: System,
     solver: ContactSolver,
@@ -77,11 +83,12 @@ def take_step(
     start: Point,
     earlier: Past | None,
     *,
-    publish: bool,
+    tolerances: tuple[float, float],
 ) -> Step:
-    """Step from ``start``; ``earlier`` helps to guess where the contacts will be.
+    """Step from ``start``.
 
-    With ``publish`` the end is solved to the tolerance of published states.
+    ``earlier`` helps to guess where the contacts will be; ``tolerances`` are those of the two contact
+    problems, of which only the second may be published.
     """
     implicit = system.implicit_step(DIAGONAL * duration)
     u0, f0 = start.shape, start.rate
@@ -92,7 +99,7 @@ def take_step(
         time=start.time + 2 * DIAGONAL * duration,
         before=u0 + (DIAGONAL * duration) * f0,
         known=(earlier, start),
-        tolerance=_PASSING_TOLERANCE,
+        tolerance=tolerances[0],
     )
     end = _stage(
         implicit,
@@ -100,7 +107,7 @@ def take_step(
         time=start.time + duration,
         before=u0 + (WEIGHT * duration) * (f0 + middle.rate),
         known=(Past.of(start), middle),
-        tolerance=TOLERANCE if publish else _PASSING_TOLERANCE,
+        tolerance=tolerances[1],
     )
     defect = (1 - 4 * WEIGHT) / 3 * f0 + middle.rate / 3 - 2 * DIAGONAL / 3 * end.rate
     error = duration * defect / (1 + DIAGONAL * duration * free_decay_rate(system))

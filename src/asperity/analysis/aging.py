@@ -4,7 +4,7 @@ The law is the paper's Eq. (a), fitted by `asperity.fits.saturation`. The theory
 contacts, `asperity.theory.dilute_area`; it is evaluated only where it is claimed to hold:
 
 * the heights of the sites are independent (a law of heights is given) and the load is held,
-* at most a tenth of the sites touch,
+* at most a tenth of the sites touch, and at least ten sites,
 * the dips around contacts have not met: their widths (k0/k1)^(1/2), (k0 R t)^(1/4) and
   (k0 R_viscous t)^(1/2) are below the spacing of contacts, (A/N)^(-1/dimension).
 """
@@ -24,6 +24,9 @@ from asperity.theory.heights import HeightLaw
 
 DILUTE_FRACTION = 0.1
 """Largest contact fraction at which the dilute theory is shown."""
+
+FEWEST_CONTACTS = 10
+"""Fewest contacts on a lattice of which the dilute theory, a statement on averages, says anything."""
 
 _POOR_FIT = 0.05
 """Relative misfit, rms, above which a fit is called poor."""
@@ -134,10 +137,12 @@ def _fit(time: Field, area: Field) -> tuple[SaturationFit | None, str]:
         return None, f"no fit: it takes {_FEWEST_TIMES} times above 0 or more"
     try:
         fit = saturation(time, area)
-    except (InputError, ConvergenceError) as error:
+    except (InputError, ConvergenceError, ArithmeticError, np.linalg.LinAlgError) as error:
         return None, f"no fit: {error}"
     if not (fit.q_stderr < 0.5 * fit.q and np.isfinite(fit.a_stderr)):
-        return fit, "a and q are not determined by these times; their product C = (a - 1) q is"
+        if fit.C_stderr < 0.5 * fit.C:
+            return fit, "a and q are not determined by these times; their product C = (a - 1) q is"
+        return fit, "the law's parameters are not determined by these times"
     if not fit.t0_stderr < fit.t0:
         return fit, "t0 is not determined by these times"
     if fit.rms_residual > _POOR_FIT:
@@ -171,6 +176,7 @@ def _dilute(dataset: xr.Dataset, law: HeightLaw | None, time: Field) -> tuple[Fi
     spacing = later ** (-1 / dimension)
     apart = (
         (later <= DILUTE_FRACTION)
+        & (later * dataset["heights"].size >= FEWEST_CONTACTS)
         & (np.sqrt(k0 / k1) < spacing)
         & (k0 * R * time < dilute_horizon(np.minimum(later, 1.0), dimension))
         & (np.sqrt(k0 * viscous * time) < spacing)
@@ -178,5 +184,5 @@ def _dilute(dataset: xr.Dataset, law: HeightLaw | None, time: Field) -> tuple[Fi
     # The fraction only grows and so do the dips: once they have met they stay so.
     holds = np.logical_and.accumulate(apart)
     if not holds.any():
-        return nothing, nothing, "the contacts are too dense for the dilute theory"
+        return nothing, nothing, "the contacts are too dense or too few for the dilute theory"
     return time[holds], later[holds] / initial, ""

@@ -41,6 +41,14 @@ def check_free(out: Path, *, overwrite: bool) -> None:
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
     if out.exists() and any(out.iterdir()):
         is_run = all((out / name).exists() for name in _SIGNS_OF_A_RUN)
+        foreign = sorted(path.name for path in out.iterdir() if not _is_ours(path.name))
+        if is_run and overwrite and foreign:
+            raise InputError(
+                "--out",
+                expected="a run's folder with nothing else in it",
+                got=f"{out}, which holds {foreign[0]} too and is kept",
+                advice="another name, or moving that away",
+            )
         if not is_run:
             raise InputError(
                 "--out",
@@ -64,6 +72,10 @@ def check_free(out: Path, *, overwrite: bool) -> None:
             pass
     except OSError as error:
         raise OutputError(f"cannot write {out}: {error.strerror}: {ground}") from error
+
+
+def _is_ours(name: str) -> bool:
+    return name in (*_SIGNS_OF_A_RUN, "aging.csv") or Path(name).stem in ("aging", "contacts")
 
 
 def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> None:
@@ -95,7 +107,7 @@ def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) ->
                 raise error.__cause__ from None
             raise
         (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
-        (folder / "summary.txt").write_text(text, encoding="utf-8")
+        (folder / "summary.txt").write_text(f"{text}\n", encoding="utf-8")
         _write_table(outcome, folder / "aging.csv")
         for name, figure in _figures(outcome).items():
             for kind in outcome.config.output.figures:

@@ -89,7 +89,7 @@ def _fit(summary: AgingSummary) -> list[Row]:
     if fit is None:
         return [("fit", summary.fit_note)]
     rows = [
-        ("fit", "A/A(0) = a - (a - 1) / (1 + t/t0)^q, with standard errors:"),
+        ("fit", "A/A(0) = a - (a - 1) / (1 + t/t0)^q, with standard errors as if scatter were random:"),
         ("  a", uncertain(fit.a, fit.a_stderr)),
         ("  q", uncertain(fit.q, fit.q_stderr)),
         ("  t0", uncertain(fit.t0, fit.t0_stderr)),

@@ -77,7 +77,7 @@ def _unknown_keys(section: str, table: dict[str, Any], flags: Sections, path: Pa
 
 
 def is_unknown(detail: ErrorDetails) -> bool:
-    """Whether `_unknown` has reported this already."""
+    """Whether `unknown_names` has reported this already."""
     return detail["type"] in ("extra_forbidden", "model_type", "model_attributes_type")
 
 

@@ -12,6 +12,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from asperity.errors import LARGEST
+
 Figure = Literal["png", "pdf", "svg"]
 
 
@@ -32,8 +34,8 @@ def _power_of_two(value: int) -> int:
     return value
 
 
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
+Positive = Annotated[float, Field(gt=0, le=LARGEST)]
+NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
 Seed = Annotated[int, Field(ge=0)]
 Shape = Annotated[
     list[Annotated[int, Field(ge=1)]], Field(min_length=1, max_length=2), BeforeValidator(_listed)
@@ -126,7 +128,7 @@ class Aging(Section):
     per_decade: Annotated[int, Field(ge=1)] = 4
     times: Annotated[list[NotNegative], Field(min_length=1)] | None = None
     hold: Literal["load", "separation"] | None = None
-    rtol: Annotated[float, Field(gt=0, lt=1)] = 2e-3
+    rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = 2e-3
 
     @model_validator(mode="after")
     def _check_times(self) -> Self:

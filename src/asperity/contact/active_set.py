@@ -10,9 +10,9 @@ The preconditioner on the free sites is the inverse of S + sigma between two mas
 `asperity.contact.pinning`: iteration counts then depend neither on the lattice nor on the load.
 
 Exchanging all wrong sites at once is fast but may cycle. After `patience` exchanges that set no new
-record for the number of wrong sites, one site (the last) is exchanged at a time until one does; with
-accurate linear solutions this ends for every positive definite S (J. J. Judice, F. M. Pires,
-Comput. Oper. Res. 21, 587 (1994), DOI 10.1016/0305-0548(94)90106-6).
+record for the number of wrong sites, one site (the last) is exchanged at a time until one does; in exact
+arithmetic this ends for every positive definite S (J. J. Judice, F. M. Pires, Comput. Oper. Res. 21, 587
+(1994), DOI 10.1016/0305-0548(94)90106-6), and sites whose sign is decided by rounding are let be.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 
 from asperity.contact.pinning import effective_pinning
 from asperity.contact.problem import ContactProblem, Guess, Solution, residual
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field, Mask
 
 _ASTRAY = 0.02
@@ -46,13 +46,24 @@ class ActiveSet:
     patience
         Exchanges of all wrong sites allowed without a new record, before single exchanges begin.
     careful_after
-        Revisions of the set after which linear solutions become accurate and records are kept.
+        Revisions of the set after which linear solutions become accurate, records are kept, and sites
+        that are wrong by no more than rounding are let be.
+    max_revisions
+        Revisions of the set after which the solver gives up.
     """
 
     reduction: float = 0.3
     max_iterations: int = 10_000
     patience: int = 5
     careful_after: int = 60
+    max_revisions: int = 10_000
+
+    def __post_init__(self) -> None:
+        if not 0 < self.reduction < 1:
+            raise InputError("reduction", expected="a number between 0 and 1", got=self.reduction)
+        for name in ("max_iterations", "patience", "careful_after", "max_revisions"):
+            if not getattr(self, name) >= 0:
+                raise InputError(name, expected="a whole number >= 0", got=getattr(self, name))
 
     def solve(self, problem: ContactProblem, guess: Guess, tolerance: float) -> Solution:
         """Solve the problem from a guess.
@@ -95,8 +106,8 @@ class _Run:
             if problem.load_controlled:  # something must carry the load: the deepest site
                 self.in_contact.flat[np.argmax(heights - u)] = True
                 self.contacts = 1
-            else:  # free everywhere: one division solves it
-                u = problem.lattice.backward(problem.pull / problem.stiffness)
+            else:
+                u = _free_surface(problem)
         self.u = np.where(self.in_contact, heights, u)
         self.free = np.where(self.in_contact, 0.0, 1.0)
         self.evaluate_force()
@@ -122,8 +133,7 @@ class _Run:
 
     def reduce_residual(self) -> None:
         """Conjugate gradients on the free sites, until the residual has fallen enough."""
-        careful = self.set_changes > self.method.careful_after
-        target = self.worst * (1e-8 if careful else self.method.reduction)
+        target = self.worst * (1e-8 if self.is_careful() else self.method.reduction)
         while self.worst > target and not self.within_tolerance():
             self.iterate()
 
@@ -170,12 +180,25 @@ class _Run:
 
     def wrong_sites(self) -> Mask:
         """Contacts that pull and free sites that penetrate."""
-        return np.where(self.in_contact, self.force < 0, self.u < self.problem.heights)
+        pull = penetration = 0.0
+        if self.is_careful():  # rounding decides their sign: exchanged, they might come back for ever
+            pull = self.rounding
+            penetration = self.rounding / float(self.problem.stiffness.max())
+        return np.where(self.in_contact, self.force < -pull, self.u < self.problem.heights - penetration)
+
+    def is_careful(self) -> bool:
+        """Whether so many revisions have been made that something may be going round in circles."""
+        return self.set_changes > self.method.careful_after
 
     def exchange(self, wrong: Mask) -> None:
         """Move wrong sites to the other side, all at once or, to break a cycle, only the last."""
         self.set_changes += 1
-        if self.set_changes > self.method.careful_after:
+        if self.set_changes > self.method.max_revisions:
+            raise ConvergenceError(
+                f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
+                "try a slightly different load"
+            )
+        if self.is_careful():
             count = int(np.count_nonzero(wrong))
             if count < self.record:
                 self.record, self.patience = count, self.method.patience
@@ -204,6 +227,14 @@ class _Run:
             iterations=self.iterations,
             set_changes=self.set_changes,
         )
+
+
+def _free_surface(problem: ContactProblem) -> Field:
+    """Surface that touches nothing: one division; flat where the pull is, to the last digit."""
+    modes = problem.pull / problem.stiffness
+    if not modes.flat[1:].any():
+        return np.full(problem.lattice.shape, modes.flat[0].real / problem.lattice.sites)
+    return problem.lattice.backward(modes)
 
 
 def inner(a: Field, b: Field) -> float:

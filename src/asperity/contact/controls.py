@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from asperity.errors import LARGEST, InputError, is_finite_number
 
@@ -15,7 +16,11 @@ class Load:
 
     def __post_init__(self) -> None:
         if not is_finite_number(self.value) or self.value < 1 / LARGEST:
-            raise InputError("load", expected="a finite number > 0", got=self.value)
+            raise InputError(
+                "load",
+                expected=f"a finite number > 0 (from {1 / LARGEST:g} to {LARGEST:g})",
+                got=repr(self.value),
+            )
 
 
 @dataclass(frozen=True)
@@ -26,10 +31,11 @@ class Separation:
 
     def __post_init__(self) -> None:
         if not is_finite_number(self.value):
-            raise InputError("separation", expected="a finite number", got=self.value)
+            raise InputError("separation", expected="a finite number", got=repr(self.value))
 
 
 Control = Load | Separation
+Hold = Literal["load", "separation"]
 
 
 def control_from(load: float | None, separation: float | None) -> Control:

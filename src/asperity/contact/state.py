@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from asperity.contact.controls import Control, Load
+from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.problem import Solution, residual
 from asperity.contact.system import System
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field, Mask
 from asperity.solids import Solid
 
@@ -64,6 +64,13 @@ class Contact:
     iterations: int
     surface: Mapping[str, object]
 
+    def __repr__(self) -> str:
+        shape = " x ".join(map(str, self.heights.shape))
+        return (
+            f"<Contact: {self.area} of {shape} sites touch, load {self.load:g}, "
+            f"separation {self.separation:g}, residual {self.residual:.1e}>"
+        )
+
     @cached_property
     def area(self) -> int:
         """Real contact area: the number of sites in contact."""
@@ -87,6 +94,32 @@ class Contact:
         return System.of(self.heights, self.solid, self.control)
 
 
+def hold_contact(contact: Contact, hold: Hold | None) -> Contact:
+    """Hold the load or the separation of a contact; by default what it was pressed by.
+
+    Raises
+    ------
+    InputError
+        ``hold`` is something else, the contact is no contact, or its load is to be held and it has none.
+    """
+    if not isinstance(contact, Contact):
+        raise InputError(
+            "contact",
+            expected="a Contact",
+            got=type(contact).__name__,
+            advice="asperity.press(...), or the `final` of a history",
+        )
+    if hold not in (None, "load", "separation"):
+        raise InputError("hold", expected="'load' or 'separation'", got=repr(hold))
+    if hold is None or (hold == "load") == isinstance(contact.control, Load):
+        return contact
+    if hold == "separation":
+        return replace(contact, control=Separation(contact.separation))
+    if contact.load <= 0:
+        raise InputError("hold", expected="a contact that carries a load to hold", got="one without any")
+    return replace(contact, control=Load(contact.load))
+
+
 def contact_from(
     system: System,
     solution: Solution,
@@ -95,6 +128,7 @@ def contact_from(
     solid: Solid,
     heights: Field,
     surface: Mapping[str, object],
+    load_may_vanish: bool = False,
 ) -> Contact:
     """Publish a solution: fields measured like the user's heights, checked once more as published.
 
@@ -108,6 +142,9 @@ def contact_from(
         u0 relative to the system's datum.
     solid, heights, surface
         As in `Contact`.
+    load_may_vanish
+        Whether the load may be so small that the heights cannot resolve it, as it dies out at a held
+        separation.
 
     Raises
     ------
@@ -121,7 +158,9 @@ def contact_from(
     u_modes = system.lattice.forward(u - system.datum)
     u0_modes = system.lattice.forward(u0 - system.datum)
     force = system.force(u_modes, u0_modes)
-    left = residual(force, in_contact, _smallest_force(system, u))
+    vanishing = load_may_vanish and not isinstance(system.control, Load)
+    floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
+    left = residual(force, in_contact, floor)
     if isinstance(system.control, Load):
         carried = float(system.spectra.creeping.flat[0] * np.sum(u - u0))
         left = max(left, abs(carried / system.control.value - 1))
@@ -130,13 +169,16 @@ def contact_from(
             f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too "
             "small for these heights in double precision; try heights without a large offset, or more load"
         )
+    force = np.where(in_contact, np.maximum(force, 0.0), 0.0)
+    for field in (heights, u, u0, force, in_contact):
+        field.flags.writeable = False  # the residual vouches for exactly these numbers
     return Contact(
         heights=heights,
         solid=solid,
         control=system.control,
         u=u,
         u0=u0,
-        force=np.where(in_contact, np.maximum(force, 0.0), 0.0),
+        force=force,
         in_contact=in_contact,
         energy=system.energy(u_modes, u0_modes),
         residual=left,
@@ -146,9 +188,7 @@ def contact_from(
 
 
 def _smallest_force(system: System, u: Field) -> float:
-    """Under separation control the load may die out: the force whose last trusted digit is rounding."""
-    if isinstance(system.control, Load):
-        return 0.0
+    """Force whose last trusted digit is rounding: the scale where there is no load to speak of."""
     stiffest = float(np.max(system.spectra.permanent + system.spectra.creeping))
     largest = max(float(np.abs(field).max()) for field in (u, u - system.datum, system.heights))
     return 4 * float(np.spacing(largest)) * stiffest / ACCEPTED_RESIDUAL

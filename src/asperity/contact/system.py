@@ -19,7 +19,6 @@ import numpy as np
 
 from asperity.contact.controls import Control, Load
 from asperity.contact.problem import ContactProblem
-from asperity.errors import LARGEST, InputError
 from asperity.lattice import Field, Lattice, Modes, Spectrum
 from asperity.solids import Solid, Spectra
 
@@ -67,8 +66,6 @@ class System:
         """Set up from checked heights."""
         lattice = Lattice(heights.shape)
         datum = float(heights.max())
-        if max(abs(datum), abs(float(heights.min()))) > LARGEST:
-            raise InputError("heights", expected=f"heights up to {LARGEST:g}", got="larger ones")
         return cls(lattice, solid.on(lattice), heights - datum, datum, control)
 
     def virgin_shape(self) -> Modes:

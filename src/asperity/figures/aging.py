@@ -15,6 +15,9 @@ from asperity.analysis import AgingSummary
 from asperity.figures import style
 from asperity.lattice import Field
 
+_IN_SIGHT = 3.0
+"""How far off the curve, in its own heights, the relaxed limit is still drawn."""
+
 
 def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     """Draw A(t)/A(0), the saturation law, the dilute theory where it holds, and the relaxed limit.
@@ -45,17 +48,9 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     )
     _draw_law(axes, summary)
     _draw_theory(axes, summary)
-    if summary.relaxed_ratio is not None:
-        axes.axhline(
-            summary.relaxed_ratio,
-            color=style.GRAY,
-            linestyle=":",
-            linewidth=1.6,
-            label=rf"relaxed limit $t \to \infty$: {summary.relaxed_ratio:.4g}",
-            zorder=1,
-        )
+    _draw_limit(axes, summary)
     _frame(axes, summary)
-    axes.set_title(f"Growth of the real contact area with hold time\n{_conditions(dataset)}", fontsize=10)
+    axes.set_title(f"Real contact area against hold time\n{_conditions(dataset)}", fontsize=10)
     axes.legend(loc="best", fontsize=8, framealpha=0.95)
     return figure
 
@@ -67,7 +62,7 @@ def _draw_law(axes: Axes, summary: AgingSummary) -> None:
         return
     label = "\n".join(
         [
-            r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
+            r"fit $a - (a-1)\,/\,(1+t/t_0)^q$ ($\pm$: as if scatter were random)",
             f"   $a$ = {style.uncertain(fit.a, fit.a_stderr)}",
             f"   $q$ = {style.uncertain(fit.q, fit.q_stderr)}",
             f"   $t_0$ = {style.uncertain(fit.t0, fit.t0_stderr)}",
@@ -75,6 +70,19 @@ def _draw_law(axes: Axes, summary: AgingSummary) -> None:
         + ([f"   {_wrapped(summary.fit_note)}"] if summary.fit_note else [])
     )
     axes.plot(summary.curve_time, summary.fit_curve, "-", color=style.BLUE, linewidth=1.6, label=label)
+
+
+def _draw_limit(axes: Axes, summary: AgingSummary) -> None:
+    """Draw the relaxed limit, unless it is so far off that the curve would be flat beside it."""
+    limit = summary.relaxed_ratio
+    if limit is None:
+        return
+    label = rf"relaxed limit $t \to \infty$: {limit:.4g}"
+    low, high = float(summary.area_ratio.min()), float(summary.area_ratio.max())
+    if abs(limit - high) <= _IN_SIGHT * max(high - low, 0.05):
+        axes.axhline(limit, color=style.GRAY, linestyle=":", linewidth=1.6, label=label, zorder=1)
+    else:
+        axes.plot([], [], " ", label=f"{label} (off the axis)")
 
 
 def _draw_theory(axes: Axes, summary: AgingSummary) -> None:

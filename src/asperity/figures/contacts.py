@@ -88,7 +88,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     for axes in grid[:panels]:
         axes.set_xticks([])
         axes.set_yticks([])
-    note = f"each panel: {maps.heights.shape[1]} × {maps.heights.shape[0]} sites"
+    note = f"each panel: {maps.heights.shape[0]} × {maps.heights.shape[1]} sites"
     if enlarged is not None:
         note += "; marks are larger than a site"
     figure.suptitle(f"Where the solids touch as the contact ages  ({note})", fontsize=11)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.aging.creep import DEFAULT_RTOL, Frame, Hold, Midway, check_times, control_held, creep
+from asperity.aging.creep import DEFAULT_RTOL, Frame, Midway, check_times, creep
+from asperity.contact.active_set import ActiveSet
+from asperity.contact.controls import Hold
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact
+from asperity.contact.state import Contact, hold_contact
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.store import save
@@ -30,11 +32,16 @@ class History:
         ``residual``, ``steps``, ``rejected``, ``iterations``; ``heights`` over the sites; and
         over ``field_time``, where fields were asked for, ``u``, ``u0`` and ``in_contact``.
     final
-        The contact at the last time; age it further, or relax it.
+        The contact at the last time reached (of ``times`` and ``fields_at``); age it further, or relax it.
     """
 
     dataset: xr.Dataset
     final: Contact
+
+    def __repr__(self) -> str:
+        times = self.dataset["time"].values
+        areas = self.dataset["area"].values
+        return f"<History: {times.size} times to {times[-1]:g}, area {areas[0]} to {areas[-1]} sites>"
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the dataset; see `asperity.results.save`."""
@@ -65,8 +72,9 @@ def age(
         the contact was pressed by.
     rtol
         Relative tolerance: the error of u0, rms over the sites, stays at every recorded time below
-        ``rtol`` times the largest deformation so far (the rms of u about its mean); measured, not
-        proved: see `asperity.aging.creep.STEP_TOLERANCE`.
+        ``rtol`` times the largest deformation so far (the rms of u about its mean; or that of u - u0,
+        if larger, at a held separation with viscous creep); measured, not proved: see
+        ``STEP_TOLERANCE`` in ``aging/creep.py``.
     fields_at
         Strictly increasing times >= 0 at which to keep u, u0 and in_contact; they need not be among
         ``times``.
@@ -75,7 +83,8 @@ def age(
     checkpoint
         File in which to keep the run's place, every ten seconds or as `Checkpoint` says. If it exists,
         the run goes on from there, to the result that it would have had undisturbed. The file
-        stays: remove it when the results are safe.
+        stays: remove it when the results are safe. A solver of your own needs a repr that says all
+        it depends on, by which the run is recognized.
     solver
         How to solve the contact problems; `ActiveSet` by default.
 
@@ -98,14 +107,15 @@ def age(
     recorded = check_times(times)
     kept = check_times(fields_at, "fields_at") if np.size(fields_at) else np.empty(0)
     keep_start = bool(np.any(np.asarray(fields_at) == 0))
-    start = replace(contact, control=control_held(contact, hold))
+    start = hold_contact(contact, hold)
+    method = solver or ActiveSet()
     rows: list[Row] = []
     snapshots: list[Snapshot] = []
     keeper, midway = None, None
     if checkpoint is not None:
         settings = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
         fields = np.append(kept, 0.0) if keep_start else kept
-        keeper = Keeper(settings, fingerprint_of(start, recorded, fields, rtol, solver))
+        keeper = Keeper(settings, fingerprint_of(start, recorded, fields, rtol, method))
         place = keeper.read()
         if place is not None:
             midway, rows, snapshots = place.midway, place.rows, place.snapshots
@@ -116,7 +126,7 @@ def age(
 
     final = start
     stops = np.union1d(recorded, kept)
-    for frame in creep(start, stops, rtol=rtol, solver=solver, midway=midway, after_step=keep_place):
+    for frame in creep(start, stops, rtol=rtol, solver=method, midway=midway, after_step=keep_place):
         if progress is not None:
             progress(frame)
         final = frame.contact

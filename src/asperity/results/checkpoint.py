@@ -98,11 +98,12 @@ class Keeper:
                 archive = np.load(file, allow_pickle=False)
                 arrays = {name: archive[name] for name in archive.files}
             facts = json.loads(str(arrays["facts"]))
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+            stranger = facts["fingerprint"] != self.fingerprint
+        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
             raise InputError(
                 "checkpoint", expected="a checkpoint of this run", got=f"{self.path}: {error}", advice=advice
             ) from error
-        if facts["fingerprint"] != self.fingerprint:
+        if stranger:
             raise InputError(
                 "checkpoint",
                 expected="a checkpoint of this run",
@@ -112,9 +113,7 @@ class Keeper:
         return _unpacked(facts, arrays)
 
 
-def fingerprint_of(
-    start: Contact, times: Field, fields_at: Field, rtol: float, solver: ContactSolver | None
-) -> str:
+def fingerprint_of(start: Contact, times: Field, fields_at: Field, rtol: float, solver: ContactSolver) -> str:
     """Hash all that a history depends on."""
     spectra = start.system.spectra
     digest = hashlib.sha256(repr((__version__, start.control, rtol, solver, start.u.shape)).encode())
@@ -128,6 +127,7 @@ def fingerprint_of(
         times,
         fields_at,
     ):
+        digest.update(f"{array.shape} {array.dtype}".encode())
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()
 

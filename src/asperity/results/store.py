@@ -25,14 +25,23 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     path
         The folder, such as ``"history.zarr"``.
     overwrite
-        Replace what is there; otherwise refuse.
+        Replace the zarr folder that is there; otherwise refuse. Anything else is never replaced.
 
     Raises
     ------
     OutputError
         The folder exists, or could not be written; nothing half-written is left.
+
+    Notes
+    -----
+    `load` opens it again; so does ``xarray.open_zarr(path, consolidated=False)``.
     """
-    with whole_folder(Path(path), overwrite=overwrite) as folder:
+    target = Path(path)
+    if overwrite and target.exists() and not _is_zarr(target):
+        raise OutputError(
+            f"{target} is kept: it is no zarr folder, so save did not write it; choose another name"
+        )
+    with whole_folder(target, overwrite=overwrite) as folder:
         dataset.to_zarr(folder, mode="w", consolidated=False)
 
 
@@ -111,6 +120,10 @@ def remove_parts(path: Path) -> None:
 
 def _part_of(path: Path) -> str:
     return f".{path.name}.part-"
+
+
+def _is_zarr(path: Path) -> bool:
+    return (path / "zarr.json").exists() or (path.is_dir() and not any(path.iterdir()))
 
 
 def _move_into_place(staging: Path, path: Path) -> None:

@@ -17,7 +17,7 @@ from asperity.analysis import AgingSummary, aging_summary, hold_times, map_times
 from asperity.config import MeasuredSurface, RunConfig, to_toml
 from asperity.config.models import Aging, Exponential, Gaussian, SelfAffine
 from asperity.contact import Contact, press
-from asperity.errors import InputError
+from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
 from asperity.results import Checkpoint, History, age
 from asperity.solids import spring_lattice
@@ -217,10 +217,10 @@ def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Ch
 
 
 def _with_limit(history: History, contact: Contact, config: RunConfig) -> tuple[xr.Dataset, tuple[str, ...]]:
-    """Add the relaxed state, unless it depends on the path, which only k0 = 0 can cause."""
+    """Add the relaxed state; where there is none to be had, the history is worth keeping all the same."""
     try:
         return with_limit(history.dataset, relax(contact, hold=config.aging.hold)), ()
-    except InputError as error:
+    except (InputError, ConvergenceError) as error:
         return history.dataset, (f"no relaxed state: {error}",)
 
 

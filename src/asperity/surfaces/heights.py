@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.errors import InputError
+from asperity.errors import LARGEST, InputError
 from asperity.lattice import Field
 
 
@@ -53,6 +53,8 @@ def check_heights(heights: object) -> Field:
     with np.errstate(over="ignore"):  # a long double that overflows becomes infinite, and is reported below
         result = np.array(array, dtype=np.float64, order="C", copy=True)
     _require_finite(result)
+    if float(np.abs(result).max()) > LARGEST:
+        raise InputError("heights", expected=f"heights up to {LARGEST:g}", got="larger ones")
     return result
 
 

@@ -129,7 +129,12 @@ def remove_tilt(heights: Field, defined: Mask, rule: str) -> tuple[Field, list[f
     offset, *slopes = np.linalg.lstsq(np.stack(columns, axis=1), level[defined], rcond=None)[0].tolist()
     plane = offset + sum(s * g for s, g in zip(slopes, grids, strict=True))
     per_pixel = [2 * s / (n - 1) if n > 1 else 0.0 for s, n in zip(slopes, heights.shape, strict=True)]
-    return np.asarray(level - plane), [mean + offset - sum(slopes), *per_pixel]
+    left = np.asarray(level - plane)
+    # What a perfect plane leaves is rounding, and no surface to press anything onto.
+    rounding = 16 * np.finfo(float).eps * float(np.abs(heights).max())
+    if float(np.abs(left).max()) <= rounding:
+        left = np.zeros_like(left)
+    return left, [mean + offset - sum(slopes), *per_pixel]
 
 
 def scale_factor(heights: Field, unit: str, target: str | None, *, largest: float) -> tuple[float, str]:
