@@ -237,6 +237,32 @@ def test_interrupting_is_harmless(tmp_path):
     assert "Traceback" not in error
 
 
+def test_on_a_cluster_by_its_address(done, tmp_path):
+    cluster = (
+        "from distributed import LocalCluster; "
+        "cluster = LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=':0', silence_logs=50); "
+        "sys.argv += ['--scheduler', cluster.scheduler_address]"
+    )
+    status, out, error = finish("sweep", written(tmp_path), "--out", tmp_path / "out", before=cluster)
+    assert status == 0, error
+    assert "done     12" in out
+    assert numbers(tmp_path / "out") == numbers(done / "out")
+
+
+def test_a_run_that_another_process_is_at_counts_as_running(tmp_path):
+    plan = campaign.read_plan(written(tmp_path))
+    some = campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:1])
+    do_here(some, tmp_path / "out")
+    identity = plan.runs[1].identity
+    store = Store(tmp_path / "out")
+    with store.claim(identity) as mine:
+        assert mine
+        counted = campaign.tally(plan, tmp_path / "out")
+        assert (counted.done, counted.running, counted.failed, counted.left) == (1, 1, 0, 10)
+        assert run_task(str(tmp_path / "out"), identity, "{}") == (identity, "busy", "")
+    assert campaign.tally(plan, tmp_path / "out").running == 0
+
+
 def test_the_plan_is_kept_beside_the_runs(done):
     facts = json.loads((done / "out" / "plan.json").read_text())
     assert len(facts["runs"]) == 12

@@ -172,6 +172,20 @@ def test_a_cliff_at_the_seam_deserves_a_remark(tmp_path: Path, asperity: Asperit
     assert "the surface is not periodic: the step at its seam is" in text
 
 
+def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(
+    tmp_path: Path, asperity: Asperity, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise ValueError("no axis fits")
+
+    monkeypatch.setattr("asperity.cli.output.aging_curve", fail)
+    status, text, _ = asperity("run", *SMALL, "--out", tmp_path / "out")
+    assert status == 0
+    assert "the figure 'aging' could not be drawn: no axis fits" in text
+    assert results.load(tmp_path / "out" / "history.zarr").sizes["time"] > 1
+    assert not (tmp_path / "out" / "aging.png").exists()
+
+
 def test_results_are_kept_unless_overwriting_is_asked_for(
     finished: Path, tmp_path: Path, asperity: Asperity
 ) -> None:
@@ -190,6 +204,11 @@ def test_results_are_kept_unless_overwriting_is_asked_for(
     assert asperity(*words, "--k1", "4", "--overwrite") == (0, "", "")
     assert "k1 = 4.0" in (out / "config.toml").read_text()
     assert list(tmp_path.iterdir()) == [out]
+    (out / "notes.txt").write_text("mine")
+    status, _, error = asperity(*words, "--overwrite")
+    assert status == 2
+    assert "which holds notes.txt too and is kept; try another name, or moving that away" in error
+    assert (out / "notes.txt").read_text() == "mine"
 
 
 def test_only_the_folder_of_a_run_is_ever_replaced(

@@ -70,6 +70,11 @@ def test_one_dimensional_contacts_have_one_axis():
     assert data["u"].dims == ("field_time", "x")
 
 
+def test_what_is_printed_is_short():
+    assert repr(CONTACT).startswith(f"<Contact: {CONTACT.area} of 12 x 12 sites touch, load 10, separation ")
+    assert repr(HISTORY).startswith(f"<History: 4 times to 10, area {CONTACT.area} to ")
+
+
 def test_progress_sees_every_stop():
     seen = []
     asp.age(CONTACT, [0.1, 1.0], fields_at=[0.5], progress=lambda frame: seen.append(frame.time))
@@ -90,6 +95,15 @@ def test_what_exists_is_kept_unless_told_otherwise(tmp_path):
     shorter.save(path, overwrite=True)
     assert asp.results.load(path).sizes["time"] == 2
     assert names(tmp_path) == ["run.zarr"]
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_a_folder_that_save_did_not_write_is_never_replaced(tmp_path, overwrite):
+    (tmp_path / "precious").mkdir()
+    (tmp_path / "precious" / "thesis.tex").write_text("years of work")
+    with pytest.raises(OutputError, match="kept"):
+        HISTORY.save(tmp_path / "precious", overwrite=overwrite)
+    assert (tmp_path / "precious" / "thesis.tex").read_text() == "years of work"
 
 
 def test_a_failed_write_leaves_nothing(tmp_path):

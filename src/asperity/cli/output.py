@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -78,7 +79,7 @@ def _is_ours(name: str) -> bool:
     return name in (*_SIGNS_OF_A_RUN, "aging.csv") or Path(name).stem in ("aging", "contacts")
 
 
-def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> None:
+def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:
     """Write every file of a run.
 
     Parameters
@@ -91,6 +92,11 @@ def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) ->
         The summary, as text.
     overwrite
         Whether an earlier run may be replaced; an empty folder always may.
+
+    Returns
+    -------
+    tuple of str
+        Remarks: figures that could not be drawn.
 
     Raises
     ------
@@ -109,9 +115,7 @@ def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) ->
         (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
         (folder / "summary.txt").write_text(f"{text}\n", encoding="utf-8")
         _write_table(outcome, folder / "aging.csv")
-        for name, figure in _figures(outcome).items():
-            for kind in outcome.config.output.figures:
-                figure.savefig(folder / f"{name}.{kind}", dpi=RESOLUTION)
+        return _write_figures(outcome, folder)
 
 
 def write_figure(figure: Figure, path: Path) -> None:
@@ -126,11 +130,21 @@ def write_figure(figure: Figure, path: Path) -> None:
         figure.savefig(part, dpi=RESOLUTION)
 
 
-def _figures(outcome: Outcome) -> dict[str, Figure]:
-    drawn = {"aging": aging_curve(outcome.dataset, outcome.summary)}
+def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
+    """Draw; numbers that cannot be drawn are no reason to lose them."""
+    drawings: dict[str, Callable[[], Figure]] = {
+        "aging": lambda: aging_curve(outcome.dataset, outcome.summary)
+    }
     if outcome.config.output.maps_at:
-        drawn["contacts"] = contact_figure(contact_maps(outcome.dataset))
-    return drawn
+        drawings["contacts"] = lambda: contact_figure(contact_maps(outcome.dataset))
+    remarks = []
+    for name, draw in drawings.items():
+        try:
+            for kind in outcome.config.output.figures:
+                draw().savefig(folder / f"{name}.{kind}", dpi=RESOLUTION)
+        except (ValueError, ArithmeticError, RuntimeError) as error:
+            remarks.append(f"the figure {name!r} could not be drawn: {error}")
+    return tuple(remarks)
 
 
 def _write_table(outcome: Outcome, path: Path) -> None:

@@ -48,7 +48,8 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
             outcome = execute(config, progress, checkpoint=checkpoint, threads=cores())
             rows = run_report(outcome, seconds=clock.perf_counter() - started)
             progress.stage("writing the results")
-            write_results(outcome, out, text=aligned(rows), overwrite=overwrite)
+            remarks = write_results(outcome, out, text=aligned(rows), overwrite=overwrite)
+            rows += [("remark", remark) for remark in remarks]
     except KeyboardInterrupt:
         kept = f"the same command goes on from {place}" if place.exists() else "nothing was written"
         raise KeyboardInterrupt(f"interrupted; {kept}") from None
