@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from asperity.aging import creep
-from asperity.aging.creep import DEFAULT_RTOL
+from asperity.aging.march import DEFAULT_RTOL
 from asperity.aging.tr_bdf2 import Point, take_step
 from asperity.contact import ActiveSet, press
 from asperity.contact.problem import TOLERANCE

@@ -2,7 +2,7 @@
 
 import pytest
 
-import asperity.runs.execute as module
+import asperity.runs.pipeline as module
 from asperity.config import config_from
 from asperity.errors import ConvergenceError
 from asperity.runs import Silent, execute

@@ -1,6 +1,6 @@
 """Aging: how a contact creeps (each implicit step is a contact problem), and where it ends."""
 
-from asperity.aging.creep import Frame, creep
-from asperity.aging.relax import relax
+from asperity.aging.limit import relax
+from asperity.aging.march import Frame, creep
 
 __all__ = ["Frame", "creep", "relax"]

@@ -1,7 +1,7 @@
 """Results: frozen states in, one self-describing Dataset out, and back from disk."""
 
-from asperity.results.age import History, age
 from asperity.results.checkpoint import Checkpoint
+from asperity.results.history import History, age
 from asperity.results.store import load, save
 
 __all__ = ["Checkpoint", "History", "age", "load", "save"]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity._version import __version__
-from asperity.aging.creep import Midway
+from asperity.aging.march import Midway
 from asperity.aging.tr_bdf2 import Past, Point
 from asperity.contact.problem import ContactSolver, Solution
 from asperity.contact.state import Contact

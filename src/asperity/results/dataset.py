@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from asperity._version import __version__
-from asperity.aging.creep import Frame
+from asperity.aging.march import Frame
 from asperity.contact.controls import Load
 from asperity.contact.state import Contact
 from asperity.lattice import Field, Mask

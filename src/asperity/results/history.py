@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.aging.creep import DEFAULT_RTOL, Frame, Midway, check_times, creep
+from asperity.aging.march import DEFAULT_RTOL, Frame, Midway, check_times, creep
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.controls import Hold
 from asperity.contact.problem import ContactSolver
@@ -74,7 +74,7 @@ def age(
         Relative tolerance: the error of u0, rms over the sites, stays at every recorded time below
         ``rtol`` times the largest deformation so far (the rms of u about its mean; or that of u - u0,
         if larger, at a held separation with viscous creep); measured, not proved: see
-        ``STEP_TOLERANCE`` in ``aging/creep.py``.
+        ``STEP_TOLERANCE`` in ``aging/march.py``.
     fields_at
         Strictly increasing times >= 0 at which to keep u, u0 and in_contact; they need not be among
         ``times``.
