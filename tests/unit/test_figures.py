@@ -108,7 +108,7 @@ def test_a_theory_that_ends_says_where(aged: xr.Dataset, summary: AgingSummary) 
     shortened = dataclasses.replace(
         summary, dilute_time=summary.dilute_time[:50], dilute_ratio=summary.dilute_ratio[:50]
     )
-    assert "dips" in legend_of(aging_curve(aged, shortened))
+    assert "far apart" in legend_of(aging_curve(aged, shortened))
 
 
 PALETTE = {

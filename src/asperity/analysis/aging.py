@@ -5,8 +5,9 @@ contacts, `asperity.theory.dilute_area`; it is evaluated only where it is claime
 
 * the heights of the sites are independent (a law of heights is given) and the load is held,
 * at most a tenth of the sites touch, and at least ten sites,
-* the dips around contacts have not met: their widths (k0/k1)^(1/2), (k0 R t)^(1/4) and
-  (k0 R_viscous t)^(1/2) are below the spacing of contacts, (A/N)^(-1/dimension).
+* the dips around contacts are far from meeting: their widths (k0/k1)^(1/2), (k0 R t)^(1/4) and
+  (k0 R_viscous t)^(1/2) are below a third of the spacing of contacts, (A/N)^(-1/dimension). Where the
+  widths reach the spacing (`asperity.theory.dilute_horizon`) the theory is off by tens of percent.
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ import xarray as xr
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import SaturationFit, saturation
 from asperity.lattice import Field
-from asperity.theory import compliance, dilute_area, dilute_horizon
+from asperity.theory import compliance, dilute_area
 from asperity.theory.heights import HeightLaw
 
 DILUTE_FRACTION = 0.1
 """Largest contact fraction at which the dilute theory is shown."""
+
+FAR_APART = 3.0
+"""Spacing of contacts, in widths of the dips around them, at which the dilute theory is shown."""
 
 FEWEST_CONTACTS = 10
 """Fewest contacts on a lattice of which the dilute theory, a statement on averages, says anything."""
@@ -173,15 +177,15 @@ def _dilute(dataset: xr.Dataset, law: HeightLaw | None, time: Field) -> tuple[Fi
     growth = compliance(k1 / k0, k0 * R * np.append(0.0, time), viscous / R, dimension) / k0
     fraction = dilute_area(load_per_site, growth, law)
     initial, later = float(fraction[0]), fraction[1:]
-    spacing = later ** (-1 / dimension)
+    room = later ** (-1 / dimension) / FAR_APART
     apart = (
         (later <= DILUTE_FRACTION)
         & (later * dataset["heights"].size >= FEWEST_CONTACTS)
-        & (np.sqrt(k0 / k1) < spacing)
-        & (k0 * R * time < dilute_horizon(np.minimum(later, 1.0), dimension))
-        & (np.sqrt(k0 * viscous * time) < spacing)
+        & (np.sqrt(k0 / k1) < room)
+        & (k0 * R * time < room**4)
+        & (np.sqrt(k0 * viscous * time) < room)
     )
-    # The fraction only grows and so do the dips: once they have met they stay so.
+    # The fraction only grows and so do the dips: once they are near each other they stay so.
     holds = np.logical_and.accumulate(apart)
     if not holds.any():
         return nothing, nothing, "the contacts are too dense or too few for the dilute theory"

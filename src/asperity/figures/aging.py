@@ -62,10 +62,11 @@ def _draw_law(axes: Axes, summary: AgingSummary) -> None:
         return
     label = "\n".join(
         [
-            r"fit $a - (a-1)\,/\,(1+t/t_0)^q$ ($\pm$: as if scatter were random)",
+            r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
             f"   $a$ = {style.uncertain(fit.a, fit.a_stderr)}",
             f"   $q$ = {style.uncertain(fit.q, fit.q_stderr)}",
             f"   $t_0$ = {style.uncertain(fit.t0, fit.t0_stderr)}",
+            r"   ($\pm$: as if scatter were random)",
         ]
         + ([f"   {_wrapped(summary.fit_note)}"] if summary.fit_note else [])
     )
@@ -91,7 +92,7 @@ def _draw_theory(axes: Axes, summary: AgingSummary) -> None:
     label = "dilute theory (no fit)"
     if summary.dilute_time[-1] < summary.curve_time[-1]:
         ends = style.power(float(f"{summary.dilute_time[-1]:.0e}"))
-        label += f", fails as the dips\naround contacts meet, before $t$ ~ ${ends}$"
+        label += f", while\ncontacts are far apart: $t$ < ${ends}$"
     axes.plot(
         summary.dilute_time,
         summary.dilute_ratio,
