@@ -3,7 +3,8 @@
 AsperityError
 ├── InputError (ValueError)         something given is wrong; the message says what was expected
 │   ├── SurfaceFileError            a surface file is missing, empty, truncated or of another kind
-│   └── ConfigError                 a run configuration is wrong; lists every mistake
+│   ├── ConfigError                 a run configuration is wrong; lists every mistake
+│   └── CheckpointError             a file is no checkpoint, or that of another run
 ├── MissingExtraError (ImportError) an optional library is needed; the message says how to install it
 ├── ConvergenceError (RuntimeError) a solver stopped before its tolerance; nothing is returned
 └── OutputError (OSError)           results could not be written; nothing half-written is left
@@ -53,6 +54,10 @@ class ConfigError(InputError):
     def __init__(self, problems: list[str]) -> None:
         self.problems = problems
         ValueError.__init__(self, "; ".join(problems))
+
+
+class CheckpointError(InputError):
+    """A file is no checkpoint, or that of another run."""
 
 
 class MissingExtraError(AsperityError, ImportError):

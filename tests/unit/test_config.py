@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import pytest
 from asperity.cli.flags import AgingFlags, FileFlags, SolidFlags, SurfaceFlags, given
 from asperity.config.mistakes import flag_of
 from asperity.config.models import Aging, MeasuredSurface, Output, RunConfig, SelfAffine
-from asperity.config.reading import file_surface, read_config, to_toml
+from asperity.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
 from asperity.errors import ConfigError
 
 
@@ -176,6 +177,7 @@ def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path, config: Run
     text = to_toml(config)
     tomllib.loads(text)
     assert read_config(written(tmp_path, text), {}) == config
+    assert from_tables(json.loads(json.dumps(to_tables(config)))) == config
 
 
 def test_words_that_are_no_numbers_are_left_to_the_check() -> None:

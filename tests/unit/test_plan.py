@@ -96,6 +96,11 @@ def test_a_measured_surface_counts_by_its_content(tmp_path):
     assert read_plan(written(tmp_path, text)).runs[0].identity != first.identity
 
 
+def test_a_key_given_twice_is_refused(tmp_path):
+    text = f"{BASE}\n[sweep]\nk1 = [1.0]\n[sweep.solid]\nk1 = [2.0]"
+    assert problems_of(tmp_path, text) == ["[sweep] k1: given twice"]
+
+
 def test_every_mistake_is_named_before_anything_starts(tmp_path):
     problems = problems_of(
         tmp_path,

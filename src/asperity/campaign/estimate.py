@@ -23,6 +23,9 @@ _TRIAL = 64
 _OVERHEAD = 16_384
 """Bytes on disk of a run without its arrays: metadata, and the rest of the last blocks."""
 
+_START, _BESIDE = 4.0, 0.025
+"""Seconds to start the workers, and beside the computing of a run; see ``docs/campaigns.md``."""
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -72,10 +75,12 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
         rate = float(np.median([scalars["seconds"] / _work(scalars["sites"]) for scalars in known]))
         basis = f"{len(known)} finished runs"
     else:
-        rate = _trial(next(iter(todo.values()))) / _work(_TRIAL**2)
-        basis = f"a trial run of {_TRIAL} x {_TRIAL} sites"
+        configs = list(todo.values())
+        rate = (_trial(configs[0]) + _trial(configs[-1])) / 2 / _work(_TRIAL**2)
+        basis = f"trial runs of {_TRIAL} x {_TRIAL} sites"
     space = sum(_bytes(config, sites[name]) for name, config in todo.items())
-    return Estimate(len(todo), rate * sum(map(_work, sites.values())), space, basis)
+    computing = rate * sum(map(_work, sites.values()))
+    return Estimate(len(todo), computing + _START + _BESIDE * len(todo), space, basis)
 
 
 def _work(sites: float) -> float:

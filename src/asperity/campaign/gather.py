@@ -13,7 +13,7 @@ import xarray as xr
 from asperity._version import __version__
 from asperity.campaign.plan import Axis, Plan, Run
 from asperity.campaign.store import FITTED, Store
-from asperity.config import RunConfig
+from asperity.config import from_tables
 from asperity.errors import InputError
 from asperity.results.dataset import SERIES, TIME_UNIT
 
@@ -40,7 +40,8 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         `asperity.age`. Where a swept parameter has the name of a series, such as the load, that series
         is called ``load_history``. Over all but ``time``: one number a run, such as ``relaxed_area`` or
         ``fit_q``. Over all but ``seed``: the ensemble, ``area_mean``, ``area_stderr`` (standard error of
-        the mean), and so on, and the ``count`` of finished seeds. What is not finished is NaN.
+        the mean), and so on, and the ``count`` of finished seeds; ``fit_q_count`` where fewer have a fit.
+        What is not finished is NaN.
 
     Raises
     ------
@@ -118,8 +119,8 @@ def load_plan(directory: str | Path) -> Plan:
         facts = json.loads(path.read_text(encoding="utf-8"))
         axes = tuple(Axis(section, name, tuple(values)) for section, name, values in facts["axes"])
         runs = tuple(
-            Run(identity, tuple(point), seed, RunConfig.model_validate(config))
-            for identity, point, seed, config in facts["runs"]
+            Run(identity, tuple(point), seed, from_tables(config), content)
+            for identity, point, seed, config, content in facts["runs"]
         )
         return Plan(axes, tuple(facts["seeds"]), facts["zipped"], runs)
     except (OSError, ValueError, KeyError, TypeError) as error:
@@ -168,6 +169,9 @@ def _with_ensemble(dataset: xr.Dataset) -> xr.Dataset:
         dataset[f"{name}_mean"] = values.mean("seed").assign_attrs(
             long_name=f"{long_name}, mean over the seeds", **described
         )
+        if not (count == finished).all():  # a fit that failed, a limit that was not found
+            described_count = {"long_name": f"{long_name}, seeds that have it", "units": "1"}
+            dataset[f"{name}_count"] = count.assign_attrs(described_count)
         dataset[f"{name}_stderr"] = spread.assign_attrs(
             long_name=f"{long_name}, standard error of the mean", **described
         )

@@ -42,12 +42,25 @@ class Axis:
 
 @dataclass(frozen=True)
 class Run:
-    """One run: its coordinates and its configuration; `identity` is a hash of all that it depends on."""
+    """One run.
+
+    Attributes
+    ----------
+    identity
+        A hash of all that it depends on.
+    point, seed
+        Its place along the axes, and its seed.
+    config
+        Its configuration.
+    content
+        Checksum (SHA-256) of its surface file; empty for surfaces that are made.
+    """
 
     identity: str
     point: tuple[int, ...]
     seed: int | None
     config: RunConfig
+    content: str = ""
 
 
 @dataclass(frozen=True)
@@ -93,7 +106,7 @@ def read_plan(path: Path) -> Plan:
     surface = tables.get("surface", {})
     kind = ""
     if isinstance(surface, dict):
-        kind = surface.get("kind", "file" if "path" in surface else "gaussian")
+        kind = surface.get("kind", "file" if "path" in surface or "path" in swept else "gaussian")
     combine = swept.pop("combine", "grid")
     if combine not in ("grid", "zip"):
         problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
@@ -124,7 +137,10 @@ def _lists(swept: dict[str, Any], problems: list[str]) -> Iterator[tuple[tuple[s
     flat: dict[tuple[str | None, str], Any] = {}
     for key, value in swept.items():
         inner = value.items() if isinstance(value, dict) else [(None, value)]
-        flat |= {(key, name) if name else (None, key): values for name, values in inner}
+        for name, values in inner:
+            if (name or key) in {other for _, other in flat}:
+                problems.append(f"[sweep] {name or key}: given twice")
+            flat[(key, name) if name else (None, key)] = values
     for (section, name), values in flat.items():
         where = f"[sweep] {name}"
         if name not in homes or (section is not None and homes[name] != section):
@@ -189,8 +205,9 @@ def _runs(
             if isinstance(table, dict):  # otherwise a mistake, which is reported below
                 table.update(keys)
         try:
-            config = config_from(merged, {}, path)
-            runs.append(Run(_identity(config, contents), point, seed, config))
+            config = _anywhere(config_from(merged, {}, path))
+            content = _content(config, contents)
+            runs.append(Run(_identity(config, content), point, seed, config, content))
         except ConfigError as error:
             problems |= dict.fromkeys(error.problems)
     if problems:
@@ -198,18 +215,34 @@ def _runs(
     return tuple(runs)
 
 
-def _identity(config: RunConfig, contents: dict[str, str]) -> str:
+def _anywhere(config: RunConfig) -> RunConfig:
+    """Name a surface file so that a worker in any folder finds it."""
+    if not isinstance(config.surface, MeasuredSurface):
+        return config
+    surface = config.surface.model_copy(update={"path": str(Path(config.surface.path).resolve())})
+    return config.model_copy(update={"surface": surface})
+
+
+def _content(config: RunConfig, known: dict[str, str]) -> str:
+    """Checksum of the surface file, if there is one."""
+    if not isinstance(config.surface, MeasuredSurface):
+        return ""
+    name = config.surface.path
+    if name not in known:
+        try:
+            known[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
+        except OSError as error:
+            raise ConfigError([f"[surface] path: {name}: {error.strerror}"]) from None
+    return known[name]
+
+
+def _identity(config: RunConfig, content: str) -> str:
     """Hash all that the numbers of a run depend on; a measured surface counts by its content."""
     facts = config.model_dump()
     facts["output"].pop("figures")
     if isinstance(config.surface, MeasuredSurface):
-        name = facts["surface"].pop("path")
-        if name not in contents:
-            try:
-                contents[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
-            except OSError as error:
-                raise ConfigError([f"[surface] path: {name}: {error.strerror}"]) from None
-        facts["surface"]["content"] = contents[name]
+        # The suffix decides how the content is read.
+        facts["surface"]["path"] = [Path(config.surface.path).suffix.lower(), content]
     facts["version"] = [__version__, _STORE_FORMAT]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
 

@@ -11,6 +11,7 @@ Locks belong to living processes: the operating system drops them when one is ki
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 import uuid
 from collections.abc import Iterator
@@ -26,7 +27,7 @@ from filelock import FileLock, Timeout
 from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
 from asperity.results.dataset import FIELDS, SERIES
-from asperity.results.store import flush, whole_file
+from asperity.results.store import flush, flush_folder, whole_file
 from asperity.runs import Outcome
 
 QUANTITIES = ("time", *SERIES)
@@ -55,8 +56,9 @@ class Store:
         for name in ("locks", "failed", "checkpoints", "staging"):
             (self.work / name).mkdir(parents=True, exist_ok=True)
         zarr.open_group(self.runs, mode="a")
-        running = self.running()
-        for left in (self.work / "staging").iterdir():
+        found = list((self.work / "staging").iterdir())
+        running = self.running()  # after the list: who began to write since then is not in it
+        for left in found:
             if left.name.partition(".")[0] not in running:  # its writer was killed
                 shutil.rmtree(left, ignore_errors=True)
 
@@ -123,6 +125,7 @@ class Store:
                 _write_group(staging, outcome, seconds)
                 flush(staging)
                 staging.rename(self.runs / identity)
+                flush_folder(self.runs)
             finally:
                 if staging.exists():
                     shutil.rmtree(staging, ignore_errors=True)
@@ -145,11 +148,20 @@ class Store:
             group = zarr.open_group(self.runs / identity, mode="r")
             facts: dict[str, Any] = dict(group.attrs)
             series = np.asarray(group["series"])
-            return Finished(series, facts["scalars"], facts["config"])
+            damaged = not facts["complete"] or facts["checksum"] != _checksum(series)
+            finished = Finished(series, facts["scalars"], facts["config"])
         except (OSError, KeyError, ValueError) as error:
             raise InputError(
                 "campaign", expected=f"a finished run in {self.runs}", got=f"{identity}: {error}"
             ) from error
+        if damaged:
+            raise InputError(
+                "campaign",
+                expected="runs as they were written",
+                got=f"{self.runs / identity}, which is damaged",
+                advice="removing that folder, and the same sweep again",
+            )
+        return finished
 
     def _lock(self, identity: str) -> Path:
         return self.work / "locks" / f"{identity}.lock"
@@ -172,6 +184,7 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
             "config": str(dataset.attrs["config"]),
             "asperity_version": str(dataset.attrs["asperity_version"]),
             "heights_sha256": str(dataset.attrs["heights_sha256"]),
+            "checksum": _checksum(series),
             "complete": True,
         }
     )
@@ -198,6 +211,10 @@ def _scalars(outcome: Outcome) -> dict[str, float]:
         fitted["fit_misfit"] = summary.fit.rms_residual
         scalars |= {name: float(value) for name, value in fitted.items() if np.isfinite(value)}
     return scalars
+
+
+def _checksum(series: Field) -> str:
+    return hashlib.sha256(np.ascontiguousarray(series).tobytes()).hexdigest()
 
 
 def _is_locked(path: Path) -> bool:

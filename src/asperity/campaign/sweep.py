@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+import logging
+import signal
+import threading
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from concurrent.futures import CancelledError
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +18,7 @@ from asperity._version import __version__
 from asperity.campaign.plan import Plan, Run
 from asperity.campaign.store import Store
 from asperity.campaign.worker import Report, run_task
+from asperity.config import to_tables
 from asperity.errors import InputError, OutputError
 from asperity.results.store import whole_file
 from asperity.runs import cores
@@ -23,6 +28,9 @@ if TYPE_CHECKING:
 
 _ATTEMPTS = 3
 """How many deaths of its worker a run survives before it counts as failed."""
+
+_PATIENCE = 60.0
+"""Seconds to wait for the first worker of a given scheduler."""
 
 _POLL = 1.0
 """Seconds between two looks at runs that another campaign is at work on."""
@@ -133,14 +141,14 @@ def sweep(
 
 
 def plan_to_json(plan: Plan) -> str:
-    """Write a plan as `plan_from_json` reads it."""
+    """Write a plan as `asperity.campaign.load_plan` reads it."""
     return json.dumps(
         {
             "axes": [[axis.section, axis.name, list(axis.values)] for axis in plan.axes],
             "seeds": list(plan.seeds),
             "zipped": plan.zipped,
             "runs": [
-                [run.identity, list(run.point), run.seed, json.loads(run.config.model_dump_json())]
+                [run.identity, list(run.point), run.seed, to_tables(run.config), run.content]
                 for run in plan.runs
             ],
         }
@@ -185,10 +193,11 @@ def _round(client: Client, store: Store, runs: Sequence[Run], counts: _Counts) -
             run_task,
             str(store.directory),
             run.identity,
-            run.config.model_dump_json(),
+            json.dumps(to_tables(run.config)),
+            run.content,
+            __version__,
             key=key,
             pure=False,
-            retries=0,
         )
         for key, run in by_key.items()
     ]
@@ -196,18 +205,42 @@ def _round(client: Client, store: Store, runs: Sequence[Run], counts: _Counts) -
     try:
         for future in as_completed(futures):
             run = by_key[str(future.key)]
+            if future.status not in ("finished", "error"):
+                raise _lost(f"a run came back {future.status}")
             error = future.exception()
             report: Report = future.result() if error is None else _crashed(store, run, error)
             future.release()
-            if report[1] == "disk":
-                raise OutputError(f"{report[2]}; free some space and give the same command again")
-            if report[1] == "busy":
+            if _is_busy(report):
                 busy.append(run)
             else:
                 counts.take(report)
+    except (OSError, TimeoutError, CancelledError) as error:
+        if isinstance(error, OutputError):
+            raise
+        raise _lost(str(error)) from error
     finally:
-        client.cancel([future for future in futures if not future.done()])
+        with suppress(Exception):  # the scheduler may be gone
+            client.cancel([future for future in futures if not future.done()])
     return busy
+
+
+def _is_busy(report: Report) -> bool:
+    """Whether another process is at the run; raises if the campaign cannot go on."""
+    _, state, reason = report
+    if state == "version":
+        raise InputError("scheduler", expected="workers with this version", got=reason)
+    if state == "disk":
+        full = any(word in reason for word in ("No space left", "quota", "File too large"))
+        advice = "free some space and give" if full else "mend that and give"
+        raise OutputError(f"{reason}; {advice} the same command again")
+    return state == "busy"
+
+
+def _lost(reason: str) -> OutputError:
+    return OutputError(
+        f"lost the scheduler ({reason or 'no reason given'}); finished runs are kept, "
+        "and the same command does the rest"
+    )
 
 
 def _crashed(store: Store, run: Run, error: BaseException) -> Report:
@@ -227,46 +260,75 @@ def _client(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
     import dask
     from distributed import Client, LocalCluster
 
-    quiet = {
-        "distributed.logging.distributed": "critical",
-        "distributed.logging.bokeh": "critical",
+    settings = {
         "distributed.scheduler.allowed-failures": _ATTEMPTS,
-        "distributed.worker.daemon": True,
+        # A worker that dies is blamed on the run that it was at, and on none that waits for it.
+        "distributed.scheduler.worker-saturation": 1.0,
     }
-    with dask.config.set(quiet):
+    with dask.config.set(settings), _quiet(), ExitStack() as stack:
         if scheduler is not None:
-            try:
-                client = Client(scheduler, timeout="10s")
-            except (OSError, TimeoutError, ValueError) as error:
-                raise InputError(
-                    "scheduler", expected="the address of a Dask scheduler", got=f"{scheduler}: {error}"
-                ) from error
-            with client:
-                _check_versions(client)
-                yield client
-            return
-        number = min(workers or cores(), runs)
-        with (
-            LocalCluster(
-                n_workers=number,
-                threads_per_worker=1,
-                processes=True,
-                dashboard_address=":0",
-                memory_limit=None,
-                silence_logs=50,
-            ) as cluster,
-            Client(cluster) as client,
-        ):
-            yield client
+            client = stack.enter_context(_connected(scheduler))
+        else:
+            with _deaf_to_interrupts():
+                cluster = stack.enter_context(
+                    LocalCluster(
+                        n_workers=min(workers or cores(), runs),
+                        threads_per_worker=1,
+                        processes=True,
+                        dashboard_address=":0",
+                        memory_limit=None,
+                        silence_logs=logging.CRITICAL,
+                    )
+                )
+                client = stack.enter_context(Client(cluster))
+        yield client
 
 
-def _check_versions(client: Client) -> None:
-    others = set(client.run(_version).values()) - {__version__}
-    if others:
+def _connected(scheduler: str) -> Client:
+    """Connect to a scheduler, and wait for its first worker."""
+    from distributed import Client
+
+    try:
+        client = Client(scheduler, timeout="10s")
+    except (OSError, TimeoutError, ValueError) as error:
         raise InputError(
-            "scheduler", expected=f"workers with asperity {__version__}", got=", ".join(sorted(others))
-        )
+            "scheduler", expected="the address of a Dask scheduler", got=f"{scheduler}: {error}"
+        ) from error
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except TimeoutError:
+        client.close()
+        raise InputError(
+            "scheduler",
+            expected="a Dask scheduler with workers",
+            got=f"{scheduler}, which had none for {_PATIENCE:.0f} seconds",
+            advice="starting some",
+        ) from None
+    return client
 
 
-def _version() -> str:
-    return __version__
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach: it is for the client, which then ends them.
+
+    They inherit that the signal is ignored; for these seconds the client ignores it too.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Silence what the library logs when workers or schedulers go: the tally says what matters."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(before)

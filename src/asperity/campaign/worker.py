@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import time as clock
 from pathlib import Path
 from typing import Literal
 
+from asperity._version import __version__
 from asperity.campaign.store import Store
-from asperity.config import RunConfig
-from asperity.errors import AsperityError, OutputError
+from asperity.config import RunConfig, from_tables
+from asperity.errors import AsperityError, CheckpointError, InputError, OutputError
 from asperity.results import Checkpoint
 from asperity.runs import Silent, execute
 
-State = Literal["done", "failed", "busy", "disk"]
+State = Literal["done", "failed", "busy", "disk", "version"]
 Report = tuple[str, State, str]
 """Identity, state, and, where there is something to say, the reason."""
 
 _CHECKPOINT_EVERY = 30.0
 
 
-def run_task(directory: str, identity: str, config: str) -> Report:
+def run_task(
+    directory: str, identity: str, config: str, content: str = "", version: str = __version__
+) -> Report:
     """Do one run, unless it is done already or another process is at it.
 
     Parameters
@@ -30,12 +34,18 @@ def run_task(directory: str, identity: str, config: str) -> Report:
         Name of the run.
     config
         Its configuration, as JSON.
+    content
+        Checksum of its surface file, which must not have changed since; empty if it has none.
+    version
+        The version that planned it, which must be the worker's.
 
     Returns
     -------
     Report
         ``failed`` runs are recorded in the store; ``disk`` means that nothing could be recorded.
     """
+    if version != __version__:
+        return identity, "version", f"a worker runs asperity {__version__}, the campaign {version}"
     store = Store(Path(directory))
     if store.is_done(identity):
         return identity, "done", ""
@@ -44,7 +54,7 @@ def run_task(directory: str, identity: str, config: str) -> Report:
             if not mine:
                 return identity, "busy", ""
             if not store.is_done(identity):
-                _compute(store, identity, RunConfig.model_validate_json(config))
+                _compute(store, identity, from_tables(json.loads(config)), content)
             return identity, "done", ""
     except OutputError as error:
         return identity, "disk", str(error)
@@ -55,12 +65,19 @@ def run_task(directory: str, identity: str, config: str) -> Report:
         return identity, "disk", f"{directory}: {error.strerror or error}"
 
 
-def _compute(store: Store, identity: str, config: RunConfig) -> None:
+def _compute(store: Store, identity: str, config: RunConfig, content: str) -> None:
     begin = clock.perf_counter()
-    place = store.checkpoint(identity)
-    outcome = execute(config, Silent(), checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY))
+    place = Checkpoint(store.checkpoint(identity), every=_CHECKPOINT_EVERY)
+    try:
+        outcome = execute(config, Silent(), checkpoint=place)
+    except CheckpointError:  # it only saves time: without it the run begins anew
+        Path(place.path).unlink()
+        outcome = execute(config, Silent(), checkpoint=place)
+    read = json.loads(str(outcome.dataset.attrs["surface"])).get("sha256", "")
+    if content and read != content:
+        raise InputError("surface", expected="the file as it was planned", got="one that has changed since")
     store.write(identity, outcome, clock.perf_counter() - begin)
-    place.unlink(missing_ok=True)
+    Path(place.path).unlink(missing_ok=True)
     store.forgive(identity)
 
 

@@ -108,7 +108,7 @@ def _check_out(out: Path) -> None:
     """Refuse a folder that holds something else."""
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    ours = any((out / name).exists() for name in ("plan.json", "work"))
+    ours = any((out / name).exists() for name in ("plan.json", "runs.zarr"))
     if out.exists() and any(out.iterdir()) and not ours:
         raise InputError(
             "--out",

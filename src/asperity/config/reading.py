@@ -79,12 +79,24 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
         ) from None
 
 
+def to_tables(config: RunConfig) -> dict[str, dict[str, Any]]:
+    """Take a configuration apart into tables of which `from_tables` makes the very same one."""
+    tables: dict[str, dict[str, Any]] = config.model_dump(exclude_none=True)
+    if "times" in tables["aging"]:
+        for rival in ("first", "last", "per_decade"):
+            del tables["aging"][rival]
+    return tables
+
+
+def from_tables(tables: dict[str, dict[str, Any]]) -> RunConfig:
+    """Put a configuration together from what `to_tables` gave."""
+    return RunConfig.model_validate(tables)
+
+
 def to_toml(config: RunConfig) -> str:
     """Write a configuration so that `read_config` reads the very same one."""
     lines = []
-    for section, keys in config.model_dump(exclude_none=True).items():
-        if "times" in keys:
-            keys = {key: value for key, value in keys.items() if key not in ("first", "last", "per_decade")}
+    for section, keys in to_tables(config).items():
         lines += [f"[{section}]", *(f"{key} = {_toml_value(value)}" for key, value in keys.items()), ""]
     return "\n".join(lines)
 

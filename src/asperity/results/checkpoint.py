@@ -19,7 +19,7 @@ from asperity.aging.march import Midway
 from asperity.aging.tr_bdf2 import Past, Point
 from asperity.contact.problem import ContactSolver, Solution
 from asperity.contact.state import Contact
-from asperity.errors import InputError, OutputError
+from asperity.errors import CheckpointError, OutputError
 from asperity.lattice import Field
 from asperity.results.dataset import Row, Snapshot
 from asperity.results.store import remove_parts, whole_file
@@ -85,7 +85,7 @@ class Keeper:
 
         Raises
         ------
-        InputError
+        CheckpointError
             The file is no checkpoint, or that of a run with other parameters.
         """
         remove_parts(self.path)
@@ -100,11 +100,11 @@ class Keeper:
             facts = json.loads(str(arrays["facts"]))
             stranger = facts["fingerprint"] != self.fingerprint
         except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-            raise InputError(
+            raise CheckpointError(
                 "checkpoint", expected="a checkpoint of this run", got=f"{self.path}: {error}", advice=advice
             ) from error
         if stranger:
-            raise InputError(
+            raise CheckpointError(
                 "checkpoint",
                 expected="a checkpoint of this run",
                 got=f"{self.path}, of a run with other parameters",
