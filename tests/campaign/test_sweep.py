@@ -164,7 +164,7 @@ def test_a_failed_run_does_not_stop_the_others_and_is_tried_again_when_asked(tmp
     counted = campaign.tally(plan, tmp_path / "out")
     assert (counted.done, counted.failed, counted.left) == (6, 6, 0)
     # Not tried again by itself ...
-    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / "work" / "failed").iterdir()}
+    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / "state" / "failed").iterdir()}
     assert campaign.sweep(plan, tmp_path / "out").failed == 6
     assert {path: path.stat().st_mtime_ns for path in before} == before
     # ... but when asked.
@@ -208,7 +208,7 @@ def test_two_campaigns_on_one_folder_at_once(tmp_path, done):
         assert running.returncode == 0, error
         assert "done     12" in out
     assert numbers(tmp_path / "out") == numbers(done / "out")
-    assert list((tmp_path / "out" / "work" / "staging").iterdir()) == []
+    assert list((tmp_path / "out" / "state" / "staging").iterdir()) == []
 
 
 def test_a_disk_that_fills_up(tmp_path):

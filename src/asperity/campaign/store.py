@@ -2,7 +2,7 @@
 
     DIR/plan.json                     the plan last given
     DIR/runs.zarr/<identity>          a finished run: a zarr group, complete or not there
-    DIR/work/...                      locks, failures, checkpoints, and runs being written
+    DIR/state/...                     locks, failures, checkpoints, and runs being written
 
 A run is written beside the store with its mark ``complete`` last, flushed, and moved in under its name
 by one rename. Two writers of the same run cannot disturb each other: the second finds the name taken.
@@ -49,18 +49,19 @@ class Store:
     def __init__(self, directory: Path) -> None:
         self.directory = directory
         self.runs = directory / "runs.zarr"
-        self.work = directory / "work"
+        self.work = directory / "state"
 
     def prepare(self) -> None:
         """Create the folders, and clear what killed writers left; harmless while others write."""
         for name in ("locks", "failed", "checkpoints", "staging"):
             (self.work / name).mkdir(parents=True, exist_ok=True)
-        zarr.open_group(self.runs, mode="a")
-        found = list((self.work / "staging").iterdir())
-        running = self.running()  # after the list: who began to write since then is not in it
-        for left in found:
-            if left.name.partition(".")[0] not in running:  # its writer was killed
-                shutil.rmtree(left, ignore_errors=True)
+        with FileLock(self.work / "prepare.lock"):  # one at a time: creating a group is no single act
+            zarr.open_group(self.runs, mode="a")
+            found = list((self.work / "staging").iterdir())
+            running = self.running()  # after the list: who began to write since then is not in it
+            for left in found:
+                if left.name.partition(".")[0] not in running:  # its writer was killed
+                    shutil.rmtree(left, ignore_errors=True)
 
     def is_done(self, identity: str) -> bool:
         """Whether the run is finished."""

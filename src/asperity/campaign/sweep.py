@@ -3,34 +3,25 @@
 from __future__ import annotations
 
 import json
-import logging
-import signal
-import threading
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asperity._version import __version__
+from asperity.campaign.cluster import ATTEMPTS, connect
 from asperity.campaign.plan import Plan, Run
 from asperity.campaign.store import Store
 from asperity.campaign.worker import Report, run_task
 from asperity.config import to_tables
 from asperity.errors import InputError, OutputError
 from asperity.results.store import whole_file
-from asperity.runs import cores
 
 if TYPE_CHECKING:
     from distributed import Client
-
-_ATTEMPTS = 3
-"""How many deaths of its worker a run survives before it counts as failed."""
-
-_PATIENCE = 60.0
-"""Seconds to wait for the first worker of a given scheduler."""
 
 _POLL = 1.0
 """Seconds between two looks at runs that another campaign is at work on."""
@@ -131,7 +122,7 @@ def sweep(
     counts = _Counts(start, progress)
     open_runs = _open_runs(plan, store)
     if open_runs:
-        with _client(workers, scheduler, len(open_runs)) as client:
+        with connect(workers, scheduler, len(open_runs)) as client:
             while open_runs:
                 busy = _round(client, store, open_runs, counts)
                 if busy:
@@ -246,89 +237,9 @@ def _lost(reason: str) -> OutputError:
 def _crashed(store: Store, run: Run, error: BaseException) -> Report:
     """Record a run whose worker died time and again, or that met an error nobody foresaw."""
     if type(error).__name__ == "KilledWorker":
-        reason = f"its worker died {_ATTEMPTS + 1} times; was there too little memory?"
+        reason = f"its worker died {ATTEMPTS + 1} times; was there too little memory?"
     else:
         reason = f"unexpected {type(error).__name__}: {error}"
     reason = " ".join(reason.split())
     store.fail(run.identity, reason)
     return run.identity, "failed", reason
-
-
-@contextmanager
-def _client(workers: int | None, scheduler: str | None, runs: int) -> Iterator[Client]:
-    """Connect to a cluster: a given one, or one made of this machine's cores."""
-    import dask
-    from distributed import Client, LocalCluster
-
-    settings = {
-        "distributed.scheduler.allowed-failures": _ATTEMPTS,
-        # A worker that dies is blamed on the run that it was at, and on none that waits for it.
-        "distributed.scheduler.worker-saturation": 1.0,
-    }
-    with dask.config.set(settings), _quiet(), ExitStack() as stack:
-        if scheduler is not None:
-            client = stack.enter_context(_connected(scheduler))
-        else:
-            with _deaf_to_interrupts():
-                cluster = stack.enter_context(
-                    LocalCluster(
-                        n_workers=min(workers or cores(), runs),
-                        threads_per_worker=1,
-                        processes=True,
-                        dashboard_address=":0",
-                        memory_limit=None,
-                        silence_logs=logging.CRITICAL,
-                    )
-                )
-                client = stack.enter_context(Client(cluster))
-        yield client
-
-
-def _connected(scheduler: str) -> Client:
-    """Connect to a scheduler, and wait for its first worker."""
-    from distributed import Client
-
-    try:
-        client = Client(scheduler, timeout="10s")
-    except (OSError, TimeoutError, ValueError) as error:
-        raise InputError(
-            "scheduler", expected="the address of a Dask scheduler", got=f"{scheduler}: {error}"
-        ) from error
-    try:
-        client.wait_for_workers(1, timeout=_PATIENCE)
-    except TimeoutError:
-        client.close()
-        raise InputError(
-            "scheduler",
-            expected="a Dask scheduler with workers",
-            got=f"{scheduler}, which had none for {_PATIENCE:.0f} seconds",
-            advice="starting some",
-        ) from None
-    return client
-
-
-@contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach: it is for the client, which then ends them.
-
-    They inherit that the signal is ignored; for these seconds the client ignores it too.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Silence what the library logs when workers or schedulers go: the tally says what matters."""
-    before = logging.root.manager.disable
-    logging.disable(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        logging.disable(before)

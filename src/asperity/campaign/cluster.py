@@ -1,0 +1,102 @@
+"""Connect to a Dask cluster: a given one, or one made of this machine's cores."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING
+
+from asperity.errors import InputError
+from asperity.runs import cores
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+ATTEMPTS = 3
+"""How many deaths of its worker a run survives before it counts as failed."""
+
+_PATIENCE = 60.0
+"""Seconds to wait for the first worker of a given scheduler."""
+
+
+@contextmanager
+def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[Client]:
+    """Connect to a cluster: a given one, or one made of this machine's cores."""
+    import dask
+    from distributed import Client, LocalCluster
+
+    settings = {
+        "distributed.scheduler.allowed-failures": ATTEMPTS,
+        # A worker that dies is blamed on the run that it was at, and on none that waits for it.
+        "distributed.scheduler.worker-saturation": 1.0,
+    }
+    with dask.config.set(settings), _quiet(), ExitStack() as stack:
+        if scheduler is not None:
+            client = stack.enter_context(_connected(scheduler))
+        else:
+            with _deaf_to_interrupts():
+                cluster = stack.enter_context(
+                    LocalCluster(
+                        n_workers=min(workers or cores(), runs),
+                        threads_per_worker=1,
+                        processes=True,
+                        dashboard_address=":0",
+                        memory_limit=None,
+                        silence_logs=logging.CRITICAL,
+                    )
+                )
+                client = stack.enter_context(Client(cluster))
+        yield client
+
+
+def _connected(scheduler: str) -> Client:
+    """Connect to a scheduler, and wait for its first worker."""
+    from distributed import Client
+
+    try:
+        client = Client(scheduler, timeout="10s")
+    except (OSError, TimeoutError, ValueError) as error:
+        raise InputError(
+            "scheduler", expected="the address of a Dask scheduler", got=f"{scheduler}: {error}"
+        ) from error
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except TimeoutError:
+        client.close()
+        raise InputError(
+            "scheduler",
+            expected="a Dask scheduler with workers",
+            got=f"{scheduler}, which had none for {_PATIENCE:.0f} seconds",
+            advice="starting some",
+        ) from None
+    return client
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach: it is for the client, which then ends them.
+
+    They inherit that the signal is ignored; for these seconds the client ignores it too.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Silence what the library logs when workers or schedulers go: the tally says what matters."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logging.disable(before)
