@@ -60,13 +60,19 @@ def test_agrees_with_exhaustion_from_any_start(seed, load, method):
         np.testing.assert_allclose(solution.u, expected, atol=1e-7)
 
 
-def test_gives_up_with_advice():
+def hard_problem():
+    """A correlated surface under a uniform pull, and a poor guess at it."""
     heights = correlated(64)
     lattice = Lattice(heights.shape)
     pull = np.zeros(lattice.spectral_shape, complex)
     pull[0, 0] = -100.0
     problem = ContactProblem(lattice, lattice.lam.copy(), pull, heights - heights.max())
     guess = Guess(np.zeros_like(heights), heights > heights.mean())
+    return problem, guess
+
+
+def test_gives_up_with_advice():
+    problem, guess = hard_problem()
     with pytest.raises(
         ConvergenceError, match=r"after 5 iterations, expected 1.0e-09; try ActiveSet\(max_iter"
     ):
@@ -80,12 +86,7 @@ def test_settings_are_checked(wrong):
 
 
 def test_a_set_of_contacts_that_does_not_settle_is_given_up():
-    heights = correlated(64)
-    lattice = Lattice(heights.shape)
-    pull = np.zeros(lattice.spectral_shape, complex)
-    pull[0, 0] = -100.0
-    problem = ContactProblem(lattice, lattice.lam.copy(), pull, heights - heights.max())
-    guess = Guess(np.zeros_like(heights), heights > heights.mean())
+    problem, guess = hard_problem()
     with pytest.raises(ConvergenceError, match="2 revisions of the set of contacts did not settle it"):
         ActiveSet(max_revisions=2).solve(problem, guess, TOLERANCE)
 

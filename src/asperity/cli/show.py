@@ -12,7 +12,8 @@ from asperity.cli.report import aligned
 from asperity.config.models import MeasuredSurface
 from asperity.errors import InputError
 from asperity.figures import surface_figure
-from asperity.surfaces import Statistics, Surface, read
+from asperity.runs import measured_surface
+from asperity.surfaces import Statistics, Surface
 
 _SUFFIXES = (".png", ".pdf", ".svg")
 
@@ -38,23 +39,9 @@ def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> Non
     target = Path(f"{file.stem}.png") if out is None else out
     _check_target(target, overwrite=overwrite)
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
-    found = read(
-        file,
-        undefined=settings.undefined,
-        max_undefined=settings.max_undefined,
-        tilt="none",
-        periodic="wrap",
-        channel=settings.channel,
-    )
-    prepared = read(
-        file,
-        undefined=settings.undefined,
-        max_undefined=settings.max_undefined,
-        tilt=settings.tilt,
-        periodic=settings.periodic,
-        unit=settings.unit,
-        channel=settings.channel,
-    )
+    as_found = {"tilt": "none", "periodic": "wrap", "unit": None}
+    found = measured_surface(settings.model_copy(update=as_found))
+    prepared = measured_surface(settings)
     figure = surface_figure(surface_view(prepared), title=file.name, note=_note(prepared, settings))
     write_figure(figure, target)
     sys.stdout.write(f"{aligned(_origin(found))}\n\n")

@@ -134,20 +134,25 @@ def _press(rough: Surface, config: RunConfig, progress: Progress) -> Contact:
     return contact
 
 
+def measured_surface(chosen: MeasuredSurface) -> Surface:
+    """Read a surface file as it is to be prepared."""
+    return read(
+        chosen.path,
+        undefined=chosen.undefined,
+        max_undefined=chosen.max_undefined,
+        tilt=chosen.tilt,
+        periodic=chosen.periodic,
+        unit=chosen.unit,
+        channel=chosen.channel,
+    )
+
+
 def _surface(config: RunConfig) -> Surface:
     """Make or read the surface, and let it know where it comes from."""
     chosen = config.surface
     match chosen:
         case MeasuredSurface():
-            return read(
-                chosen.path,
-                undefined=chosen.undefined,
-                max_undefined=chosen.max_undefined,
-                tilt=chosen.tilt,
-                periodic=chosen.periodic,
-                unit=chosen.unit,
-                channel=chosen.channel,
-            )
+            return measured_surface(chosen)
         case SelfAffine(size=size, hurst=hurst, delta=delta, seed=seed):
             heights = self_affine(size, hurst=hurst, delta=delta, seed=seed)
         case Gaussian(shape=shape, rms=rms, seed=seed):
