@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.integrate import dblquad, quad
 from scipy.linalg import expm
 from scipy.special import ive
@@ -14,13 +15,17 @@ from asperity.errors import InputError
 from asperity.theory import (
     LATE_INTERCEPT,
     LATE_SLOPE,
+    Dispersion,
     compliance,
     compliance_asymptote,
+    compliance_asymptote_paper,
     compliance_rate,
     site_stiffness,
     torus_compliance,
 )
 from asperity.theory.zone import torus_modes, zone_nodes
+
+Floats = NDArray[np.float64]
 
 
 def plain_sum(x1: float, x2: float, shape: tuple[int, ...], viscous: float) -> float:
@@ -190,6 +195,11 @@ def test_late_slope_and_intercept_are_the_numbers_of_the_paper() -> None:
     assert x2 * compliance_rate(3.0, x2, 1e-3) == pytest.approx(2 * LATE_SLOPE, rel=1e-5)
 
 
+def test_the_papers_dotted_line_is_the_asymptote_rounded() -> None:
+    assert compliance_asymptote_paper([1.0, math.e]) == pytest.approx([0.3, 0.34], rel=1e-15)
+    assert compliance_asymptote_paper(1e6) == pytest.approx(float(compliance_asymptote(1e6)), rel=6e-3)
+
+
 def test_a_little_viscosity_shows_only_after_its_own_time() -> None:
     r = 1e-5
     early, late = 1e-3 / r**2, 1e5 / r**2
@@ -208,9 +218,83 @@ def test_arguments_broadcast_block_by_block_and_scalars_give_floats() -> None:
     assert compliance(np.zeros((0, 2)) + 1, 1.0).shape == (0, 2)
 
 
+def long_waves(*q: Floats) -> Floats:
+    """A dispersion that is not quadratic: a cone."""
+    return np.asarray(np.sqrt(sum(component**2 for component in q)))
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_the_lattice_as_a_function_is_the_lattice(dimension: int) -> None:
+    x1 = np.array([1e-3, 3.0, 1e4])[:, None, None]
+    x2 = np.array([0.0, 1.0, 1e4, 1e15])[:, None]
+    viscous = np.array([0.0, 1e-2, 1e6])
+
+    def sines(*q: Floats) -> Floats:
+        return np.asarray(sum(4 * np.sin(component / 2) ** 2 for component in q))
+
+    for measure in (compliance, compliance_rate):
+        known = measure(x1, x2, viscous, dimension)
+        assert measure(x1, x2, viscous, dimension, dispersion=sines) == pytest.approx(known, rel=1e-12)
+
+
+def test_late_continuum_has_the_papers_slope_and_its_own_intercept() -> None:
+    # The late integral of (1 - exp(-x2 q^4)) / q^2 is (pi/2) (ln(x2 pi^4) + gamma_E) over the disk q < pi,
+    # and over the rest of the square 8 int_0^(pi/4) -ln cos = 2 pi ln 2 - 4 K.
+    catalan = 0.915965594177219015054603514932384110774
+    intercept = (4 * math.log(2 * math.pi) + np.euler_gamma - 8 * catalan / math.pi) / (8 * math.pi)
+    assert intercept == pytest.approx(0.222667, abs=5e-7)  # what a quadrature of the limit gives
+    late = np.array([1e16, 1e20])
+    grown = compliance(3.0, late, dispersion="continuum")
+    assert grown - LATE_SLOPE * np.log(late) == pytest.approx([intercept] * 2, rel=0, abs=1e-9)
+    # On the line the late growth knows only of long waves, which are those of the lattice.
+    line = compliance(3.0, 1e20, dimension=1, dispersion="continuum")
+    assert line == pytest.approx(compliance_asymptote(1e20, dimension=1), rel=1e-5)
+
+
+@pytest.mark.parametrize(("law", "power"), [("continuum", 2), (long_waves, 1)])
+def test_other_dispersions_against_integrals_in_polar_coordinates(law: Dispersion, power: int) -> None:
+    x1, x2, r = 0.7, 20.0, 0.3
+
+    def depth(q: float) -> float:
+        lam = q**power
+        z = (lam + r) * x1 * lam / (x1 + lam)
+        return (1 - x1 / lam * math.expm1(-z * x2)) / (x1 + lam)
+
+    def ray(angle: float) -> float:
+        return quad(lambda q: q * depth(q), 0, math.pi / math.cos(angle), epsabs=0, epsrel=1e-12)[0]
+
+    reference = 2 / math.pi**2 * quad(ray, 0, math.pi / 4, epsabs=0, epsrel=1e-11)[0]
+    assert compliance(x1, x2, r, dispersion=law) == pytest.approx(reference, rel=1e-10)
+    line = quad(depth, 0, math.pi, epsabs=0, epsrel=1e-12)[0] / math.pi
+    assert compliance(x1, x2, r, 1, dispersion=law) == pytest.approx(line, rel=1e-11)
+
+
+def test_stiffer_along_one_axis_is_allowed() -> None:
+    # Before creep and at large x1: <1/(x1 + lam)> = 1/x1 - <lam>/x1^2 + ..., and <lam> = 2 + 2 * 9.
+    soft = compliance(1e6, 0.0, dispersion=lambda qx, qy: 2 - 2 * np.cos(qx) + 9 * (2 - 2 * np.cos(qy)))
+    assert 1 - 1e6 * soft == pytest.approx(20 / 1e6, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        (
+            lambda: compliance(1.0, 1.0, dispersion=cast(Any, "cubic")),
+            'dispersion: expected "lattice", "continuum" or a function of q, got \'cubic\'',
+        ),
+        (
+            lambda: compliance(1.0, 1e14, dispersion=lambda qx, qy: 4 - 2 * np.cos(qx) - 2 * np.cos(qy)),
+            r"dispersion: expected finite numbers above 0 .*; try a form that keeps its digits",
+        ),
+        (
+            lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: qx**2 + qy**2 + qx * qy),
+            "dispersion: expected a function even in each component",
+        ),
+        (
+            lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: 1 + qx**2 + qy**2),
+            "dispersion: expected a function that vanishes at q = 0",
+        ),
+        (lambda: compliance(1.0, 1.0, dispersion=lambda *_: 1.0), "dispersion: expected values of shape"),
         (lambda: compliance(0.0, 1.0), r"x1: expected finite numbers above 0, got 0\.0"),
         (lambda: compliance(1.0, -1.0), r"x2: expected numbers not below 0, got -1\.0"),
         (lambda: compliance(1.0, np.inf), "x2: expected finite numbers, got inf; try torus_compliance"),

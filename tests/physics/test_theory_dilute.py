@@ -16,13 +16,18 @@ from asperity.theory import (
     ExponentialHeights,
     GaussianHeights,
     compliance,
+    contacts_at_start,
+    contacts_at_start_paper,
     dilute_area,
     dilute_horizon,
     exponential_growth,
     exponential_growth_paper,
     full_contact_load,
     full_contact_load_relaxed,
+    late_slope,
+    late_slope_paper,
     site_stiffness,
+    static_friction,
     winkler_area,
 )
 
@@ -167,6 +172,41 @@ def test_the_papers_growth_is_the_corrected_one_with_k1_for_k_eff() -> None:
     )
 
 
+def test_contacts_at_start_are_the_dilute_area() -> None:
+    sites, load, rms, k0 = 1e8, 20.0, 0.3, 2.5
+    for dimension in (1, 2):
+        area = dilute_area(load / sites, compliance(3.0, 0.0, 0.0, dimension) / k0, ExponentialHeights(rms))
+        assert contacts_at_start(load, rms, 3.0, k0=k0, dimension=dimension) == pytest.approx(
+            sites * area, rel=1e-12
+        )
+    # The paper's: every contact a bare spring.
+    springs = winkler_area(load / sites, 3.0 * k0, ExponentialHeights(rms))
+    assert contacts_at_start_paper([load, 2 * load], rms, 3.0, k0=k0) == pytest.approx(
+        sites * springs * np.array([1, 2]), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("viscous", [0.0, 0.5])
+def test_late_slope_is_that_of_the_growth(viscous: float) -> None:
+    x1, x2, step = np.array([0.3, 3.0, 30.0]), 1e13, 1e-2
+    ends = exponential_growth(x1, x2 * np.exp(np.array([[-step], [step]])), viscous)
+    assert late_slope(x1, viscous) == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-5)
+
+
+def test_the_papers_late_slope_is_right_where_springs_are_hard() -> None:
+    assert late_slope_paper([1.0, 10.0]) == pytest.approx([0.04, 0.4])
+    assert late_slope_paper(1e4) == pytest.approx(float(late_slope(1e4)), rel=6e-3)
+    assert late_slope_paper(1.0) < 0.3 * late_slope(1.0)
+
+
+def test_static_friction_is_the_shear_strength_of_the_contacts_over_the_load() -> None:
+    # 375 sites of shear strength 1.6 under a load of 800.
+    assert static_friction(375, 800.0, 1.6) == pytest.approx(0.75)
+    growing = static_friction([375, 750], [[800.0], [1600.0]], 1.6)
+    assert growing == pytest.approx(np.array([[0.75, 1.5], [0.375, 0.75]]))
+    assert isinstance(static_friction(1.0, 1.0, 1.0), float)
+
+
 def test_winkler_area_against_springs_one_by_one(sample: NDArray[np.float64]) -> None:
     k1, d = 1.7, 0.4
     load = np.mean(k1 * np.maximum(sample - d, 0))
@@ -230,6 +270,17 @@ def test_full_contact_of_a_cosine() -> None:
             "load_per_site, compliance: expected shapes",
         ),
         (lambda: winkler_area(1.0, 0.0, GaussianHeights()), "k1: expected finite numbers above 0"),
+        (lambda: contacts_at_start(0.0, 1.0, 1.0, k0=1.0), "load: expected finite numbers above 0"),
+        (lambda: contacts_at_start(1.0, 1.0, 1.0, k0=1.0, dimension=3), "dimension: expected 1"),
+        (
+            lambda: contacts_at_start_paper(1.0, 1.0, [1, 2], k0=[1, 2, 3]),
+            "rms, x1, k0: expected shapes",
+        ),
+        (lambda: late_slope(1.0, dimension=1), "dimension: expected 2, got 1; try compliance_asymptote"),
+        (lambda: late_slope_paper(0.0), "x1: expected finite numbers above 0"),
+        (lambda: static_friction(1.0, 0.0, 1.0), "load: expected finite numbers above 0"),
+        (lambda: static_friction(-1.0, 1.0, 1.0), "area: expected numbers not below 0"),
+        (lambda: static_friction(1.0, 1.0, np.inf), "shear_strength: expected finite numbers"),
         (lambda: dilute_horizon(1.5), r"area_fraction: expected at most 1, got 1\.5; try A/N0"),
         (
             lambda: full_contact_load(np.zeros((2, 2, 2)), k0=1.0, k1=1.0),

@@ -1,41 +1,65 @@
-"""Closed forms that judge the simulation, and import nothing of it."""
+"""Theory that judges the simulation, and imports nothing of it.
 
+One contact: `compliance`, its rate, asymptotes and finite-lattice form, `site_stiffness`, `displacement`
+beside the load, `response` to any force. Many contacts, far apart: `dilute_area`, `dilute_history` and what
+follows from them for a law of heights. Every site in contact: `full_contact_load`. What the paper prints
+differently is here as well, by the same name and ``_paper``. Friction: `static_friction`.
+"""
+
+from asperity.theory.asymptotes import (
+    LATE_INTERCEPT,
+    LATE_SLOPE,
+    compliance_asymptote,
+    compliance_asymptote_paper,
+    late_slope,
+    late_slope_paper,
+)
 from asperity.theory.dilute import (
+    contacts_at_start,
+    contacts_at_start_paper,
     dilute_area,
     dilute_horizon,
     exponential_growth,
     exponential_growth_paper,
     winkler_area,
 )
+from asperity.theory.dip import displacement
+from asperity.theory.friction import static_friction
 from asperity.theory.full_contact import full_contact_load, full_contact_load_relaxed
 from asperity.theory.heights import EmpiricalHeights, ExponentialHeights, GaussianHeights, HeightLaw
-from asperity.theory.indentation import (
-    LATE_INTERCEPT,
-    LATE_SLOPE,
-    compliance,
-    compliance_asymptote,
-    compliance_rate,
-    site_stiffness,
-    torus_compliance,
-)
+from asperity.theory.indentation import compliance, compliance_rate, site_stiffness, torus_compliance
+from asperity.theory.memory import response, response_rate
+from asperity.theory.panels import Dispersion
+from asperity.theory.population import dilute_history
 
 __all__ = [
     "LATE_INTERCEPT",
     "LATE_SLOPE",
+    "Dispersion",
     "EmpiricalHeights",
     "ExponentialHeights",
     "GaussianHeights",
     "HeightLaw",
     "compliance",
     "compliance_asymptote",
+    "compliance_asymptote_paper",
     "compliance_rate",
+    "contacts_at_start",
+    "contacts_at_start_paper",
     "dilute_area",
+    "dilute_history",
     "dilute_horizon",
+    "displacement",
     "exponential_growth",
     "exponential_growth_paper",
     "full_contact_load",
     "full_contact_load_relaxed",
+    "late_slope",
+    "late_slope_paper",
+    "response",
+    "response_rate",
     "site_stiffness",
+    "static_friction",
     "torus_compliance",
     "winkler_area",
 ]

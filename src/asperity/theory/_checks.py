@@ -53,6 +53,45 @@ def broadcast(**arrays: Floats) -> list[Floats]:
         ) from error
 
 
+def creep_numbers(x1: ArrayLike, x2: ArrayLike, viscous: ArrayLike) -> list[Floats]:
+    """Check k1/k0, k0 R t and R_tilde/R, broadcast against each other."""
+    return broadcast(
+        x1=positive("x1", x1),
+        x2=non_negative("x2", x2, infinity="torus_compliance, which has a relaxed state"),
+        viscous=non_negative("viscous", viscous, infinity="a large number"),
+    )
+
+
+def one(name: str, value: Floats) -> float:
+    """One number of an array that should hold no more."""
+    if value.ndim != 0:
+        raise InputError(name, expected="one number", got=f"shape {value.shape}")
+    return float(value)
+
+
+def history(x2: ArrayLike, **values: ArrayLike) -> list[Floats]:
+    """Times that never decrease and finite values at each of them: shape (n,), n at least 1."""
+    arrays = {"x2": numbers("x2", x2)} | {name: numbers(name, value) for name, value in values.items()}
+    times = arrays["x2"]
+    if times.ndim != 1 or times.size == 0:
+        raise InputError("x2", expected="times, shape (n,), n at least 1", got=f"shape {times.shape}")
+    for name, array in arrays.items():
+        if array.shape != times.shape:
+            raise InputError(
+                name, expected=f"a value a time, shape {times.shape}", got=f"shape {array.shape}"
+            )
+        if not np.isfinite(array).all():
+            raise InputError(name, expected="finite numbers", got="inf among them")
+    if (np.diff(times) < 0).any():
+        raise InputError(
+            "x2",
+            expected="times that do not decrease",
+            got="a decrease",
+            advice="the same time twice for a jump",
+        )
+    return list(arrays.values())
+
+
 def line_or_plane(dimension: int) -> int:
     """Return the dimension of the lattice: 1 or 2."""
     if dimension not in (1, 2):

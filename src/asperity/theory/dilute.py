@@ -7,7 +7,8 @@ compliance of a contact replaced by the one that has crept for a time t, J(t) = 
 
 with N0 sites and d the height of the mean of u0 (rigid offset). At constant load d only falls, so every
 contact is pressed deeper and deeper, none opens, the problem stays linear and no history enters
-(E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), doi:10.1115/1.3644020).
+(E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), doi:10.1115/1.3644020). For any other load:
+`population`.
 
 Corrections to the paper (E. A. Jagla, section "Analytical Results"):
 
@@ -15,9 +16,12 @@ Corrections to the paper (E. A. Jagla, section "Analytical Results"):
   N(t)/N(0) = 1 + (k_eff/f0) int v0 dt, and it treats the contact as a bare spring k1 where the lattice has
   k_eff = k0/G(x1, 0). Together N(t)/N(0) = G(x1, x2)/G(x1, 0): `exponential_growth`.
   The paper's own expression, with f0 divided out, is `exponential_growth_paper`.
-* The late slope dN/N(0)/d ln t is k_eff/(8 pi k0), not a0 k1/k0 of Eq. (ndet2).
+  In the same way N(0) is gamma F/k_eff, `contacts_at_start`, not gamma F/k1, `contacts_at_start_paper`.
+* The late slope dN/N(0)/d ln t is k_eff/(8 pi k0), not a0 k1/k0 of Eq. (ndet2): `late_slope`,
+  `late_slope_paper`.
 * Eq. (vt) leaves out the instantaneous term f'(t) G(0)/k0, and the minus sign of Eq. (du0) is lost after it.
   Neither changes dN/dt: the first cancels in the sum over contacts at constant load, the second occurs twice.
+  `response_rate` has both readings of the first.
 """
 
 from __future__ import annotations
@@ -119,6 +123,52 @@ def dilute_horizon(area_fraction: ArrayLike, dimension: int = 2) -> Floats:
     return np.asarray(fraction ** (-4 / line_or_plane(dimension)))[()]
 
 
+def contacts_at_start(
+    load: ArrayLike, rms: ArrayLike, x1: ArrayLike, *, k0: ArrayLike, dimension: int = 2
+) -> Floats:
+    """Return N(0) = F / (rms k_eff): contacts of exponential heights before any creep, in the dilute theory.
+
+    Parameters
+    ----------
+    load
+        F, the load on the whole surface (force), above 0.
+    rms
+        1/gamma of the paper's P(xi) (length), above 0: see `ExponentialHeights`.
+    x1
+        k1/k0, above 0.
+    k0
+        Stiffness between neighbors (force per length), above 0.
+    dimension
+        2 (square lattice) or 1 (line).
+
+    Returns
+    -------
+    ndarray
+        Number of contacts (sites), shape of the broadcast arguments; a NumPy float if all are scalars. It
+        holds as long as it is small against the number of sites, which it does not know.
+
+    Raises
+    ------
+    InputError
+        For a number out of range, and for shapes that do not broadcast.
+    """
+    line_or_plane(dimension)
+    force, length, first, lateral = _start_numbers(load, rms, x1, k0)
+    return np.asarray(force / (length * lateral * site_stiffness(first, dimension)))[()]
+
+
+def contacts_at_start_paper(load: ArrayLike, rms: ArrayLike, x1: ArrayLike, *, k0: ArrayLike) -> Floats:
+    """Return gamma F/k1, gamma = 1/rms: the N(t=0) that the paper gives below Eq. (ndet).
+
+    Only for comparison with the paper. It takes k1 for the stiffness of a contact, which makes contacts too
+    many by the factor site_stiffness(x1) / x1; `contacts_at_start` does not.
+
+    Arguments, result and errors are those of `contacts_at_start`.
+    """
+    force, length, first, lateral = _start_numbers(load, rms, x1, k0)
+    return np.asarray(force / (length * lateral * first))[()]
+
+
 def exponential_growth(x1: ArrayLike, x2: ArrayLike, viscous: ArrayLike = 0.0, dimension: int = 2) -> Floats:
     """Return A(t)/A(0) = G(x1, x2)/G(x1, 0): the dilute theory of exponential heights.
 
@@ -142,3 +192,9 @@ def exponential_growth_paper(
     """
     grown = compliance(x1, x2, viscous, dimension) - 1 / site_stiffness(x1, dimension)
     return np.asarray(1 + np.asarray(x1, dtype=np.float64) * grown)[()]
+
+
+def _start_numbers(load: ArrayLike, rms: ArrayLike, x1: ArrayLike, k0: ArrayLike) -> list[Floats]:
+    return broadcast(
+        load=positive("load", load), rms=positive("rms", rms), x1=positive("x1", x1), k0=positive("k0", k0)
+    )

@@ -14,8 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.errors import InputError
-from asperity.theory._checks import Floats, non_negative, positive, rough_surface
+from asperity.theory._checks import Floats, non_negative, one, positive, rough_surface
 
 
 def full_contact_load(heights: ArrayLike, *, k0: float, k1: float) -> float:
@@ -41,7 +40,7 @@ def full_contact_load(heights: ArrayLike, *, k0: float, k1: float) -> float:
         For heights that are not a finite array of one or two dimensions, or a stiffness out of range.
     """
     xi = rough_surface("heights", heights)
-    lateral, vertical = _one("k0", non_negative("k0", k0)), _one("k1", positive("k1", k1))
+    lateral, vertical = one("k0", non_negative("k0", k0)), one("k1", positive("k1", k1))
     return xi.size * float(np.max(vertical * (np.mean(xi) - xi) + lateral * _laplacian(xi)))
 
 
@@ -66,7 +65,7 @@ def full_contact_load_relaxed(heights: ArrayLike, *, k0: float) -> float:
         For heights that are not a finite array of one or two dimensions, or a stiffness out of range.
     """
     xi = rough_surface("heights", heights)
-    return xi.size * _one("k0", non_negative("k0", k0)) * float(np.max(_laplacian(xi)))
+    return xi.size * one("k0", non_negative("k0", k0)) * float(np.max(_laplacian(xi)))
 
 
 def _laplacian(xi: Floats) -> Floats:
@@ -75,9 +74,3 @@ def _laplacian(xi: Floats) -> Floats:
     for axis in range(xi.ndim):
         total += np.roll(xi, 1, axis) + np.roll(xi, -1, axis) - 2 * xi
     return total
-
-
-def _one(name: str, value: Floats) -> float:
-    if value.ndim != 0:
-        raise InputError(name, expected="one number", got=f"shape {value.shape}")
-    return float(value)

@@ -26,13 +26,11 @@ from scipy.special import ellipkm1, expit
 
 from asperity.theory._checks import Floats
 
-# exp(-pi^2 / (2 h)) = 7e-18.
-_STEP = 1 / 8
-# exp(-_REACH) = 6e-19: what is left outside the nodes, relative to what is inside.
-_REACH = 42.0
+# Of the rule of step h = 1/8, and of what is left outside the nodes.
+_ROUNDING = 7e-18
 
 
-def zone_nodes(dimension: int, log_scale: float) -> tuple[Floats, Floats]:
+def zone_nodes(dimension: int, log_scale: float, error: float = _ROUNDING) -> tuple[Floats, Floats]:
     """Nodes and weights of the mean over the Brillouin zone.
 
     Parameters
@@ -41,20 +39,23 @@ def zone_nodes(dimension: int, log_scale: float) -> tuple[Floats, Floats]:
         1 (line) or 2 (square lattice).
     log_scale
         Logarithm of the lam below which the integrand is that of lam = 0, times at most lam^0.
+    error
+        Of the mean, relative; their number grows as ln(error)^2.
 
     Returns
     -------
     lam, weight
         Shape (n,) each; ``sum(weight * f(lam))`` is the mean of f over the zone.
     """
+    step = math.pi**2 / (-2 * math.log(error))
     # On the line the density of states is lam^(-1/2): the tails are twice as long.
-    reach = _REACH * (2 if dimension == 1 else 1)
+    reach = (3 - math.log(error)) * (2 if dimension == 1 else 1)
     lowest = min(log_scale - math.log(4), 0.0) - reach
-    w = _STEP * np.arange(math.floor(lowest / _STEP), math.ceil(reach / _STEP) + 1)
+    w = step * np.arange(math.floor(lowest / step), math.ceil(reach / step) + 1)
     below, above = expit(w), expit(-w)  # lam / 4 and (4 - lam) / 4, each without cancellation
     if dimension == 1:
-        return 4 * below, _STEP * np.sqrt(below * above) / math.pi
-    weight = _STEP * 4 * below * above * ellipkm1(above**2) / (2 * math.pi**2)
+        return 4 * below, step * np.sqrt(below * above) / math.pi
+    weight = step * 4 * below * above * ellipkm1(above**2) / (2 * math.pi**2)
     mirrored = w > -reach  # below that the weights are lost in rounding
     lam = np.concatenate([4 * below, 4 + 4 * above[mirrored]])
     return lam, np.concatenate([weight, weight[mirrored]])

@@ -1,0 +1,170 @@
+r"""Means over the Brillouin zone of functions of the wave vector: any dispersion, any phase factor.
+
+`zone` integrates over lam, by the density of states of the lattice. Where that is unknown (another
+dispersion) or not enough (a displacement beside the load, which depends on the direction of q), this module
+integrates over q itself. Functions that are even in each component need the quarter 0 <= q <= pi of the
+zone. It is cut into rings, each half the size of the one before, toward q = 0, where the integrand changes
+on ever smaller scales; a ring consists of three squares (on the line: one interval), and each gets a tensor
+product of Gauss-Legendre rules.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import roots_legendre
+
+from asperity.errors import InputError
+from asperity.theory._checks import Floats
+from asperity.theory.zone import zone_nodes
+
+#: ``"lattice"``, ``"continuum"`` or a function lam(qx, qy) (on the line, lam(q)) of arrays of one shape.
+Dispersion = Literal["lattice", "continuum"] | Callable[..., ArrayLike]
+
+# Nodes along the side of a square whose distance from q = 0 is at least its side; measured: 1e-15.
+_NODES = 20
+# Rings end where lam has fallen to this part of the scale on which the integrand becomes constant.
+_LOG_REST = math.log(1e-6)
+# q = 1e-150: beyond it, q^2 vanishes.
+_MOST_RINGS = 500
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """A square (an interval) of the zone with its nodes.
+
+    Attributes
+    ----------
+    q, weight
+        Nodes and weights along each axis; products of the weights of all panels sum to 1.
+    lam
+        Dispersion at the nodes, shape of their tensor product.
+    """
+
+    q: tuple[Floats, ...]
+    weight: tuple[Floats, ...]
+    lam: Floats
+
+
+def mean_nodes(dispersion: Dispersion, dimension: int, log_scale: float) -> tuple[Floats, Floats]:
+    """Values of lam and weights: ``sum(weight * f(lam))`` is the mean of f over the zone.
+
+    Parameters
+    ----------
+    dispersion
+        ``"lattice"``: that of `zone`; ``"continuum"``: lam = q^2; or a function.
+    dimension
+        1 (line) or 2 (square zone).
+    log_scale
+        Logarithm of the lam below which f is that of lam = 0.
+
+    Returns
+    -------
+    lam, weight
+        Shape (n,) each.
+
+    Raises
+    ------
+    InputError
+        For another name, and for a function that does not return finite numbers above 0 of the shape of its
+        arguments, is not even in each component or does not vanish at q = 0.
+    """
+    if dispersion == "lattice":
+        return zone_nodes(dimension, log_scale)
+    law = continuum if dispersion == "continuum" else dispersion
+    if not callable(law):
+        raise InputError(
+            "dispersion", expected='"lattice", "continuum" or a function of q', got=repr(dispersion)
+        )
+    panels = graded_panels(law, dimension, log_scale)
+    lam = [panel.lam.ravel() for panel in panels]
+    weight = [_outer(panel.weight).ravel() for panel in panels]
+    return np.concatenate(lam), np.concatenate(weight)
+
+
+def lattice(*q: Floats) -> Floats:
+    """Eigenvalue of minus the lattice's Laplacian, the sum of 2 - 2 cos q; keeps its digits at small q."""
+    return np.asarray(sum(4 * np.sin(component / 2) ** 2 for component in q))
+
+
+def continuum(*q: Floats) -> Floats:
+    """Eigenvalue of minus the Laplacian of a continuum, q^2."""
+    return np.asarray(sum(component**2 for component in q))
+
+
+def graded_panels(
+    law: Callable[..., ArrayLike], dimension: int, log_scale: float, farthest: int = 0
+) -> list[Panel]:
+    """Panels of the quarter zone, for integrands f(lam) cos(n qx) cos(m qy) with n, m up to `farthest`.
+
+    Arguments and errors are otherwise those of `mean_nodes`.
+    """
+    panels: list[Panel] = []
+    side = math.pi
+    for _ in range(_MOST_RINGS):
+        side /= 2
+        low, high = _axis(0.0, side, farthest), _axis(side, 2 * side, farthest)
+        ring = [(high,)] if dimension == 1 else [(high, low), (low, high), (high, high)]
+        panels += [_panel(law, axes) for axes in ring]
+        if len(panels) == len(ring):
+            _check_even(law, panels[0])
+        if math.log(max(float(panel.lam.max()) for panel in panels[-len(ring) :])) < log_scale + _LOG_REST:
+            return [*panels, _panel(law, (low,) * dimension)]
+    raise InputError(
+        "dispersion", expected="a function that vanishes at q = 0", got=f"{panels[-1].lam.max():.3g} near it"
+    )
+
+
+def _axis(start: float, stop: float, farthest: int) -> tuple[Floats, Floats]:
+    """Nodes on an interval of q and their weights in a mean over 0 <= q <= pi."""
+    half = (stop - start) / 2
+    # A rule of n nodes is exact to degree 2 n - 1, and a wave of phase k over (-1, 1) looks like degree k.
+    x, weight = _rule(_NODES + math.ceil(2 * farthest * half / 3))
+    return start + half * (1 + x), half / math.pi * weight
+
+
+@lru_cache(maxsize=64)
+def _rule(nodes: int) -> tuple[Floats, Floats]:
+    x, weight = roots_legendre(nodes)
+    return np.asarray(x), np.asarray(weight)
+
+
+def _panel(law: Callable[..., ArrayLike], axes: tuple[tuple[Floats, Floats], ...]) -> Panel:
+    q = tuple(axis[0] for axis in axes)
+    return Panel(
+        q=q, weight=tuple(axis[1] for axis in axes), lam=_evaluate(law, np.meshgrid(*q, indexing="ij"))
+    )
+
+
+def _evaluate(law: Callable[..., ArrayLike], q: tuple[Floats, ...]) -> Floats:
+    lam = np.asarray(law(*q), dtype=np.float64)
+    if lam.shape != q[0].shape:
+        raise InputError("dispersion", expected=f"values of shape {q[0].shape}", got=f"shape {lam.shape}")
+    wrong = ~(np.isfinite(lam) & (lam > 0))
+    if wrong.any():
+        at = ", ".join(f"{component[wrong][0]:.3g}" for component in q)
+        raise InputError(
+            "dispersion",
+            expected="finite numbers above 0 for q other than 0",
+            got=f"{lam[wrong][0]:.3g} at q = {at}",
+            advice="a form that keeps its digits at small q: 4 * np.sin(q / 2) ** 2 for 2 - 2 * np.cos(q)",
+        )
+    return lam
+
+
+def _check_even(law: Callable[..., ArrayLike], panel: Panel) -> None:
+    for axis in range(len(panel.q)):
+        mirrored = [-q if i == axis else q for i, q in enumerate(panel.q)]
+        lam = _evaluate(law, np.meshgrid(*mirrored, indexing="ij"))
+        if not np.allclose(lam, panel.lam, rtol=1e-9, atol=0):
+            raise InputError("dispersion", expected="a function even in each component", got="another")
+
+
+def _outer(factors: tuple[Floats, ...]) -> Floats:
+    return factors[0] if len(factors) == 1 else np.multiply.outer(*factors)

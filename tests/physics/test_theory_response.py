@@ -1,0 +1,142 @@
+"""A site under a force that changes, against closed integrals, superposition and plain quadrature."""
+
+import math
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import quad
+
+from asperity.errors import InputError
+from asperity.theory import compliance, compliance_rate, response, response_rate, site_stiffness
+from asperity.theory.modes import decay
+from asperity.theory.zone import zone_nodes
+
+SOLIDS = [(3.0, 0.0, 2), (0.02, 0.0, 2), (200.0, 0.4, 2), (3.0, 0.0, 1), (0.5, 30.0, 1)]
+
+
+@pytest.mark.parametrize(("x1", "viscous", "dimension"), SOLIDS)
+def test_a_step_is_the_compliance(x1: float, viscous: float, dimension: int) -> None:
+    times = np.concatenate([[0.0, 0.0], np.logspace(-3, 14, 35)])
+    force = np.full(times.size, 2.0)
+    force[0] = 0.0
+    depth = response(times, force, x1, viscous, dimension)
+    rate = response_rate(times, force, x1, viscous, dimension)
+    assert depth[0] == 0
+    assert depth[1:] == pytest.approx(2 * compliance(x1, times[1:], viscous, dimension), rel=1e-13)
+    # 17 decades down, the rate keeps its digits.
+    assert rate[1:] == pytest.approx(2 * compliance_rate(x1, times[1:], viscous, dimension), rel=1e-12)
+    # A first force that is not 0 is a jump too; the zero of time does not matter.
+    later = response(times[1:] + 7.0, force[1:], x1, viscous, dimension)
+    assert later[:8] == pytest.approx(depth[1:9], rel=1e-12)
+
+
+@pytest.mark.parametrize(("x1", "viscous", "dimension"), SOLIDS)
+def test_a_ramp_is_the_integral_of_the_compliance(x1: float, viscous: float, dimension: int) -> None:
+    # Wave by wave: int_0^T [a + b (1 - exp(-z y))] dy = (a + b) T - b (1 - exp(-z T)) / z.
+    end = 50.0
+    lam, weight = zone_nodes(dimension, -20.0)
+    z = decay(lam, np.asarray(x1), np.asarray(viscous))
+    lost = weight * x1 / (lam * (x1 + lam)) * (end + np.expm1(-z * end) / z)
+    closed = end / site_stiffness(x1, dimension) + math.fsum(lost[z * end > 1e-4])
+    depth = response([0.0, end], [0.0, end], x1, viscous, dimension)
+    # Below z T = 1e-4 the closed form cancels; what these waves add is bounded by their b z T^2 / 2.
+    rest = math.fsum((weight * x1 / (lam * (x1 + lam)) * z * end**2 / 2)[z * end <= 1e-4])
+    assert 0 <= depth[1] - closed <= rest + 1e-12 * closed
+    # The speed of a ramp of slope 1 is G itself.
+    assert response_rate([0.0, end], [0.0, end], x1, viscous, dimension) == pytest.approx(
+        compliance(x1, [0.0, end], viscous, dimension), rel=1e-13
+    )
+
+
+def plain_quadrature(
+    t: float, times: NDArray[np.float64], force: NDArray[np.float64], kernel: Callable[[float], float]
+) -> float:
+    """The sum of jumps times the kernel, and the integral of the slope times it, interval by interval."""
+    total = float(force[0]) * kernel(t - times[0])
+    for i in range(1, times.size):
+        change, duration = force[i] - force[i - 1], times[i] - times[i - 1]
+        if times[i] > t:
+            break
+        if duration == 0:
+            total += change * kernel(t - times[i])
+        else:
+            part, _ = quad(lambda y: kernel(t - y), times[i - 1], times[i], epsabs=1e-13, epsrel=1e-12)
+            total += change / duration * part
+    return total
+
+
+@pytest.mark.parametrize(("x1", "viscous", "dimension"), [(3.0, 0.0, 2), (0.5, 0.3, 1)])
+def test_random_histories_against_plain_quadrature(x1: float, viscous: float, dimension: int) -> None:
+    rng = np.random.default_rng(11)
+    times = np.sort(rng.uniform(0, 40, 8))
+    times = np.sort(np.concatenate([times, times[[2, 5]]]))
+    force = rng.normal(size=times.size)
+    depth = response(times, force, x1, viscous, dimension)
+    letter = response_rate(times, force, x1, viscous, dimension, instantaneous=False)
+    for i in (0, 4, 9):
+
+        def sunk(y: float) -> float:
+            return float(compliance(x1, y, viscous, dimension))
+
+        def speed(y: float) -> float:
+            return float(compliance_rate(x1, y, viscous, dimension))
+
+        assert depth[i] == pytest.approx(plain_quadrature(times[i], times, force, sunk), rel=1e-10)
+        assert letter[i] == pytest.approx(plain_quadrature(times[i], times, force, speed), rel=1e-9)
+
+
+def test_forces_add_up_and_more_times_change_nothing() -> None:
+    rng = np.random.default_rng(2)
+    times = np.array([0.0, 1.0, 1.0, 30.0, 1e5])
+    one, other = rng.normal(size=(2, 5))
+    depths = response(times, one, 2.0, 0.1)
+    apart = depths - 3 * response(times, other, 2.0, 0.1)
+    assert response(times, one - 3 * other, 2.0, 0.1) == pytest.approx(apart, rel=1e-10)
+    finer = np.sort(np.concatenate([times, rng.uniform(1, 1e5, 40)]))
+    force = np.interp(finer, times[2:], one[2:])
+    force[:2] = one[:2]
+    kept = np.isin(finer, times)
+    assert response(finer, force, 2.0, 0.1)[kept] == pytest.approx(depths, rel=1e-12)
+
+
+def test_rate_is_the_derivative_of_the_depth_but_for_the_term_that_the_paper_leaves_out() -> None:
+    times = np.array([0.0, 5.0, 5.0, 9.0, 20.0])
+    force = np.array([1.0, 3.0, -1.0, 2.0, 2.0])
+    near = np.array([-1e-5, 1e-5])
+    rate = response_rate(times, force, 3.0)
+    letter = response_rate(times, force, 3.0, instantaneous=False)
+    # Slopes at each time: of the interval that begins there; before the jump and at the end, that ends there.
+    slopes = np.array([0.4, 0.4, 0.75, 0.0, 0.0])
+    assert rate - letter == pytest.approx(slopes / site_stiffness(3.0), rel=1e-13, abs=1e-16)
+    fine = np.sort(np.concatenate([times, 12.0 + near, [12.0]]))
+    history = np.array([1.0, 3.0, -1.0, 2.0, 2.0, 2.0, 2.0, 2.0])
+    depth = response(fine, history, 3.0)
+    assert response_rate(fine, history, 3.0)[5] == pytest.approx((depth[6] - depth[4]) / 2e-5, rel=1e-7)
+
+
+def test_one_time_alone_is_the_elastic_answer() -> None:
+    assert response([4.0], [2.0], 3.0) == pytest.approx([2 * compliance(3.0, 0.0)], rel=1e-14)
+    assert response_rate([4.0], [2.0], 3.0) == pytest.approx([2 * compliance_rate(3.0, 0.0)], rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: response([], [], 1.0), r"x2: expected times, shape \(n,\), n at least 1, got shape \(0,\)"),
+        (lambda: response(1.0, 1.0, 1.0), "x2: expected times"),
+        (lambda: response([0, 1], [0, 1, 2], 1.0), r"force: expected a value a time, shape \(2,\)"),
+        (lambda: response([0, 2, 1], [0, 1, 2], 1.0), "x2: expected times that do not decrease"),
+        (lambda: response([0, np.inf], [0, 1], 1.0), "x2: expected finite numbers, got inf"),
+        (lambda: response([0, 1], [0, np.nan], 1.0), "force: expected real numbers, got NaN"),
+        (lambda: response([0, 1], [0, 1], cast(Any, [1.0, 2.0])), "x1: expected one number"),
+        (lambda: response([0, 1], [0, 1], 0.0), "x1: expected finite numbers above 0"),
+        (lambda: response_rate([0, 1], [0, 1], 1.0, -1.0), "viscous: expected numbers not below 0"),
+        (lambda: response_rate([0, 1], [0, 1], 1.0, dimension=3), "dimension: expected 1"),
+    ],
+)
+def test_bad_input_is_named(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        call()
