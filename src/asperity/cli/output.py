@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from asperity.runs import Outcome
 
 _SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
+FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 _COLUMNS = ("area", "load", "separation", "energy")
 
 
@@ -118,6 +119,23 @@ def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) ->
         return _write_figures(outcome, folder)
 
 
+def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:
+    """Make sure, before anything is computed, that a flag names a file that can be written.
+
+    Raises
+    ------
+    InputError
+        It has another suffix, its folder does not exist, or it exists and is not to be replaced.
+    """
+    if target.suffix.lower() not in suffixes:
+        raise InputError(flag, expected=f"a name that ends in {', '.join(suffixes)}", got=target)
+    if target.is_dir() or not target.parent.is_dir():
+        raise InputError(flag, expected="a file in a folder that exists", got=target)
+    if target.exists() and not overwrite:
+        kept = f"{target}, which is kept"
+        raise InputError(flag, expected="a new file", got=kept, advice="another name, or --overwrite")
+
+
 def write_figure(figure: Figure, path: Path) -> None:
     """Write a figure that is complete under its name or not there.
 
@@ -132,9 +150,9 @@ def write_figure(figure: Figure, path: Path) -> None:
 
 def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
     """Draw; numbers that cannot be drawn are no reason to lose them."""
-    drawings: dict[str, Callable[[], Figure]] = {
-        "aging": lambda: aging_curve(outcome.dataset, outcome.summary)
-    }
+    drawings: dict[str, Callable[[], Figure]] = {}
+    if outcome.summary.time.size:
+        drawings["aging"] = lambda: aging_curve(outcome.dataset, outcome.summary)
     if outcome.config.output.maps_at:
         drawings["contacts"] = lambda: contact_figure(contact_maps(outcome.dataset))
     remarks = []

@@ -7,15 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from asperity.analysis import surface_view
-from asperity.cli.output import write_figure
+from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
 from asperity.cli.report import aligned
 from asperity.config.models import MeasuredSurface
-from asperity.errors import InputError
 from asperity.figures import surface_figure
 from asperity.runs import measured_surface
 from asperity.surfaces import Statistics, Surface
-
-_SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> None:
@@ -37,7 +34,7 @@ def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> Non
     """
     file = Path(settings.path)
     target = Path(f"{file.stem}.png") if out is None else out
-    _check_target(target, overwrite=overwrite)
+    check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None}
     found = measured_surface(settings.model_copy(update=as_found))
@@ -47,20 +44,6 @@ def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> Non
     sys.stdout.write(f"{aligned(_origin(found))}\n\n")
     sys.stdout.write(f"{aligned(_comparison(found.describe(), prepared.describe()))}\n\n")
     sys.stdout.write(f"{aligned(_preparation(prepared))}\n\nfigure written: {target}\n")
-
-
-def _check_target(target: Path, *, overwrite: bool) -> None:
-    if target.suffix.lower() not in _SUFFIXES:
-        raise InputError("--out", expected=f"a name that ends in {', '.join(_SUFFIXES)}", got=target)
-    if target.is_dir() or not target.parent.is_dir():
-        raise InputError("--out", expected="a file in a folder that exists", got=target)
-    if target.exists() and not overwrite:
-        raise InputError(
-            "--out",
-            expected="a new file",
-            got=f"{target}, which is kept",
-            advice="another name, or --overwrite",
-        )
 
 
 def _origin(found: Surface) -> list[tuple[str, str]]:

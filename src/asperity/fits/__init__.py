@@ -1,5 +1,31 @@
-"""Laws of the growth of the contact area, fitted with uncertainties."""
+"""Laws of the growth of the contact area, fitted with uncertainties; to simulated or measured data."""
 
+from asperity.fits.comparison import Comparison, compare
+from asperity.fits.ensemble import EnsembleFit, ensemble
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
+from asperity.fits.measurements import Measurements, read_measurements
+from asperity.fits.power import PowerLawFit, local_exponent, power_law
+from asperity.fits.rate import GrowthRate, growth_rate
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.fits.result import FitResult
 
-__all__ = ["LogarithmFit", "SaturationFit", "logarithm", "saturation"]
+__all__ = [
+    "Comparison",
+    "EnsembleFit",
+    "Estimate",
+    "FitResult",
+    "GrowthRate",
+    "LogarithmFit",
+    "Measurements",
+    "PowerLawFit",
+    "SaturationFit",
+    "compare",
+    "ensemble",
+    "growth_rate",
+    "jackknife",
+    "local_exponent",
+    "logarithm",
+    "power_law",
+    "read_measurements",
+    "saturation",
+]

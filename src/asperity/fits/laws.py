@@ -17,24 +17,32 @@ letter for a wave vector and for an exponent of the area.
 What to hold C against: the dilute theory of exponential heights has the late slope dA/A(0)/d ln t =
 k_eff/(8 pi k0), k_eff/k0 being `asperity.theory.site_stiffness`. The paper's Eq. (ndet2) puts k1 for k_eff.
 
-Least squares of the residuals of the area, all of one weight; covariance (J^T J)^-1 times the variance of the
-residuals. The errors of A(t) along one run are correlated: the standard errors tell how well this curve pins
-the law, not how the law scatters from surface to surface.
+Least squares of the residuals of the area, all of one weight, or weighted with standard errors that are
+given. Covariance: (J^T J)^-1 times the variance of the residuals; where standard errors are given, they are
+believed, and the variance of the residuals is reported (`reduced_chi_squared`) and not used. The errors of
+A(t) along one run of a simulation are correlated: the standard errors tell how well this curve pins the law
+then, not how the law scatters from surface to surface; for that see `asperity.fits.ensemble`.
+
+The laws serve measured data as well: areas, or coefficients of static friction, against hold times in any
+order, any number of values at a time.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import gammainc
 
-from asperity.fits.search import EXPONENT_RANGE, Curve, Floats, checked_times, fit_law
+from asperity.fits.curve import Curve, Floats, checked_times
+from asperity.fits.result import FitResult
+from asperity.fits.search import EXPONENT_RANGE, Optimum, fit_law
 
 
 @dataclass(frozen=True, kw_only=True)
-class _GrowthFit:
+class GrowthFit(FitResult):
     """What the two laws share; see `LogarithmFit` for the meaning of each field."""
 
     C: float
@@ -43,8 +51,10 @@ class _GrowthFit:
     t0_stderr: float
     initial_area: float
     initial_area_stderr: float
-    rms_residual: float
-    r_squared: float
+    slope: float
+    slope_stderr: float
+
+    scales: ClassVar[frozenset[str]] = frozenset({"t0"})
 
     def area_ratio(self, time: ArrayLike) -> Floats:
         """A(t)/A(0) at times not below 0; any shape."""
@@ -60,7 +70,7 @@ class _GrowthFit:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogarithmFit(_GrowthFit):
+class LogarithmFit(GrowthFit):
     """Eq. (log) with fitted parameters: A(t)/A(0) = 1 + C ln(1 + t/t0).
 
     Attributes
@@ -71,11 +81,12 @@ class LogarithmFit(_GrowthFit):
         Standard errors, linear. Where no time lies below t0 and A(0) was not given, only A(0) C and one
         combination of A(0) and t0 are determined: the standard errors are huge then.
     initial_area, initial_area_stderr
-        A(0), and its standard error; that is 0 where the times began with 0, for A(0) was given then.
-    rms_residual
-        Root mean square of the relative residuals 1 - fit/area over the fitted points.
-    r_squared
-        1 - (sum of squared residuals) / (sum of squares about the mean).
+        A(0), and its standard error; that is 0 where A(0) was given (see `saturation`).
+    slope, slope_stderr
+        A(0) C, the slope dA/d ln t for t0 << t, in the unit of the areas; times ln 10, per decade. It is
+        determined even where A(0) is not.
+    points, degrees_of_freedom, rms_residual, r_squared, reduced_chi_squared
+        As in every `FitResult`, which also has `interval`.
     """
 
     def area_ratio(self, time: ArrayLike) -> Floats:
@@ -84,7 +95,7 @@ class LogarithmFit(_GrowthFit):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SaturationFit(_GrowthFit):
+class SaturationFit(GrowthFit):
     """Eq. (a) with fitted parameters: A(t)/A(0) = a - (a - 1)/(1 + t/t0)^q.
 
     Attributes
@@ -96,8 +107,10 @@ class SaturationFit(_GrowthFit):
     a_stderr, q_stderr, t0_stderr, C_stderr
         Standard errors, linear. Where q_stderr is not small beside q the data are those of the logarithm:
         trust C, and neither a nor q. At the least q searched, 1e-8, a_stderr is infinite.
-    initial_area, initial_area_stderr, rms_residual, r_squared
-        As for `LogarithmFit`.
+    initial_area, initial_area_stderr, slope, slope_stderr
+        As for `LogarithmFit`; A(t) follows that slope for t0 << t << t0 exp(1/q).
+    points, degrees_of_freedom, rms_residual, r_squared, reduced_chi_squared
+        As in every `FitResult`, which also has `interval`.
     """
 
     a: float
@@ -111,54 +124,50 @@ class SaturationFit(_GrowthFit):
         return np.asarray(1 + growth)[()]
 
 
-def saturation(time: ArrayLike, area: ArrayLike) -> SaturationFit:
+def saturation(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -> SaturationFit:
     """Fit Eq. (a), a power law toward a final area, to a curve A(t).
 
     Parameters
     ----------
     time
-        Times since the contact was made, shape (n,), increasing, not below 0. If the first is 0, the first
-        area is A(0) and takes no part in the fit; else A(0) is a parameter, between 1e-3 and 10 first areas.
+        Times since the contact was made, shape (n,), not below 0, in any order, repeated or not.
     area
-        Areas, shape (n,), above 0, in any unit: fraction, sites or square meters. An xarray DataArray serves
-        for both.
+        Areas, shape (n,), above 0, in any unit: fraction, sites or square meters; or any other measure of
+        the contact, such as the coefficient of static friction. An xarray DataArray serves for both.
+    stderr
+        Standard errors of the areas, shape (n,), above 0, if they are known.
 
     Returns
     -------
     SaturationFit
-        Law and parameters.
+        Law and parameters. If one area is given at time 0, and no standard errors, it is A(0) and takes no
+        part in the fit. Otherwise A(0) is a parameter, between 1e-3 and 10 first areas, and areas at time 0
+        are measurements like others.
 
     Raises
     ------
     InputError
-        For data that are not such a curve, do not grow, or are too few: the fitted points must outnumber the
-        parameters (C, t0, q, and A(0) where it is one).
+        For data that are not such a curve, do not grow (by their rank correlation with time), or are too few:
+        the values fitted must outnumber the parameters (C, t0, q, and A(0) where it is one).
     ConvergenceError
         If no starting point led to a minimum.
     """
-    curve = Curve.checked(time, area, parameters=3)
+    curve = Curve.checked(time, area, stderr, parameters=3)
     exponents = (1e-3, 0.03, 0.1, 0.3, 1.0, 3.0)
     starts = [np.log([1.0, t0, q]) for q in exponents for t0 in curve.time_scales()]
     best = fit_law(_saturating, curve, starts, [EXPONENT_RANGE])
-    C, (t0, q) = best.C, np.exp(best.theta[1:3])
+    C, q = best.C, float(np.exp(best.theta[2]))
     at_edge = q < 10 * EXPONENT_RANGE[0]
     return SaturationFit(
-        a=float(1 + C / q),
-        a_stderr=float("inf") if at_edge else float(C / q * best.log_stderr(1, 0, -1)),
-        q=float(q),
-        q_stderr=float(q * best.log_stderr(0, 0, 1)),
-        t0=float(t0 * curve.time_unit),
-        t0_stderr=float(t0 * curve.time_unit * best.log_stderr(0, 1)),
-        C=C,
-        C_stderr=C * best.log_stderr(1),
-        initial_area=best.initial_area,
-        initial_area_stderr=best.initial_area_stderr,
-        rms_residual=best.rms_residual,
-        r_squared=best.r_squared,
+        a=1 + C / q,
+        a_stderr=float("inf") if at_edge else C / q * best.log_stderr(1, 0, -1),
+        q=q,
+        q_stderr=q * best.log_stderr(0, 0, 1),
+        **_shared(best),
     )
 
 
-def logarithm(time: ArrayLike, area: ArrayLike) -> LogarithmFit:
+def logarithm(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -> LogarithmFit:
     """Fit Eq. (log), a logarithm without end, to a curve A(t).
 
     Arguments and errors are those of `saturation`; the parameters are C, t0, and A(0) where it is one.
@@ -168,18 +177,45 @@ def logarithm(time: ArrayLike, area: ArrayLike) -> LogarithmFit:
     LogarithmFit
         Law and parameters.
     """
-    curve = Curve.checked(time, area, parameters=2)
+    curve = Curve.checked(time, area, stderr, parameters=2)
     best = fit_law(_logarithmic, curve, [np.log([1.0, t0]) for t0 in curve.time_scales()], [])
-    C, t0 = best.C, np.exp(best.theta[1])
-    return LogarithmFit(
-        C=C,
-        C_stderr=C * best.log_stderr(1),
-        t0=float(t0 * curve.time_unit),
-        t0_stderr=float(t0 * curve.time_unit * best.log_stderr(0, 1)),
-        initial_area=best.initial_area,
-        initial_area_stderr=best.initial_area_stderr,
+    return LogarithmFit(**_shared(best))
+
+
+class _Shared(TypedDict):
+    C: float
+    C_stderr: float
+    t0: float
+    t0_stderr: float
+    initial_area: float
+    initial_area_stderr: float
+    slope: float
+    slope_stderr: float
+    points: int
+    degrees_of_freedom: float
+    rms_residual: float
+    r_squared: float
+    reduced_chi_squared: float | None
+
+
+def _shared(best: Optimum) -> _Shared:
+    """Fields of both laws, in the units of what was given."""
+    time_unit, area_unit = best.curve.time_unit, best.curve.area_unit
+    t0, slope = float(np.exp(best.theta[1])) * time_unit, best.C * best.initial * area_unit
+    return _Shared(
+        C=best.C,
+        C_stderr=best.C * best.log_stderr(1),
+        t0=t0,
+        t0_stderr=t0 * best.log_stderr(0, 1),
+        initial_area=best.initial * area_unit,
+        initial_area_stderr=best.initial_stderr * area_unit,
+        slope=slope,
+        slope_stderr=slope * best.log_stderr(1, per_initial=False),
+        points=best.curve.points.x.size,
+        degrees_of_freedom=best.degrees_of_freedom,
         rms_residual=best.rms_residual,
         r_squared=best.r_squared,
+        reduced_chi_squared=best.reduced_chi_squared,
     )
 
 

@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
 from asperity.errors import ConvergenceError, InputError
+from asperity.fits.curve import MANY, Curve, Floats, Series
 
-Floats = NDArray[np.float64]
-# A law takes the logarithms of its parameters (K first) and times above 0, and gives A(t) - A(0) and its
+# A law takes the logarithms of its parameters (K first) and times, and gives A(t) - A(0) and its
 # derivatives in those logarithms, one column each.
 Law = Callable[[Floats, Floats], tuple[Floats, Floats]]
 
@@ -23,64 +22,103 @@ EXPONENT_RANGE = (1e-8, 1e4)
 INITIAL_RANGE = (1e-3, 10.0)
 POLISHED_STARTS = 3
 
+# Relative change of the sum of squares at which a search ends, and its steps at most. A parameter that the
+# data leave open makes a valley along which a search would creep for thousands of steps: there, far below
+# the noise is enough.
+STOP = ((1e-15, 100), (1e-8, 1000))
 
-@dataclass(frozen=True)
-class Curve:
-    """The points to fit, in units of the data: times of the first, areas of A(0) or of the first area."""
 
-    time: Floats
-    area: Floats
-    time_unit: float
-    area_unit: float
+@dataclass(frozen=True, eq=False)
+class Misfit:
+    """Residuals of a law in standard errors (or all of one weight), and their derivatives."""
+
+    law: Law
+    series: Series
     initial_known: bool
 
-    @classmethod
-    def checked(cls, time: ArrayLike, area: ArrayLike, parameters: int) -> Curve:
-        """Check what was given; `parameters` does not count A(0)."""
-        t, A = _line_of_numbers("time", time), _line_of_numbers("area", area)
-        if t.size != A.size:
-            raise InputError("area", expected=f"one for each of the {t.size} times", got=f"{A.size} areas")
-        if t.size == 0 or t[0] < 0 or (np.diff(t) <= 0).any():
-            raise InputError("time", expected="increasing times, not below 0", got=_sketch(t))
-        if (A <= 0).any():
-            raise InputError("area", expected="areas above 0", got=float(A.min()))
-        known = bool(t[0] == 0)
-        fitted, needed = t.size - known, parameters + (not known) + 1
-        if fitted < needed:
-            raise InputError(
-                "time",
-                expected=f"at least {needed} times above 0, one more than there are parameters",
-                got=fitted,
-                advice="a curve that is sampled more densely",
+    @property
+    def weight(self) -> Floats | float:
+        """Inverse standard errors."""
+        return 1.0 if self.series.stderr is None else 1 / self.series.stderr
+
+    def residual(self, theta: Floats) -> Floats:
+        """Law less data."""
+        initial = 1.0 if self.initial_known else theta[-1]
+        return np.asarray((initial + self.law(theta, self.series.x)[0] - self.series.y) * self.weight)
+
+    def jacobian(self, theta: Floats) -> Floats:
+        """Derivatives of the residuals, one column for each parameter."""
+        columns = self.law(theta, self.series.x)[1]
+        if not self.initial_known:
+            columns = np.column_stack([columns, np.ones_like(self.series.x)])
+        return columns if self.series.stderr is None else columns / self.series.stderr[:, None]
+
+    def cost(self, theta: Floats) -> float:
+        """Sum of squares."""
+        return float(np.sum(self.residual(theta) ** 2))
+
+    def completed(self, shape: Floats) -> Floats | None:
+        """Complete a start, with K = 1, by the K and A(0) that suit it best; None where not above 0."""
+        growth = self.law(shape, self.series.x)[0] * self.weight
+        ones = np.ones_like(self.series.x) * self.weight
+        y = self.series.y * self.weight
+        if self.initial_known:
+            K = float(growth @ (y - ones)) / float(growth @ growth)
+            return np.concatenate([[np.log(K)], shape[1:]]) if K > 0 else None
+        initial, K = np.linalg.lstsq(np.column_stack([ones, growth]), y)[0]
+        return np.concatenate([[np.log(K)], shape[1:], [initial]]) if K > 0 and initial > 0 else None
+
+    def polished(self, start: Floats, bounds: Floats) -> tuple[float, Floats] | None:
+        """Cost and place of the minimum that a start leads to; None where the search fails."""
+        low, high = bounds
+        margin = 1e-6 * (high - low)  # the search wants to begin inside
+        for change, steps in STOP:
+            found = least_squares(
+                self.residual,
+                np.clip(start, low + margin, high - margin),
+                jac=self.jacobian,
+                bounds=(low, high),
+                ftol=change,
+                xtol=1e-15,
+                gtol=1e-15,
+                x_scale="jac",
+                max_nfev=steps,
             )
-        if A[-1] <= A[0]:
-            raise InputError("area", expected="an area that grows with time", got=_sketch(A))
-        return cls(t[known:] / t[int(known)], A[known:] / A[0], float(t[int(known)]), float(A[0]), known)
-
-    def time_scales(self) -> Floats:
-        """Values of t0 to start from."""
-        return np.geomspace(0.1, 10 * self.time[-1], 20)
+            if found.success:
+                return float(found.cost), np.asarray(found.x)
+            start = found.x
+        return None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Optimum:
     """Parameters (ln K, ln t0, ..., A(0) where fitted) with their covariance, and how well the law fits."""
 
     theta: Floats
     covariance: Floats
-    C: float
-    initial_ratio: float
-    initial_area: float
-    initial_area_stderr: float
+    curve: Curve
+    initial: float
+    degrees_of_freedom: float
     rms_residual: float
     r_squared: float
+    reduced_chi_squared: float | None
 
-    def log_stderr(self, *powers: float) -> float:
-        """Relative standard error of the product of powers of C, t0, q."""
+    @property
+    def C(self) -> float:
+        """K over A(0)."""
+        return float(np.exp(self.theta[0])) / self.initial
+
+    @property
+    def initial_stderr(self) -> float:
+        """Standard error of A(0), in its unit."""
+        return 0.0 if self.curve.initial_known else float(np.sqrt(self.covariance[-1, -1]))
+
+    def log_stderr(self, *powers: float, per_initial: bool = True) -> float:
+        """Relative standard error of a product of powers of C (or, if not per A(0), K), t0, q."""
         gradient = np.zeros(self.theta.size)
         gradient[: len(powers)] = powers
-        if self.initial_area_stderr > 0:  # C = K/A(0)
-            gradient[-1] = -powers[0] / self.initial_ratio
+        if per_initial and not self.curve.initial_known:  # C = K/A(0)
+            gradient[-1] = -powers[0] / self.initial
         return float(np.sqrt(gradient @ self.covariance @ gradient))
 
 
@@ -88,100 +126,46 @@ def fit_law(
     law: Law, curve: Curve, shapes: Iterable[Floats], more_ranges: list[tuple[float, float]]
 ) -> Optimum:
     """Polish the best starting points and keep the best minimum."""
-    free = not curve.initial_known
-    logs = [SLOPE_RANGE, (1 / TIME_REACH, curve.time[-1] * TIME_REACH), *more_ranges]
-    bounds = np.concatenate([np.log(logs), [INITIAL_RANGE] if free else np.empty((0, 2))])
-    low, high = bounds.T
-
-    def misfit(theta: Floats) -> Floats:
-        return (theta[-1] if free else 1.0) + law(theta, curve.time)[0] - curve.area
-
-    def jacobian(theta: Floats) -> Floats:
-        slopes = law(theta, curve.time)[1]
-        return np.column_stack([slopes, np.ones_like(curve.time)]) if free else slopes
-
-    candidates = [start for shape in shapes if (start := _with_linear_part(law, shape, curve)) is not None]
-    if not candidates:
+    logs = [SLOPE_RANGE, (1 / TIME_REACH, curve.points.x[-1] * TIME_REACH), *more_ranges]
+    bounds = np.concatenate([np.log(logs), [INITIAL_RANGE] if not curve.initial_known else np.empty((0, 2))])
+    whole = Misfit(law, curve.points, curve.initial_known)
+    # A law is smooth: where many points lie, means over bins lead to the same minimum, all but the last
+    # digits.
+    many = curve.points.x.size > MANY
+    rough = Misfit(law, curve.points.binned(), curve.initial_known) if many else whole
+    starts = [start for shape in shapes if (start := rough.completed(shape)) is not None]
+    if not starts:
         raise InputError("area", expected="an area that grows with time", got="no growing law near the data")
-    candidates.sort(key=lambda start: float(np.sum(misfit(start) ** 2)))
-    best = None
-    for start in candidates[:POLISHED_STARTS]:
-        margin = 1e-6 * (high - low)  # the search wants to begin inside
-        found = least_squares(
-            misfit,
-            np.clip(start, low + margin, high - margin),
-            jac=jacobian,
-            bounds=(low, high),
-            ftol=1e-15,
-            xtol=1e-15,
-            gtol=1e-15,
-            x_scale="jac",
-        )
-        if found.success and (best is None or found.cost < best.cost):
-            best = found
-    if best is None:
+    starts.sort(key=rough.cost)
+    minima = [found for start in starts[:POLISHED_STARTS] if (found := rough.polished(start, bounds.T))]
+    if minima and many:
+        last = whole.polished(min(minima, key=lambda found: found[0])[1], bounds.T)
+        minima = [last] if last else []
+    if not minima:
         raise ConvergenceError("fit: no starting point led to a minimum; try more points, or the other law")
-    return _optimum(np.asarray(best.x), misfit(best.x), jacobian(best.x), curve)
+    return _optimum(whole, min(minima, key=lambda found: found[0])[1], curve)
 
 
-def _with_linear_part(law: Law, shape: Floats, curve: Curve) -> Floats | None:
-    """Complete a start with the K, and the A(0), that suit it best; None where they are not above 0."""
-    growth, _ = law(shape, curve.time)  # shape has K = 1
-    if curve.initial_known:
-        K = float(growth @ (curve.area - 1)) / float(growth @ growth)
-        return np.concatenate([[np.log(K)], shape[1:]]) if K > 0 else None
-    columns = np.column_stack([np.ones_like(growth), growth])
-    initial, K = np.linalg.lstsq(columns, curve.area)[0]
-    return np.concatenate([[np.log(K)], shape[1:], [initial]]) if K > 0 and initial > 0 else None
-
-
-def _optimum(theta: Floats, residual: Floats, jacobian: Floats, curve: Curve) -> Optimum:
-    squares = float(residual @ residual)
-    total = float(np.sum((curve.area - curve.area.mean()) ** 2))
-    variance = squares / (residual.size - theta.size)
+def _optimum(misfit: Misfit, theta: Floats, curve: Curve) -> Optimum:
+    residual, jacobian, y = misfit.residual(theta), misfit.jacobian(theta), curve.points.y
+    stderr = curve.points.stderr
+    squares, free = float(residual @ residual), residual.size - theta.size
+    weight = np.ones_like(y) if stderr is None else stderr**-2
+    total = float(np.sum(weight * (y - np.average(y, weights=weight)) ** 2))
     # Columns to one length first: a parameter that does little is not one that is undetermined.
     length = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny ** 0.25)
     _, singular, axes = np.linalg.svd(jacobian / length, full_matrices=False)
     # A combination that the data do not determine gets a huge standard error in place of a division by zero.
     singular = np.maximum(singular, np.finfo(float).eps * singular[0])
     root = axes.T / singular / length[:, None]
-    covariance = variance * (root @ root.T)
-    initial = 1.0 if curve.initial_known else float(theta[-1])
-    spread = 0.0 if curve.initial_known else float(np.sqrt(covariance[-1, -1]))
     return Optimum(
         theta=theta,
-        covariance=covariance,
-        C=float(np.exp(theta[0])) / initial,
-        initial_ratio=initial,
-        initial_area=initial * curve.area_unit,
-        initial_area_stderr=spread * curve.area_unit,
-        rms_residual=float(np.sqrt(np.mean((residual / curve.area) ** 2))),
+        covariance=(squares / free if stderr is None else 1.0) * (root @ root.T),
+        curve=curve,
+        initial=1.0 if curve.initial_known else float(theta[-1]),
+        degrees_of_freedom=float(free) if stderr is None else float("inf"),
+        rms_residual=float(np.sqrt(np.mean((residual / misfit.weight / y) ** 2))),
         # Areas that have grown at once and stay: there is no variation to explain.
         r_squared=1 - squares / total if total > 0 else float("nan"),
+        reduced_chi_squared=None if stderr is None else squares / free,
     )
-
-
-def _line_of_numbers(name: str, value: ArrayLike) -> Floats:
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(name, expected="real numbers", got=type(value).__name__) from error
-    if array.ndim != 1:
-        raise InputError(name, expected="an array of one dimension", got=f"shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError(
-            name, expected="finite numbers", got="NaN or infinity", advice="dropping the relaxed state"
-        )
-    return array
-
-
-def checked_times(time: ArrayLike) -> Floats:
-    """Times not below 0, of any shape; `InputError` for others."""
-    array = np.asarray(time, dtype=np.float64)
-    if not (array >= 0).all():
-        raise InputError("time", expected="times not below 0", got=_sketch(array.ravel()))
-    return array
-
-
-def _sketch(values: Floats) -> str:
-    return f"{values[0]:g} ... {values[-1]:g}" if values.size else "none"

@@ -1,0 +1,209 @@
+"""The growth of a measured quantity with hold time: laws, rates, and which law the data prefer.
+
+Contact area or static friction, of a laboratory or of a simulation: all that is known is the table. Compare
+`asperity.analysis.aging`, which knows the whole history of a simulation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.errors import ConvergenceError, InputError
+from asperity.fits import (
+    Comparison,
+    GrowthRate,
+    LogarithmFit,
+    SaturationFit,
+    compare,
+    growth_rate,
+    logarithm,
+    saturation,
+)
+from asperity.fits.curve import Series
+from asperity.lattice import Field
+
+Law = Literal["saturation", "logarithm"]
+_LAWS: dict[Law, Callable[..., SaturationFit | LogarithmFit]] = {
+    "saturation": saturation,
+    "logarithm": logarithm,
+}
+_FEW_ENOUGH = 1000
+"""Points that are shown one by one; of more, means over bins of equal width in ln t."""
+
+_SHOWN_BINS = 100
+_SMOOTH_CURVE = 200
+_Result = TypeVar("_Result")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredGrowth:
+    """What a table of values against hold time says.
+
+    Attributes
+    ----------
+    points, initial_points
+        Number of values, and how many of them at time 0.
+    fits
+        The laws fitted, by name; one that could not be fitted is missing.
+    comparison
+        Which law the data prefer; None unless both were asked for and fitted.
+    rate
+        Slopes over the window; None if it holds too few points.
+    initial_from
+        Where the rate's A(0) comes from: ``"time 0"`` or the name of the law that gave it; "" where the times
+        do not determine that law's t0, so that `rate.B` means nothing.
+    notes
+        What went wrong, or must be said.
+    shown_time, shown_value, shown_stderr
+        Data above time 0 to draw, shape ``(m,)``, the last possibly None.
+    shown_are_means
+        Whether these are means over bins.
+    curve_time, curves
+        Times, shape ``(k,)``, and each law at them.
+    residuals
+        Relative residuals value/law - 1 at `shown_time`, by law.
+    line_time, line_value
+        Ends of the straight line of `rate`, shape ``(2,)``; or empty.
+    """
+
+    points: int
+    initial_points: int
+    fits: Mapping[Law, SaturationFit | LogarithmFit]
+    comparison: Comparison | None
+    rate: GrowthRate | None
+    initial_from: str
+    notes: tuple[str, ...]
+    shown_time: Field
+    shown_value: Field
+    shown_stderr: Field | None
+    shown_are_means: bool
+    curve_time: Field
+    curves: Mapping[Law, Field]
+    residuals: Mapping[Law, Field]
+    line_time: Field
+    line_value: Field
+
+
+def measured_growth(
+    time: ArrayLike,
+    value: ArrayLike,
+    *,
+    stderr: ArrayLike | None = None,
+    laws: Sequence[Law] = ("saturation", "logarithm"),
+    first: float | None = None,
+    last: float | None = None,
+) -> MeasuredGrowth:
+    """Fit laws of growth to measured values, and compare them.
+
+    Parameters
+    ----------
+    time, value, stderr
+        Hold times, values above 0 and, if known, their standard errors, as for `asperity.fits.saturation`.
+    laws
+        The laws to fit.
+    first, last
+        Window for the straight line in ln t; the laws are fitted to all values.
+
+    Returns
+    -------
+    MeasuredGrowth
+
+    Raises
+    ------
+    InputError
+        No law could be fitted, and why.
+    ConvergenceError
+        The fit of the only law found no minimum.
+    """
+    series = Series.checked(time, value, stderr)
+    fits, comparison, notes = _fits(series, laws)
+    zeros = int(np.searchsorted(series.x, 0.0, side="right"))
+    later = series.where(series.x > 0)
+    rate, initial_from, remark = _rate(series, fits, known=zeros > 0, first=first, last=last)
+    notes += [remark] if remark else []
+    means = later.x.size > _FEW_ENOUGH
+    shown = later.binned(_SHOWN_BINS) if means else later
+    curve_time = np.geomspace(later.x[0], later.x[-1], _SMOOTH_CURVE)
+    ends = np.empty(0) if rate is None else np.array([rate.first, rate.last])
+    return MeasuredGrowth(
+        points=series.x.size,
+        initial_points=zeros,
+        fits=fits,
+        comparison=comparison,
+        rate=rate,
+        initial_from=initial_from,
+        notes=tuple(notes),
+        shown_time=shown.x,
+        shown_value=shown.y,
+        shown_stderr=None if stderr is None else shown.stderr,
+        shown_are_means=means,
+        curve_time=curve_time,
+        curves={law: fit.predict(curve_time) for law, fit in fits.items()},
+        residuals={law: shown.y / fit.predict(shown.x) - 1 for law, fit in fits.items()},
+        line_time=ends,
+        line_value=np.empty(0) if rate is None else rate.predict(ends),
+    )
+
+
+def _fits(
+    series: Series, laws: Sequence[Law]
+) -> tuple[dict[Law, SaturationFit | LogarithmFit], Comparison | None, list[str]]:
+    """Fit the laws; of several, those that can be fitted, with a note on each of the others."""
+    data = (series.x, series.y, series.stderr)
+    if len(laws) > 1:
+        comparison, why = _tried(lambda: compare(*data))
+        if comparison is not None:
+            return {"saturation": comparison.saturation, "logarithm": comparison.logarithm}, comparison, []
+    tries = {law: _tried(partial(_LAWS[law], *data)) for law in laws}
+    fits = {law: fit for law, (fit, _) in tries.items() if fit is not None}
+    errors = [error for _, error in tries.values() if error is not None]
+    if not fits:
+        raise errors[-1]
+    notes = [f"{law}: no fit: {error}" for law, (_, error) in tries.items() if error is not None]
+    if len(fits) > 1:
+        notes.append(f"no comparison: {why}")
+    return fits, None, notes
+
+
+def _tried(fit: Callable[[], _Result]) -> tuple[_Result | None, InputError | ConvergenceError | None]:
+    try:
+        return fit(), None
+    except (InputError, ConvergenceError) as error:
+        return None, error
+
+
+def _rate(
+    series: Series,
+    fits: Mapping[Law, SaturationFit | LogarithmFit],
+    *,
+    known: bool,
+    first: float | None,
+    last: float | None,
+) -> tuple[GrowthRate | None, str, str]:
+    """Slopes over the window, where their A(0) comes from, and what must be said."""
+    law: Law = "logarithm" if "logarithm" in fits else "saturation"
+    fit = fits[law]
+    rate, error = _tried(
+        lambda: growth_rate(
+            series.x,
+            series.y,
+            first,
+            last,
+            stderr=series.stderr,
+            initial=None if known else fit.initial_area,
+            initial_stderr=0.0 if known else fit.initial_area_stderr,
+        )
+    )
+    if rate is None:
+        return None, "", f"no straight line: {error}"
+    low, _ = rate.interval("slope")
+    remark = "" if low > 0 else "the growth is not significant: the 95 % interval of the slope contains 0"
+    # Where t0 is open, A(0) is too: along the valley of t0 it moves farther than its linear standard error.
+    source = law if fit.t0_stderr < fit.t0 else ""
+    return rate, "time 0" if known else source, remark

@@ -1,0 +1,145 @@
+r"""Which law the data prefer, and how far to trust that.
+
+Akaike's information criterion with the correction for few points (N. Sugiura, Commun. Stat. A 7, 13 (1978),
+doi:10.1080/03610927808827599) for n values and k parameters, the variance among them:
+
+    AICc = n ln(squares/n) + 2 k + 2 k (k + 1)/(n - k - 1),
+
+or, with standard errors given, chi-squared in place of the logarithm's term. It takes the errors of the
+values for independent. Along a run of a simulation they are not, and the likelihood then counts the same
+evidence many times. So the verdict rests on a second difference, in which the likelihood counts
+
+    n_eff = n (1 - rho)/(1 + rho)
+
+values, rho being the correlation of neighboring residuals (of the law that saturates, which contains the
+other). That is the number of independent values for the mean of an autoregressive series of first order: a
+rough measure, honest where the plain criterion is overconfident.
+
+The logarithm is the limit q -> 0 of the law that saturates: it can never fit better, and the criterion can
+favor it by the price of one parameter only. Its verdict therefore asks for more: that a saturation that
+halves the slope within the data is excluded.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.errors import InputError
+from asperity.fits.curve import Curve, Floats
+from asperity.fits.laws import GrowthFit, LogarithmFit, SaturationFit, logarithm, saturation
+from asperity.fits.result import student
+
+Verdict = Literal["logarithm", "saturation", "undecided"]
+
+UNLIKELY = 0.05
+"""Relative likelihood below which a law is given up."""
+
+_ROUNDING = 8 * np.finfo(np.float64).eps
+"""Relative residual below which two fits are both exact."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """The two laws beside each other.
+
+    Attributes
+    ----------
+    verdict
+        ``"saturation"`` if the logarithm's relative likelihood is below 0.05; ``"logarithm"`` if the other
+        law does not pay for its parameter and a slope that halves within the data is outside its 95 %
+        interval; else ``"undecided"``. All of this with `effective_points`.
+    logarithm, saturation
+        The fits.
+    delta_aicc
+        AICc of the logarithm less that of the law that saturates, as if all values were independent:
+        above 0 the law that saturates is preferred.
+    autocorrelation
+        Correlation rho of neighboring residuals, in the order of time.
+    effective_points
+        Number of independent values that the data are worth, n (1 - rho)/(1 + rho), at most n.
+    delta_effective
+        `delta_aicc` with the likelihoods of so many values.
+    relative_likelihood
+        Of the less likely law, exp(-|delta_effective|/2).
+    """
+
+    verdict: Verdict
+    logarithm: LogarithmFit
+    saturation: SaturationFit
+    delta_aicc: float
+    autocorrelation: float
+    effective_points: float
+    delta_effective: float
+    relative_likelihood: float
+
+
+def compare(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -> Comparison:
+    """Fit both laws and say which the data prefer.
+
+    Arguments and errors are those of `saturation`, but two values more are needed.
+
+    Returns
+    -------
+    Comparison
+    """
+    curve = Curve.checked(time, area, stderr, parameters=3)
+    # Parameters besides C and t0 of both: q of one, A(0) if it is fitted, the variance if it is not given.
+    n, extra = curve.points.x.size, (not curve.initial_known) + (stderr is None)
+    if n < extra + 5:
+        raise InputError("time", expected=f"at least {extra + 5} values to compare the laws by", got=n)
+    log, power = logarithm(time, area, stderr), saturation(time, area, stderr)
+    of_log, of_power = _residual(curve, log), _residual(curve, power)
+    rho = _autocorrelation(of_power)
+    effective = n * min(1.0, (1 - rho) / (1 + rho))
+    penalty = _penalty(n, 2 + extra) - _penalty(n, 3 + extra)
+    # One law contains the other; less than 0 is what the search leaves of an exact logarithm.
+    evidence = max(0.0, _lack(of_log, stderr) - _lack(of_power, stderr))
+    delta = effective * evidence + penalty
+    return Comparison(
+        verdict=_verdict(delta, power, float(np.max(curve.points.x)) * curve.time_unit, n / effective),
+        logarithm=log,
+        saturation=power,
+        delta_aicc=n * evidence + penalty,
+        autocorrelation=rho,
+        effective_points=effective,
+        delta_effective=delta,
+        relative_likelihood=math.exp(-abs(delta) / 2),
+    )
+
+
+def _residual(curve: Curve, fit: GrowthFit) -> Floats:
+    """In standard errors where they are given, else in the unit of the areas of the curve."""
+    points = curve.points
+    residual = points.y - fit.predict(points.x * curve.time_unit) / curve.area_unit
+    return np.asarray(residual if points.stderr is None else residual / points.stderr)
+
+
+def _lack(residual: Floats, stderr: ArrayLike | None) -> float:
+    """Minus twice the logarithm of the likelihood, a value."""
+    square = float(np.mean(residual**2))
+    return square if stderr is not None else math.log(max(square, _ROUNDING**2))
+
+
+def _penalty(n: int, k: int) -> float:
+    return 2 * k + 2 * k * (k + 1) / (n - k - 1)
+
+
+def _autocorrelation(residual: Floats) -> float:
+    squares = float(residual @ residual)
+    if not squares > 0:
+        return 0.0
+    # Smooth residuals of many points would come out as 1, and be worth no point at all.
+    return min(float(residual[1:] @ residual[:-1]) / squares, 1 - 2 / (residual.size + 1))
+
+
+def _verdict(delta: float, fit: SaturationFit, last: float, excess: float) -> Verdict:
+    if delta > -2 * math.log(UNLIKELY):
+        return "saturation"
+    largest_q = fit.q + student(fit.degrees_of_freedom) * math.sqrt(excess) * fit.q_stderr
+    slope_kept = math.exp(-largest_q * math.log1p(last / fit.t0))
+    return "logarithm" if delta <= 0 and slope_kept > 0.5 else "undecided"

@@ -1,0 +1,167 @@
+"""What is fitted: values against time or another variable, checked, sorted, and in units of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import spearmanr
+
+from asperity.errors import InputError
+
+Floats = NDArray[np.float64]
+
+MANY = 2000
+"""Points above which a search for starting points works on means over bins."""
+
+BINS = 300
+"""Bins of equal width in the logarithm of time that many points are gathered in."""
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Values against a variable x, which is in order; several values may have the same x.
+
+    Attributes
+    ----------
+    x, y
+        Shape (n,).
+    stderr
+        Standard errors of y, shape (n,); None where they are not known, and all values weigh the same.
+    """
+
+    x: Floats
+    y: Floats
+    stderr: Floats | None
+
+    @classmethod
+    def checked(
+        cls, x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None, names: Sequence[str] = ("time", "area")
+    ) -> Series:
+        """Check and sort; x not below 0, y and stderr above 0. The names are for the error messages."""
+        of_x, of_y = names
+        xs, ys = numbers(of_x, x), numbers(of_y, y)
+        sigmas = None if stderr is None else numbers("stderr", stderr)
+        for name, values in ((of_y, ys), ("stderr", sigmas)):
+            if values is not None and values.size != xs.size:
+                expected = f"one for each of the {xs.size} values of {of_x}"
+                raise InputError(name, expected=expected, got=values.size)
+            if values is not None and (values <= 0).any():
+                raise InputError(name, expected=f"values of {name} above 0", got=float(values.min()))
+        if xs.size == 0 or xs.min() < 0:
+            raise InputError(of_x, expected=f"values of {of_x} not below 0", got=sketch(np.sort(xs)))
+        order = np.argsort(xs, kind="stable")
+        return cls(xs[order], ys[order], None if sigmas is None else sigmas[order])
+
+    def where(self, chosen: NDArray[np.bool_]) -> Series:
+        """Some of the points."""
+        return Series(self.x[chosen], self.y[chosen], None if self.stderr is None else self.stderr[chosen])
+
+    def binned(self, bins: int = BINS) -> Series:
+        """Weighted means over bins of equal width in ln x, with relative or true standard errors.
+
+        Points at x = 0 are a bin of their own. Where no standard errors are known, those of the means are
+        in units of the common one of the values.
+        """
+        weight = np.ones_like(self.y) if self.stderr is None else self.stderr**-2
+        zeros = int(np.searchsorted(self.x, 0.0, side="right"))
+        bin_of = np.zeros(self.x.size, dtype=np.intp)
+        logs = np.zeros_like(self.x)
+        if zeros < self.x.size:
+            logs[zeros:] = np.log(self.x[zeros:])
+            edges = np.linspace(logs[zeros], logs[-1], bins + 1)[1:-1]
+            bin_of[zeros:] = 1 + np.searchsorted(edges, logs[zeros:], side="right")
+        total = np.bincount(bin_of, weight)
+        filled = total > 0
+        x, y = (np.bincount(bin_of, weight * values)[filled] / total[filled] for values in (logs, self.y))
+        x = np.exp(x)
+        if zeros:
+            x[0] = 0.0
+        return Series(x, y, np.asarray(total[filled] ** -0.5, dtype=np.float64))
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """The points to fit a law of growth to.
+
+    Attributes
+    ----------
+    points
+        In units of the data: times of the first above 0, areas of A(0) or of the first area.
+    time_unit, area_unit
+        These units.
+    initial_known
+        Whether A(0) is known, as 1 in its unit; it is not among the points then. Else it is a parameter,
+        and areas at time 0 are points like others.
+    """
+
+    points: Series
+    time_unit: float
+    area_unit: float
+    initial_known: bool
+
+    @classmethod
+    def checked(cls, time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None, parameters: int) -> Curve:
+        """Check what was given; `parameters` does not count A(0)."""
+        given = Series.checked(time, area, stderr)
+        zeros = int(np.searchsorted(given.x, 0.0, side="right"))
+        known = zeros == 1 and stderr is None
+        parameters += not known
+        fitted = given.where(np.arange(given.x.size) >= known)
+        if fitted.x.size <= parameters:
+            expected = f"at least {parameters + 1} values to fit, one more than there are parameters"
+            got = f"{fitted.x.size} besides the one at time 0" if known else fitted.x.size
+            raise InputError("time", expected=expected, got=got, advice="a curve of more points")
+        different = np.unique(fitted.x).size
+        if different < parameters:
+            expected = f"at least {parameters} different times, as many as there are parameters"
+            raise InputError("time", expected=expected, got=different)
+        refuse_decline(given)
+        time_unit, area_unit = float(given.x[zeros]), float(given.y[: max(zeros, 1)].mean())
+        sigma = None if fitted.stderr is None else fitted.stderr / area_unit
+        points = Series(fitted.x / time_unit, fitted.y / area_unit, sigma)
+        return cls(points, time_unit, area_unit, known)
+
+    def time_scales(self) -> Floats:
+        """Values of t0 to start from."""
+        return np.geomspace(0.1, 10 * self.points.x[-1], 20)
+
+
+def refuse_decline(series: Series) -> None:
+    """Raise `InputError` for areas that do not grow with time on the whole (rank correlation)."""
+    constant = bool((series.y == series.y[0]).all())
+    rank = 0.0 if constant else float(spearmanr(series.x, series.y).statistic)
+    if not rank > 0:
+        got = f"{series.y[0]:g} at every time" if constant else f"{sketch(series.y)}"
+        detail = "" if constant else f" (rank correlation with time {rank:.2f})"
+        raise InputError("area", expected="an area that grows with time", got=f"{got}{detail}")
+
+
+def numbers(name: str, value: ArrayLike) -> Floats:
+    """A line of finite numbers; `InputError` for anything else."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(name, expected="real numbers", got=type(value).__name__) from error
+    if array.ndim != 1:
+        raise InputError(name, expected="an array of one dimension", got=f"shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError(
+            name, expected="finite numbers", got="NaN or infinity", advice="dropping the relaxed state"
+        )
+    return array
+
+
+def checked_times(time: ArrayLike) -> Floats:
+    """Times not below 0, of any shape; `InputError` for others."""
+    array = np.asarray(time, dtype=np.float64)
+    if not (array >= 0).all():
+        raise InputError("time", expected="times not below 0", got=sketch(array.ravel()))
+    return array
+
+
+def sketch(values: Floats) -> str:
+    """First and last of some numbers."""
+    return f"{values[0]:g} ... {values[-1]:g}" if values.size else "none"

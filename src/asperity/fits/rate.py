@@ -1,0 +1,179 @@
+"""The rate of growth: slope of the area, or of friction, against the logarithm of time over a stated window.
+
+    B        = d(A/A(0)) / d ln t
+    relative = d ln A / d ln t
+
+both by straight lines in ln t. Friction experiments quote d mu / d log10 t, which is ``slope * ln 10``
+here. Whether the window is straight at all is told by a cubic: `curvature` is how much its slope changes
+over the window, in units of the slope.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.errors import InputError, is_finite_number
+from asperity.fits.curve import Floats, Series
+from asperity.fits.line import polynomial
+from asperity.fits.result import FitResult
+
+STRAIGHT = 0.25
+"""Change of the slope over a window, in units of the slope, up to which the window is called straight."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GrowthRate(FitResult):
+    """Slopes in ln t over a window.
+
+    Attributes
+    ----------
+    B, B_stderr
+        d(A/A(0))/d ln t; the standard error contains that of A(0).
+    relative, relative_stderr
+        d ln A/d ln t, the local exponent of A(t).
+    slope, slope_stderr
+        dA/d ln t, in the unit of the areas.
+    curvature, curvature_stderr
+        Change of the slope within the window, over the slope: of a cubic (with few times, a parabola), from
+        the beginning to the end, or from or to the middle, whichever is largest. Below 0 where the growth
+        slows down. NaN for fewer than four points or three different times.
+    initial_area, initial_area_stderr
+        A(0): the mean of the areas at time 0, or what was given.
+    first, last
+        The window: earliest and latest time in it.
+    middle
+        Area on the line in the (geometric) middle of the window.
+    points, degrees_of_freedom, rms_residual, r_squared, reduced_chi_squared
+        As in every `FitResult`, which also has `interval`; of the straight line A against ln t.
+    """
+
+    B: float
+    B_stderr: float
+    relative: float
+    relative_stderr: float
+    slope: float
+    slope_stderr: float
+    curvature: float
+    curvature_stderr: float
+    initial_area: float
+    initial_area_stderr: float
+    first: float
+    last: float
+
+    middle: float
+
+    def predict(self, time: ArrayLike) -> Floats:
+        """Area on the straight line at times above 0, of any shape."""
+        from_middle = np.log(np.asarray(time, dtype=np.float64) / math.sqrt(self.first * self.last))
+        return np.asarray(self.middle + self.slope * from_middle)[()]
+
+    @property
+    def straight(self) -> bool:
+        """Whether the slope changes by less than a quarter of itself, or by less than the data can tell."""
+        return not abs(self.curvature) > max(STRAIGHT, 2 * self.curvature_stderr)
+
+
+def growth_rate(
+    time: ArrayLike,
+    area: ArrayLike,
+    first: float | None = None,
+    last: float | None = None,
+    *,
+    stderr: ArrayLike | None = None,
+    initial: float | None = None,
+    initial_stderr: float = 0.0,
+) -> GrowthRate:
+    """Measure the rate of growth by straight lines in ln t.
+
+    Parameters
+    ----------
+    time, area, stderr
+        As for `asperity.fits.saturation`. Times of 0 serve A(0) alone.
+    first, last
+        Window of times, both included; by default all above 0.
+    initial, initial_stderr
+        A(0) and its standard error; needed where no area at time 0 is given, and used in place of those.
+
+    Returns
+    -------
+    GrowthRate
+
+    Raises
+    ------
+    InputError
+        A(0) is neither given nor among the areas; fewer than three points or two times in the window; or
+        what `asperity.fits.saturation` refuses. Areas may fall with time here.
+    """
+    series = Series.checked(time, area, stderr)
+    A0, A0_stderr = _initial(series, initial, initial_stderr)
+    low, high = 0.0 if first is None else first, math.inf if last is None else last
+    window = series.where((series.x > 0) & (series.x >= low) & (series.x <= high))
+    if window.x.size < 3:
+        expected = f"at least 3 points at times above 0 from {low:g} to {high:g}"
+        raise InputError("time", expected=expected, got=window.x.size, advice="a wider window")
+    x, y, sigma = np.log(window.x), window.y, window.stderr
+    line = polynomial(x, y, sigma)
+    slope, slope_stderr = line.slope
+    relative, relative_stderr = polynomial(x, np.log(y), None if sigma is None else sigma / y).slope
+    curvature, curvature_stderr = _curvature(window, slope)
+    return GrowthRate(
+        B=slope / A0,
+        B_stderr=math.hypot(slope_stderr, slope * A0_stderr / A0) / A0,
+        relative=relative,
+        relative_stderr=relative_stderr,
+        slope=slope,
+        slope_stderr=slope_stderr,
+        curvature=curvature,
+        curvature_stderr=curvature_stderr,
+        initial_area=A0,
+        initial_area_stderr=A0_stderr,
+        first=float(window.x[0]),
+        last=float(window.x[-1]),
+        middle=float(line.coefficients[0]),
+        points=x.size,
+        degrees_of_freedom=line.degrees_of_freedom,
+        rms_residual=float(np.sqrt(np.mean((line.residual / y) ** 2))),
+        r_squared=line.r_squared,
+        reduced_chi_squared=line.reduced_chi_squared,
+    )
+
+
+def _initial(series: Series, initial: float | None, initial_stderr: float) -> tuple[float, float]:
+    if initial is not None:
+        for name, value in (("initial", initial), ("initial_stderr", initial_stderr)):
+            if not is_finite_number(value) or value < 0 or (name == "initial" and value == 0):
+                raise InputError(name, expected="a finite number above 0", got=value)
+        return float(initial), float(initial_stderr)
+    zeros = series.where(series.x == 0)
+    if zeros.y.size == 0:
+        raise InputError(
+            "initial",
+            expected="the area at time 0, as no time is 0",
+            got="none",
+            advice="initial=..., or a point at time 0",
+        )
+    if zeros.stderr is not None:
+        weight = zeros.stderr**-2
+        return float(np.average(zeros.y, weights=weight)), float(weight.sum() ** -0.5)
+    spread = float(zeros.y.std(ddof=1)) / math.sqrt(zeros.y.size) if zeros.y.size > 1 else 0.0
+    return float(zeros.y.mean()), spread
+
+
+def _curvature(window: Series, slope: float) -> tuple[float, float]:
+    """Largest change of slope over the window, in units of the slope, and its standard error."""
+    degree = min(3, np.unique(window.x).size - 1, window.x.size - 2)
+    if degree < 2 or slope == 0:
+        return math.nan, math.nan
+    curve = polynomial(np.log(window.x), window.y, window.stderr, degree=degree)
+    # With z from -1 to 1 over the window dy/dz = c1 + 2 c2 z + 3 c3 z^2; an S has like slopes at its ends.
+    changes = np.array([[0, 0, 4, 0], [0, 0, 2, -3], [0, 0, 2, 3]])[:, : degree + 1]
+    largest = changes[np.argmax(np.abs(changes @ curve.coefficients))]
+    unit = 1 / (slope * curve.scale)
+    return (
+        float(largest @ curve.coefficients) * unit,
+        float(np.sqrt(largest @ curve.covariance @ largest)) * abs(unit),
+    )

@@ -1,0 +1,92 @@
+r"""Standard errors from a sample of runs: the jackknife.
+
+With theta the statistic of all n runs and theta_i that of all but run i,
+
+    stderr² = (n - 1)/n \sum_i (theta_i - mean theta_i)²,
+
+and the 95 % interval is theta ± t stderr, t from Student's distribution with n - 1 degrees of freedom. For
+a mean this is the usual standard error; for smooth functions of means it is right to leading order in 1/n.
+For medians and extremes it is wrong. Source: B. Efron and C. Stein, *The jackknife estimate of variance*,
+Ann. Statist. 9, 586 (1981), doi:10.1214/aos/1176345462.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from asperity.errors import InputError
+from asperity.fits.result import student
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A statistic of several independent runs.
+
+    Attributes
+    ----------
+    value
+        Of all runs; a float, or an array of any shape.
+    stderr
+        Standard error, of the same shape; NaN for one run.
+    low, high
+        Ends of the two-sided 95 % interval, of the same shape; NaN for one run.
+    runs
+        Number of runs.
+    """
+
+    value: Floats
+    stderr: Floats
+    low: Floats
+    high: Floats
+    runs: int
+
+
+def jackknife(
+    statistic: Callable[..., ArrayLike], samples: ArrayLike | tuple[NDArray[np.generic], ...]
+) -> Estimate:
+    """Estimate a statistic of runs, with standard error and 95 % interval by the jackknife.
+
+    Parameters
+    ----------
+    statistic
+        Takes the samples, first axis runs, of any number of runs, and gives a float or an array; a smooth
+        function of means over runs, such as ``lambda areas: fit(areas.mean(axis=0)).C``. It takes one
+        argument for each array of `samples`.
+    samples
+        One array of shape (runs, ...), or a tuple of such arrays for the same runs.
+
+    Returns
+    -------
+    Estimate
+
+    Raises
+    ------
+    InputError
+        No runs, or arrays of different numbers of runs.
+    """
+    arrays = tuple(np.asarray(array) for array in (samples if isinstance(samples, tuple) else (samples,)))
+    counts = [array.shape[0] if array.ndim else 0 for array in arrays]
+    if not counts or min(counts) == 0 or len(set(counts)) > 1:
+        got = " and ".join(str(array.shape) for array in arrays) or "none"
+        raise InputError("samples", expected="arrays with one entry for each run", got=f"shapes {got}")
+    runs = counts[0]
+    value = np.asarray(statistic(*arrays), dtype=np.float64)
+    if runs == 1:
+        unknown = np.full_like(value, np.nan)[()]
+        return Estimate(value[()], unknown, unknown, unknown, runs)
+    without = np.stack(
+        [
+            np.asarray(statistic(*(np.delete(array, run, axis=0) for array in arrays)), dtype=np.float64)
+            for run in range(runs)
+        ]
+    )
+    with np.errstate(invalid="ignore"):  # an infinite statistic has no spread: NaN
+        stderr = np.sqrt((runs - 1) * np.var(without, axis=0))
+    reach = student(runs - 1) * stderr
+    return Estimate(value[()], stderr[()], (value - reach)[()], (value + reach)[()], runs)

@@ -1,0 +1,89 @@
+"""What every fit says of itself: how many points, how well, and how sure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+from scipy.special import stdtrit
+
+from asperity.errors import InputError
+
+SURE = 0.95
+"""Probability that a stated interval covers the true value."""
+
+
+def student(degrees_of_freedom: float) -> float:
+    """Half width of the two-sided 95 % interval in standard errors, from Student's t; NaN below 1 degree."""
+    if not degrees_of_freedom >= 1:
+        return math.nan
+    return float(stdtrit(min(degrees_of_freedom, 1e9), (1 + SURE) / 2))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitResult:
+    """Base of the fits.
+
+    Attributes
+    ----------
+    points
+        Number of values fitted.
+    degrees_of_freedom
+        Points less parameters; infinite where standard errors of the values were given, since the
+        errors of the parameters follow from them alone then.
+    rms_residual
+        Root mean square of the relative residuals 1 - fit/value.
+    r_squared
+        1 - (sum of squared residuals) / (sum of squares about the mean), with the weights of the fit; NaN
+        if the values do not vary.
+    reduced_chi_squared
+        Mean square of the residuals in standard errors given, over the points less the parameters; about 1
+        if law and standard errors are right. None where none were given.
+    """
+
+    points: int
+    degrees_of_freedom: float
+    rms_residual: float
+    r_squared: float
+    reduced_chi_squared: float | None
+
+    scales: ClassVar[frozenset[str]] = frozenset()
+    """Parameters that may be wrong by a factor rather than a difference."""
+
+    def interval(self, name: str) -> tuple[float, float]:
+        """95 % interval of a parameter, by Student's t, if the errors of the values are independent.
+
+        Parameters
+        ----------
+        name
+            A field with a standard error beside it, such as ``"C"``. The interval is symmetric, for
+            scales (t0, prefactor) in the logarithm.
+
+        Returns
+        -------
+        tuple of float
+            Lower and upper end.
+
+        Raises
+        ------
+        InputError
+            There is no such parameter.
+        """
+        names = parameters_of(self)
+        if name not in names:
+            raise InputError("name", expected=f"one of {', '.join(names)}", got=repr(name))
+        value, stderr = float(getattr(self, name)), float(getattr(self, f"{name}_stderr"))
+        reach = student(self.degrees_of_freedom) * stderr if stderr > 0 else stderr
+        if name not in self.scales:
+            return value - reach, value + reach
+        exponent = reach / value
+        if not exponent < math.log(1e300):
+            return 0.0, math.inf
+        return value * math.exp(-exponent), value * math.exp(exponent)
+
+
+def parameters_of(fit: object) -> tuple[str, ...]:
+    """Name the fields of a fit that have a standard error beside them; any dataclass."""
+    names = [field.name for field in fields(fit)]  # type: ignore[arg-type]
+    return tuple(name for name in names if f"{name}_stderr" in names)

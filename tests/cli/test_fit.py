@@ -1,0 +1,194 @@
+"""``asperity fit``: what it says of a table, what it writes, and its mistakes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity.analysis import measured_growth
+from asperity.figures import fit_figure
+from asperity.fits import compare, growth_rate, logarithm
+from tests.cli.conftest import Asperity
+
+HOLD = np.repeat(np.geomspace(1, 1e5, 11), 3)
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def friction() -> np.ndarray:
+    """Static friction against hold time, also in mu.csv: unsorted, decimal commas, Windows line ends."""
+    rng = np.random.default_rng(1)
+    mu = 0.6 + 0.01 * np.log10(1 + HOLD / 2) + 0.002 * rng.normal(size=HOLD.size)
+    rows = np.round(np.column_stack([HOLD, mu]), 6)[rng.permutation(HOLD.size)]
+    text = "\r\n".join(f"{t:.6f};{m:.6f};0.002".replace(".", ",") for t, m in rows)
+    Path("mu.csv").write_bytes(f"hold time;mu;error\r\n{text}\r\n".encode("utf-8-sig"))
+    return rows
+
+
+def line(text: str, name: str) -> str:
+    """What stands beside the first such name."""
+    return next(
+        line.strip().removeprefix(name) for line in text.splitlines() if line.strip().startswith(name)
+    )
+
+
+def test_friction_in_words_figure_and_numbers(asperity: Asperity, friction: np.ndarray) -> None:
+    words = ("--quantity", "static friction", "--unit-time", "s", "--window", "10", "1e5", "--json", "n.json")
+    status, text, error = asperity("fit", "mu.csv", *words)
+    assert (status, error) == (0, "")
+    assert "mu.csv: static friction, 33 values; times 1 to 100000 s" in text
+    for heading in ("saturation: A0 [a - (a - 1)/(1 + t/t0)^q]", "logarithm: A0 [1 + C ln(1 + t/t0)]"):
+        assert heading in text
+    time, mu = friction.T
+    rate = growth_rate(time, mu, first=10, initial=0.6)
+    per_decade = line(text, "absolute").split("  ")[-1]
+    low, high = (float(word) for word in per_decade.split(" to "))
+    assert (low, high) == pytest.approx([np.log(10) * end for end in rate.interval("slope")], rel=1e-4)
+    assert low < 0.01 < high
+    assert "the data prefer" in text
+    assert "figure written: fit.png\nnumbers written: n.json\n" in text
+    assert Path("fit.png").read_bytes().startswith(b"\x89PNG")
+    found = json.loads(Path("n.json").read_text())
+    fit = logarithm(time, mu)
+    assert found["fits"]["logarithm"]["C"]["value"] == pytest.approx(fit.C, rel=1e-9)
+    assert found["fits"]["logarithm"]["C"]["interval"] == pytest.approx(fit.interval("C"), rel=1e-9)
+    assert found["fits"]["saturation"]["q"]["stderr"] > 0
+    assert found["straight_line"]["points"] == rate.points
+    assert found["comparison"]["verdict"] == compare(time, mu).verdict
+
+
+def test_columns_and_standard_errors(asperity: Asperity, friction: np.ndarray) -> None:
+    status, text, _ = asperity(
+        "fit",
+        "mu.csv",
+        "--column-value",
+        "mu",
+        "--column-stderr",
+        "2",
+        "--law",
+        "logarithm",
+        "--out",
+        "a.pdf",
+    )
+    assert status == 0
+    assert "reduced chi²" in text
+    assert "saturation" not in text
+    assert "the data prefer" not in text
+    assert Path("a.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_the_table_of_a_run(asperity: Asperity, finished: Path) -> None:
+    status, text, error = asperity("fit", finished / "aging.csv")
+    assert (status, error) == (0, "")
+    assert "area, 10 values, 1 of them at time 0; times 0.001 to 10" in text
+    assert line(text, "A0 ").split("  ")[-1] == "as given, taken as exact"
+    assert "A0: " in text
+    assert "measured at time 0" in text
+
+
+def test_a_figure_is_kept(asperity: Asperity, friction: np.ndarray) -> None:
+    Path("fit.png").write_text("mine")
+    status, _, error = asperity("fit", "mu.csv")
+    assert status == 2
+    assert error.startswith("asperity: --out: expected a new file, got fit.png, which is kept; try another")
+    assert Path("fit.png").read_text() == "mine"
+    assert asperity("fit", "mu.csv", "--overwrite")[0] == 0
+    assert Path("fit.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_cannot_be_fitted_is_said_and_the_rest_is_shown(asperity: Asperity) -> None:
+    hold = np.repeat([1.0, 10.0, 100.0], 5)
+    mu = 0.6 + 0.01 * np.log10(hold) + 1e-3 * np.random.default_rng(2).normal(size=15)
+    np.savetxt("three.txt", np.column_stack([hold, mu]))
+    status, text, _ = asperity("fit", "three.txt", "--window", "200", "300")
+    assert status == 0
+    assert "logarithm: A0" in text
+    assert "note  saturation: no fit: time: expected at least 4 different times" in text
+    assert "note  no straight line: time: expected at least 3 points at times above 0 from 200 to 300" in text
+
+
+def test_a_late_piece_does_not_tell_its_beginning(asperity: Asperity) -> None:
+    hold = np.geomspace(1e4, 1e5, 30)
+    mu = 0.6 + 0.01 * np.log10(hold) + 1e-3 * np.random.default_rng(3).normal(size=30)
+    np.savetxt("late.txt", np.column_stack([hold, mu]))
+    status, text, _ = asperity("fit", "late.txt")
+    assert status == 0
+    assert "A0: not determined by these times" in text
+    assert "in units of A0" not in text
+
+
+def test_growth_that_is_none(asperity: Asperity) -> None:
+    hold = np.geomspace(1, 1e4, 20)
+    np.savetxt("still.txt", np.column_stack([hold, 0.6 + 0.01 * np.random.default_rng(9).normal(size=20)]))
+    status, text, _ = asperity("fit", "still.txt")
+    assert status == 0
+    assert "note  the growth is not significant: the 95 % interval of the slope contains 0" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("none.csv",), "none.csv: expected a file with a table of numbers, got no such file"),
+        (("mu.csv", "--column-value", "nu"), "one of 'hold time', 'mu', 'error', or a number from 0 to 2"),
+        (("mu.csv", "--window", "5", "1"), "--window: expected two times, T1 < T2, got 5 1"),
+        (("mu.csv", "--out", "fit.doc"), "--out: expected a name that ends in .png, .pdf, .svg"),
+        (("mu.csv", "--out", "no/fit.png"), "--out: expected a file in a folder that exists"),
+        (("mu.csv", "--json", "fit.txt"), "--json: expected a name that ends in .json"),
+        (("mu.csv", "--law", "log"), "(see asperity --help)"),
+        (("flat.txt",), "area: expected an area that grows with time, got 0.6 at every time"),
+        (("few.txt",), "time: expected at least 4 values to fit, one more than there are parameters, got 2"),
+    ],
+)
+def test_mistakes_get_a_line(
+    asperity: Asperity, friction: np.ndarray, words: tuple[str, ...], message: str
+) -> None:
+    Path("flat.txt").write_text("1 .6\n2 .6\n3 .6\n4 .6\n5 .6\n6 .6\n")
+    Path("few.txt").write_text("1 .6\n2 .7\n")
+    before = sorted(Path().iterdir())
+    status, text, error = asperity("fit", *words)
+    assert (status, text) == (2, "")
+    assert error.startswith("asperity: ")
+    assert message in error
+    assert error.count("\n") == 1
+    assert sorted(Path().iterdir()) == before
+
+
+def test_the_figure_draws_the_numbers() -> None:
+    rng = np.random.default_rng(5)
+    time = np.concatenate([np.zeros(3), HOLD])
+    value = 0.6 + 0.01 * np.log1p(time) + 1e-3 * rng.normal(size=time.size)
+    growth = measured_growth(time, value, first=10)
+    figure = fit_figure(growth, title="mu", quantity="static friction", unit_time="s", window=True)
+    upper, lower = figure.axes
+    assert upper.get_ylabel() == "static friction"
+    assert lower.get_xlabel() == "hold time $t$ [s]"
+    curves = {str(artist.get_label()).split()[0]: artist for artist in upper.lines}
+    fit = growth.fits["logarithm"]
+    np.testing.assert_allclose(np.asarray(curves["logarithm"].get_ydata()), fit.predict(growth.curve_time))
+    legend = upper.get_legend()
+    assert legend is not None
+    words = "\n".join(text.get_text() for text in legend.get_texts())
+    for piece in ("at time 0:", "mean of 3", "saturation", "straight line", "per decade", "$t_0$"):
+        assert piece in words
+    strip = next(artist for artist in lower.lines if artist.get_marker() == "s")
+    later = time > 0
+    np.testing.assert_allclose(
+        np.asarray(strip.get_ydata()), 100 * (value[later] / fit.predict(time[later]) - 1)
+    )
+
+
+def test_many_values_are_shown_as_means() -> None:
+    time = np.repeat(np.geomspace(1, 1e4, 50), 40)
+    value = 2 + 0.1 * np.log(time) + 0.1 * np.random.default_rng(6).normal(size=time.size)
+    growth = measured_growth(time, value, laws=("logarithm",))
+    assert growth.shown_are_means
+    np.testing.assert_allclose(growth.shown_time, time[::40])
+    np.testing.assert_allclose(growth.shown_value, value.reshape(50, 40).mean(axis=1))
+    assert growth.comparison is None

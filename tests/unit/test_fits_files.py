@@ -1,0 +1,103 @@
+"""Tables of measurements: whatever separates, whatever stands around, and mistakes with their line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity.errors import InputError
+from asperity.fits import read_measurements
+
+TABLES = {
+    "commas": "time,mu\n1.5,0.6\n10,0.61\n",
+    "blanks after commas": "1.5, 0.6\n10, 0.61\n",
+    "decimal commas": "Zeit;mu\n1,5;0,6\n10;0,61\n",
+    "decimal commas, tabs": "1,5\t0,6\n10,0\t0,61\n",
+    "decimal commas, blanks": "1,5 0,6\n10,0 0,61\n",
+    "decimal commas, powers": "1,5E+00;6,0E-01\n1,0E+01;6,1E-01\n",
+    "tabs": "t\tmu\n1.5\t0.6\n10\t0.61\n",
+    "blanks": "   1.5   0.6 \n  10   0.61\n",
+    "comments": "% a\n# b\n1.5 0.6\n\n; c\n10 0.61 # d\n",
+    "trailing separators": "1.5,0.6,\n10,0.61,\n",
+    "quotes": '"time","mu"\n"1.5","0.6"\n"10","0.61"\n',
+    "units": "time,mu\ns,-\n1.5,0.6\n10,0.61\n",
+    "Windows": "time,mu\r\n1.5,0.6\r\n10,0.61\r\n",
+    "old Macintosh": "time,mu\r1.5,0.6\r10,0.61\r",
+    "no end": "1.5,0.6\n10,0.61",
+}
+
+
+@pytest.mark.parametrize("text", TABLES.values(), ids=TABLES.keys())
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_tables_of_many_kinds(tmp_path: Path, text: str, encoding: str) -> None:
+    file = tmp_path / "mu.csv"
+    file.write_bytes(text.encode(encoding))
+    data = read_measurements(file)
+    np.testing.assert_array_equal(data.time, [1.5, 10])
+    np.testing.assert_array_equal(data.value, [0.6, 0.61])
+    assert data.stderr is None
+
+
+def test_columns_by_name_and_number(tmp_path: Path) -> None:
+    file = tmp_path / "mu.csv"
+    file.write_text("sample,hold,mu,error\nA,1,0.6,0.01\nB,10,0.61,0.02\n")
+    named = read_measurements(file, time="hold", value="mu", stderr="error")
+    counted = read_measurements(file, time=1, value="2", stderr=3)
+    for data in (named, counted):
+        np.testing.assert_array_equal(data.time, [1, 10])
+        np.testing.assert_array_equal(data.value, [0.6, 0.61])
+        np.testing.assert_array_equal(data.stderr, [0.01, 0.02])
+        assert (data.time_name, data.value_name) == ("hold", "mu")
+    with pytest.raises(InputError, match=r"column 'x'.*one of 'sample', 'hold', 'mu', 'error', or a number"):
+        read_measurements(file, value="x")
+    with pytest.raises(InputError, match="a number from 0 to 3, got no such column"):
+        read_measurements(file, value=4)
+    with pytest.raises(InputError, match="time and value in different columns, got column 1 and column 1"):
+        read_measurements(file, time="hold", value=1)
+
+
+def test_names_in_a_comment(tmp_path: Path) -> None:
+    file = tmp_path / "mu.txt"
+    np.savetxt(file, [[1, 0.6], [10, 0.61]], header="made today\nhold mu")
+    assert read_measurements(file, value="mu").value_name == "mu"
+
+
+def test_a_header_in_an_old_encoding(tmp_path: Path) -> None:
+    file = tmp_path / "mu.txt"
+    file.write_bytes("t µ\n1 0.6\n2 0.7\n".encode("latin-1"))
+    assert read_measurements(file).value_name == "µ"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "expected a table of numbers, got no line besides comments"),
+        ("# a\n\n", "got no line besides comments"),
+        ("1\n2\n", "expected two columns of numbers or more, got one"),
+        ("hello you\nand you\n", "expected two columns of numbers or more, got 'and you'"),
+        ("t,m\n1,2\n\n2,nan\n", "expected a value above 0 in line 4, got '2,nan'; try a #"),
+        ("1,2\n2,inf\n", "expected a value above 0 in line 2"),
+        ("1,2\n2,\n", "expected a value above 0 in line 2, got '2,'"),
+        ("1,2\n2\n", "expected a value above 0 in line 2, got '2'"),
+        ("1,2\n2,-3\n", "expected a value above 0 in line 2, got '2,-3'"),
+        ("# c\n1,2\n# d\n-1,3\n", "expected a time not below 0 in line 4, got '-1,3'"),
+        ("1,2\nabc,3\n", "expected a time not below 0 in line 2, got 'abc,3'"),
+        ("1,5;2,5\n2,5;x\n", "expected a value above 0 in line 2, got '2,5;x'"),
+        ("1,2\n\n2,3,4\n", "expected 2 columns in line 3, as before, got '2,3,4'"),
+        ("Experiment 5 of 7\n1 2\n", "expected a time not below 0 in line 1, got 'Experiment 5 of 7'"),
+        ("1\0 2\n", "expected text, got binary data"),
+    ],
+)
+def test_mistakes_are_named_with_their_line(tmp_path: Path, text: str, message: str) -> None:
+    file = tmp_path / "mu.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=message) as raised:
+        read_measurements(file)
+    assert str(file) in str(raised.value)
+
+
+def test_no_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="got no such file"):
+        read_measurements(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="got a folder"):
+        read_measurements(tmp_path)
