@@ -1,21 +1,40 @@
 """Analysis: from a history, or a surface, to the numbers that figures and reports show."""
 
 from asperity.analysis.aging import AgingSummary, aging_summary
+from asperity.analysis.contact_patches import (
+    ContactAges,
+    Patches,
+    Turnover,
+    clustering,
+    contact_ages,
+    patches,
+    turnover,
+)
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
+from asperity.analysis.measured_growth import MeasuredGrowth, measured_growth
 from asperity.analysis.protocol import hold_times, map_times, modest_load
 from asperity.analysis.view import SurfaceView, surface_view
 
 __all__ = [
     "AgingSummary",
+    "ContactAges",
     "ContactMaps",
+    "MeasuredGrowth",
+    "Patches",
     "SiteState",
     "SurfaceView",
+    "Turnover",
     "aging_summary",
+    "clustering",
+    "contact_ages",
     "contact_maps",
     "hold_times",
     "map_times",
+    "measured_growth",
     "modest_load",
+    "patches",
     "surface_view",
+    "turnover",
     "with_limit",
 ]

@@ -49,7 +49,7 @@ class AgingSummary:
     Attributes
     ----------
     time, area_ratio
-        Hold times above 0 and A(t)/A(0) at them, shape ``(n,)``.
+        Hold times above 0 and A(t)/A(0) at them, shape ``(n,)``; n = 0 for a history of time 0 alone.
     initial_area, sites
         A(0), and the nominal area; in sites.
     relaxed_ratio
@@ -102,16 +102,14 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     Raises
     ------
     InputError
-        The history holds no time above 0, or started without any contact.
+        The history started without any contact.
     """
     time, area = np.asarray(dataset["time"], dtype=np.float64), np.asarray(dataset["area"], dtype=np.float64)
-    if time.size < 2:
-        raise InputError("dataset", expected="a history of times above 0", got=f"{time.size} time")
     if area[0] == 0:
         raise InputError("dataset", expected="contact at time 0", got="none", advice="a larger load")
     later, ratio = time[1:], area[1:] / area[0]
     fit, fit_note = _fit(time, area)
-    curve_time = np.geomspace(later[0], later[-1], _SMOOTH_CURVE)
+    curve_time = np.geomspace(later[0], later[-1], _SMOOTH_CURVE) if later.size else later
     dilute_time, dilute_ratio, dilute_note = _dilute(dataset, law, curve_time)
     steepest, when = _steepest(later, ratio)
     relaxed = dataset.attrs.get("relaxed_area")

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 
 from asperity.analysis import ContactMaps, SiteState
 from asperity.figures import style
+from asperity.figures.marks import COLORS, SMALLEST, draw_marks
 
 _COLUMNS = 4
 _PANEL = 2.45
@@ -20,16 +21,13 @@ _PANEL = 2.45
 _READABLE = 1.8
 """Side of a mark that is easily seen, points."""
 
-_VISIBLE = 0.8
-"""Smallest side of a mark that is drawn faithfully at `style.RESOLUTION`, points: about two pixels."""
-
 _INK_LIMIT = 0.3
 """Marks are not enlarged beyond this part of the map."""
 
-_MARKS = {
-    SiteState.KEPT: (style.INK, "in contact then and at {first}"),
-    SiteState.NEW: (style.VERMILION, "new: not in contact at {first}"),
-    SiteState.LOST: (style.SKY, "lost: in contact only at {first}"),
+_WORDS = {
+    SiteState.KEPT: "in contact then and at {first}",
+    SiteState.NEW: "new: not in contact at {first}",
+    SiteState.LOST: "lost: in contact only at {first}",
 }
 
 
@@ -83,7 +81,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
         if enlarged is None:
             _draw_sites(axes, maps, number)
         else:
-            _draw_marks(axes, maps, number, enlarged)
+            draw_marks(axes, maps.states[number], enlarged)
         axes.set_title(_caption(maps, number), fontsize=8.5)
     for axes in grid[:panels]:
         axes.set_xticks([])
@@ -100,21 +98,9 @@ def _draw_sites(axes: Axes, maps: ContactMaps, number: int) -> None:
     """Color each site; where sites are smaller than the pixels of the figure, shades show their density."""
     states = maps.states[number]
     palette = np.ones((len(SiteState), 3))
-    for state, (color, _) in _MARKS.items():
+    for state, color in COLORS.items():
         palette[state] = to_rgb(color)
     axes.imshow(palette[states], interpolation="antialiased", interpolation_stage="rgba", rasterized=True)
-
-
-def _draw_marks(axes: Axes, maps: ContactMaps, number: int, side: float) -> None:
-    """Put a mark of readable size on each of the few sites in contact."""
-    states = maps.states[number]
-    axes.set_xlim(-0.5, states.shape[1] - 0.5)
-    axes.set_ylim(states.shape[0] - 0.5, -0.5)
-    axes.set_aspect("equal")
-    for state, (color, _) in _MARKS.items():
-        rows, columns = np.nonzero(states == state)
-        if rows.size:
-            axes.scatter(columns, rows, s=side**2, c=color, marker="s", linewidths=0, rasterized=True)
 
 
 def _caption(maps: ContactMaps, number: int) -> str:
@@ -130,8 +116,8 @@ def _caption(maps: ContactMaps, number: int) -> str:
 def _legend(figure: Figure, maps: ContactMaps) -> None:
     first = _moment(float(maps.times[0]))
     handles = [
-        Line2D([], [], linestyle="", marker="s", markersize=7, color=color, label=text.format(first=first))
-        for state, (color, text) in _MARKS.items()
+        Line2D([], [], ls="", marker="s", markersize=7, color=color, label=_WORDS[state].format(first=first))
+        for state, color in COLORS.items()
         if (maps.states == state).any()
     ]
     figure.legend(
@@ -149,7 +135,7 @@ def _enlarged_side(maps: ContactMaps, shape: tuple[int, ...]) -> float | None:
     if site >= _READABLE or fullest == 0:
         return None
     bearable = min(_READABLE, site * math.sqrt(_INK_LIMIT / fullest))
-    return bearable if bearable >= max(_VISIBLE, 1.2 * site) else None
+    return bearable if bearable >= max(SMALLEST, 1.2 * site) else None
 
 
 def _moment(time: float) -> str:
@@ -201,7 +187,7 @@ def _draw_strips(axes: Axes, maps: ContactMaps) -> None:
     """One row of ticks a time, over the whole profile."""
     labels = []
     for number, time in enumerate(maps.times):
-        for state, (color, _) in _MARKS.items():
+        for state, color in COLORS.items():
             (at,) = np.nonzero(maps.states[number] == state)
             axes.vlines(at, number - 0.38, number + 0.38, color=color, linewidth=0.9, rasterized=True)
         percent = 100.0 * maps.area(number) / maps.heights.size

@@ -1,0 +1,212 @@
+"""Patches of contact, against flood fill, counting by hand, and chance."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from asperity.analysis import clustering, contact_ages, patches, turnover
+from asperity.errors import InputError
+from asperity.lattice import Mask
+
+
+def flooded(touching: Mask, connectivity: int = 1) -> list[set[tuple[int, ...]]]:
+    """The patches by flood fill, site by site, on the periodic lattice."""
+    steps = [
+        step
+        for step in np.ndindex(*(3,) * touching.ndim)
+        if 0 < sum(abs(s - 1) for s in step) <= connectivity
+    ]
+    dry = {tuple(map(int, site)) for site in np.argwhere(touching)}
+    found = []
+    while dry:
+        front = [dry.pop()]
+        patch = set(front)
+        while front:
+            here = front.pop()
+            for step in steps:
+                there = tuple((x + s - 1) % n for x, s, n in zip(here, step, touching.shape, strict=True))
+                if there in dry:
+                    dry.remove(there)
+                    patch.add(there)
+                    front.append(there)
+        found.append(patch)
+    return found
+
+
+def scattered(shape: tuple[int, ...], fraction: float, seed: int) -> Mask:
+    return np.random.default_rng(seed).random(shape) < fraction
+
+
+@pytest.mark.parametrize("connectivity", [1, 2])
+@pytest.mark.parametrize("fraction", [0.05, 0.4, 0.6, 0.9])
+@pytest.mark.parametrize("shape", [(40,), (2,), (1,), (17, 23), (24, 2), (1, 9), (3, 1)])
+def test_patches_are_those_of_flood_fill(shape: tuple[int, ...], fraction: float, connectivity: int) -> None:
+    for seed in range(4):
+        touching = scattered(shape, fraction, seed)
+        found = patches(touching, connectivity)
+        expected = flooded(touching, connectivity)
+        assert found.sizes.tolist() == sorted(map(len, expected), reverse=True)
+        assert found.count == len(expected)
+        # The labels are the same sets, numbered by size.
+        labeled = [
+            set(zip(*map(list, np.nonzero(found.labels == k + 1)), strict=True)) for k in range(found.count)
+        ]
+        assert [len(patch) for patch in labeled] == found.sizes.tolist()
+        assert set(map(frozenset, labeled)) == set(map(frozenset, expected))
+        np.testing.assert_array_equal(found.labels == 0, ~touching)
+
+
+def test_a_patch_around_the_corner_is_one() -> None:
+    touching = np.zeros((8, 10), dtype=bool)
+    touching[0, 0] = touching[0, -1] = touching[-1, 0] = touching[-1, -1] = True
+    touching[3, :] = True  # around one axis
+    touching[5, 5] = True
+    found = patches(touching)
+    assert found.sizes.tolist() == [10, 4, 1]
+    assert (found.count, found.largest, found.mean_size) == (3, 10, 5.0)
+
+
+def test_diagonal_neighbors_are_joined_on_request_across_the_corner() -> None:
+    touching = np.zeros((6, 6), dtype=bool)
+    touching[0, 0] = touching[-1, -1] = True
+    assert patches(touching).count == 2
+    assert patches(touching, connectivity=2).count == 1
+
+
+def test_no_contact_has_no_patches() -> None:
+    found = patches(np.zeros((4, 4), dtype=bool))
+    assert (found.count, found.largest) == (0, 0)
+    assert math.isnan(found.mean_size)
+    assert patches(np.ones((4, 4), dtype=bool)).sizes.tolist() == [16]
+
+
+@pytest.mark.parametrize(("shape", "box"), [((30, 30), 4), ((31, 26), 5), ((200,), 7), ((12, 12), None)])
+def test_contacts_at_random_have_index_one(shape: tuple[int, ...], box: int | None) -> None:
+    rng = np.random.default_rng(1)
+    sites = math.prod(shape)
+    for contacts in (max(2, sites // 20), sites // 2):
+        values = []
+        for _ in range(400):
+            touching = np.zeros(sites, dtype=bool)
+            touching[rng.choice(sites, contacts, replace=False)] = True
+            values.append(clustering(touching.reshape(shape), box))
+        # The index is 1 on average exactly: the mean is within 4 standard errors of it.
+        assert abs(np.mean(values) - 1) < 4 * np.std(values) / math.sqrt(len(values))
+
+
+def test_the_index_is_the_variance_over_boxes() -> None:
+    touching = scattered((9, 12), 0.3, seed=3)
+    fraction = touching.mean()
+    counts = [np.roll(touching, (-i, -j), axis=(0, 1))[:4, :4].sum() for i in range(9) for j in range(12)]
+    by_hand = np.var(counts) / (16 * fraction * (1 - fraction) * (108 - 16) / 107)
+    assert clustering(touching, box=4) == pytest.approx(by_hand, rel=1e-12)
+
+
+def test_clusters_are_above_one_and_a_grid_below() -> None:
+    clustered = np.zeros((32, 32), dtype=bool)
+    clustered[3:9, 20:26] = True
+    even = np.zeros((32, 32), dtype=bool)
+    even[::4, ::4] = True
+    assert clustering(clustered) > 5
+    assert clustering(even, box=4) == 0  # each box holds one contact
+    # A box of 6 holds 1 or 2 rows of contacts and 1 or 2 columns, at equal odds: variance 2.5^2 - 1.5^4.
+    assert clustering(even, box=6) == pytest.approx((2.5**2 - 1.5**4) / (36 * 15 / 256 * 988 / 1023))
+
+
+def test_the_default_box_holds_about_four_contacts() -> None:
+    touching = scattered((128, 128), 0.04, seed=0)
+    assert clustering(touching) == clustering(touching, box=round(math.sqrt(4 / touching.mean())))
+    few = scattered((128, 128), 0.002, seed=0)
+    assert clustering(few) == clustering(few, box=16)
+    many = scattered((128, 128), 0.95, seed=0)
+    assert clustering(many) == clustering(many, box=2)
+
+
+@pytest.mark.parametrize("full", [False, True])
+def test_nothing_to_strew_has_no_index(full: bool) -> None:
+    assert math.isnan(clustering(np.full((8, 8), full)))
+
+
+def test_turnover_tells_growth_from_new_patches() -> None:
+    before = np.zeros((7, 8), dtype=bool)
+    after = before.copy()
+    before[1, 1:3] = True
+    after[1, 1:5] = True  # extends by two
+    before[4, 0] = True
+    after[4, -1] = True  # takes the place of a neighbor, across the seam
+    after[6, 4:7] = True  # new
+    found = turnover(before, after)
+    assert (found.kept, found.lost, found.gained) == (2, 1, 6)
+    assert (found.gained_attached, found.gained_detached) == (3, 3)
+
+
+@pytest.mark.parametrize("shape", [(50,), (20, 24)])
+def test_turnover_counts_what_flood_fill_counts(shape: tuple[int, ...]) -> None:
+    for seed in range(6):
+        before, after = scattered(shape, 0.15, seed), scattered(shape, 0.3, seed + 100)
+        found = turnover(before, after)
+        attached = sum(
+            bool(after[site]) and not before[site]
+            for patch in flooded(before | after)
+            if any(before[site] for site in patch)
+            for site in patch
+        )
+        assert found.gained_attached == attached
+        assert found.gained_attached + found.gained_detached == found.gained
+        assert found.kept + found.lost == before.sum()
+        assert found.kept + found.gained == after.sum()
+
+
+def test_ages_count_from_the_last_interruption() -> None:
+    maps = np.array([[1, 1, 0, 1, 0], [1, 0, 1, 1, 0], [1, 1, 1, 0, 0]], dtype=bool)
+    ages = contact_ages(maps, [0.0, 2.0, math.inf])
+    np.testing.assert_array_equal(ages.since, [0.0, math.inf, 2.0, np.nan, np.nan])
+    assert (ages.returned, ages.lost) == (1, 1)
+
+
+def test_ages_are_those_of_a_loop_over_sites() -> None:
+    maps = np.random.default_rng(5).random((6, 13, 11)) < 0.6
+    times = np.geomspace(1, 1e5, 6)
+    ages = contact_ages(maps, times)
+    for site in np.ndindex(13, 11):
+        series = maps[(slice(None), *site)].tolist()
+        if not series[-1]:
+            assert np.isnan(ages.since[site])
+            continue
+        start = len(series) - 1
+        while start > 0 and series[start - 1]:
+            start -= 1
+        assert ages.since[site] == times[start]
+    assert ages.lost == int((maps.any(axis=0) & ~maps[-1]).sum())
+    returned = maps[-1] & maps.any(axis=0) & (ages.since > times[np.argmax(maps, axis=0)])
+    assert ages.returned == int(returned.sum())
+
+
+def test_bad_input_is_named() -> None:
+    mask = np.zeros((8, 8), dtype=bool)
+    with pytest.raises(InputError, match=r"in_contact: expected a boolean array of shape .* got int64"):
+        patches(mask.astype(np.int64))
+    with pytest.raises(InputError, match=r"in_contact: .* got bool of shape \(2, 2, 2\)"):
+        patches(np.zeros((2, 2, 2), dtype=bool))
+    with pytest.raises(InputError, match=r"in_contact: .* got bool of shape \(0,\)"):
+        clustering(np.zeros(0, dtype=bool))
+    with pytest.raises(InputError, match="connectivity: expected 1"):
+        patches(mask, connectivity=3)
+    for box in (1, 5):
+        with pytest.raises(InputError, match=f"box: expected a whole number of sites, 2 to 4 .* got {box}"):
+            clustering(mask, box)
+    with pytest.raises(InputError, match="box: expected a whole number"):
+        clustering(mask, 2.5)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"after: expected a mask of shape \(8, 8\), got \(8,\)"):
+        turnover(mask, mask[0])
+    with pytest.raises(InputError, match="before: expected a boolean"):
+        turnover(mask.astype(float), mask)
+    with pytest.raises(InputError, match="times: expected 2 increasing times"):
+        contact_ages(np.stack([mask, mask]), [1.0, 1.0])
+    with pytest.raises(InputError, match="times: expected 2 increasing times"):
+        contact_ages(np.stack([mask, mask]), [1.0])
+    with pytest.raises(InputError, match="in_contact: expected a boolean array of shape"):
+        contact_ages(mask[0], [1.0])
