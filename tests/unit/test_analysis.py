@@ -165,12 +165,17 @@ def test_a_fit_that_means_little_says_so() -> None:
 
 
 def test_what_cannot_be_summarized_is_refused() -> None:
-    with pytest.raises(InputError, match="a history of times above 0"):
-        aging_summary(synthetic(np.empty(0), times=np.empty(0)))
     untouched = synthetic(np.ones(25))
     untouched["area"] = untouched["area"] * 0
     with pytest.raises(InputError, match="contact at time 0"):
         aging_summary(untouched)
+
+
+def test_a_history_of_time_0_alone_has_no_growth() -> None:
+    summary = aging_summary(synthetic(np.empty(0), times=np.empty(0)))
+    assert summary.time.size == summary.curve_time.size == 0
+    assert summary.fit is None
+    assert "does not grow" in summary.fit_note
 
 
 def test_exponential_heights_grow_like_the_compliance_until_the_dips_meet() -> None:

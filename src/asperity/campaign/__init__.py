@@ -1,7 +1,7 @@
 """Campaigns: thousands of runs from one file, in one store that survives anything."""
 
 from asperity.campaign.estimate import Estimate, estimate
-from asperity.campaign.gather import load_plan, open, table  # noqa: A004
+from asperity.campaign.gather import fields, load_plan, open, table  # noqa: A004
 from asperity.campaign.plan import Plan, read_plan
 from asperity.campaign.sweep import Tally, sweep, tally
 
@@ -10,6 +10,7 @@ __all__ = [
     "Plan",
     "Tally",
     "estimate",
+    "fields",
     "load_plan",
     "open",
     "read_plan",

@@ -86,6 +86,40 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     )
 
 
+def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
+    """Read the fields that one run of a campaign kept (``maps_at`` in its ``[output]``).
+
+    Parameters
+    ----------
+    directory
+        Folder of the campaign.
+    where
+        Which run: a value for every swept parameter, and the ``seed`` where there are several.
+
+    Returns
+    -------
+    Dataset
+        ``heights`` over the sites; ``u``, ``u0`` and ``in_contact`` over ``field_time`` and the sites;
+        and, where the run has a limit, ``in_contact_relaxed`` and ``u_relaxed``.
+
+    Raises
+    ------
+    InputError
+        No run, or more than one, is meant; it is not finished; it kept no fields.
+    """
+    plan = load_plan(directory)
+    chosen = [run for run in plan.runs if _matches(plan, run, where)]
+    unknown = set(where) - {axis.name for axis in plan.axes} - {"seed"}
+    if len(chosen) != 1 or unknown:
+        names = [axis.name for axis in plan.axes] + (["seed"] if plan.seeds else [])
+        raise InputError(
+            "campaign",
+            expected=f"values of {', '.join(names) or 'nothing'} that name one run",
+            got=f"{where}, which names {0 if unknown else len(chosen)}",
+        )
+    return Store(Path(directory)).fields(chosen[0].identity)
+
+
 def table(dataset: xr.Dataset) -> pd.DataFrame:
     """One row a run: its coordinates and its numbers, from the dataset of `open`.
 
@@ -128,6 +162,12 @@ def load_plan(directory: str | Path) -> Plan:
         raise InputError(
             "campaign", expected="a folder that asperity sweep wrote", got=f"{directory}: {reason}"
         ) from error
+
+
+def _matches(plan: Plan, run: Run, where: dict[str, float | int | str]) -> bool:
+    place = {axis.name: axis.values[at] for axis, at in zip(plan.axes, run.point, strict=True)}
+    here = place | {"seed": run.seed}
+    return all(here.get(name) == value for name, value in where.items())
 
 
 def _dims(plan: Plan) -> tuple[str, ...]:

@@ -28,7 +28,7 @@ from asperity.errors import ConfigError
 
 Value = float | int | str
 _NOT_SWEPT = ("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures")
-_STORE_FORMAT = 1
+_STORE_FORMAT = 2
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 import zarr
 from filelock import FileLock, Timeout
 
@@ -32,6 +33,8 @@ from asperity.runs import Outcome
 
 QUANTITIES = ("time", *SERIES)
 FITTED = ("a", "q", "t0", "C")
+KEPT_FIELDS = ("heights", *FIELDS, "in_contact_relaxed", "u_relaxed")
+"""Fields of a run that asked for maps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,6 +167,34 @@ class Store:
             )
         return finished
 
+    def fields(self, identity: str) -> xr.Dataset:
+        """Read the fields that a finished run kept, as its history held them.
+
+        Raises
+        ------
+        InputError
+            The run is not there, or kept none.
+        """
+        try:
+            group = zarr.open_group(self.runs / identity, mode="r")
+            arrays = {name: np.asarray(group[name]) for name in KEPT_FIELDS if name in group}
+            times = np.asarray(group["field_time"])
+        except (OSError, KeyError, ValueError) as error:
+            raise InputError(
+                "campaign",
+                expected="a finished run that kept fields",
+                got=f"{identity} without",
+                advice="maps_at in [output]",
+            ) from error
+        sites = ("y", "x")[2 - arrays["heights"].ndim :]
+        return xr.Dataset(
+            {
+                name: (("field_time", *sites) if name in FIELDS else sites, values)
+                for name, values in arrays.items()
+            },
+            coords={"field_time": times},
+        )
+
     def _lock(self, identity: str) -> Path:
         return self.work / "locks" / f"{identity}.lock"
 
@@ -174,7 +205,7 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
     series = np.stack([np.asarray(dataset[name], dtype=np.float64) for name in QUANTITIES])
     group = zarr.open_group(folder, mode="w")
     group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))
-    for name in (*FIELDS, "field_time"):
+    for name in (*KEPT_FIELDS, "field_time") if "field_time" in dataset else ():
         if name in dataset:
             values = np.asarray(dataset[name])
             group.create_array(name, data=values, chunks=values.shape)

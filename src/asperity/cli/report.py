@@ -37,11 +37,10 @@ def run_report(outcome: Outcome, *, seconds: float) -> list[Row]:
         ("held", f"{held} {float(attrs[f'held_{held}']):.8g}"),
         ("load at t = 0", f"{float(dataset['load'][0]):.8g}"),
         ("contact at t = 0", _contact(summary.initial_area, summary)),
-        (
-            f"contact at t = {float(dataset['time'][-1]):g}",
-            _contact(int(dataset["area"][-1]), summary),
-        ),
     ]
+    if summary.time.size:
+        late = f"contact at t = {summary.time[-1]:g}"
+        rows.append((late, _contact(int(dataset["area"][-1]), summary)))
     if summary.relaxed_ratio is not None:
         rows.append(("contact relaxed", _contact(int(attrs["relaxed_area"]), summary)))
     rows += _fit(summary)

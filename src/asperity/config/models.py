@@ -121,7 +121,7 @@ class Contact(Section):
 
 
 class Aging(Section):
-    """The times to record, what is held, and the tolerance."""
+    """The times to record ([0.0]: only the start and the limit), what is held, and the tolerance."""
 
     first: Positive = 1e-3
     last: Positive = 1e6
@@ -138,8 +138,8 @@ class Aging(Section):
             return self
         if rivals := self.model_fields_set & {"first", "last", "per_decade"}:
             raise ValueError(f"expected times or {', '.join(sorted(rivals))}, got both")
-        if self.times[-1] == 0 or any(later <= earlier for earlier, later in pairwise(self.times)):
-            raise ValueError("times: expected strictly increasing times that reach beyond 0")
+        if any(later <= earlier for earlier, later in pairwise(self.times)):
+            raise ValueError("times: expected strictly increasing times")
         return self
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -95,8 +96,13 @@ def from_tables(tables: dict[str, dict[str, Any]]) -> RunConfig:
 
 def to_toml(config: RunConfig) -> str:
     """Write a configuration so that `read_config` reads the very same one."""
+    return tables_to_toml(to_tables(config))
+
+
+def tables_to_toml(tables: Mapping[str, Mapping[str, object]]) -> str:
+    """Write tables of numbers, words and lists, such as those of a campaign, as TOML."""
     lines = []
-    for section, keys in to_tables(config).items():
+    for section, keys in tables.items():
         lines += [f"[{section}]", *(f"{key} = {_toml_value(value)}" for key, value in keys.items()), ""]
     return "\n".join(lines)
 

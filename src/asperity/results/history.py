@@ -125,7 +125,7 @@ def age(
             keeper.write(Place(here, rows, snapshots))
 
     final = start
-    stops = np.union1d(recorded, kept)
+    stops = np.union1d(np.union1d(recorded, kept), [0.0])
     for frame in creep(start, stops, rtol=rtol, solver=method, midway=midway, after_step=keep_place):
         if progress is not None:
             progress(frame)
