@@ -23,6 +23,7 @@ ROOMS = [
     {"config"},
     {"runs"},
     {"campaign"},
+    {"paper"},
     {"cli"},
     {"__main__"},
 ]

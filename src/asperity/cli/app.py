@@ -10,7 +10,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 from cyclopts.exceptions import CycloptsError
@@ -105,6 +105,69 @@ def show_surface(
     show(settings, out=out, overwrite=overwrite)
 
 
+@app.command(name="fit")
+def fit_table(
+    file: Path,
+    /,
+    *,
+    law: Literal["saturation", "logarithm", "both"] = "both",
+    out: Path = Path("fit.png"),
+    json: Path | None = None,
+    overwrite: Switch = False,
+    window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
+    column_time: str = "0",
+    column_value: str = "1",
+    column_stderr: str | None = None,
+    quantity: str | None = None,
+    unit_time: str | None = None,
+) -> None:
+    """Fit laws of growth to measured values against hold time: contact area, or static friction.
+
+    A value at time 0, if there is one, is taken as exact; several, or one with a standard error, are
+    measurements like others.
+
+    Parameters
+    ----------
+    file
+        A table: two columns or more, separated by anything; also the aging.csv of a run. Lines
+        beginning with #, % or ; are comments.
+    law
+        Law to fit.
+    out
+        Figure to write (.png, .pdf or .svg).
+    json
+        File to write all numbers to (.json).
+    overwrite
+        Replace these files if they exist.
+    window
+        Hold times T1 T2 between which a straight line gives the growth per decade; the laws are fitted
+        to all values. [default: all]
+    column_time
+        Column of the hold times: its name in the header, or a number counted from 0.
+    column_value
+        Column of the values.
+    column_stderr
+        Column of their standard errors. [default: none are known]
+    quantity
+        What the values are, for the figure. [default: the name in the header]
+    unit_time
+        Unit of the hold times, such as s, for the figure. [default: none]
+    """
+    from asperity.cli.fit import fit
+
+    fit(
+        file,
+        laws=("saturation", "logarithm") if law == "both" else (law,),
+        out=out,
+        numbers=json,
+        overwrite=overwrite,
+        window=window,
+        columns=(column_time, column_value, column_stderr),
+        quantity=quantity,
+        unit_time=unit_time or "",
+    )
+
+
 @app.command
 def sweep(
     plan: Path,
@@ -181,6 +244,62 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
     from asperity.cli import campaign
 
     campaign.gather(out, to=to, overwrite=overwrite)
+
+
+@app.command
+def reproduce(
+    *,
+    out: Path,
+    quick: Switch = False,
+    seed: int = 0,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    dry_run: Switch = False,
+    retry_failed: Switch = False,
+    quiet: Switch = False,
+) -> None:
+    """Reproduce the paper: every figure and every claim, from simulations of your own, as one report.
+
+    The paper is E. A. Jagla's on the time dependence of contact area. The report, report.html in the
+    folder, explains itself. The same command again does what is missing, and draws the report anew.
+
+    Parameters
+    ----------
+    out
+        Folder of the reproduction; made, or gone on with.
+    quick
+        Smaller ensembles: minutes on a laptop in place of the better part of an hour.
+    seed
+        First seed of every ensemble; another one repeats everything on other surfaces.
+    workers
+        Worker processes on this machine. [default: its cores]
+    scheduler
+        Address of a Dask scheduler to use instead, such as tcp://10.0.0.1:8786.
+    dry_run
+        Only say how many runs, how long, and how much disk.
+    retry_failed
+        Try again what failed earlier.
+    quiet
+        Print neither progress nor summary.
+    """
+    if workers is not None and workers < 1:
+        raise InputError("--workers", expected="1 or more", got=workers)
+    from asperity.cli.reproduce import reproduce as reproduce_it
+    from asperity.cli.reproduce import say_what_it_takes
+    from asperity.runs import cores
+
+    if dry_run:
+        say_what_it_takes(quick=quick, seed=seed, workers=workers or cores())
+    else:
+        reproduce_it(
+            out,
+            quick=quick,
+            seed=seed,
+            workers=workers,
+            scheduler=scheduler,
+            retry_failed=retry_failed,
+            quiet=quiet,
+        )
 
 
 def main(arguments: Annotated[Sequence[str] | None, Parameter(parse=False)] = None) -> int:

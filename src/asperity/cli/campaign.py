@@ -31,8 +31,8 @@ def dry_run(plan: Plan, out: Path, *, workers: int) -> None:
     rows = [
         ("runs", f"{len({run.identity for run in plan.runs})}, of which {judged.runs} are to do"),
         ("dimensions", _dimensions(plan)),
-        ("time", f"about {_spell(judged.seconds / workers)} on {workers} workers, judged by {judged.basis}"),
-        ("disk", f"about {_size(judged.bytes)}"),
+        ("time", f"about {spell(judged.seconds / workers)} on {workers} workers, judged by {judged.basis}"),
+        ("disk", f"about {size(judged.bytes)}"),
     ]
     sys.stdout.write(f"{aligned(rows)}\n")
 
@@ -49,7 +49,7 @@ def sweep(
     """
     _check_out(out)
     try:
-        with _shown(quiet=quiet) as show:
+        with tally_shown(quiet=quiet) as show:
             end = campaign.sweep(
                 plan, out, workers=workers, scheduler=scheduler, retry_failed=retry_failed, progress=show
             )
@@ -134,7 +134,7 @@ def _tally_rows(end: Tally) -> list[tuple[str, str]]:
 
 
 @contextmanager
-def _shown(*, quiet: bool) -> Iterator[Callable[[Tally], None]]:
+def tally_shown(*, quiet: bool) -> Iterator[Callable[[Tally], None]]:
     """Progress with the time left: a bar on a terminal, lines elsewhere."""
     if quiet:
         yield lambda _: None
@@ -173,7 +173,7 @@ class _Lines:
             self.last = moment
             fresh = over - self.over_at_begin
             left = (now.total - over) * (moment - self.begin) / fresh if fresh else None
-            estimate = f", about {_spell(left)} left" if left else ""
+            estimate = f", about {spell(left)} left" if left else ""
             print(f"{_words(now)}: {over} of {now.total}{estimate}", file=sys.stderr, flush=True)
 
 
@@ -190,14 +190,16 @@ def _dimensions(plan: Plan) -> str:
     return " x ".join(parts) or "a single run"
 
 
-def _spell(seconds: float) -> str:
+def spell(seconds: float) -> str:
+    """Write a duration in the unit that suits it."""
     units = (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0), ("seconds", 1.0))
     unit, length = next((u for u in units if seconds >= 1.5 * u[1]), units[-1])
     value = seconds / length
     return f"{value:.2g} {unit}" if value < 9.95 else f"{value:.0f} {unit}"
 
 
-def _size(count: int) -> str:
+def size(count: int) -> str:
+    """Write a number of bytes in the unit that suits it."""
     value = float(count)
     for unit in ("B", "kB", "MB", "GB"):
         if value < 1000:

@@ -1,0 +1,52 @@
+"""What the simulations found, study by study, for the figures and the ledger to read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+import asperity.campaign as campaign
+from asperity.lattice import Field
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The finished studies of a reproduction.
+
+    Attributes
+    ----------
+    folder
+        Where they lie, one folder each.
+    """
+
+    folder: Path
+    _opened: dict[str, xr.Dataset] = field(default_factory=dict, compare=False, repr=False)
+
+    def __getitem__(self, study: str) -> xr.Dataset:
+        """Return the Dataset of a study, as `asperity.campaign.open` gives it."""
+        if study not in self._opened:
+            self._opened[study] = campaign.open(self.folder / study)
+        return self._opened[study]
+
+    def fields(self, study: str, **where: float) -> xr.Dataset:
+        """Return the fields of one run, as `asperity.campaign.fields` gives them."""
+        return campaign.fields(self.folder / study, **where)
+
+    def values(self, study: str, name: str) -> list[float]:
+        """Return the values of a swept parameter."""
+        return [float(value) for value in self[study][name].values]
+
+    def sites(self, study: str) -> float:
+        """Return the nominal area of a study of one size, in sites."""
+        return float(self[study]["sites"].max())
+
+    def samples(self, study: str, name: str, **where: float) -> Field:
+        """Return one quantity with its seeds first, at some values of the swept parameters.
+
+        What is left of the parameters and the time follows in the order of the Dataset.
+        """
+        chosen = self[study][name].sel(where)
+        return np.asarray(chosen.transpose("seed", ...), dtype=np.float64)

@@ -1,0 +1,113 @@
+"""Figure 2: the area against the load, before creep and fully relaxed, on independent Gaussian heights."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity.figures import style
+from asperity.paper.evidence import Evidence
+from asperity.paper.figures import curves
+from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
+from asperity.theory import GaussianHeights, compliance, dilute_area
+
+_FAR_APART = 3.0
+"""Spacing of contacts, in widths of the dips around them, from which on they are drawn as independent."""
+
+_DILUTE = 0.1
+"""Largest contact fraction at which the dilute theory is drawn."""
+
+
+def figure_2(evidence: Evidence) -> PaperFigure:
+    """Draw A(F_N) for several stiffness ratios, and of the relaxed state.
+
+    Parameters
+    ----------
+    evidence
+        With the study ``load``.
+
+    Returns
+    -------
+    PaperFigure
+        Tables ``instantaneous``, ``relaxed`` (for every k1, though all are the same) and ``dilute``.
+    """
+    sites = evidence.sites("load")
+    tables = {
+        "instantaneous": _fractions(evidence, "initial_area", sites),
+        "relaxed": _fractions(evidence, "relaxed_area", sites),
+    }
+    tables["dilute"] = _dilute(tables["instantaneous"])
+    return PaperFigure(
+        number=2,
+        title="Contact area against normal load",
+        caption=_caption(tables, sites),
+        figure=_draw(tables),
+        tables=tables,
+    )
+
+
+def _fractions(evidence: Evidence, area: str, sites: float) -> pd.DataFrame:
+    """Areas, and over the sites; loads, and over the sites."""
+    table = curves.over_seeds(evidence, "load", area, called="area")
+    for end in ("", "_low", "_high"):
+        table[f"contact_fraction{end}"] = table[f"area{end}"] / sites
+    table.insert(2, "load_per_site", table["load"] / sites)
+    return table
+
+
+def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
+    """Independent asperities, each with the compliance of the lattice; where they are far apart."""
+    loads = np.geomspace(areas["load_per_site"].min(), areas["load_per_site"].max(), 241)
+    frames = []
+    for k1 in areas["k1"].unique():
+        fraction = dilute_area(loads, compliance(k1, 0.0), GaussianHeights(rms=1.0))
+        apart = (fraction <= _DILUTE) & (_FAR_APART * np.sqrt(1 / k1) < fraction**-0.5)
+        frames.append(
+            pd.DataFrame({"k1": k1, "load_per_site": loads[apart], "contact_fraction": fraction[apart]})
+        )
+    return curves.stacked(frames, ["k1", "load_per_site", "contact_fraction"])
+
+
+def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    axes = figure.add_subplot(xscale="log", yscale="log")
+    areas, relaxed = tables["instantaneous"], tables["relaxed"]
+    ratios = areas["k1"].unique()
+    for k1, look in zip(ratios, curves.looks(len(ratios)), strict=True):
+        theory = tables["dilute"].query("k1 == @k1")
+        axes.plot(theory["load_per_site"], theory["contact_fraction"], color=look.color, linewidth=0.8)
+        curves.points(
+            axes, areas.query("k1 == @k1"), "load_per_site", "contact_fraction", look, label=f"{k1:g}"
+        )
+    one = relaxed[relaxed["k1"] == relaxed["k1"].iloc[0]]
+    ring = curves.Look(style.INK)
+    curves.points(axes, one, "load_per_site", "contact_fraction", ring, filled=False, label="relaxed", size=5)
+    start, level = one["load_per_site"].iloc[0], 3 * one["contact_fraction"].iloc[0]
+    span = np.array([1.0, max(1.0, 0.6 / level)])
+    axes.plot(start * span, level * span, ":", color=style.INK, linewidth=1.2)
+    curves.note(axes, "slope 1", (start * 8, level * 15), where="right")
+    axes.set_ylim(areas["contact_fraction"].min() / 3, 2)
+    curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
+    curves.legend(axes, "lower right", r"$k_1/k_0$")
+    return figure
+
+
+def _caption(tables: Mapping[str, pd.DataFrame], sites: float) -> str:
+    areas, relaxed = tables["instantaneous"], tables["relaxed"]
+    spread = relaxed.groupby("load")["area"].agg(np.ptp).max()
+    return (
+        "Real contact area, the number <i>A</i> of sites at which the bodies touch over the number "
+        f"<i>N</i><sub>0</sub> = {sites:g} of all sites, against the load per site, in units of "
+        f"{curves.STIFFNESS} times the rms height σ of the rough surface (heights independent and "
+        "Gaussian). Full symbols: the instantaneous contact, before any creep, for the ratios "
+        f"{curves.RATIO} in the legend. Open symbols: the fully relaxed state, in which all springs "
+        "<i>k</i><sub>1</sub> carry the same force, so that <i>k</i><sub>1</sub> drops out; one set is "
+        f"drawn for all ratios (largest difference of their mean areas: {spread:g} sites). Lines: "
+        "independent asperities, each with the compliance of a site of the lattice, without any fitted "
+        f"number, drawn where contacts are {_FAR_APART:g} widths of their dips apart or more and cover at "
+        f"most {100 * _DILUTE:g} % of the sites. Dotted: proportionality. "
+        f"{curves.ensemble_note(areas['seeds'], 'error bars, where larger than the symbols')}"
+    )

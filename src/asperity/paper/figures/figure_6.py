@@ -1,0 +1,177 @@
+"""Figure 6: the growth of the area at constant load on self-affine surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.errors import ConvergenceError, InputError
+from asperity.figures import style
+from asperity.fits import logarithm
+from asperity.paper.evidence import Evidence
+from asperity.paper.figures import curves
+from asperity.paper.figures.paper_figure import PAGE, PaperFigure
+from asperity.paper.studies import DELTA, HURST
+
+_LAST = 1e4
+"""Latest time (1/(k0 R)) to which the logarithm is fitted: the paper excepts very long times."""
+
+
+def figure_6(evidence: Evidence) -> PaperFigure:
+    """Draw A(t), and A(t)/A(0), for several loads and sizes, with fits of Eq. (log).
+
+    Parameters
+    ----------
+    evidence
+        With the study ``self_affine_aging``.
+
+    Returns
+    -------
+    PaperFigure
+        Tables ``area``, ``growth``, ``fits`` and ``fitted``.
+    """
+    growth = curves.over_seeds(
+        evidence, "self_affine_aging", "area", called="area_ratio", statistic=curves.growth
+    )
+    fits = _fits(growth)
+    tables = {
+        "area": curves.over_seeds(evidence, "self_affine_aging", "area", called="area"),
+        "growth": growth,
+        "fits": fits,
+        "fitted": _fitted(fits, growth["time"]),
+    }
+    return PaperFigure(
+        number=6,
+        title="Growth of the contact area with time, self-affine surfaces",
+        caption=_caption(tables),
+        figure=_draw(tables),
+        tables=tables,
+    )
+
+
+def _fits(growth: pd.DataFrame) -> pd.DataFrame:
+    """One logarithm for all loads and sizes of a stiffness ratio; none where the areas refuse it."""
+    rows = []
+    for k1, part in growth.query("0 < time <= @_LAST").groupby("k1"):
+        time, ratio = part["time"].to_numpy(np.float64), part["area_ratio"].to_numpy(np.float64)
+        try:
+            fit = logarithm(np.append(0.0, time), np.append(1.0, ratio))
+        except (InputError, ConvergenceError):
+            continue
+        rows.append({"k1": k1, "C": fit.C, "t0": fit.t0, "last": time.max(), "rms_misfit": fit.rms_residual})
+    return pd.DataFrame(rows, columns=["k1", "C", "t0", "last", "rms_misfit"])
+
+
+def _fitted(fits: pd.DataFrame, times: pd.Series) -> pd.DataFrame:
+    time = np.unique(times[times > 0])
+    return curves.stacked(
+        [
+            pd.DataFrame({"k1": k1, "time": time, "area_ratio": 1 + C * np.log1p(time / t0)})
+            for k1, C, t0 in fits[["k1", "C", "t0"]].to_numpy(np.float64)
+        ],
+        ["k1", "time", "area_ratio"],
+    )
+
+
+def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    area, growth = tables["area"].query("time > 0"), tables["growth"].query("time > 0")
+    figure = Figure(figsize=(PAGE, 3.0), layout="constrained")
+    raw, scaled = figure.subplots(1, 2)
+    raw.set(xscale="log", yscale="log")
+    stiff = float(area["k1"].max())
+    stiffest = area[area["k1"] == stiff]
+    _curves(raw, stiffest, "area")
+    heaviest = float(stiffest["load"].max())
+    for load in stiffest["load"].unique():
+        part = stiffest[stiffest["load"] == load]
+        text = rf"$F_N/k_0 = {load:g}$" if load == heaviest else f"{load:g}"
+        _at_the_end(raw, part, "area", text, 1.3)
+    curves.dress(raw, r"hold time  $t\,k_0 R$", r"contact area  $A(t)$  (sites)", panel="(a)")
+    raw.set_title(rf"$k_1/k_0 = {stiff:g}$", fontsize=curves.LABEL, pad=3)
+    raw.set_ylim(top=2.0 * float(stiffest["area"].max()))
+    scaled.set_xscale("log")
+    _curves(scaled, growth, "area_ratio", shaded=False)
+    _last_intervals(scaled, growth)
+    for k1 in growth["k1"].unique():
+        part = growth.query("k1 == @k1")
+        fitted = tables["fitted"].query("k1 == @k1")
+        scaled.plot(fitted["time"], fitted["area_ratio"], "--", color=style.INK, linewidth=1.0, zorder=5)
+        _at_the_end(scaled, part, "area_ratio", rf"$k_1/k_0 = {k1:g}$", 0.88)
+    curves.dress(scaled, r"hold time  $t\,k_0 R$", r"$A(t)\,/\,A(0)$", panel="(b)")
+    _explain(scaled, area)
+    return figure
+
+
+def _at_the_end(axes: Axes, part: pd.DataFrame, column: str, text: str, factor: float) -> None:
+    """Write above the highest curve at its last time, or below the lowest."""
+    last = part[part["time"] == part["time"].max()]
+    level = last[column].max() if factor > 1 else last[column].min()
+    curves.note(axes, text, (float(last["time"].iloc[0]), factor * float(level)), where="right")
+
+
+def _last_intervals(axes: Axes, growth: pd.DataFrame) -> None:
+    """Draw the intervals of the last values side by side, right of the curves, which they would hide."""
+    last = growth[growth["time"] == growth["time"].max()]
+    for at, ((load, size), (look, filled)) in enumerate(_styles(growth).items()):
+        part = last[(last["load"] == load) & (last["size"] == size)]
+        aside = part.assign(time=part["time"] * 10 ** (0.4 + 0.25 * at))
+        curves.points(axes, aside, "time", "area_ratio", look, filled=filled, size=2.5)
+
+
+def _styles(table: pd.DataFrame) -> dict[tuple[float, float], tuple[curves.Look, bool]]:
+    """Colors tell loads, markers and whether they are full tell sizes."""
+    loads, sizes = np.unique(table["load"]), np.unique(table["size"])
+    colors, markers = curves.looks(len(loads)), curves.looks(len(sizes))
+    return {
+        (load, size): (curves.Look(color.color, marker.marker), at % 2 == 0)
+        for load, color in zip(loads, colors, strict=True)
+        for at, (size, marker) in enumerate(zip(sizes, markers, strict=True))
+    }
+
+
+def _curves(axes: Axes, table: pd.DataFrame, column: str, *, shaded: bool = True) -> None:
+    for (load, size), (look, filled) in _styles(table).items():
+        for _, part in table[(table["load"] == load) & (table["size"] == size)].groupby("k1"):
+            curves.band(axes, part, "time", column, look, filled=filled, shaded=shaded)
+
+
+def _explain(axes: Axes, table: pd.DataFrame) -> None:
+    """Legend: colors and markers apart."""
+    styles = _styles(table)
+    loads, sizes = np.unique(table["load"]), np.unique(table["size"])
+    for load in loads:
+        axes.plot(
+            [], [], "-", color=styles[load, sizes[0]][0].color, linewidth=3, label=f"$F_N/k_0 = {load:g}$"
+        )
+    for size in sizes:
+        look, filled = styles[loads[0], size]
+        face = style.INK if filled else "none"
+        axes.plot(
+            [], [], look.marker, color=style.INK, markerfacecolor=face, markersize=3, label=f"${size:g}^2$"
+        )
+    axes.plot([], [], "--", color=style.INK, linewidth=1.0, label="logarithm")
+    curves.legend(axes, "upper left")
+
+
+def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
+    area, fits = tables["area"], tables["fits"]
+    pairs = fits[["k1", "C"]].to_numpy(np.float64)
+    slopes = ", ".join(f"{C:.2f} for {k1:g}" for k1, C in pairs) or "not determined"
+    return (
+        "Growth of the contact area with time at constant load, for self-affine surfaces of Hurst exponent "
+        f"<i>H</i> = {HURST:g} (Δ = {DELTA:g}), on lattices of {curves.several(area['size'])} sites a side. "
+        "(a) Area "
+        f"in sites for {curves.RATIO} = {area['k1'].max():g} and loads {curves.LOAD}/{curves.STIFFNESS} = "
+        f"{curves.several(area['load'])} (colors); symbols tell the sizes. (b) The same over the area at "
+        f"time 0, for {curves.RATIO} = {curves.several(area['k1'])}; where curves of different loads and "
+        "sizes fall together, the relative growth does not depend on them. Dashed: the logarithm "
+        "<i>A</i>(<i>t</i>)/<i>A</i>(0) = 1 + <i>C</i> ln(1 + <i>t</i>/<i>t</i><sub>0</sub>), one for each "
+        f"{curves.RATIO}, fitted to all its means up to <i>t</i> {curves.STIFFNESS} <i>R</i> = {_LAST:g} "
+        f"(<i>C</i> = {slopes}) and drawn beyond. "
+        f"{curves.ensemble_note(area['seeds'], 'bands in (a) and bars in (b)')} In (b) the bars belong to "
+        "the values at the last time and stand side by side to the right of it."
+    )

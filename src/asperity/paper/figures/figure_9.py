@@ -1,0 +1,112 @@
+"""Figure 9: indentation by a constant force with viscous creep, closed form and simulation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity.figures import style
+from asperity.paper.evidence import Evidence
+from asperity.paper.figures import curves
+from asperity.paper.figures.figure_8 import indentation
+from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
+from asperity.theory import LATE_SLOPE, compliance
+
+_STIFFNESS_RATIO = 3.0
+
+_MOBILITY_RATIOS = (0.0, 0.01, 0.1, 1.0, 10.0)
+
+_TIMES = np.geomspace(1e-3, 1e8, 177)
+
+_LARGE_LATTICE = 0.01
+"""Relative difference of the closed forms up to which a finite lattice stands for an endless one."""
+
+
+def figure_9(evidence: Evidence) -> PaperFigure:
+    """Draw the depth under a constant force for several ratios of the mobilities.
+
+    Parameters
+    ----------
+    evidence
+        With the study ``point``.
+
+    Returns
+    -------
+    PaperFigure
+        Tables ``theory`` and ``simulated``; the latter has all times, also those at which
+        the lattice is too small to be ``drawn``.
+    """
+    simulated = indentation(evidence).query("k1 == @_STIFFNESS_RATIO").reset_index(drop=True)
+    apart = (simulated["lattice"] / simulated["plane"] - 1).abs()
+    # Once the dip has come round the lattice, chance crossings of the closed forms mean nothing.
+    far = (apart > _LARGE_LATTICE).groupby(simulated["R_viscous"]).cummax()
+    simulated["drawn"] = ~far & (simulated["time"] > 0)
+    theory = pd.concat(
+        [
+            pd.DataFrame({"R_viscous": r, "x2": _TIMES, "depth": compliance(_STIFFNESS_RATIO, _TIMES, r)})
+            for r in sorted({*_MOBILITY_RATIOS, *simulated["R_viscous"]})
+        ],
+        ignore_index=True,
+    )
+    tables = {"theory": theory, "simulated": simulated}
+    return PaperFigure(
+        number=9,
+        title="Indentation by a constant force with viscous creep",
+        caption=_caption(simulated),
+        figure=_draw(tables),
+        tables=tables,
+    )
+
+
+def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    axes = figure.add_subplot(xscale="log")
+    theory, simulated = tables["theory"], tables["simulated"].query("drawn")
+    mobilities = theory["R_viscous"].unique()
+    for at, (r, look) in enumerate(zip(mobilities, curves.looks(len(mobilities)), strict=True)):
+        part, run = theory.query("R_viscous == @r"), simulated.query("R_viscous == @r")
+        curves.line(axes, part["x2"], part["depth"], look, at, label=f"{r:g}")
+        curves.symbols(axes, run["time"], run["depth"], look)
+    if len(simulated):
+        curves.symbols(axes, [], [], curves.Look(style.INK), label="simulated")
+    highest = theory[theory["R_viscous"] == mobilities.max()]
+    lowest = theory[theory["R_viscous"] == mobilities.min()]
+    for family, shift, slope, text in (
+        (highest, 0.12, 2 * LATE_SLOPE, r"slope $1/4\pi$"),
+        (lowest, -0.12, LATE_SLOPE, r"slope $1/8\pi$"),
+    ):
+        ends = np.array([1e4, 1e7])
+        level = float(np.interp(math.log(ends[0]), np.log(family["x2"]), family["depth"])) + shift
+        axes.plot(ends, level + slope * np.log(ends / ends[0]), ":", color=style.INK, linewidth=1.2)
+        where = (ends[0] / 2, level + 0.03) if shift > 0 else (ends[0] * 3, level - 0.05)
+        curves.note(axes, text, where, where="right" if shift > 0 else "left")
+    axes.set_ylim(bottom=0)
+    curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
+    curves.legend(axes, "upper left", r"$\tilde{R}/R$")
+    return figure
+
+
+def _caption(simulated: pd.DataFrame) -> str:
+    return (
+        "Depth to which a constant force <i>f</i><sub>0</sub> pushes one site of the surface, against "
+        f"time, for {curves.RATIO} = {_STIFFNESS_RATIO:g}, when the springs creep toward equal forces "
+        "(mobility <i>R</i>) and also flow under the force itself (mobility R̃; R̃/<i>R</i> in the "
+        "legend). Lines: closed form on an endless lattice. Without R̃ the depth ends as a logarithm of "
+        "slope 1/8π in ln <i>t</i>; with it, however small, as one of twice the slope, 1/4π, the later the "
+        "smaller R̃. Dotted: these slopes, displaced to be seen. "
+        + (_about(simulated) if len(simulated) else "")
+    )
+
+
+def _about(simulated: pd.DataFrame) -> str:
+    return (
+        "Symbols: simulations of one high asperity under constant load on a periodic lattice of "
+        f"{simulated['sites'].max():g} sites, for R̃/<i>R</i> = {curves.several(simulated['R_viscous'])}, "
+        f"drawn while the lattice stands for an endless one to {100 * _LARGE_LATTICE:g} %; at all times "
+        "they deviate from the closed form for that lattice by at most "
+        f"{curves.power(simulated['deviation'].abs().max())}."
+    )

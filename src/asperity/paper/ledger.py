@@ -1,0 +1,139 @@
+"""The ledger: what the paper claims, what was measured, and what follows.
+
+A verdict is never typed in. A claim states the range in which a number would bear it out, the number is
+computed from the simulations with a 95 % interval, and the two are compared: inside, outside, or undecided.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from asperity.fits.resampling import Estimate
+from asperity.lattice import Field
+
+MOST_SEEDS = 1000
+"""Seeds beyond which more seeds are no advice: the number lies on the edge of its range."""
+
+
+class Verdict(StrEnum):
+    """What a measurement says about a claim."""
+
+    AGREES = "agrees"
+    CORRECTED = "agrees once corrected"
+    DIFFERS = "differs"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One number of a claim, and the range in which it bears the claim out.
+
+    Attributes
+    ----------
+    what
+        What was measured, in words; plain text with the tags i, sub and sup of HTML.
+    estimate
+        The number with its 95 % interval; without one (`exact`) where nothing is random.
+    low, high
+        The range; infinite where it has one side only.
+    """
+
+    what: str
+    estimate: Estimate
+    low: float = -math.inf
+    high: float = math.inf
+
+    @property
+    def verdict(self) -> Verdict:
+        """Inside the range, outside, or undecided."""
+        low, high = self.estimate.low, self.estimate.high
+        if not (math.isfinite(low) and math.isfinite(high)):
+            return Verdict.UNDECIDED
+        if self.low <= low and high <= self.high:
+            return Verdict.AGREES
+        if high < self.low or low > self.high:
+            return Verdict.DIFFERS
+        return Verdict.UNDECIDED
+
+    @property
+    def seeds_needed(self) -> int | None:
+        """Seeds with which the interval would about clear the nearer end of the range; None if none would."""
+        here = self.estimate
+        distance = min(abs(here.value - self.low), abs(here.value - self.high))
+        half = max(here.high - here.value, here.value - here.low)
+        if here.runs < 2 or not math.isfinite(half) or distance == 0:
+            return None
+        return math.ceil(here.runs * (half / distance) ** 2)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A line of the ledger.
+
+    Attributes
+    ----------
+    key
+        A short name.
+    place
+        Where in the paper the claim stands.
+    claim
+        The claim, in our words.
+    measured
+        The numbers that decide it as it stands.
+    corrected
+        The numbers that decide it once corrected (`correction`), if it has to be; empty otherwise.
+    correction
+        What the correction is.
+    note
+        What a reader should know to judge the verdict: true whichever it is.
+    """
+
+    key: str
+    place: str
+    claim: str
+    measured: tuple[Measurement, ...]
+    corrected: tuple[Measurement, ...] = ()
+    correction: str = ""
+    note: str = ""
+
+    @property
+    def verdict(self) -> Verdict:
+        """The claim's: as it stands, or once corrected."""
+        plain = together(self.measured)
+        if plain is Verdict.DIFFERS and self.corrected:
+            fixed = together(self.corrected)
+            return Verdict.CORRECTED if fixed is Verdict.AGREES else fixed
+        return plain
+
+    @property
+    def needs(self) -> str:
+        """What it would take to decide an undecided claim."""
+        if self.verdict is not Verdict.UNDECIDED:
+            return ""
+        open_ones = [m for m in (*self.measured, *self.corrected) if m.verdict is Verdict.UNDECIDED]
+        seeds = [needed for m in open_ones if (needed := m.seeds_needed) is not None]
+        if not seeds:
+            return "more than one seed in each ensemble"
+        if max(seeds) > MOST_SEEDS:
+            return "a number lies on the edge of its range, where no ensemble decides"
+        return f"about {max(seeds)} seeds in place of {min(m.estimate.runs for m in open_ones)}"
+
+
+def together(measured: Sequence[Measurement]) -> Verdict:
+    """All must agree; one that differs decides; otherwise it is open."""
+    verdicts = {m.verdict for m in measured}
+    for verdict in (Verdict.DIFFERS, Verdict.UNDECIDED):
+        if verdict in verdicts:
+            return verdict
+    return Verdict.AGREES
+
+
+def exact(value: float) -> Estimate:
+    """Return a number in which nothing is random, as an estimate."""
+    number: Field = np.asarray(value, dtype=np.float64)[()]
+    return Estimate(value=number, stderr=np.zeros_like(number), low=number, high=number, runs=1)

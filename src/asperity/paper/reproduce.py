@@ -1,0 +1,184 @@
+"""Reproduce the paper: run the studies, draw the figures, judge the claims, write the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import asperity.campaign as campaign
+from asperity._version import __version__
+from asperity.campaign import Plan, Tally
+from asperity.errors import AsperityError, InputError, OutputError
+from asperity.paper.claims import ledger
+from asperity.paper.evidence import Evidence
+from asperity.paper.figures import draw
+from asperity.paper.ledger import Finding
+from asperity.paper.report import About, Simulated, write_report
+from asperity.paper.studies import Effort, Study, studies
+
+STUDIES = "studies"
+"""Folder of the campaigns, in that of the reproduction."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A study that is ready to run.
+
+    Attributes
+    ----------
+    study
+        What it is.
+    plan
+        Its runs.
+    folder
+        Where they go.
+    """
+
+    study: Study
+    plan: Plan
+    folder: Path
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What came out.
+
+    Attributes
+    ----------
+    report
+        The page to read.
+    findings
+        The lines of its ledger.
+    """
+
+    report: Path
+    findings: tuple[Finding, ...]
+
+
+def prepare(directory: str | Path, effort: Effort, *, seed: int = 0) -> tuple[Prepared, ...]:
+    """Write the campaign files of all studies into the folder of a reproduction.
+
+    Parameters
+    ----------
+    directory
+        The folder; made, or gone on with.
+    effort
+        How much to compute.
+    seed
+        First seed of every ensemble.
+
+    Raises
+    ------
+    InputError
+        The folder holds something else, or the seed is negative.
+    OutputError
+        The disk refused.
+    """
+    folder = Path(directory)
+    wanted = studies(effort, seed=seed)
+    if folder.exists() and not folder.is_dir():
+        raise InputError("--out", expected="a folder", got=f"{folder}, which is a file")
+    if folder.exists() and any(folder.iterdir()) and not (folder / STUDIES).is_dir():
+        raise InputError(
+            "--out",
+            expected="a new folder, or that of a reproduction",
+            got=f"{folder}, which holds something else and is kept",
+            advice="another name",
+        )
+    prepared = []
+    for study in wanted:
+        home = folder / STUDIES / study.name
+        try:
+            prepared.append(Prepared(study, study.write(home), home))
+        except OSError as error:
+            raise OutputError(f"cannot write {home}: {error.strerror or error}") from error
+    return tuple(prepared)
+
+
+def run_studies(
+    prepared: Sequence[Prepared],
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    retry_failed: bool = False,
+    watch: Callable[[Prepared], AbstractContextManager[Callable[[Tally], None]]],
+) -> None:
+    """Do what is missing of every study.
+
+    Parameters
+    ----------
+    prepared
+        From `prepare`.
+    workers, scheduler, retry_failed
+        As `asperity.campaign.sweep`.
+    watch
+        Entered for each study that has runs to do, until they are done; gives what is told the tally
+        after every run.
+
+    Raises
+    ------
+    AsperityError
+        The disk or the scheduler refused; or some runs failed, after all others were done.
+    """
+    failed = []
+    for one in prepared:
+        now = campaign.tally(one.plan, one.folder)
+        if now.done < now.total:
+            with watch(one) as progress:
+                now = campaign.sweep(
+                    one.plan,
+                    one.folder,
+                    workers=workers,
+                    scheduler=scheduler,
+                    retry_failed=retry_failed,
+                    progress=progress,
+                )
+        if now.done < now.total:
+            failed.append(one)
+    if failed:
+        names = ", ".join(f"asperity status {one.folder}" for one in failed)
+        raise AsperityError(f"some runs failed ({names} say why); --retry-failed tries them again")
+
+
+def conclude(
+    directory: str | Path, prepared: Sequence[Prepared], *, effort: Effort, command: str, seconds: float
+) -> Reproduction:
+    """Draw the figures, judge the claims and write the report, from studies that are finished.
+
+    Parameters
+    ----------
+    directory
+        The folder of the reproduction.
+    prepared
+        From `prepare`.
+    effort
+        How much was computed.
+    command
+        The command that did it, for the report.
+    seconds
+        How long it took.
+
+    Raises
+    ------
+    OutputError
+        The disk refused; an earlier report stays.
+    """
+    folder = Path(directory)
+    evidence = Evidence(folder / STUDIES)
+    findings = ledger(evidence)
+    about = About(
+        effort=effort.name,
+        version=__version__,
+        date=datetime.now(UTC).date(),
+        command=command,
+        wall_seconds=seconds,
+        run_seconds=sum(float(evidence[one.study.name]["seconds"].sum()) for one in prepared),
+        studies=tuple(
+            Simulated(one.study, evidence[one.study.name].attrs["runs"], f"{STUDIES}/{one.study.name}")
+            for one in prepared
+        ),
+    )
+    return Reproduction(write_report(folder, draw(evidence), findings, about), findings)

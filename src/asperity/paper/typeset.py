@@ -1,0 +1,120 @@
+"""Words and numbers as HTML, and as plain text.
+
+Texts of the reproduction are plain, with the tags i, sub and sup; whatever else they hold is shown as it is.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+
+from markupsafe import Markup, escape
+
+from asperity.errors import InputError
+from asperity.fits.resampling import Estimate
+
+UNKNOWN = "not determined"
+
+_TAG = re.compile(r"(</?(?:i|sub|sup)>)")
+_LARGE, _SMALL, _NARROW = 1e5, 1e-3, 1e-6
+
+
+def rich(text: str) -> Markup:
+    """Return a text as HTML: the tags i, sub and sup are kept, all else is escaped.
+
+    Raises
+    ------
+    InputError
+        A tag that is not closed, or not in its turn: it would reach into what follows.
+    """
+    pieces, opened = [], list[str]()
+    for index, piece in enumerate(_TAG.split(text)):
+        if index % 2 == 0:
+            pieces.append(escape(piece))
+            continue
+        name = piece.strip("</>")
+        if not piece.startswith("</"):
+            opened.append(name)
+        elif not opened or opened.pop() != name:
+            raise _unbalanced(text)
+        pieces.append(Markup(piece))
+    if opened:
+        raise _unbalanced(text)
+    return Markup("").join(pieces)
+
+
+def plain(text: str) -> str:
+    """Return a text without tags: F_N, 10^6, F^(0.8)."""
+    raised = re.sub(r"<sup>([^<]{2,})</sup>", r"^(\1)", text).replace("<sup>", "^")
+    return _TAG.sub("", raised.replace("<sub>", "_"))
+
+
+def number(value: float) -> Markup:
+    """Return a number to four digits; with a power of ten if it is large or small."""
+    if math.isnan(value):
+        return escape(UNKNOWN)
+    if math.isinf(value):
+        return escape("∞" if value > 0 else "−∞")
+    mantissa, exponent = f"{value:.3e}".split("e")
+    if value == 0 or _SMALL <= abs(value) < _LARGE:
+        return _signed(_short(f"{value:.{max(0, 3 - int(exponent))}f}"))
+    digits = _short(mantissa)
+    power = _ten_to(int(exponent))
+    return power if digits == "1" else _signed(digits) + escape(" × ") + power
+
+
+def interval(estimate: Estimate) -> Markup:
+    """Return a number with its 95 % interval in brackets, to the second digit of the interval's half width.
+
+    Without brackets if nothing is random, one run does not tell, or the interval is beyond the sixth digit.
+    """
+    value, low, high = (float(end) for end in (estimate.value, estimate.low, estimate.high))
+    largest = max(abs(value), abs(low), abs(high))
+    if not math.isfinite(value + high - low) or high - low <= _NARROW * largest:
+        return number(value)
+    exponent = 0 if _SMALL <= largest < _LARGE else math.floor(math.log10(largest))
+    scale = 10.0**exponent
+    decimals = max(0, 1 - math.floor(math.log10((high - low) / 2 / scale)))
+    written = [_signed(f"{end / scale:.{decimals}f}") for end in (value, low, high)]
+    text = Markup("{} [{}, {}]").format(*written)
+    return text if exponent == 0 else Markup("({}) × ").format(text) + _ten_to(exponent)
+
+
+def bounds(low: float, high: float) -> Markup:
+    """Return a range in words."""
+    if math.isinf(low) and math.isinf(high):
+        return escape("any number")
+    if math.isinf(low):
+        return escape("at most ") + number(high)
+    if math.isinf(high):
+        return escape("at least ") + number(low)
+    return number(low) if low == high else number(low) + escape(" to ") + number(high)
+
+
+def duration(seconds: float) -> str:
+    """Return a time as it is said: 12 s, 3 min 20 s, 5 h 2 min."""
+    if not math.isfinite(seconds):
+        return UNKNOWN
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    minutes, rest = divmod(whole, 60)
+    if minutes < 60:
+        return f"{minutes} min {rest} s"
+    return f"{minutes // 60} h {minutes % 60} min"
+
+
+def _short(digits: str) -> str:
+    return digits.rstrip("0").rstrip(".") if "." in digits else digits
+
+
+def _signed(digits: str) -> Markup:
+    return escape(digits.replace("-", "−"))
+
+
+def _ten_to(exponent: int) -> Markup:
+    return Markup("10<sup>{}</sup>").format(_signed(str(exponent)))
+
+
+def _unbalanced(text: str) -> InputError:
+    return InputError("text", expected="tags i, sub and sup that are closed in turn", got=repr(text))

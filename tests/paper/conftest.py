@@ -1,0 +1,44 @@
+"""A whole reproduction on tiny lattices, computed once."""
+
+import json
+
+import pytest
+
+from asperity.campaign.store import Store
+from asperity.campaign.sweep import plan_to_json
+from asperity.campaign.worker import run_task
+from asperity.config import to_tables
+from asperity.paper.evidence import Evidence
+from asperity.paper.reproduce import STUDIES, prepare
+from asperity.paper.studies import Effort
+
+TINY = Effort(
+    "tiny",
+    seeds=2,
+    more_seeds=4,
+    loads_per_decade=2,
+    sizes=(32, 64),
+    aging_sizes=(16, 32),
+    maps_size=64,
+    side=40,
+)
+
+
+@pytest.fixture(scope="session")
+def reproduction(tmp_path_factory):
+    """Folder of a tiny reproduction whose studies are done, in this process, and its studies."""
+    folder = tmp_path_factory.mktemp("reproduction")
+    prepared = prepare(folder, TINY, seed=3)
+    for one in prepared:
+        Store(one.folder).prepare()
+        (one.folder / "plan.json").write_text(plan_to_json(one.plan), encoding="utf-8")
+        for run in one.plan.runs:
+            config = json.dumps(to_tables(run.config))
+            report = run_task(str(one.folder), run.identity, config, run.content)
+            assert report[1] == "done", (one.study.name, report)
+    return folder, prepared
+
+
+@pytest.fixture(scope="session")
+def evidence(reproduction):
+    return Evidence(reproduction[0] / STUDIES)

@@ -1,0 +1,109 @@
+"""The whole reproduction, on tiny lattices: from studies to the report, and as a command."""
+
+import csv
+import re
+
+import pytest
+
+from asperity.campaign import read_plan, tally
+from asperity.cli import main
+from asperity.cli import reproduce as command
+from asperity.errors import InputError
+from asperity.paper.claims import ledger
+from asperity.paper.reproduce import prepare
+from asperity.paper.studies import FULL, QUICK, studies
+from tests.paper.conftest import TINY
+
+pytestmark = pytest.mark.xdist_group("reproduction")  # one process computes it
+
+
+@pytest.fixture
+def asperity(monkeypatch, capsys):
+    monkeypatch.setattr(command, "QUICK", TINY)
+
+    def call(*words):
+        status = main(["reproduce", *map(str, words)])
+        said = capsys.readouterr()
+        return status, said.out, said.err
+
+    return call
+
+
+def test_report_of_finished_studies(reproduction, evidence, asperity):
+    folder, _ = reproduction
+    status, out, err = asperity("--out", folder, "--quick", "--seed", "3")
+    assert status == 0
+    assert "study" not in err  # nothing was left to run
+    assert out.rstrip().endswith("report.html")
+    findings = ledger(evidence)
+    assert re.search(rf"^claims +{len(findings)}$", out, re.MULTILINE)
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    for number in range(1, 10):
+        for suffix in ("svg", "pdf", "png"):
+            assert (folder / "figures" / f"figure-{number}.{suffix}").stat().st_size > 1000
+        assert list((folder / "data").glob(f"figure-{number}-*.csv"))
+        assert f"figure-{number}.pdf" in page
+    with (folder / "ledger.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert {row["key"]: row["verdict"] for row in rows} == {f.key: f.verdict.value for f in findings}
+    assert "--seed 3" in page
+
+
+def test_only_what_is_missing_is_run(reproduction, asperity):
+    folder, prepared = reproduction
+    sketch = next(one for one in prepared if one.study.name == "sketch")
+    (run,) = sketch.plan.runs
+    for path in sorted((sketch.folder / "runs.zarr" / run.identity).rglob("*"), reverse=True):
+        path.unlink() if path.is_file() else path.rmdir()
+    (sketch.folder / "runs.zarr" / run.identity).rmdir()
+    assert tally(sketch.plan, sketch.folder).done == 0
+    status, _, err = asperity("--out", folder, "--quick", "--seed", "3", "--workers", "1")
+    assert status == 0
+    assert err.count("study") == 1
+    assert sketch.study.purpose in err
+    assert tally(sketch.plan, sketch.folder).done == 1
+
+
+def test_every_study_is_an_ordinary_campaign(tmp_path):
+    for one in prepare(tmp_path, TINY):
+        plan = read_plan(one.folder / "campaign.toml")
+        assert [run.identity for run in plan.runs] == [run.identity for run in one.plan.runs]
+
+
+@pytest.mark.parametrize("effort", [QUICK, FULL])
+def test_seeds_go_on_from_the_first(effort):
+    for here, there in zip(studies(effort), studies(effort, seed=1000), strict=True):
+        if "seeds" in here.tables["sweep"]:
+            before, after = (study.tables["sweep"]["seeds"] for study in (here, there))
+            assert after == [seed + 1000 for seed in before]
+
+
+def test_full_holds_all_of_quick():
+    # The full reproduction goes on from the quick one: its ensembles contain the smaller ones.
+    for small, large in zip(studies(QUICK), studies(FULL), strict=True):
+        assert small.name == large.name
+        for key in ("seeds", "load"):
+            if key in small.tables["sweep"]:
+                assert set(small.tables["sweep"][key]) <= set(large.tables["sweep"][key])
+
+
+def test_mistakes(tmp_path, asperity):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "thesis.tex").write_text("mine")
+    for words, complaint in [
+        (("--out", tmp_path / "file"), "expected a folder, got .*, which is a file"),
+        (("--out", tmp_path / "full"), "expected a new folder, or that of a reproduction"),
+        (("--out", tmp_path / "new", "--seed", "-1"), "seed: expected 0 or more, got -1"),
+        (("--out", tmp_path / "new", "--workers", "0"), "--workers: expected 1 or more, got 0"),
+    ]:
+        status, out, err = asperity(*words)
+        assert (status, out) == (2, "")
+        assert re.search(complaint, err), err
+    assert not (tmp_path / "new").exists()
+    assert [path.name for path in (tmp_path / "full").iterdir()] == ["thesis.tex"]
+
+
+def test_negative_seed_is_refused():
+    with pytest.raises(InputError, match="seed: expected 0 or more"):
+        studies(QUICK, seed=-1)
