@@ -15,8 +15,10 @@ from asperity.paper.studies import Effort
 TINY = Effort(
     "tiny",
     seeds=2,
-    more_seeds=4,
+    pressed_seeds=2,
+    light_seeds=4,
     loads_per_decade=2,
+    aging_loads=(1e-2, 1e-1, 3e-1),
     sizes=(32, 64),
     aging_sizes=(16, 32),
     maps_size=64,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity.paper.claims import discussion, few_contacts, ledger, self_affine, uncorrelated
+from asperity.paper.claims import area_and_load, discussion, few_contacts, growth, ledger, self_affine
 from asperity.paper.evidence import Evidence
 from asperity.paper.ledger import Verdict
 
@@ -49,11 +49,11 @@ class Altered(Evidence):
     ("claim", "study", "name", "change"),
     [
         # Areas that shrink, that know k1, that stay below full contact: each claim must notice.
-        (uncorrelated.relaxed_is_larger, "load", "relaxed_area", lambda area: area * 0),
-        (uncorrelated.relaxed_forgets_k1, "load", "relaxed_area", lambda area: area + area["k1"]),
-        (uncorrelated.relaxed_full_contact, "load", "relaxed_area", lambda area: area - 1),
-        (uncorrelated.no_lateral_spring, "no_lateral", "area", lambda area: area * 0.9),
-        (uncorrelated.load_drifts, "separation", "load", xr.ones_like),
+        (area_and_load.relaxed_is_larger, "load", "relaxed_area", lambda area: area * 0),
+        (area_and_load.relaxed_forgets_k1, "load", "relaxed_area", lambda area: area + area["k1"]),
+        (area_and_load.relaxed_full_contact, "load", "relaxed_area", lambda area: area - 1),
+        (area_and_load.no_lateral_spring, "no_lateral", "area", lambda area: area * 0.9),
+        (growth.load_drifts, "separation", "load", xr.ones_like),
         (discussion.viscous_creep_kills_the_load, "separation", "load", xr.ones_like),
         (discussion.line_contact, "line_point", "approach", lambda depth: depth**2),
         (few_contacts.compliance_in_the_engine, "point", "approach", lambda depth: depth * 1.01),
@@ -69,9 +69,9 @@ def test_exponents_are_those_of_the_areas(evidence):
         return 400.0 * (area["load"] / 40**2) ** 0.8 * xr.ones_like(area)
 
     altered = Altered(evidence, "load", "relaxed_area", power)
-    (measured,) = uncorrelated.relaxed_exponent(altered).measured
+    (measured,) = area_and_load.relaxed_exponent(altered).measured
     assert float(measured.estimate.value) == pytest.approx(0.8, abs=1e-12)
-    (measured,) = uncorrelated.relaxed_power_law(altered).measured
+    (measured,) = area_and_load.relaxed_power_law(altered).measured
     assert float(measured.estimate.value) == pytest.approx(0.0, abs=1e-12)
 
 

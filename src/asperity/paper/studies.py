@@ -40,10 +40,13 @@ class Effort:
 
     Attributes
     ----------
-    seeds, more_seeds
-        Surfaces in each ensemble; and where runs are cheap.
+    seeds, pressed_seeds, light_seeds
+        Surfaces in an ensemble of aging contacts; of contacts that are only pressed and relaxed; and of
+        contacts so light that few sites touch.
     loads_per_decade
         Points of the curves of area against load.
+    aging_loads
+        Loads per site, over k0, of the aging contacts of independent heights.
     sizes, aging_sizes
         Sides of the lattices on which self-affine surfaces are compared, pressed and aging.
     maps_size
@@ -54,17 +57,35 @@ class Effort:
 
     name: str
     seeds: int
-    more_seeds: int
+    pressed_seeds: int
+    light_seeds: int
     loads_per_decade: int
+    aging_loads: tuple[float, ...]
     sizes: tuple[int, ...]
     aging_sizes: tuple[int, ...]
     maps_size: int = 256
     side: int = 200
 
 
-QUICK = Effort("quick", seeds=6, more_seeds=18, loads_per_decade=2, sizes=(128, 256), aging_sizes=(64, 128))
+QUICK = Effort(
+    "quick",
+    seeds=4,
+    pressed_seeds=6,
+    light_seeds=10,
+    loads_per_decade=2,
+    aging_loads=(3e-3, 1e-2, 3e-2, 1e-1, 3e-1),
+    sizes=(128, 256),
+    aging_sizes=(64, 128),
+)
 FULL = Effort(
-    "full", seeds=12, more_seeds=48, loads_per_decade=4, sizes=(128, 256, 512), aging_sizes=(128, 256)
+    "full",
+    seeds=12,
+    pressed_seeds=16,
+    light_seeds=48,
+    loads_per_decade=4,
+    aging_loads=(3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0),
+    sizes=(128, 256, 512),
+    aging_sizes=(128, 256),
 )
 
 
@@ -127,7 +148,7 @@ def studies(effort: Effort, *, seed: int = 0) -> tuple[Study, ...]:
     if seed < 0:
         raise InputError("seed", expected="0 or more", got=seed)
     return tuple(
-        _seeded(study, seed) for study in (*_uncorrelated(effort), *_self_affine(effort), *_points(effort))
+        _seeded(study, seed) for study in (*_uncorrelated(effort), *_self_affine(effort), *_points())
     )
 
 
@@ -144,7 +165,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 "sweep": {
                     "k1": [0.01, 0.1, 1.0, 10.0, 100.0],
                     "load": [sites * p for p in _decades(1e-3, 1e3, effort.loads_per_decade)],
-                    "seeds": effort.seeds,
+                    "seeds": effort.pressed_seeds,
                 },
             },
         ),
@@ -155,7 +176,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 "surface": {"kind": "gaussian", "shape": square},
                 "sweep": {
                     "k1": [1.0, 10.0],
-                    "load": [sites * p for p in (3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0)],
+                    "load": [sites * p for p in effort.aging_loads],
                     "seeds": effort.seeds,
                 },
             },
@@ -166,8 +187,8 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
             {
                 "surface": {"kind": "exponential", "shape": square},
                 "contact": {"load": sites * 3e-3},
-                "aging": {"last": 1e4},
-                "sweep": {"k1": [1.0, 3.0], "R_viscous": [0.0, 1.0], "seeds": effort.more_seeds},
+                "aging": {"last": 1e3},
+                "sweep": {"k1": [1.0, 3.0], "R_viscous": [0.0, 1.0], "seeds": effort.light_seeds},
             },
         ),
         Study(
@@ -228,7 +249,7 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
                 "sweep": {
                     "size": list(effort.sizes),
                     "load": _decades(1.0, 1e4, effort.loads_per_decade),
-                    "seeds": effort.seeds,
+                    "seeds": effort.pressed_seeds,
                 },
             },
         ),
@@ -249,7 +270,7 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
             "hurst",
             "Area against load, and its growth, for several Hurst exponents",
             {
-                "surface": {"kind": "self_affine", "size": effort.sizes[0], "delta": DELTA},
+                "surface": {"kind": "self_affine", "size": effort.aging_sizes[0], "delta": DELTA},
                 "solid": stiff,
                 "sweep": {
                     "hurst": [0.3, 0.5, 0.8],
@@ -284,7 +305,7 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
     )
 
 
-def _points(effort: Effort) -> tuple[Study, ...]:
+def _points() -> tuple[Study, ...]:
     """One asperity: the engine beside the closed form of the compliance."""
     alone = {"kind": "file", "path": "asperity.npy", "tilt": "none", "periodic": "wrap"}
     return (
@@ -296,7 +317,7 @@ def _points(effort: Effort) -> tuple[Study, ...]:
                 "contact": {"load": 1.0},
                 "sweep": {"k1": [1.0, 3.0, 10.0], "R_viscous": [0.0, 0.1, 1.0]},
             },
-            asperity=(effort.side, effort.side),
+            asperity=(128, 128),
         ),
         Study(
             "line_point",

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from asperity.analysis.contact_patches import clustering, turnover
 from asperity.lattice import Field
 from asperity.paper.claims.measures import between, exponent, growth_slope, mean_of
 from asperity.paper.claims.wording import AREA, K0, K1, K_EFF, LOAD, REDUCED_TIME, TIME, ratio
@@ -29,7 +26,6 @@ def findings(evidence: Evidence) -> tuple[Finding, ...]:
         slope_and_load(evidence),
         slope_and_stiffness(evidence),
         other_hurst_exponents(evidence),
-        *contact_spots(evidence),
     )
 
 
@@ -183,116 +179,6 @@ def other_hurst_exponents(evidence: Evidence) -> Finding:
         note="Read as: area somewhat less than proportional to the load, and growth over decades that looks "
         "like a logarithm.",
     )
-
-
-def contact_spots(evidence: Evidence) -> tuple[Finding, ...]:
-    """Spots grow, new ones appear, some detach, and the relaxed contact is scattered."""
-    spots = [_Spots.of(evidence, int(seed)) for seed in evidence["maps"]["seed"].values]
-
-    def over_seeds(name: str) -> Field:
-        return np.array([getattr(one, name) for one in spots])
-
-    times = evidence.fields("maps", seed=float(evidence["maps"]["seed"][0]))["field_time"].values
-    later = f"{REDUCED_TIME} = {times[2]:g}"
-    return (
-        Finding(
-            key="spots-grow",
-            place=f"{PLACE}; Fig. 7",
-            claim="The contact grows both by larger spots and by new ones.",
-            measured=(
-                Measurement(
-                    f"share of the sites gained by {later} that belong to spots of {TIME} = 0",
-                    mean_of(float, over_seeds("attached")),
-                    0.05,
-                    0.95,
-                ),
-            ),
-            note="A spot is a connected patch of sites in contact, neighbors along the axes. The rest of "
-            "the sites gained are in new spots.",
-        ),
-        Finding(
-            key="spots-detach",
-            place=f"{PLACE}; Fig. 7",
-            claim="Sites that touched at first may become detached at very long times.",
-            measured=(
-                Measurement(
-                    f"share of the sites of {TIME} = 0 that are free in the relaxed state",
-                    mean_of(float, over_seeds("lost_relaxed")),
-                    0.005,
-                    1.0,
-                ),
-                Measurement(
-                    f"the same at {REDUCED_TIME} = {times[1]:g}, over that of the relaxed state",
-                    mean_of(lambda mean: float(mean[0] / mean[1]), over_seeds("lost_early_and_relaxed")),
-                    0.0,
-                    0.5,
-                ),
-            ),
-        ),
-        Finding(
-            key="spots-scattered",
-            place=f"{PLACE}; Fig. 7",
-            claim="The relaxed contact is a uniformly scattered distribution of points.",
-            measured=(
-                Measurement(
-                    "variance over mean of the contacts in boxes, relaxed; 1 if scattered at random",
-                    mean_of(float, over_seeds("clustering_relaxed")),
-                    0.0,
-                    2.0,
-                ),
-                Measurement(
-                    "the same before creep, over that of the relaxed state",
-                    mean_of(
-                        lambda mean: float(mean[0] / mean[1]), over_seeds("clustering_first_and_relaxed")
-                    ),
-                    2.0,
-                    np.inf,
-                ),
-            ),
-        ),
-    )
-
-
-@dataclass(frozen=True)
-class _Spots:
-    """What became of the contact of one surface.
-
-    Attributes
-    ----------
-    attached
-        Of the sites gained by the second map after t = 0, the share in spots of t = 0.
-    lost_relaxed
-        Of the sites of t = 0, the share that is free in the relaxed state.
-    lost_early_and_relaxed
-        The same at the first map after t = 0, and in the relaxed state.
-    clustering_relaxed
-        Index of dispersion of the relaxed contact.
-    clustering_first_and_relaxed
-        The same at t = 0, and relaxed.
-    """
-
-    attached: float
-    lost_relaxed: float
-    lost_early_and_relaxed: tuple[float, float]
-    clustering_relaxed: float
-    clustering_first_and_relaxed: tuple[float, float]
-
-    @classmethod
-    def of(cls, evidence: Evidence, seed: int) -> _Spots:
-        fields = evidence.fields("maps", seed=seed)
-        maps = fields["in_contact"].values
-        first, early, middle, relaxed = maps[0], maps[1], maps[2], fields["in_contact_relaxed"].values
-        grown = turnover(first, middle)
-        lost = [turnover(first, later).lost / first.sum() for later in (early, relaxed)]
-        box = first.shape[0] // 16  # one for both states: the index depends on it
-        clustered = [clustering(state, box=box) for state in (first, relaxed)]
-        return cls(
-            attached=grown.gained_attached / grown.gained,
-            lost_relaxed=lost[1],
-            lost_early_and_relaxed=(lost[0], lost[1]),
-            clustering_relaxed=clustered[1],
-            clustering_first_and_relaxed=(clustered[0], clustered[1]),
-        )
 
 
 def _largest(evidence: Evidence, k1: float) -> Field:
