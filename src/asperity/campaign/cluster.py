@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 ATTEMPTS = 3
 """How many deaths of its worker a run survives before it counts as failed."""
 
+_THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+
 _PATIENCE = 60.0
 """Seconds to wait for the first worker of a given scheduler."""
 
@@ -32,6 +34,9 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
         "distributed.scheduler.allowed-failures": ATTEMPTS,
         # A worker that dies is blamed on the run that it was at, and on none that waits for it.
         "distributed.scheduler.worker-saturation": 1.0,
+        # One thread each. Dask would also have the allocator return memory at once (MALLOC_TRIM_THRESHOLD_),
+        # after which every array of a run is fetched from the system anew: twice the time.
+        "distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, 1),
     }
     with dask.config.set(settings), _quiet(), ExitStack() as stack:
         if scheduler is not None:

@@ -69,9 +69,9 @@ class Effort:
 
 QUICK = Effort(
     "quick",
-    seeds=4,
-    pressed_seeds=6,
-    light_seeds=10,
+    seeds=6,
+    pressed_seeds=8,
+    light_seeds=16,
     loads_per_decade=2,
     aging_loads=(3e-3, 1e-2, 3e-2, 1e-1, 3e-1),
     sizes=(128, 256),
@@ -79,9 +79,9 @@ QUICK = Effort(
 )
 FULL = Effort(
     "full",
-    seeds=12,
-    pressed_seeds=16,
-    light_seeds=48,
+    seeds=16,
+    pressed_seeds=24,
+    light_seeds=64,
     loads_per_decade=4,
     aging_loads=(3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0),
     sizes=(128, 256, 512),
