@@ -75,7 +75,7 @@ QUICK = Effort(
     loads_per_decade=2,
     aging_loads=(3e-3, 1e-2, 3e-2, 1e-1, 3e-1),
     sizes=(128, 256),
-    aging_sizes=(64, 128),
+    aging_sizes=(128, 256),
 )
 FULL = Effort(
     "full",
