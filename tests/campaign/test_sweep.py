@@ -13,6 +13,7 @@ import xarray as xr
 
 import asperity.campaign as campaign
 from asperity import age, press
+from asperity.campaign.cluster import connect
 from asperity.campaign.store import Store
 from asperity.campaign.worker import run_task
 from asperity.cli import main
@@ -372,3 +373,45 @@ def test_the_plan_is_kept_beside_the_runs(done):
     facts = json.loads((done / "out" / "plan.json").read_text())
     assert len(facts["runs"]) == 12
     assert campaign.load_plan(done / "out") == campaign.read_plan(done / "campaign.toml")
+
+
+def test_kept_fields_are_those_of_single_runs(tmp_path):
+    plan = written(tmp_path, SMALL + "\n[output]\nmaps_at = [0.0, 1.0]\n")
+    assert main(["sweep", str(plan), "--out", str(tmp_path / "out"), "--workers", "1", "--quiet"]) == 0
+    data = campaign.open(tmp_path / "out")
+    where = {str(name): data[name].values[-1] for name in data["initial_area"].dims}
+    fields = campaign.fields(tmp_path / "out", **where)
+    run = data.sel(where)
+    assert fields["field_time"].values.tolist() == [0.0, 1.0]
+    assert fields["in_contact"].isel(field_time=0).sum() == run["initial_area"]
+    assert fields["in_contact_relaxed"].sum() == run["relaxed_area"]
+    touching = (fields["u"] == fields["heights"]).sum(("y", "x"))
+    assert (touching == fields["in_contact"].sum(("y", "x"))).all()
+    for wrong in ({}, where | {"k9": 1.0}, where | {"seed": 99}):
+        with pytest.raises(InputError, match="that name one run"):
+            campaign.fields(tmp_path / "out", **wrong)
+
+
+def test_fields_that_were_not_kept(done):
+    data = campaign.open(done / "out")
+    where = {str(name): data[name].values[0] for name in data["initial_area"].dims}
+    with pytest.raises(InputError, match=r"kept fields, got .*; try maps_at"):
+        campaign.fields(done / "out", **where)
+
+
+def test_ends_alone(tmp_path):
+    plan = written(tmp_path, "[surface]\nshape = [16, 16]\n[aging]\ntimes = [0.0]\n[sweep]\nseeds = 2\n")
+    assert main(["sweep", str(plan), "--out", str(tmp_path / "out"), "--workers", "1", "--quiet"]) == 0
+    data = campaign.open(tmp_path / "out")
+    assert data["time"].values.tolist() == [0.0]
+    assert (data["relaxed_area"] >= data["initial_area"]).all()
+    assert (data["final_area"] == data["initial_area"]).all()
+
+
+def test_workers_keep_their_memory():
+    # With it, memory goes back to the system after every array, and runs take twice the time.
+    with connect(1, None, 1) as client:
+        (found,) = client.run(os.environ.get, "MALLOC_TRIM_THRESHOLD_").values()
+        (threads,) = client.run(os.environ.get, "OMP_NUM_THREADS").values()
+    assert found is None
+    assert threads == "1"
