@@ -9,7 +9,7 @@ from asperity.campaign.sweep import plan_to_json
 from asperity.campaign.worker import run_task
 from asperity.config import to_tables
 from asperity.paper.evidence import Evidence
-from asperity.paper.reproduce import STUDIES, prepare
+from asperity.paper.reproduce import STUDIES, prepared_in
 from asperity.paper.studies import Effort
 
 TINY = Effort(
@@ -30,14 +30,14 @@ TINY = Effort(
 def reproduction(tmp_path_factory):
     """Folder of a tiny reproduction whose studies are done, in this process, and its studies."""
     folder = tmp_path_factory.mktemp("reproduction")
-    prepared = prepare(folder, TINY, seed=3)
-    for one in prepared:
-        Store(one.folder).prepare()
-        (one.folder / "plan.json").write_text(plan_to_json(one.plan), encoding="utf-8")
-        for run in one.plan.runs:
-            config = json.dumps(to_tables(run.config))
-            report = run_task(str(one.folder), run.identity, config, run.content)
-            assert report[1] == "done", (one.study.name, report)
+    with prepared_in(folder, TINY, seed=3) as prepared:
+        for one in prepared:
+            Store(one.folder).prepare()
+            (one.folder / "plan.json").write_text(plan_to_json(one.plan), encoding="utf-8")
+            for run in one.plan.runs:
+                config = json.dumps(to_tables(run.config))
+                report = run_task(str(one.folder), run.identity, config, run.content)
+                assert report[1] == "done", (one.study.name, report)
     return folder, prepared
 
 

@@ -10,7 +10,7 @@ from asperity.cli import main
 from asperity.cli import reproduce as command
 from asperity.errors import InputError
 from asperity.paper.claims import ledger
-from asperity.paper.reproduce import prepare
+from asperity.paper.reproduce import prepared_in
 from asperity.paper.studies import FULL, QUICK, studies
 from tests.paper.conftest import TINY
 
@@ -65,9 +65,17 @@ def test_only_what_is_missing_is_run(reproduction, asperity):
 
 
 def test_every_study_is_an_ordinary_campaign(tmp_path):
-    for one in prepare(tmp_path, TINY):
-        plan = read_plan(one.folder / "campaign.toml")
-        assert [run.identity for run in plan.runs] == [run.identity for run in one.plan.runs]
+    with prepared_in(tmp_path, TINY) as prepared:
+        for one in prepared:
+            plan = read_plan(one.folder / "campaign.toml")
+            assert [run.identity for run in plan.runs] == [run.identity for run in one.plan.runs]
+
+
+def test_one_reproduction_at_a_time(tmp_path, asperity):
+    with prepared_in(tmp_path / "out", TINY):
+        status, out, err = asperity("--out", tmp_path / "out", "--quick")
+    assert (status, out) == (2, "")
+    assert "which another reproduction is writing; try waiting" in err
 
 
 @pytest.mark.parametrize("effort", [QUICK, FULL])

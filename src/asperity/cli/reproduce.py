@@ -15,15 +15,15 @@ from asperity.campaign import Estimate, Tally
 from asperity.cli.campaign import size, spell, tally_shown
 from asperity.cli.report import aligned
 from asperity.paper.ledger import Finding, Verdict
-from asperity.paper.reproduce import Prepared, conclude, prepare, run_studies
+from asperity.paper.reproduce import Prepared, conclude, prepared_in, run_studies
 from asperity.paper.studies import FULL, QUICK
 from asperity.runs import cores
 
 
 def say_what_it_takes(*, quick: bool, seed: int, workers: int) -> None:
     """Say how many runs, how long, and how much disk, without leaving anything behind."""
-    with tempfile.TemporaryDirectory() as nowhere:
-        prepared = prepare(nowhere, QUICK if quick else FULL, seed=seed)
+    effort = QUICK if quick else FULL
+    with tempfile.TemporaryDirectory() as nowhere, prepared_in(nowhere, effort, seed=seed) as prepared:
         judged = [campaign.estimate(one.plan, one.folder) for one in prepared]
     rows = [
         (one.study.name, f"{it.runs} runs", f"about {spell(it.seconds / workers)}", one.study.purpose)
@@ -51,17 +51,17 @@ def reproduce(
         The folder cannot be used; the disk or the scheduler refused; some runs failed.
     """
     effort = QUICK if quick else FULL
-    prepared = prepare(out, effort, seed=seed)
+    command = f"asperity reproduce --out {out}{' --quick' * quick}{f' --seed {seed}' * (seed > 0)}"
     started = clock.perf_counter()
     try:
-        voice = _Voice(prepared, workers=workers or cores(), quiet=quiet)
-        run_studies(
-            prepared, workers=workers, scheduler=scheduler, retry_failed=retry_failed, watch=voice.watch
-        )
-        voice.say("drawing the figures and judging the claims")
-        command = f"asperity reproduce --out {out}{' --quick' * quick}{f' --seed {seed}' * (seed > 0)}"
-        seconds = clock.perf_counter() - started
-        done = conclude(out, prepared, effort=effort, command=command, seconds=seconds)
+        with prepared_in(out, effort, seed=seed) as prepared:
+            voice = _Voice(prepared, workers=workers or cores(), quiet=quiet)
+            run_studies(
+                prepared, workers=workers, scheduler=scheduler, retry_failed=retry_failed, watch=voice.watch
+            )
+            voice.say("drawing the figures and judging the claims")
+            seconds = clock.perf_counter() - started
+            done = conclude(out, prepared, effort=effort, command=command, seconds=seconds)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             "interrupted; what is finished is kept, and the same command does the rest"

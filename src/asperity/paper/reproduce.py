@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 import asperity.campaign as campaign
 from asperity._version import __version__
@@ -58,8 +60,9 @@ class Reproduction:
     findings: tuple[Finding, ...]
 
 
-def prepare(directory: str | Path, effort: Effort, *, seed: int = 0) -> tuple[Prepared, ...]:
-    """Write the campaign files of all studies into the folder of a reproduction.
+@contextmanager
+def prepared_in(directory: str | Path, effort: Effort, *, seed: int = 0) -> Iterator[tuple[Prepared, ...]]:
+    """Write the campaign files of all studies, and keep other reproductions out of the folder.
 
     Parameters
     ----------
@@ -73,12 +76,27 @@ def prepare(directory: str | Path, effort: Effort, *, seed: int = 0) -> tuple[Pr
     Raises
     ------
     InputError
-        The folder holds something else, or the seed is negative.
+        The folder holds something else, or another reproduction, whose plans may be other ones, is at
+        work there; or the seed is negative.
     OutputError
         The disk refused.
     """
     folder = Path(directory)
     wanted = studies(effort, seed=seed)
+    _check_folder(folder)
+    with _alone(folder / STUDIES):
+        yield tuple(_prepared(study, folder / STUDIES / study.name) for study in wanted)
+
+
+def _prepared(study: Study, home: Path) -> Prepared:
+    try:
+        return Prepared(study, study.write(home), home)
+    except OSError as error:
+        raise OutputError(f"cannot write {home}: {error.strerror or error}") from error
+
+
+def _check_folder(folder: Path) -> None:
+    """Refuse a folder that holds something else."""
     if folder.exists() and not folder.is_dir():
         raise InputError("--out", expected="a folder", got=f"{folder}, which is a file")
     if folder.exists() and any(folder.iterdir()) and not (folder / STUDIES).is_dir():
@@ -88,14 +106,27 @@ def prepare(directory: str | Path, effort: Effort, *, seed: int = 0) -> tuple[Pr
             got=f"{folder}, which holds something else and is kept",
             advice="another name",
         )
-    prepared = []
-    for study in wanted:
-        home = folder / STUDIES / study.name
-        try:
-            prepared.append(Prepared(study, study.write(home), home))
-        except OSError as error:
-            raise OutputError(f"cannot write {home}: {error.strerror or error}") from error
-    return tuple(prepared)
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / "lock")
+        lock.acquire(blocking=False)
+    except Timeout as error:
+        raise InputError(
+            "--out",
+            expected="a folder that nothing is at work on",
+            got=f"{folder.parent}, which another reproduction is writing",
+            advice="waiting, or another name",
+        ) from error
+    except OSError as error:
+        raise OutputError(f"cannot write {folder}: {error.strerror or error}") from error
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def run_studies(
@@ -111,7 +142,7 @@ def run_studies(
     Parameters
     ----------
     prepared
-        From `prepare`.
+        From `prepared_in`.
     workers, scheduler, retry_failed
         As `asperity.campaign.sweep`.
     watch
@@ -153,7 +184,7 @@ def conclude(
     directory
         The folder of the reproduction.
     prepared
-        From `prepare`.
+        From `prepared_in`.
     effort
         How much was computed.
     command

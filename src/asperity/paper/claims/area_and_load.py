@@ -229,8 +229,7 @@ def no_lateral_spring(evidence: Evidence) -> Finding:
                 mean_of(
                     lambda mean: mean / sites, evidence.samples("no_lateral", "initial_area", load=lightest)
                 ),
-                0,
-                0.5,
+                high=0.5,
             ),
         ),
         note="Followed through time, not solved for the limit.",

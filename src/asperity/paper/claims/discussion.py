@@ -46,8 +46,7 @@ def forces_even_out(evidence: Evidence) -> Finding:
                 f"spread of these forces at the last time over that at {TIME} = 0 (rms over mean, "
                 "self-affine surface)",
                 mean_of(lambda mean: float(mean[1] / mean[0]), np.array(spread)),
-                0,
-                0.2,
+                high=0.2,
             ),
         ),
     )
@@ -65,8 +64,7 @@ def mean_is_kept(evidence: Evidence) -> Finding:
             Measurement(
                 "largest change of the separation in units of the rms height, the body held, <i>R̃</i> = 0",
                 exact(moved),
-                0,
-                1e-9,
+                high=1e-9,
             ),
         ),
         note="With <i>R̃</i> > 0 it does change: see the corrections.",

@@ -57,8 +57,7 @@ def saturation_law(evidence: Evidence) -> Finding:
                 Measurement(
                     f"rms misfit over {AREA}, {ratio(k1)}, {per_site(load, evidence, 'aging')}",
                     mean_of(lambda mean: saturation(time, mean).rms_residual, area),
-                    0,
-                    0.05,
+                    high=0.05,
                 )
             )
     return Finding(

@@ -55,8 +55,7 @@ def findings(evidence: Evidence) -> tuple[Finding, ...]:
                 Measurement(
                     f"the same at {REDUCED_TIME} = {times[1]:g}, over that of the relaxed state",
                     mean_of(lambda mean: float(mean[0] / mean[1]), over_seeds("lost_early_and_relaxed")),
-                    0.0,
-                    0.5,
+                    high=0.5,
                 ),
             ),
         ),
@@ -68,8 +67,7 @@ def findings(evidence: Evidence) -> tuple[Finding, ...]:
                 Measurement(
                     "variance over mean of the contacts in boxes, relaxed; 1 if scattered at random",
                     mean_of(float, over_seeds("clustering_relaxed")),
-                    0.0,
-                    2.0,
+                    high=2.0,
                 ),
                 Measurement(
                     "the same before creep, over that of the relaxed state",
