@@ -26,18 +26,23 @@ TINY = Effort(
 )
 
 
+def do_here(prepared):
+    """Do studies in this process."""
+    for one in prepared:
+        Store(one.folder).prepare()
+        (one.folder / "plan.json").write_text(plan_to_json(one.plan), encoding="utf-8")
+        for run in one.plan.runs:
+            config = json.dumps(to_tables(run.config))
+            report = run_task(str(one.folder), run.identity, config, run.content)
+            assert report[1] == "done", (one.study.name, report)
+
+
 @pytest.fixture(scope="session")
 def reproduction(tmp_path_factory):
-    """Folder of a tiny reproduction whose studies are done, in this process, and its studies."""
+    """Folder of a tiny reproduction whose studies are done, and its studies."""
     folder = tmp_path_factory.mktemp("reproduction")
     with prepared_in(folder, TINY, seed=3) as prepared:
-        for one in prepared:
-            Store(one.folder).prepare()
-            (one.folder / "plan.json").write_text(plan_to_json(one.plan), encoding="utf-8")
-            for run in one.plan.runs:
-                config = json.dumps(to_tables(run.config))
-                report = run_task(str(one.folder), run.identity, config, run.content)
-                assert report[1] == "done", (one.study.name, report)
+        do_here(prepared)
     return folder, prepared
 
 

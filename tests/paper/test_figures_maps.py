@@ -211,7 +211,7 @@ def test_the_curves_are_means_over_the_seeds(evidence: InMemory, maps: PaperFigu
     assert axes.get_yscale() == "log"
     assert "dispersion" in panel(maps, "(h)").get_ylabel()
     assert "means over 3 surfaces" in maps.caption
-    assert "standard errors" in maps.caption
+    assert "95 % intervals" in maps.caption
 
 
 def test_one_seed_has_no_error_bars(evidence: InMemory) -> None:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from asperity.fits.resampling import Estimate
 from asperity.paper.claims.measures import between, crossing, exponent, growth_slope, mean_of
@@ -58,7 +59,9 @@ def test_a_correction_counts_only_where_the_letter_differs():
     agrees, differs, open_ = measurement(1.0, 0.05), measurement(2.0, 0.05), measurement(1.0, 0.5)
     assert finding([differs], [agrees]).verdict is Verdict.CORRECTED
     assert finding([differs], [differs]).verdict is Verdict.DIFFERS
-    assert finding([differs], [open_]).verdict is Verdict.UNDECIDED
+    still_open = finding([differs], [measurement(1.0, 0.5, low=0.75, high=1.25)])
+    assert still_open.verdict is Verdict.DIFFERS
+    assert still_open.needs == "about 16 seeds in place of 4"
     assert finding([agrees], [differs]).verdict is Verdict.AGREES
     assert finding([open_], [agrees]).verdict is Verdict.UNDECIDED
 
@@ -66,16 +69,18 @@ def test_a_correction_counts_only_where_the_letter_differs():
 def test_undecided_claims_say_what_it_would_take():
     # The interval is twice as wide as the way to the nearer end: four times the seeds.
     assert finding([measurement(1.0, 0.2, runs=5)]).needs == "about 20 seeds in place of 5"
-    assert "edge" in finding([measurement(1.1001, 0.2)]).needs
-    assert finding([measurement(1.0, math.nan, runs=1)]).needs == "more than one seed in each ensemble"
+    assert "end of its range" in finding([measurement(1.1001, 0.2)]).needs
+    assert finding([measurement(1.0, math.nan, runs=1)]).needs == "more than one seed"
     assert finding([measurement(1.0, 0.05)]).needs == ""
 
 
 def test_measures_on_known_curves():
     x = np.geomspace(1, 1e4, 9)
     assert exponent(x, 3 * x**0.7) == pytest.approx(0.7, abs=1e-13)
-    assert crossing(x, np.log10(x), 2.0) == pytest.approx(100.0)
-    assert math.isnan(crossing(x, np.log10(x), 9.0))
+    load = np.array([0.1, 1.0, 3.0, 9.0])
+    fraction = ndtr(0.5 * load - 1)
+    assert crossing(load, fraction, 0.5) == pytest.approx(2.0)
+    assert math.isnan(crossing(load, fraction, 1e-3))
     time = np.append(0.0, x)
     area = np.append(10.0, 10 + 10 * 0.3 * np.log(x))
     assert growth_slope(time, area, 1.0, 100.0) == pytest.approx(0.3, abs=1e-13)

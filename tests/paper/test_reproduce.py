@@ -2,17 +2,20 @@
 
 import csv
 import re
+from contextlib import nullcontext
 
 import pytest
 
 from asperity.campaign import read_plan, tally
+from asperity.campaign.store import Store
 from asperity.cli import main
 from asperity.cli import reproduce as command
 from asperity.errors import InputError
 from asperity.paper.claims import ledger
-from asperity.paper.reproduce import prepared_in
+from asperity.paper.evidence import Evidence
+from asperity.paper.reproduce import STUDIES, conclude, prepared_in, run_studies
 from asperity.paper.studies import FULL, QUICK, studies
-from tests.paper.conftest import TINY
+from tests.paper.conftest import TINY, do_here
 
 pytestmark = pytest.mark.xdist_group("reproduction")  # one process computes it
 
@@ -97,7 +100,7 @@ def test_full_holds_all_of_quick():
 
 def test_mistakes(tmp_path, asperity):
     (tmp_path / "file").write_text("mine")
-    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "studies").mkdir(parents=True)
     (tmp_path / "full" / "thesis.tex").write_text("mine")
     for words, complaint in [
         (("--out", tmp_path / "file"), "expected a folder, got .*, which is a file"),
@@ -109,7 +112,43 @@ def test_mistakes(tmp_path, asperity):
         assert (status, out) == (2, "")
         assert re.search(complaint, err), err
     assert not (tmp_path / "new").exists()
-    assert [path.name for path in (tmp_path / "full").iterdir()] == ["thesis.tex"]
+    assert sorted(path.name for path in (tmp_path / "full").iterdir()) == ["studies", "thesis.tex"]
+    assert not list((tmp_path / "full" / "studies").iterdir())
+
+
+def test_another_seed_wants_another_folder(tmp_path, asperity):
+    with prepared_in(tmp_path / "out", TINY, seed=3):
+        pass
+    status, out, err = asperity("--out", tmp_path / "out", "--quick", "--seed", "4")
+    assert (status, out) == (2, "")
+    assert "which is that of --seed 3; try another name" in err
+
+
+def test_an_unfinished_study_is_not_judged(tmp_path):
+    with prepared_in(tmp_path / "out", TINY) as prepared:
+        one = next(each for each in prepared if each.study.name == "sketch")
+        do_here([one])
+        with pytest.raises(InputError, match="campaign"):
+            conclude(tmp_path / "out", prepared, effort=TINY, command="", seconds=0.0)
+        Store(one.folder).runs.joinpath(one.plan.runs[0].identity, "zarr.json").unlink()
+    assert not (tmp_path / "out" / "report.html").exists()
+
+
+def test_a_folder_swept_with_another_plan_is_read_by_this_one(tmp_path):
+    sketch = "sketch"
+    with prepared_in(tmp_path / "out", TINY) as prepared:
+        one = next(each for each in prepared if each.study.name == sketch)
+        do_here([one])
+        (one.folder / "plan.json").write_text("{}")
+        run_studies([one], workers=1, watch=lambda _: nullcontext(lambda _: None))
+    assert Evidence(tmp_path / "out" / STUDIES)[sketch].attrs["finished"] == 1
+
+
+def test_dry_run_counts_what_is_done(reproduction, asperity):
+    folder, _ = reproduction
+    status, out, _ = asperity("--out", folder, "--quick", "--seed", "3", "--dry-run")
+    assert status == 0
+    assert re.search(r"^all +0 runs", out, re.MULTILINE)
 
 
 def test_negative_seed_is_refused():

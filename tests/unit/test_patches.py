@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from asperity.analysis import clustering, contact_ages, patches, turnover
+from asperity.analysis import clustering, patches, turnover
 from asperity.errors import InputError
 from asperity.lattice import Mask
 
@@ -160,31 +160,6 @@ def test_turnover_counts_what_flood_fill_counts(shape: tuple[int, ...]) -> None:
         assert found.kept + found.gained == after.sum()
 
 
-def test_ages_count_from_the_last_interruption() -> None:
-    maps = np.array([[1, 1, 0, 1, 0], [1, 0, 1, 1, 0], [1, 1, 1, 0, 0]], dtype=bool)
-    ages = contact_ages(maps, [0.0, 2.0, math.inf])
-    np.testing.assert_array_equal(ages.since, [0.0, math.inf, 2.0, np.nan, np.nan])
-    assert (ages.returned, ages.lost) == (1, 1)
-
-
-def test_ages_are_those_of_a_loop_over_sites() -> None:
-    maps = np.random.default_rng(5).random((6, 13, 11)) < 0.6
-    times = np.geomspace(1, 1e5, 6)
-    ages = contact_ages(maps, times)
-    for site in np.ndindex(13, 11):
-        series = maps[(slice(None), *site)].tolist()
-        if not series[-1]:
-            assert np.isnan(ages.since[site])
-            continue
-        start = len(series) - 1
-        while start > 0 and series[start - 1]:
-            start -= 1
-        assert ages.since[site] == times[start]
-    assert ages.lost == int((maps.any(axis=0) & ~maps[-1]).sum())
-    returned = maps[-1] & maps.any(axis=0) & (ages.since > times[np.argmax(maps, axis=0)])
-    assert ages.returned == int(returned.sum())
-
-
 def test_bad_input_is_named() -> None:
     mask = np.zeros((8, 8), dtype=bool)
     with pytest.raises(InputError, match=r"in_contact: expected a boolean array of shape .* got int64"):
@@ -204,9 +179,3 @@ def test_bad_input_is_named() -> None:
         turnover(mask, mask[0])
     with pytest.raises(InputError, match="before: expected a boolean"):
         turnover(mask.astype(float), mask)
-    with pytest.raises(InputError, match="times: expected 2 increasing times"):
-        contact_ages(np.stack([mask, mask]), [1.0, 1.0])
-    with pytest.raises(InputError, match="times: expected 2 increasing times"):
-        contact_ages(np.stack([mask, mask]), [1.0])
-    with pytest.raises(InputError, match="in_contact: expected a boolean array of shape"):
-        contact_ages(mask[0], [1.0])

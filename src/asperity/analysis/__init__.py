@@ -2,11 +2,9 @@
 
 from asperity.analysis.aging import AgingSummary, aging_summary
 from asperity.analysis.contact_patches import (
-    ContactAges,
     Patches,
     Turnover,
     clustering,
-    contact_ages,
     patches,
     turnover,
 )
@@ -18,7 +16,6 @@ from asperity.analysis.view import SurfaceView, surface_view
 
 __all__ = [
     "AgingSummary",
-    "ContactAges",
     "ContactMaps",
     "MeasuredGrowth",
     "Patches",
@@ -27,7 +24,6 @@ __all__ = [
     "Turnover",
     "aging_summary",
     "clustering",
-    "contact_ages",
     "contact_maps",
     "hold_times",
     "map_times",

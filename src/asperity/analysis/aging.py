@@ -133,6 +133,8 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
 
 def _fit(time: Field, area: Field) -> tuple[SaturationFit | None, str]:
     """Fit Eq. (a), and say honestly if it means little."""
+    if time.size == 1:
+        return None, "no fit: only time 0 was asked for"
     if area[-1] <= area[0]:
         return None, "no fit: the area does not grow"
     if time.size - 1 < _FEWEST_TIMES:

@@ -16,7 +16,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from asperity.errors import InputError
-from asperity.lattice import Field, Mask
+from asperity.lattice import Mask
 
 Labels = NDArray[np.int64]
 
@@ -134,7 +134,7 @@ def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
     if box is None:
         side = (_CONTACTS_PER_BOX / fraction) ** (1 / touching.ndim) if fraction else 1.0
         box = max(_SMALLEST_BOX, min(round(side), shorter // _BOXES_PER_AXIS))
-    if not (isinstance(box, int) and _SMALLEST_BOX <= box <= shorter // 2):
+    if not (isinstance(box, int | np.integer) and _SMALLEST_BOX <= box <= shorter // 2):
         raise InputError(
             "box", expected=f"a whole number of sites, 2 to {shorter // 2} (half an axis)", got=box
         )
@@ -207,69 +207,6 @@ def turnover(before: ArrayLike, after: ArrayLike) -> Turnover:
         lost=int(np.count_nonzero(first & ~last)),
         gained_attached=attached,
         gained_detached=total - attached,
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class ContactAges:
-    """Since when the sites of a contact have been in contact.
-
-    Attributes
-    ----------
-    since
-        For each site in contact at the last time, the time of the first map since which all maps show it in
-        contact; NaN off contact. Shape of the lattice; time.
-    returned
-        Sites in contact at the last time, and at some time before, but not all the time between.
-    lost
-        Sites in contact at some time, but not at the last.
-    """
-
-    since: Field
-    returned: int
-    lost: int
-
-
-def contact_ages(in_contact: ArrayLike, times: ArrayLike) -> ContactAges:
-    """Find since when the sites in contact have been so without interruption, as far as the maps tell.
-
-    Parameters
-    ----------
-    in_contact
-        Whether each site is in contact at each time, shape ``(k, n)`` or ``(k, n, m)``.
-    times
-        The times, increasing, shape ``(k,)``; the last may be infinite, for the relaxed state.
-
-    Returns
-    -------
-    ContactAges
-        A site that is lost and comes back between two maps counts as in contact.
-
-    Raises
-    ------
-    InputError
-        No boolean maps over one or two axes, or empty ones; times that do not increase, or are not one for
-        each map.
-    """
-    maps = np.asarray(in_contact)
-    if maps.dtype != np.bool_ or maps.ndim not in (2, 3) or maps.size == 0:
-        raise InputError(
-            "in_contact",
-            expected="a boolean array of shape (k, n) or (k, n, m)",
-            got=f"{maps.dtype} of shape {maps.shape}",
-        )
-    moments = np.asarray(times, dtype=np.float64)
-    if moments.shape != maps.shape[:1] or not (np.diff(moments) > 0).all():
-        raise InputError("times", expected=f"{len(maps)} increasing times", got=moments)
-    unbroken = np.logical_and.accumulate(maps[::-1]).sum(axis=0)
-    ever = maps.sum(axis=0)
-    now = maps[-1]
-    since = np.full(now.shape, np.nan)
-    since[now] = moments[len(maps) - unbroken[now]]
-    return ContactAges(
-        since=since,
-        returned=int(np.count_nonzero(now & (ever > unbroken))),
-        lost=int(np.count_nonzero(~now & (ever > 0))),
     )
 
 

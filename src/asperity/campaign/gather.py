@@ -109,7 +109,9 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
     """
     plan = load_plan(directory)
     chosen = [run for run in plan.runs if _matches(plan, run, where)]
-    unknown = set(where) - {axis.name for axis in plan.axes} - {"seed"}
+    unknown = (
+        set(where) - {axis.name for axis in plan.axes} - {"seed"} - ({"point"} if plan.zipped else set())
+    )
     if len(chosen) != 1 or unknown:
         names = [axis.name for axis in plan.axes] + (["seed"] if plan.seeds else [])
         raise InputError(
@@ -166,7 +168,7 @@ def load_plan(directory: str | Path) -> Plan:
 
 def _matches(plan: Plan, run: Run, where: dict[str, float | int | str]) -> bool:
     place = {axis.name: axis.values[at] for axis, at in zip(plan.axes, run.point, strict=True)}
-    here = place | {"seed": run.seed}
+    here = place | {"seed": run.seed} | ({"point": run.point[0]} if plan.zipped and plan.axes else {})
     return all(here.get(name) == value for name, value in where.items())
 
 

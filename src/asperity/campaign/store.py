@@ -24,6 +24,7 @@ import numpy as np
 import xarray as xr
 import zarr
 from filelock import FileLock, Timeout
+from numpy.typing import NDArray
 
 from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
@@ -33,6 +34,8 @@ from asperity.runs import Outcome
 
 QUANTITIES = ("time", *SERIES)
 FITTED = ("a", "q", "t0", "C")
+_UNREADABLE = (OSError, KeyError, ValueError, RuntimeError)
+"""What zarr raises over arrays that are not there or cannot be decoded."""
 KEPT_FIELDS = ("heights", *FIELDS, "in_contact_relaxed", "u_relaxed")
 """Fields of a run that asked for maps."""
 
@@ -151,20 +154,13 @@ class Store:
         try:
             group = zarr.open_group(self.runs / identity, mode="r")
             facts: dict[str, Any] = dict(group.attrs)
-            series = np.asarray(group["series"])
-            damaged = not facts["complete"] or facts["checksum"] != _checksum(series)
-            finished = Finished(series, facts["scalars"], facts["config"])
+            finished = Finished(np.asarray(group["series"]), facts["scalars"], facts["config"])
+        except RuntimeError as error:  # a codec that cannot make sense of what it reads
+            raise self._damaged(identity) from error
         except (OSError, KeyError, ValueError) as error:
-            raise InputError(
-                "campaign", expected=f"a finished run in {self.runs}", got=f"{identity}: {error}"
-            ) from error
-        if damaged:
-            raise InputError(
-                "campaign",
-                expected="runs as they were written",
-                got=f"{self.runs / identity}, which is damaged",
-                advice="removing that folder, and the same sweep again",
-            )
+            raise self._unreadable(identity, error) from error
+        if not facts["complete"] or facts["checksum"] != _checksum(finished.series):
+            raise self._damaged(identity)
         return finished
 
     def fields(self, identity: str) -> xr.Dataset:
@@ -173,26 +169,45 @@ class Store:
         Raises
         ------
         InputError
-            The run is not there, or kept none.
+            The run is not there, kept none, or is damaged.
         """
         try:
             group = zarr.open_group(self.runs / identity, mode="r")
-            arrays = {name: np.asarray(group[name]) for name in KEPT_FIELDS if name in group}
-            times = np.asarray(group["field_time"])
+            kept = dict(group.attrs).get("fields_checksum")
         except (OSError, KeyError, ValueError) as error:
+            raise self._unreadable(identity, error) from error
+        if kept is None:
             raise InputError(
                 "campaign",
-                expected="a finished run that kept fields",
+                expected="a run that kept fields",
                 got=f"{identity} without",
                 advice="maps_at in [output]",
-            ) from error
+            )
+        try:
+            arrays = {name: np.asarray(group[name]) for name in (*KEPT_FIELDS, "field_time") if name in group}
+        except _UNREADABLE as error:
+            raise self._damaged(identity) from error
+        if kept != _checksum(*arrays.values()):
+            raise self._damaged(identity)
         sites = ("y", "x")[2 - arrays["heights"].ndim :]
+        times = arrays.pop("field_time")
         return xr.Dataset(
             {
                 name: (("field_time", *sites) if name in FIELDS else sites, values)
                 for name, values in arrays.items()
             },
             coords={"field_time": times},
+        )
+
+    def _unreadable(self, identity: str, error: Exception) -> InputError:
+        return InputError("campaign", expected=f"a finished run in {self.runs}", got=f"{identity}: {error}")
+
+    def _damaged(self, identity: str) -> InputError:
+        return InputError(
+            "campaign",
+            expected="runs as they were written",
+            got=f"{self.runs / identity}, which is damaged",
+            advice="removing that folder, and the same sweep again",
         )
 
     def _lock(self, identity: str) -> Path:
@@ -205,10 +220,11 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
     series = np.stack([np.asarray(dataset[name], dtype=np.float64) for name in QUANTITIES])
     group = zarr.open_group(folder, mode="w")
     group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))
-    for name in (*KEPT_FIELDS, "field_time") if "field_time" in dataset else ():
-        if name in dataset:
-            values = np.asarray(dataset[name])
-            group.create_array(name, data=values, chunks=values.shape)
+    fields = {}
+    if "field_time" in dataset:
+        fields = {name: np.asarray(dataset[name]) for name in (*KEPT_FIELDS, "field_time") if name in dataset}
+    for name, values in fields.items():
+        group.create_array(name, data=values, chunks=values.shape)
     group.attrs.update(
         {
             "quantities": list(QUANTITIES),
@@ -217,6 +233,7 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
             "asperity_version": str(dataset.attrs["asperity_version"]),
             "heights_sha256": str(dataset.attrs["heights_sha256"]),
             "checksum": _checksum(series),
+            **({"fields_checksum": _checksum(*fields.values())} if fields else {}),
             "complete": True,
         }
     )
@@ -245,8 +262,11 @@ def _scalars(outcome: Outcome) -> dict[str, float]:
     return scalars
 
 
-def _checksum(series: Field) -> str:
-    return hashlib.sha256(np.ascontiguousarray(series).tobytes()).hexdigest()
+def _checksum(*arrays: NDArray[Any]) -> str:
+    total = hashlib.sha256()
+    for array in arrays:
+        total.update(np.ascontiguousarray(array).tobytes())
+    return total.hexdigest()
 
 
 def _is_locked(path: Path) -> bool:

@@ -268,7 +268,7 @@ def reproduce(
     out
         Folder of the reproduction; made, or gone on with.
     quick
-        Smaller ensembles: minutes on a laptop in place of the better part of an hour.
+        Smaller ensembles: a few minutes on a laptop in place of half an hour.
     seed
         First seed of every ensemble; another one repeats everything on other surfaces.
     workers
@@ -289,7 +289,7 @@ def reproduce(
     from asperity.runs import cores
 
     if dry_run:
-        say_what_it_takes(quick=quick, seed=seed, workers=workers or cores())
+        say_what_it_takes(out, quick=quick, seed=seed, workers=workers or cores())
     else:
         reproduce_it(
             out,

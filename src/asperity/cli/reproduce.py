@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import tempfile
 import time as clock
@@ -15,16 +16,17 @@ from asperity.campaign import Estimate, Tally
 from asperity.cli.campaign import size, spell, tally_shown
 from asperity.cli.report import aligned
 from asperity.paper.ledger import Finding, Verdict
-from asperity.paper.reproduce import Prepared, conclude, prepared_in, run_studies
+from asperity.paper.reproduce import STUDIES, Prepared, check_folder, conclude, prepared_in, run_studies
 from asperity.paper.studies import FULL, QUICK
 from asperity.runs import cores
 
 
-def say_what_it_takes(*, quick: bool, seed: int, workers: int) -> None:
+def say_what_it_takes(out: Path, *, quick: bool, seed: int, workers: int) -> None:
     """Say how many runs, how long, and how much disk, without leaving anything behind."""
     effort = QUICK if quick else FULL
+    check_folder(out)
     with tempfile.TemporaryDirectory() as nowhere, prepared_in(nowhere, effort, seed=seed) as prepared:
-        judged = [campaign.estimate(one.plan, one.folder) for one in prepared]
+        judged = [campaign.estimate(one.plan, out / STUDIES / one.study.name) for one in prepared]
     rows = [
         (one.study.name, f"{it.runs} runs", f"about {spell(it.seconds / workers)}", one.study.purpose)
         for one, it in zip(prepared, judged, strict=True)
@@ -51,7 +53,15 @@ def reproduce(
         The folder cannot be used; the disk or the scheduler refused; some runs failed.
     """
     effort = QUICK if quick else FULL
-    command = f"asperity reproduce --out {out}{' --quick' * quick}{f' --seed {seed}' * (seed > 0)}"
+    words = [
+        "asperity",
+        "reproduce",
+        "--out",
+        str(out),
+        *["--quick"] * quick,
+        *(["--seed", str(seed)] if seed else []),
+    ]
+    command = shlex.join(words)
     started = clock.perf_counter()
     try:
         with prepared_in(out, effort, seed=seed) as prepared:

@@ -12,6 +12,7 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import ArrayLike
 
 from asperity.analysis import AgingSummary
+from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field
 
@@ -32,7 +33,16 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     Returns
     -------
     Figure
+
+    Raises
+    ------
+    InputError
+        The history holds no time above 0.
     """
+    if summary.time.size == 0:
+        raise InputError(
+            "summary", expected="a history with times above 0", got="none", advice="age(contact, times)"
+        )
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
     axes = figure.add_subplot()
     axes.set_xscale("log")
@@ -127,7 +137,7 @@ def _conditions(dataset: xr.Dataset) -> str:
     """Say on one line what the surface was, what was held and what the solid was."""
     attrs = dataset.attrs
     origin = json.loads(attrs.get("surface", "{}"))
-    source = str(origin.get("file", origin.get("kind", ""))).replace("_", "-")
+    source = style.verbatim(str(origin.get("file", origin.get("kind", "")))).replace("_", "-")
     lattice = " × ".join(str(n) for n in dataset["heights"].shape)
     held = str(attrs["held"])
     parts = [f"{source} {lattice} sites".strip(), f"{held} {float(attrs[f'held_{held}']):.6g} held"]

@@ -52,12 +52,12 @@ def fit_figure(growth: MeasuredGrowth, *, title: str, quantity: str, unit_time: 
         )
         upper.plot(growth.line_time, growth.line_value, ":", color=style.INK, linewidth=2.2, label=label)
     _draw_residuals(lower, growth)
-    upper.set_ylabel(quantity)
+    upper.set_ylabel(style.verbatim(quantity))
     lower.set_xlabel(f"hold time $t$ [{style.spelled(unit_time)}]" if unit_time else "hold time $t$")
     for axes in (upper, lower):
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
     upper.margins(x=0.03)
-    upper.set_title(title, fontsize=10)
+    upper.set_title(style.verbatim(title), fontsize=10)
     upper.legend(loc="best", fontsize=8, framealpha=0.95)
     return figure
 

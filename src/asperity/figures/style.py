@@ -21,6 +21,11 @@ RESOLUTION = 200
 """Dots per inch of figures that are written as pixels."""
 
 
+def verbatim(text: str) -> str:
+    """Write a text from outside, such as a file's name, so that nothing in it is read as mathematics."""
+    return text.replace("$", r"\$")
+
+
 def power(value: float) -> str:
     """Write a number for a label: 0.25, 1000, or with a power of ten."""
     if value == 0:

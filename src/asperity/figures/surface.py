@@ -40,7 +40,8 @@ def surface_figure(view: SurfaceView, *, title: str, note: str = "") -> Figure:
     profile.set_ylabel(style.with_unit("height", view.unit))
     profile.margins(x=0)
     _draw_histogram(histogram, view)
-    figure.suptitle(f"{title}\n{note}" if note else title, fontsize=10)
+    name = style.verbatim(title)
+    figure.suptitle(f"{name}\n{note}" if note else name, fontsize=10)
     return figure
 
 

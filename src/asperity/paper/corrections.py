@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 
-from asperity.paper.claims.wording import K0, K1, LOAD, REDUCED_TIME
+from asperity.paper.wording import K0, K1, LOAD, REDUCED_TIME, SITES
 from asperity.theory import (
     LATE_INTERCEPT,
     LATE_SLOPE,
@@ -86,7 +86,7 @@ def corrections() -> tuple[Correction, ...]:
 
 
 _RATIO = f"{K1}/{K0}"
-_LOAD = f"{LOAD}/(<i>N</i><sub>0</sub>{K0})"
+_LOAD = f"{LOAD}/({SITES}{K0})"
 _GROWN = "<i>A</i>(<i>t</i>)/<i>A</i>(0)"
 _LATE = 1e6
 """A late time, in units of 1/(k0 R)."""
@@ -164,8 +164,7 @@ def _load_and_force() -> Numbers:
 def _gaussian_integral() -> Numbers:
     return (
         Number(
-            f"<i>A</i>/<i>N</i><sub>0</sub> at {_LOAD} = 10<sup>−3</sup>, {_RATIO} = 3, "
-            f"{REDUCED_TIME} = 10<sup>4</sup>",
+            f"<i>A</i>/{SITES} at {_LOAD} = 10<sup>−3</sup>, {_RATIO} = 3, {REDUCED_TIME} = 10<sup>4</sup>",
             float(dilute_area(1e-3, compliance(3.0, 1e4), GaussianHeights())),
         ),
     )
@@ -226,7 +225,7 @@ def _gaussian_growth() -> Numbers:
 def _how_late() -> Numbers:
     return (
         Number(
-            f"{REDUCED_TIME} that ends the range, <i>A</i>/<i>N</i><sub>0</sub> = 0.01",
+            f"{REDUCED_TIME} that ends the range, <i>A</i>/{SITES} = 0.01",
             float(dilute_horizon(0.01)),
         ),
     )

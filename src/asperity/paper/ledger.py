@@ -61,14 +61,19 @@ class Measurement:
         return Verdict.UNDECIDED
 
     @property
-    def seeds_needed(self) -> int | None:
-        """Seeds with which the interval would about clear the nearer end of the range; None if none would."""
+    def needs(self) -> str:
+        """What would decide it: seeds with which the interval would about clear the end of the range."""
         here = self.estimate
-        distance = min(abs(here.value - self.low), abs(here.value - self.high))
+        if np.isnan(here.value):
+            return "data from which the number can be computed"
         half = max(here.high - here.value, here.value - here.low)
-        if here.runs < 2 or not math.isfinite(half) or distance == 0:
-            return None
-        return math.ceil(here.runs * (half / distance) ** 2)
+        if not math.isfinite(half):
+            return "more than one seed"
+        distance = min(abs(here.value - self.low), abs(here.value - self.high))
+        seeds = math.ceil(here.runs * (half / distance) ** 2) if distance > 0 else MOST_SEEDS + 1
+        if seeds > MOST_SEEDS:
+            return "a number lies on the end of its range, where no ensemble decides"
+        return f"about {seeds} seeds in place of {here.runs}"
 
 
 @dataclass(frozen=True)
@@ -105,23 +110,20 @@ class Finding:
     def verdict(self) -> Verdict:
         """The claim's: as it stands, or once corrected."""
         plain = together(self.measured)
-        if plain is Verdict.DIFFERS and self.corrected:
-            fixed = together(self.corrected)
-            return Verdict.CORRECTED if fixed is Verdict.AGREES else fixed
+        if plain is Verdict.DIFFERS and self.corrected and together(self.corrected) is Verdict.AGREES:
+            return Verdict.CORRECTED
         return plain
 
     @property
     def needs(self) -> str:
-        """What it would take to decide an undecided claim."""
-        if self.verdict is not Verdict.UNDECIDED:
+        """What it would take to decide an undecided claim, or an undecided correction of one that differs."""
+        deciding = self.measured if self.verdict is Verdict.UNDECIDED else self.corrected
+        if (
+            self.verdict not in (Verdict.UNDECIDED, Verdict.DIFFERS)
+            or together(deciding) is not Verdict.UNDECIDED
+        ):
             return ""
-        open_ones = [m for m in (*self.measured, *self.corrected) if m.verdict is Verdict.UNDECIDED]
-        seeds = [needed for m in open_ones if (needed := m.seeds_needed) is not None]
-        if not seeds:
-            return "more than one seed in each ensemble"
-        if max(seeds) > MOST_SEEDS:
-            return "a number lies on the edge of its range, where no ensemble decides"
-        return f"about {max(seeds)} seeds in place of {min(m.estimate.runs for m in open_ones)}"
+        return "; ".join(dict.fromkeys(m.needs for m in deciding if m.verdict is Verdict.UNDECIDED))
 
 
 def together(measured: Sequence[Measurement]) -> Verdict:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,6 +20,7 @@ from asperity.paper.figures import draw
 from asperity.paper.ledger import Finding
 from asperity.paper.report import About, Simulated, write_report
 from asperity.paper.studies import Effort, Study, studies
+from asperity.results.store import whole_file
 
 STUDIES = "studies"
 """Folder of the campaigns, in that of the reproduction."""
@@ -76,15 +77,16 @@ def prepared_in(directory: str | Path, effort: Effort, *, seed: int = 0) -> Iter
     Raises
     ------
     InputError
-        The folder holds something else, or another reproduction, whose plans may be other ones, is at
-        work there; or the seed is negative.
+        The folder holds something else, or a reproduction with another seed, or one is at work there; or
+        the seed is negative.
     OutputError
         The disk refused.
     """
     folder = Path(directory)
     wanted = studies(effort, seed=seed)
-    _check_folder(folder)
+    check_folder(folder)
     with _alone(folder / STUDIES):
+        _claim(folder / STUDIES / "seed", seed)
         yield tuple(_prepared(study, folder / STUDIES / study.name) for study in wanted)
 
 
@@ -95,17 +97,30 @@ def _prepared(study: Study, home: Path) -> Prepared:
         raise OutputError(f"cannot write {home}: {error.strerror or error}") from error
 
 
-def _check_folder(folder: Path) -> None:
-    """Refuse a folder that holds something else."""
+def check_folder(folder: Path) -> None:
+    """Refuse a folder that holds something else than a reproduction; `InputError`."""
     if folder.exists() and not folder.is_dir():
         raise InputError("--out", expected="a folder", got=f"{folder}, which is a file")
-    if folder.exists() and any(folder.iterdir()) and not (folder / STUDIES).is_dir():
+    if folder.exists() and any(folder.iterdir()) and not (folder / STUDIES / "seed").is_file():
         raise InputError(
             "--out",
             expected="a new folder, or that of a reproduction",
             got=f"{folder}, which holds something else and is kept",
             advice="another name",
         )
+
+
+def _claim(mark: Path, seed: int) -> None:
+    """Mark the folder as this reproduction's, or find that it is another's, of other surfaces."""
+    if mark.exists() and (owner := mark.read_text(encoding="utf-8").strip()) != str(seed):
+        raise InputError(
+            "--out",
+            expected="a new folder, or that of a reproduction with this seed",
+            got=f"{mark.parent.parent}, which is that of --seed {owner}",
+            advice="another name",
+        )
+    with whole_file(mark) as part:
+        part.write_text(f"{seed}\n", encoding="utf-8")
 
 
 @contextmanager
@@ -156,17 +171,17 @@ def run_studies(
     """
     failed = []
     for one in prepared:
-        now = campaign.tally(one.plan, one.folder)
-        if now.done < now.total:
-            with watch(one) as progress:
-                now = campaign.sweep(
-                    one.plan,
-                    one.folder,
-                    workers=workers,
-                    scheduler=scheduler,
-                    retry_failed=retry_failed,
-                    progress=progress,
-                )
+        before = campaign.tally(one.plan, one.folder)
+        # A finished study is swept too, which takes no time: its folder may hold another plan.
+        with watch(one) if before.done < before.total else nullcontext() as progress:
+            now = campaign.sweep(
+                one.plan,
+                one.folder,
+                workers=workers,
+                scheduler=scheduler,
+                retry_failed=retry_failed,
+                progress=progress,
+            )
         if now.done < now.total:
             failed.append(one)
     if failed:
@@ -194,11 +209,15 @@ def conclude(
 
     Raises
     ------
-    OutputError
-        The disk refused; an earlier report stays.
+    AsperityError
+        A study is not finished; or the disk refused. An earlier report stays.
     """
     folder = Path(directory)
     evidence = Evidence(folder / STUDIES)
+    finished = {one.study.name: evidence[one.study.name].attrs["finished"] for one in prepared}
+    for one in prepared:
+        if finished[one.study.name] < len({run.identity for run in one.plan.runs}):
+            raise AsperityError(f"{one.folder} is not finished: asperity status says what is left")
     findings = ledger(evidence)
     about = About(
         effort=effort.name,
@@ -208,8 +227,7 @@ def conclude(
         wall_seconds=seconds,
         run_seconds=sum(float(evidence[one.study.name]["seconds"].sum()) for one in prepared),
         studies=tuple(
-            Simulated(one.study, evidence[one.study.name].attrs["runs"], f"{STUDIES}/{one.study.name}")
-            for one in prepared
+            Simulated(one.study, finished[one.study.name], f"{STUDIES}/{one.study.name}") for one in prepared
         ),
     )
     return Reproduction(write_report(folder, draw(evidence), findings, about), findings)

@@ -30,6 +30,9 @@ DELTA = 0.01
 SELF_AFFINE_RATIO = 10.0
 """k1/k0 on them, where it is not varied."""
 
+MAP_BOXES = 8
+"""Boxes along a side of a map in which contacts are counted."""
+
 PEAK = 1e3
 """Height of the lone asperity; it only has to stay out of the reach of everything else."""
 

@@ -8,18 +8,21 @@ import numpy as np
 
 from asperity.lattice import Field
 from asperity.paper.claims.measures import between, growth_slope, mean_of, slope
-from asperity.paper.claims.wording import AREA, K0, K1, K_EFF, LOAD, REDUCED_TIME, ratio
 from asperity.paper.evidence import Evidence
 from asperity.paper.ledger import Finding, Measurement, exact
+from asperity.paper.wording import AREA, K0, K1, K_EFF, LOAD, REDUCED_TIME, SITES, per_site, ratio
 from asperity.theory import (
     LATE_INTERCEPT,
     LATE_SLOPE,
     GaussianHeights,
     compliance,
+    contacts_at_start,
+    contacts_at_start_paper,
     dilute_area,
     exponential_growth,
     exponential_growth_paper,
-    site_stiffness,
+    late_slope,
+    late_slope_paper,
     torus_compliance,
 )
 
@@ -39,10 +42,10 @@ def findings(evidence: Evidence) -> tuple[Finding, ...]:
         late_slope_of_compliance(),
         late_intercept_of_compliance(),
         compliance_in_the_engine(evidence),
-        contacts_at_start(evidence),
+        number_at_start(evidence),
         growth_of_contacts(evidence),
         late_slope_of_area(evidence),
-        gaussian_like_exponential(),
+        gaussian_like_exponential(evidence),
     )
 
 
@@ -71,8 +74,8 @@ def late_intercept_of_compliance() -> Finding:
     return Finding(
         key="a1",
         place="Caption of Fig. 8",
-        claim=f"Late, {G} is <i>a</i><sub>0</sub> ln {X2} + <i>a</i><sub>1</sub> with <i>a</i><sub>1</sub> "
-        "= 0.3.",
+        claim=f"Late, {G} is <i>a</i><sub>0</sub> ln {X2} + <i>a</i><sub>1</sub> with <i>a</i><sub>1</sub> = "
+        "0.3.",
         measured=tuple(
             Measurement(
                 f"{G} − ln({X2})/(8π) at {X2} = 10<sup>12</sup>, {X1} = {x1:g}",
@@ -83,9 +86,14 @@ def late_intercept_of_compliance() -> Finding:
             for x1 in _RATIOS
         ),
         note=f"The closed form is (10 ln 2 + γ)/(8π) = {LATE_INTERCEPT:.7f} with the eigenvalues of the "
-        "square lattice; with "
-        "<i>q</i>² in their place, as the paper writes, it would be 0.2227.",
+        "square lattice; with <i>q</i>² in their place, as the paper writes, it would be "
+        f"{_square_zone_intercept():.4f}.",
     )
+
+
+def _square_zone_intercept() -> float:
+    late = 1e8
+    return float(compliance(1.0, late, dispersion="continuum")) - LATE_SLOPE * math.log(late)
 
 
 def compliance_in_the_engine(evidence: Evidence) -> Finding:
@@ -98,8 +106,7 @@ def compliance_in_the_engine(evidence: Evidence) -> Finding:
         depth = data["approach"].sel(k1=k1, R_viscous=0.0).values
         # From the first contact on; the mode q = 0 adds 1/(k1 N) at all times and cancels.
         theory = torus_compliance(k1, time, (side, side)) - torus_compliance(k1, 0.0, (side, side))
-        late = theory > 1e-3 * theory[-1]
-        worst = max(worst, float(np.max(np.abs(depth[late] / theory[late] - 1))))
+        worst = max(worst, float(np.max(np.abs(depth[1:] / theory[1:] - 1))))
     return Finding(
         key="compliance-engine",
         place=f"{PLACE}, Eqs. (uq), (u); Fig. 8",
@@ -107,8 +114,8 @@ def compliance_in_the_engine(evidence: Evidence) -> Finding:
         f"{REDUCED_TIME})/{K0}.",
         measured=(
             Measurement(
-                "largest relative deviation of the simulated creep depth from the closed form on the same "
-                "finite lattice",
+                "largest relative deviation, over all times, of the simulated creep depth from the closed "
+                "form on the same finite lattice",
                 exact(worst),
                 high=5e-3,
             ),
@@ -117,17 +124,18 @@ def compliance_in_the_engine(evidence: Evidence) -> Finding:
     )
 
 
-def contacts_at_start(evidence: Evidence) -> Finding:
+def number_at_start(evidence: Evidence) -> Finding:
     """N(0) = gamma f0 / k1, or rather k_eff."""
     load = float(evidence["exponential"]["held"].max())
     letter, corrected = [], []
     for k1 in evidence.values("exponential", "k1"):
         area = evidence.samples("exponential", "initial_area", k1=k1, R_viscous=0.0)
-        stiffness = float(site_stiffness(k1))
+        printed = float(contacts_at_start_paper(load, 1.0, k1, k0=1.0))
+        true = 1 + float(contacts_at_start(load, 1.0, k1, k0=1.0))
         letter.append(
             Measurement(
                 f"{AREA}(0) over γ{LOAD}/{K1}, {ratio(k1)}",
-                mean_of(lambda mean, k1=k1: float(mean) * k1 / load, area),
+                mean_of(lambda mean, n=printed: float(mean) / n, area),
                 0.8,
                 1.25,
             )
@@ -135,7 +143,7 @@ def contacts_at_start(evidence: Evidence) -> Finding:
         corrected.append(
             Measurement(
                 f"{AREA}(0) over 1 + γ{LOAD}/{K_EFF}, {ratio(k1)}",
-                mean_of(lambda mean, k=stiffness: float(mean) / (1 + load / k), area),
+                mean_of(lambda mean, n=true: float(mean) / n, area),
                 0.8,
                 1.25,
             )
@@ -148,11 +156,10 @@ def contacts_at_start(evidence: Evidence) -> Finding:
         measured=tuple(letter),
         corrected=tuple(corrected),
         correction=f"a contact is as stiff as a site, {K_EFF} = {K0}/{G}({K1}/{K0}, 0), and the first one "
-        "touches at no load: "
-        f"1 + γ{LOAD}/{K_EFF}",
+        f"touches at no load: 1 + γ{LOAD}/{K_EFF}",
         note="The gaps between the highest of independent exponential heights are independent too, from "
-        "which the number of contacts is 1 "
-        f"plus a Poisson number of mean γ{LOAD}/{K_EFF} as long as contacts do not feel each other.",
+        f"which the number of contacts is 1 plus a Poisson number of mean γ{LOAD}/{K_EFF} as long as "
+        "contacts do not feel each other.",
     )
 
 
@@ -190,11 +197,9 @@ def growth_of_contacts(evidence: Evidence) -> Finding:
         measured=tuple(letter),
         corrected=tuple(corrected),
         correction=f"<i>N</i>(<i>t</i>)/<i>N</i>(0) = 1 + ({K_EFF}/<i>f</i><sub>0</sub>) ∫ "
-        "<i>v</i><sub>0</sub> d<i>t</i> = "
-        f"{G}({X1}, {X2})/{G}({X1}, 0)",
+        f"<i>v</i><sub>0</sub> d<i>t</i> = {G}({X1}, {X2})/{G}({X1}, 0)",
         note="As printed, the unit does not fit; the force was divided out to evaluate it. The one contact "
-        "that costs no load is left out "
-        "of both numbers of contacts.",
+        "that costs no load is left out of both numbers of contacts.",
     )
 
 
@@ -209,7 +214,7 @@ def late_slope_of_area(evidence: Evidence) -> Finding:
             # All but the one contact that touches at no load.
             return growth_slope(time, mean - 1, *DILUTE) / slope
 
-        printed, true = 0.04 * k1, float(site_stiffness(k1)) * LATE_SLOPE
+        printed, true = float(late_slope_paper(k1)), float(late_slope(k1))
         letter.append(
             Measurement(
                 f"simulated slope over <i>a</i><sub>0</sub>{K1}/{K0} = {printed:.3g}, {ratio(k1)}",
@@ -239,31 +244,58 @@ def late_slope_of_area(evidence: Evidence) -> Finding:
     )
 
 
-def gaussian_like_exponential() -> Finding:
+def gaussian_like_exponential(evidence: Evidence) -> Finding:
     """Gaussian heights give the same, for 1 << N << N0."""
     x2 = np.geomspace(*DILUTE, 9)
-    load = np.array([1e-7, 1e-5, 1e-3])
     measured = []
-    for p in load:
-        area = dilute_area(p, compliance(3.0, np.append(0.0, x2)), GaussianHeights())
-        gaussian = slope(np.log(x2), area[1:] / area[0])
-        same = slope(np.log(x2), exponential_growth(3.0, x2))
-        measured.append(
-            Measurement(
-                f"late slope with Gaussian over that with exponential heights, {LOAD}/(<i>N</i> {K0} σ) = "
-                f"{p:g}, {ratio(3.0)}",
-                exact(gaussian / same),
-                0.8,
-                1.25,
+    for k1 in (1.0, 10.0):
+        for load in (1e-6, 1e-2):
+            area = dilute_area(load, compliance(k1, np.append(0.0, x2)), GaussianHeights())
+            gaussian = slope(np.log(x2), area[1:] / area[0])
+            same = slope(np.log(x2), exponential_growth(k1, x2))
+            measured.append(
+                Measurement(
+                    f"late slope with Gaussian over that with exponential heights, {LOAD}/({SITES}{K0} σ) = "
+                    f"{load:g}, {ratio(k1)}",
+                    exact(gaussian / same),
+                    0.9,
+                    1.1,
+                )
             )
-        )
     return Finding(
         key="gaussian-exponential",
         place=PLACE,
-        claim="Gaussian heights give the same growth as exponential ones where 1 ≪ <i>N</i> ≪ "
-        "<i>N</i><sub>0</sub>.",
+        claim="Gaussian heights give the same growth as exponential ones where 1 ≪ <i>N</i> ≪ {SITES}.",
         measured=tuple(measured),
-        note="From the theory of few contacts for both laws, without simulation. The difference vanishes "
-        "only like the inverse of the "
-        "logarithm of the load.",
+        corrected=_gaussian_growth(evidence),
+        correction="they grow as the theory of few contacts has it for Gaussian heights, somewhat less than "
+        "exponential ones; the difference vanishes like an inverse logarithm of the load",
+        note="The first numbers compare closed forms; the corrected ones compare simulated contacts with a "
+        "closed form.",
     )
+
+
+def _gaussian_growth(evidence: Evidence) -> tuple[Measurement, ...]:
+    """Simulated growth of light contacts of Gaussian heights beside the theory of few contacts."""
+    load, until = evidence.values("aging", "load")[0], 100.0
+    measured = []
+    for k1 in evidence.values("aging", "k1"):
+        growth = dilute_area(
+            load / evidence.sites("aging"), compliance(k1, np.array([0.0, until])), GaussianHeights()
+        )
+        area = evidence.samples("aging", "area", k1=k1, load=load)[:, [0, _at(evidence, "aging", until)]]
+        measured.append(
+            Measurement(
+                f"simulated {AREA}({REDUCED_TIME} = {until:g})/{AREA}(0) over the theory for Gaussian "
+                f"heights, {ratio(k1)}, {per_site(load, evidence, 'aging')}",
+                mean_of(lambda mean, g=growth: float(mean[1] / mean[0] * g[0] / g[1]), area),
+                0.85,
+                1.15,
+            )
+        )
+    return tuple(measured)
+
+
+def _at(evidence: Evidence, study: str, time: float) -> int:
+    """Place of a recorded time."""
+    return int(np.argmin(np.abs(evidence[study]["time"].values - time)))

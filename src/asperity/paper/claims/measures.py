@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.special import ndtri
 
 from asperity.fits import growth_rate
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.lattice import Field, Mask
+from asperity.paper.wording import AREA, REDUCED_TIME
+
+LOGARITHMIC = (1.0, 1e3)
+"""Reduced times between which growth at light load is nearly that of a logarithm."""
+
+EVEN = (2 / 3, 3 / 2)
+"""Late over early growth in that time that still counts as a logarithm; a power law t^(1/4) has 2.4."""
 
 
 def mean_of(statistic: Callable[..., float | Field], samples: Field) -> Estimate:
@@ -34,13 +44,38 @@ def growth_slope(time: Field, area: Field, first: float, last: float) -> float:
     return growth_rate(time, area, first, last).B if area.min() > 0 else float("nan")
 
 
+def evenness(time: Field, area: Field) -> float:
+    """Growth in the later half of the logarithmic time over that in the earlier half; 1 for a logarithm."""
+    first, last = LOGARITHMIC
+    middle = math.sqrt(first * last)
+    return growth_slope(time, area, middle, last) / growth_slope(time, area, first, middle)
+
+
+def evenness_in_words() -> str:
+    """Spell what `evenness` measures."""
+    first, last = LOGARITHMIC
+    middle = f"{math.sqrt(first * last):.0f}"
+    return (
+        f"growth of {AREA}/{AREA}(0) from {REDUCED_TIME} = {middle} to {last:g} over that from {first:g} to "
+        f"{middle}"
+    )
+
+
 def between(values: Field, low: float, high: float) -> Mask:
     """Which values lie from low to high, ends included as well as rounding allows."""
     return np.asarray((values >= low * (1 - 1e-9)) & (values <= high * (1 + 1e-9)))
 
 
-def crossing(x: Field, y: Field, level: float) -> float:
-    """Where a rising y(x) crosses a level, by interpolation in ln x; NaN where it does not."""
-    if not y[0] < level < y[-1]:
+def crossing(load: Field, fraction: Field, level: float) -> float:
+    """Load at which a contact fraction that rises with it crosses a level; NaN where it does not.
+
+    Interpolated, by a monotone cubic, between load and normal quantile of the fraction: on springs under
+    Gaussian heights the two are nearly proportional from half contact on. With two loads a decade it is right
+    to 1 % at half contact and to 4 % near full contact; with four, to 0.3 %.
+    """
+    rising = np.diff(np.maximum.accumulate(fraction), prepend=0.0) > 0
+    partial = rising & (fraction < 1)
+    quantile = ndtri(fraction[partial])
+    if not (quantile.size > 1 and quantile[0] < ndtri(level) < quantile[-1]):
         return float("nan")
-    return float(np.exp(np.interp(level, y, np.log(x))))
+    return float(PchipInterpolator(quantile, load[partial])(ndtri(level)))

@@ -25,13 +25,6 @@ LABEL = 8.0
 SMALL = 7.0
 """Font size of everything else."""
 
-RATIO, STIFFNESS, LOAD = (
-    "<i>k</i><sub>1</sub>/<i>k</i><sub>0</sub>",
-    "<i>k</i><sub>0</sub>",
-    "<i>F</i><sub>N</sub>",
-)
-"""Symbols of the captions: k1/k0, k0 and the normal load."""
-
 _LIGHTEST = 0.82
 """Where the color map is cut: beyond it, yellow vanishes on white."""
 

@@ -12,6 +12,7 @@ from asperity.figures import style
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
+from asperity.paper.wording import K0, STIFFNESS_RATIO
 from asperity.theory import GaussianHeights, compliance, dilute_area
 
 _FAR_APART = 3.0
@@ -101,13 +102,13 @@ def _caption(tables: Mapping[str, pd.DataFrame], sites: float) -> str:
     return (
         "Real contact area, the number <i>A</i> of sites at which the bodies touch over the number "
         f"<i>N</i><sub>0</sub> = {sites:g} of all sites, against the load per site, in units of "
-        f"{curves.STIFFNESS} times the rms height σ of the rough surface (heights independent and "
-        "Gaussian). Full symbols: the instantaneous contact, before any creep, for the ratios "
-        f"{curves.RATIO} in the legend. Open symbols: the fully relaxed state, in which all springs "
-        "<i>k</i><sub>1</sub> carry the same force, so that <i>k</i><sub>1</sub> drops out; one set is "
-        f"drawn for all ratios (largest difference of their mean areas: {spread:g} sites). Lines: "
-        "independent asperities, each with the compliance of a site of the lattice, without any fitted "
-        f"number, drawn where contacts are {_FAR_APART:g} widths of their dips apart or more and cover at "
-        f"most {100 * _DILUTE:g} % of the sites. Dotted: proportionality. "
+        f"{K0} times the rms height σ of the rough surface (heights independent and Gaussian). "
+        f"Full symbols: the instantaneous contact, before any creep, for the ratios {STIFFNESS_RATIO} in the "
+        "legend. Open symbols: the fully relaxed state, in which all springs <i>k</i><sub>1</sub> carry the "
+        "same force, so that <i>k</i><sub>1</sub> drops out; one set is drawn for all ratios (largest "
+        f"difference of their mean areas: {spread:g} sites). Lines: independent asperities, each with the "
+        "compliance of a site of the lattice, without any fitted number, drawn where contacts are "
+        f"{_FAR_APART:g} widths of their dips apart or more and cover at most {100 * _DILUTE:g} % of the "
+        "sites. Dotted: proportionality. "
         f"{curves.ensemble_note(areas['seeds'], 'error bars, where larger than the symbols')}"
     )

@@ -15,6 +15,7 @@ from asperity.fits import EnsembleFit, SaturationFit, ensemble, saturation
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure
+from asperity.paper.wording import STIFFNESS_RATIO
 
 _SLOPE = 0.5
 """The paper's beta, of q against the load."""
@@ -134,8 +135,8 @@ def _caption(tables: Mapping[str, pd.DataFrame], sites: float) -> str:
         f"; it misses the means by up to {100 * fits['rms_misfit'].max():.1f} % (rms)" if len(fits) else ""
     )
     return (
-        "Area of contact against the time for which a constant load has been held, over the area at time "
-        f"0, for {curves.RATIO} = {curves.several(growth['k1'])} and the loads per site in the legend. "
+        "Area of contact against the time for which a constant load has been held, over the area at time 0, "
+        f"for {STIFFNESS_RATIO} = {curves.several(growth['k1'])} and the loads per site in the legend. "
         f"Independent Gaussian heights of rms height σ, {sites:g} sites. "
         f"{curves.ensemble_note(growth['seeds'], 'bands')} Thin lines: the law of saturation "
         "<i>A</i>(<i>t</i>)/<i>A</i>(0) = <i>a</i> − (<i>a</i> − 1)/(1 + "

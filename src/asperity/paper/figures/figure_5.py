@@ -14,6 +14,7 @@ from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
 from asperity.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
+from asperity.paper.wording import LOAD, STIFFNESS_RATIO
 
 _EXPONENT = 0.8
 """The paper's, of the area against the load."""
@@ -85,12 +86,11 @@ def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
     areas = tables["instantaneous"]
     return (
         "Real contact area in sites against the normal load, for self-affine rough surfaces of Hurst "
-        f"exponent <i>H</i> = {HURST:g} (Δ = {DELTA:g}, successive random midpoints), "
-        f"{curves.RATIO} = {SELF_AFFINE_RATIO:g}, on square "
-        f"lattices of {curves.several(areas['size'])} sites a side. Full symbols: the instantaneous "
-        "contact, before any creep. Open symbols: the fully relaxed state. Where full symbols of different "
-        "sizes lie on each other, the area depends on the load and not on the nominal area; horizontal "
-        "dashes: full contact, every site of that lattice. Dotted, for reference: the power law <i>A</i> ∝ "
-        f"{curves.LOAD}<sup>{_EXPONENT:g}</sup>, displaced downward. "
+        f"exponent <i>H</i> = {HURST:g} (Δ = {DELTA:g}, successive random midpoints), {STIFFNESS_RATIO} = "
+        f"{SELF_AFFINE_RATIO:g}, on square lattices of {curves.several(areas['size'])} sites a side. Full "
+        "symbols: the instantaneous contact, before any creep. Open symbols: the fully relaxed state. Where "
+        "full symbols of different sizes lie on each other, the area depends on the load and not on the "
+        "nominal area; horizontal dashes: full contact, every site of that lattice. Dotted, for reference: "
+        f"the power law <i>A</i> ∝ {LOAD}<sup>{_EXPONENT:g}</sup>, displaced downward. "
         f"{curves.ensemble_note(areas['seeds'], 'error bars, where larger than the symbols')}"
     )

@@ -16,6 +16,7 @@ from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure
 from asperity.paper.studies import DELTA, HURST
+from asperity.paper.wording import K0, LOAD, STIFFNESS_RATIO
 
 _LAST = 1e4
 """Latest time (1/(k0 R)) to which the logarithm is fitted: the paper excepts very long times."""
@@ -164,14 +165,13 @@ def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
     return (
         "Growth of the contact area with time at constant load, for self-affine surfaces of Hurst exponent "
         f"<i>H</i> = {HURST:g} (Δ = {DELTA:g}), on lattices of {curves.several(area['size'])} sites a side. "
-        "(a) Area "
-        f"in sites for {curves.RATIO} = {area['k1'].max():g} and loads {curves.LOAD}/{curves.STIFFNESS} = "
-        f"{curves.several(area['load'])} (colors); symbols tell the sizes. (b) The same over the area at "
-        f"time 0, for {curves.RATIO} = {curves.several(area['k1'])}; where curves of different loads and "
-        "sizes fall together, the relative growth does not depend on them. Dashed: the logarithm "
-        "<i>A</i>(<i>t</i>)/<i>A</i>(0) = 1 + <i>C</i> ln(1 + <i>t</i>/<i>t</i><sub>0</sub>), one for each "
-        f"{curves.RATIO}, fitted to all its means up to <i>t</i> {curves.STIFFNESS} <i>R</i> = {_LAST:g} "
-        f"(<i>C</i> = {slopes}) and drawn beyond. "
+        f"(a) Area in sites for {STIFFNESS_RATIO} = {area['k1'].max():g} and loads "
+        f"{LOAD}/{K0} = {curves.several(area['load'])} (colors); symbols tell the "
+        f"sizes. (b) The same over the area at time 0, for {STIFFNESS_RATIO} = {curves.several(area['k1'])}; "
+        "where curves of different loads and sizes fall together, the relative growth does not depend on "
+        "them. Dashed: the logarithm <i>A</i>(<i>t</i>)/<i>A</i>(0) = 1 + <i>C</i> ln(1 + "
+        f"<i>t</i>/<i>t</i><sub>0</sub>), one for each {STIFFNESS_RATIO}, fitted to all its means up to "
+        f"<i>t</i> {K0} <i>R</i> = {_LAST:g} (<i>C</i> = {slopes}) and drawn beyond. "
         f"{curves.ensemble_note(area['seeds'], 'bands in (a) and bars in (b)')} In (b) the bars belong to "
         "the values at the last time and stand side by side to the right of it."
     )

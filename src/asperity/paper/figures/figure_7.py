@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 from asperity.analysis import ContactMaps, SiteState, clustering, contact_maps, patches, turnover
 from asperity.figures import style
@@ -17,7 +18,7 @@ from asperity.figures.marks import COLORS, draw_marks, show_lattice, site_side, 
 from asperity.lattice import Field
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure
-from asperity.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
+from asperity.paper.studies import DELTA, HURST, MAP_BOXES, SELF_AFFINE_RATIO
 
 _STUDY = "maps"
 _COLUMNS = 3
@@ -25,8 +26,6 @@ _TEXT = 8.0
 _READABLE = 1.2
 """Side of a mark, points: larger than for one color, so that colors can be told apart."""
 
-_BOXES = 8
-"""Boxes along an axis in which contacts are counted."""
 
 _LOST = style.BLUE
 
@@ -71,7 +70,7 @@ def figure_7(evidence: Evidence) -> PaperFigure:
     seeds = [int(seed) for seed in dataset["seed"]]
     every = {seed: contact_maps(evidence.fields(_STUDY, seed=seed)) for seed in seeds}
     first = every[seeds[0]]
-    box = max(2, min(first.heights.shape) // _BOXES)
+    box = max(2, min(first.heights.shape) // MAP_BOXES)
     samples = pd.concat([_statistics(seed, maps, box) for seed, maps in every.items()], ignore_index=True)
     tables = {"contacts": _contacts(first), "patches": samples, "patches_ensemble": _ensemble(samples)}
     figure, width = _drawn(first, tables)
@@ -82,7 +81,9 @@ def figure_7(evidence: Evidence) -> PaperFigure:
         width=width,
         box=box,
         seeds=f"means over {len(seeds)} surfaces" if several else "the same simulation",
-        bars="Error bars are standard errors of the mean." if several else "There are no error bars.",
+        bars="Error bars: 95 % intervals of the mean (Student's t)."
+        if several
+        else "There are no error bars.",
     )
     return PaperFigure(
         number=7,
@@ -125,10 +126,12 @@ def _statistics(seed: int, maps: ContactMaps, box: int) -> pd.DataFrame:
 
 
 def _ensemble(samples: pd.DataFrame) -> pd.DataFrame:
-    """One row a quantity and time: mean over the seeds and its standard error."""
+    """One row a quantity and time: mean over the seeds, its standard error, and half its 95 % interval."""
     long = samples.melt(id_vars=["seed", "time"], var_name="quantity")
     grouped = long.groupby(["quantity", "time"], sort=True)["value"]
-    return grouped.agg(mean="mean", stderr="sem", seeds="count").reset_index()
+    table = grouped.agg(mean="mean", stderr="sem", seeds="count").reset_index()
+    degrees = (table["seeds"] - 1).where(table["seeds"] > 1)
+    return table.assign(half_interval=table["stderr"] * stdtrit(degrees, 0.975))
 
 
 def _drawn(maps: ContactMaps, tables: dict[str, pd.DataFrame]) -> tuple[Figure, str]:
@@ -212,7 +215,7 @@ def _draw_curves(figure: SubFigure, ensemble: pd.DataFrame, letter: str) -> None
 def _draw_curve(axes: Axes, curve: pd.DataFrame, quantity: str) -> None:
     """Draw means with error bars; the relaxed state has an open symbol."""
     color, marker, line, label = _CURVES[quantity]
-    time, mean, error = (curve[name].to_numpy() for name in ("time", "mean", "stderr"))
+    time, mean, error = (curve[name].to_numpy() for name in ("time", "mean", "half_interval"))
     place = _places(time)
     drawn = mean > 0
     axes.plot(place[drawn], mean[drawn], line, color=color, linewidth=1.0, zorder=2)

@@ -15,6 +15,7 @@ from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
 from asperity.paper.studies import PEAK
+from asperity.paper.wording import K0, STIFFNESS_RATIO
 from asperity.theory import compliance, compliance_asymptote, compliance_asymptote_paper, torus_compliance
 
 _STIFFNESS_RATIOS = (0.1, 1.0, 3.0, 10.0, 100.0)
@@ -126,13 +127,13 @@ def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
     rounding = (late["paper"] - late["G"]).abs().max()
     return (
         "A constant force <i>f</i><sub>0</sub> pushes one site of the flat surface from time 0 on. Lines: "
-        f"the depth <i>u</i>(0, <i>t</i>) of that site, as <i>G</i> = {curves.STIFFNESS} "
-        "<i>u</i>/<i>f</i><sub>0</sub>, in closed form on an endless lattice, for several stiffness "
-        "ratios. What starts at different depths ends on one logarithm, whatever <i>k</i><sub>1</sub>. "
-        "Dotted: that late form, (ln <i>x</i><sub>2</sub> + 10 ln 2 + γ)/8π, γ being Euler's constant; the "
-        f"paper's rounded 0.04 ln <i>x</i><sub>2</sub> + 0.3 differs from it by at most {rounding:.1g} "
-        "here, less than the line is thick. Symbols: simulations of one high asperity under constant load "
-        f"on a periodic lattice of {run['sites'].max():g} sites, for {curves.RATIO} = "
+        f"the depth <i>u</i>(0, <i>t</i>) of that site, as <i>G</i> = {K0} "
+        "<i>u</i>/<i>f</i><sub>0</sub>, in closed form on an endless lattice, for several stiffness ratios. "
+        "What starts at different depths ends on one logarithm, whatever <i>k</i><sub>1</sub>. Dotted: that "
+        "late form, (ln <i>x</i><sub>2</sub> + 10 ln 2 + γ)/8π, γ being Euler's constant; the paper's "
+        f"rounded 0.04 ln <i>x</i><sub>2</sub> + 0.3 differs from it by at most {rounding:.1g} here, less "
+        "than the line is thick. Symbols: simulations of one high asperity under constant load on a "
+        f"periodic lattice of {run['sites'].max():g} sites, for {STIFFNESS_RATIO} = "
         f"{curves.several(run['k1'])}; nothing is random here, so there are no error bars. Below: size of "
         "the relative deviation of these simulations from the closed form for the same lattice, at most "
         f"{curves.power(run['deviation'].abs().max())}: the error that the time steps leave."

@@ -14,6 +14,7 @@ from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.figure_8 import indentation
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
+from asperity.paper.wording import STIFFNESS_RATIO
 from asperity.theory import LATE_SLOPE, compliance
 
 _STIFFNESS_RATIO = 3.0
@@ -92,13 +93,12 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 def _caption(simulated: pd.DataFrame) -> str:
     return (
-        "Depth to which a constant force <i>f</i><sub>0</sub> pushes one site of the surface, against "
-        f"time, for {curves.RATIO} = {_STIFFNESS_RATIO:g}, when the springs creep toward equal forces "
-        "(mobility <i>R</i>) and also flow under the force itself (mobility R̃; R̃/<i>R</i> in the "
-        "legend). Lines: closed form on an endless lattice. Without R̃ the depth ends as a logarithm of "
-        "slope 1/8π in ln <i>t</i>; with it, however small, as one of twice the slope, 1/4π, the later the "
-        "smaller R̃. Dotted: these slopes, displaced to be seen. "
-        + (_about(simulated) if len(simulated) else "")
+        "Depth to which a constant force <i>f</i><sub>0</sub> pushes one site of the surface, against time, "
+        f"for {STIFFNESS_RATIO} = {_STIFFNESS_RATIO:g}, when the springs creep toward equal forces (mobility "
+        "<i>R</i>) and also flow under the force itself (mobility R̃; R̃/<i>R</i> in the legend). Lines: "
+        "closed form on an endless lattice. Without R̃ the depth ends as a logarithm of slope 1/8π in ln "
+        "<i>t</i>; with it, however small, as one of twice the slope, 1/4π, the later the smaller R̃. "
+        "Dotted: these slopes, displaced to be seen. " + (_about(simulated) if len(simulated) else "")
     )
 
 
@@ -106,7 +106,7 @@ def _about(simulated: pd.DataFrame) -> str:
     return (
         "Symbols: simulations of one high asperity under constant load on a periodic lattice of "
         f"{simulated['sites'].max():g} sites, for R̃/<i>R</i> = {curves.several(simulated['R_viscous'])}, "
-        f"drawn while the lattice stands for an endless one to {100 * _LARGE_LATTICE:g} %; at all times "
-        "they deviate from the closed form for that lattice by at most "
+        f"drawn while the lattice stands for an endless one to {100 * _LARGE_LATTICE:g} %; at all times they "
+        "deviate from the closed form for that lattice by at most "
         f"{curves.power(simulated['deviation'].abs().max())}."
     )
