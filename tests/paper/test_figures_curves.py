@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from scipy import stats
 
@@ -310,7 +311,9 @@ def test_figure_3_has_a_panel_a_stiffness_ratio_and_the_inset(made, evidence):
             assert len(axes.collections) == 3
     assert legend_of(soft) == ["0.003", "0.03", "0.3"]
     assert (inset.get_xscale(), inset.get_yscale()) == ("log", "log")
-    assert "inset" in inset.get_title(loc="left")
+    assert inset.get_title(loc="left") == "(c)"
+    assert "= 1 (a) and 10 (b), and" in made[3].caption
+    assert "(c), the inset of the paper's figure" in made[3].caption
     full, open_ = drawn(inset)
     fits = made[3].tables["fits"]
     np.testing.assert_allclose(full[0], fits[fits["k1"] == 1][["load_per_site", "q"]])
@@ -373,6 +376,14 @@ def test_figure_6_raw_and_normalized(made, evidence):
     assert len(bars) == 6
     assert min(place[0, 0] for place, _, _ in bars) > TIMES[-1]
     assert "0.30 for 3, 1.00 for 10" in made[6].caption
+    assert len({symbols.get_marker() for _, _, symbols in bars}) == 3  # gray print needs a shape a load
+    assert len({symbols.get_markerfacecolor() == "none" for _, _, symbols in bars}) == 2  # and a fill a size
+    bottom, top = scaled_axes.get_ylim()
+    for label in scaled_axes.texts:
+        x, y = label.xy
+        assert x > TIMES[-1]  # right of all symbols
+        assert bottom < y < top
+        assert all(abs(y - end) > 0.01 * top for place, _, _ in bars for end in place[:, 1])
 
 
 def test_indentation_agrees_with_the_closed_form_with_and_without_viscous_creep(evidence):
@@ -419,6 +430,13 @@ def test_figure_8_shows_theory_and_simulation(made, evidence):
     deviations = np.sort(np.concatenate([line.get_ydata() for line in below.lines]))
     np.testing.assert_allclose(deviations, np.sort(simulated.query("time > 0")["deviation"].abs()))
     assert legend_of(above)[-2:] == ["late form", "simulated"]
+    shown = [line for line in above.lines if line.get_marker() not in ("None", None)]
+    on_paper = np.sort(np.concatenate([line.get_ydata() for line in shown]))
+    kept = simulated[simulated["drawn"]]
+    np.testing.assert_allclose(on_paper, np.sort(kept["depth"]))
+    assert ((kept["lattice"] / kept["plane"] - 1).abs() <= 0.01).all()
+    keys = {line.get_marker() for line in above.get_legend().findobj(Line2D)} - {"None", ""}
+    assert keys == {line.get_marker() for line in shown}
 
 
 def test_figure_9_has_twice_the_slope_with_viscous_creep(made):

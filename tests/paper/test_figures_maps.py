@@ -157,6 +157,9 @@ def test_the_load_maps_mark_every_site_in_contact(evidence: InMemory, load_maps:
         )
         assert f"F_N/k_0 = {load:g}" in axes.get_title()
         assert f"$A$ = {int(touching.sum())}" in axes.get_title()
+        # The sites themselves lie below the marks, so that no seams show between these.
+        sites = np.asarray(axes.images[-1].get_array())
+        np.testing.assert_array_equal(sites[..., 3] > 0, touching.values)
     heights = evidence.fields("load_maps", load=float(loads[0]), seed=0)["heights"].values
     topography = load_maps.tables["topography"]
     np.testing.assert_array_equal(topography["height"], heights[topography["y"], topography["x"]])
@@ -184,6 +187,9 @@ def test_the_aging_maps_mark_what_came_and_went(evidence: InMemory, maps: PaperF
         x, y = (np.asarray(values).astype(int).tolist() for values in circles.get_data())
         assert set(zip(x, y, strict=True)) == sites_of(expected["lost"])
         assert f"$A$ = {int(now.sum())}" in axes.get_title()
+        for sign, change in (("+", expected["new"]), ("−", expected["lost"])):
+            count = int(change.sum())
+            assert (f"{sign}{count}" in axes.get_title()) == (count > 0)  # zeros are not news
     assert r"t \to \infty" in panel(maps, "(d)").get_title()
 
 
@@ -210,6 +216,12 @@ def test_the_curves_are_means_over_the_seeds(evidence: InMemory, maps: PaperFigu
     assert "k_0R" in axes.get_xlabel()
     assert axes.get_yscale() == "log"
     assert "dispersion" in panel(maps, "(h)").get_ylabel()
+    assert panel(maps, "(f)").get_ylim()[0] == 0
+    low, high = panel(maps, "(h)").get_ylim()
+    assert low < 1 < high  # the reference: contacts strewn at random
+    for letter in "efgh":
+        minor = panel(maps, f"({letter})").yaxis.get_minorticklabels()
+        assert not any(text.get_text() for text in minor)  # they would overlap
     assert "means over 3 surfaces" in maps.caption
     assert "95 % intervals" in maps.caption
 

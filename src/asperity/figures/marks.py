@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 
 from asperity.analysis import SiteState
@@ -35,6 +36,11 @@ def draw_marks(axes: Axes, states: NDArray[np.int8], side: float) -> None:
     side
         Side of a mark, points.
     """
+    # Marks that only just meet leave light seams between them: below, the sites themselves, without any.
+    palette = np.zeros((len(SiteState), 4))
+    for state, color in COLORS.items():
+        palette[state] = to_rgba(color)
+    axes.imshow(palette[states], interpolation="none", rasterized=True)
     show_lattice(axes, states.shape)
     for state, color in COLORS.items():
         rows, columns = np.nonzero(states == state)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Literal
@@ -12,6 +12,8 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from asperity.figures import style
@@ -218,9 +220,9 @@ def line(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look, at: int, label: str
     axes.plot(x, y, color=look.color, linestyle=dashes, linewidth=1.3, label=label)
 
 
-def symbols(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look, label: str | None = None) -> None:
+def symbols(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look) -> Line2D:
     """Draw computed points on a line, without error bars: open, so that the line is seen around them."""
-    axes.plot(
+    [drawn] = axes.plot(
         x,
         y,
         look.marker,
@@ -228,8 +230,8 @@ def symbols(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look, label: str | Non
         markerfacecolor="white",
         markersize=3,
         markeredgewidth=0.7,
-        label=label,
     )
+    return drawn
 
 
 def dress(axes: Axes, x: str, y: str, *, panel: str = "") -> None:
@@ -241,9 +243,28 @@ def dress(axes: Axes, x: str, y: str, *, panel: str = "") -> None:
         axes.set_title(panel, loc="left", fontsize=LABEL, fontweight="bold", pad=3)
 
 
-def legend(axes: Axes, where: Literal["upper left", "lower right"], title: str | None = None) -> None:
-    """Add a legend of what is labeled in a panel."""
+def legend(
+    axes: Axes,
+    where: Literal["upper left", "lower right"],
+    title: str | None = None,
+    *,
+    together: Mapping[str, Sequence[Line2D]] | None = None,
+) -> None:
+    """Add a legend of what is labeled in a panel.
+
+    Parameters
+    ----------
+    axes, where, title
+        The panel, the corner, and what stands above.
+    together
+        Further entries, below the others: symbols that stand side by side for one label.
+    """
+    handles, labels = axes.get_legend_handles_labels()
+    several = {label: tuple(symbols) for label, symbols in (together or {}).items() if symbols}
     axes.legend(
+        [*handles, *several.values()],
+        [*labels, *several],
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0.4)},
         loc=where,
         title=title,
         fontsize=SMALL,
@@ -255,8 +276,10 @@ def legend(axes: Axes, where: Literal["upper left", "lower right"], title: str |
     )
 
 
-def note(axes: Axes, text: str, at: tuple[float, float], *, where: Literal["left", "right"] = "left") -> None:
-    """Write a few words that begin or end (`where`) at a point in the units of the axes."""
+def note(
+    axes: Axes, text: str, at: tuple[float, float], *, where: Literal["left", "right", "center"] = "left"
+) -> None:
+    """Write a few words that begin, end or are centered (`where`) at a point in the units of the axes."""
     axes.annotate(text, at, ha=where, va="center", fontsize=SMALL, color=style.INK)
 
 

@@ -97,12 +97,8 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         axes.set_title(rf"$k_1/k_0 = {k1:g}$", fontsize=curves.LABEL, pad=3)
     curves.legend(panels[0], "upper left", r"$F_N/(N_0 k_0\sigma)$")
     _exponents(panels[-1], fits, ratios)
-    curves.dress(
-        panels[-1],
-        r"$F_N\,/\,(N_0 k_0\sigma)$",
-        r"exponent  $q$",
-        panel=f"({'abcdefgh'[len(ratios)]})  inset",
-    )
+    last = f"({'abcdefgh'[len(ratios)]})"
+    curves.dress(panels[-1], r"$F_N\,/\,(N_0 k_0\sigma)$", r"exponent  $q$", panel=last)
     return figure
 
 
@@ -134,14 +130,18 @@ def _caption(tables: Mapping[str, pd.DataFrame], sites: float) -> str:
     worst = (
         f"; it misses the means by up to {100 * fits['rms_misfit'].max():.1f} % (rms)" if len(fits) else ""
     )
+    ratios = np.unique(growth["k1"])
+    panels = [f"({letter})" for letter, _ in zip("abcdefgh", [*ratios, "q"], strict=False)]
+    each = " and ".join(f"{k1:g} {panel}" for panel, k1 in zip(panels, ratios, strict=False))
     return (
         "Area of contact against the time for which a constant load has been held, over the area at time 0, "
-        f"for {STIFFNESS_RATIO} = {curves.several(growth['k1'])} and the loads per site in the legend. "
+        f"for {STIFFNESS_RATIO} = {each}, and the loads per site in the legend. "
         f"Independent Gaussian heights of rms height σ, {sites:g} sites. "
         f"{curves.ensemble_note(growth['seeds'], 'bands')} Thin lines: the law of saturation "
         "<i>A</i>(<i>t</i>)/<i>A</i>(0) = <i>a</i> − (<i>a</i> − 1)/(1 + "
-        f"<i>t</i>/<i>t</i><sub>0</sub>)<sup><i>q</i></sup>, fitted to each mean{worst}. Inset panel: the "
-        "exponents <i>q</i> of these fits against the load, with intervals of the same kind; the dotted "
+        f"<i>t</i>/<i>t</i><sub>0</sub>)<sup><i>q</i></sup>, fitted to each mean{worst}. "
+        f"{panels[-1]}, the inset of the paper's figure: the exponents <i>q</i> of these fits against the "
+        "load, with intervals of the same kind; the dotted "
         f"line has a slope of {_SLOPE:g}. The smaller <i>q</i> is, the longer the area grows like the "
         "logarithm of time."
     )

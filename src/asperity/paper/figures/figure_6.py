@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from asperity.errors import ConvergenceError, InputError
 from asperity.figures import style
@@ -90,47 +91,49 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     for load in stiffest["load"].unique():
         part = stiffest[stiffest["load"] == load]
         text = rf"$F_N/k_0 = {load:g}$" if load == heaviest else f"{load:g}"
-        _at_the_end(raw, part, "area", text, 1.3)
+        last = part[part["time"] == part["time"].max()]
+        at = float(last["time"].iloc[0]), 1.3 * float(last[["area", "area_high"]].max(axis=None))
+        curves.note(raw, text, at, where="right")
     curves.dress(raw, r"hold time  $t\,k_0 R$", r"contact area  $A(t)$  (sites)", panel="(a)")
     raw.set_title(rf"$k_1/k_0 = {stiff:g}$", fontsize=curves.LABEL, pad=3)
     raw.set_ylim(top=2.0 * float(stiffest["area"].max()))
     scaled.set_xscale("log")
     _curves(scaled, growth, "area_ratio", shaded=False)
     _last_intervals(scaled, growth)
-    for k1 in growth["k1"].unique():
-        part = growth.query("k1 == @k1")
-        fitted = tables["fitted"].query("k1 == @k1")
+    for _, fitted in tables["fitted"].groupby("k1"):
         scaled.plot(fitted["time"], fitted["area_ratio"], "--", color=style.INK, linewidth=1.0, zorder=5)
-        _at_the_end(scaled, part, "area_ratio", rf"$k_1/k_0 = {k1:g}$", 0.88)
     curves.dress(scaled, r"hold time  $t\,k_0 R$", r"$A(t)\,/\,A(0)$", panel="(b)")
     _explain(scaled, area)
     return figure
 
 
-def _at_the_end(axes: Axes, part: pd.DataFrame, column: str, text: str, factor: float) -> None:
-    """Write above the highest curve at its last time, or below the lowest."""
-    last = part[part["time"] == part["time"].max()]
-    level = last[column].max() if factor > 1 else last[column].min()
-    curves.note(axes, text, (float(last["time"].iloc[0]), factor * float(level)), where="right")
-
-
 def _last_intervals(axes: Axes, growth: pd.DataFrame) -> None:
-    """Draw the intervals of the last values side by side, right of the curves, which they would hide."""
+    """Draw the intervals of the last values side by side, right of the curves, which they would hide.
+
+    Below those of each stiffness ratio, and above those of the largest, is its name.
+    """
     last = growth[growth["time"] == growth["time"].max()]
     for at, ((load, size), (look, filled)) in enumerate(_styles(growth).items()):
         part = last[(last["load"] == load) & (last["size"] == size)]
         aside = part.assign(time=part["time"] * 10 ** (0.4 + 0.25 * at))
         curves.points(axes, aside, "time", "area_ratio", look, filled=filled, size=2.5)
+    middle = float(last["time"].iloc[0]) * 10 ** (0.4 + 0.125 * (len(_styles(growth)) - 1))
+    ends = last[["area_ratio", "area_ratio_low", "area_ratio_high"]]
+    axes.set_ylim(top=1.1 * float(ends.max(axis=None)))
+    for k1 in last["k1"].unique():
+        here, top = ends[last["k1"] == k1], k1 == last["k1"].max()
+        level = float((here.max() if top else here.min()).agg("max" if top else "min"))
+        away = 0.04 * float(ends.max(axis=None)) * (1 if top else -1)
+        curves.note(axes, rf"$k_1/k_0 = {k1:g}$", (middle, level + away), where="center")
 
 
 def _styles(table: pd.DataFrame) -> dict[tuple[float, float], tuple[curves.Look, bool]]:
-    """Colors tell loads, markers and whether they are full tell sizes."""
+    """Colors and markers tell loads, whether markers are full tells sizes."""
     loads, sizes = np.unique(table["load"]), np.unique(table["size"])
-    colors, markers = curves.looks(len(loads)), curves.looks(len(sizes))
     return {
-        (load, size): (curves.Look(color.color, marker.marker), at % 2 == 0)
-        for load, color in zip(loads, colors, strict=True)
-        for at, (size, marker) in enumerate(zip(sizes, markers, strict=True))
+        (load, size): (look, at % 2 == 0)
+        for load, look in zip(loads, curves.looks(len(loads)), strict=True)
+        for at, size in enumerate(sizes)
     }
 
 
@@ -141,21 +144,16 @@ def _curves(axes: Axes, table: pd.DataFrame, column: str, *, shaded: bool = True
 
 
 def _explain(axes: Axes, table: pd.DataFrame) -> None:
-    """Legend: colors and markers apart."""
-    styles = _styles(table)
-    loads, sizes = np.unique(table["load"]), np.unique(table["size"])
-    for load in loads:
-        axes.plot(
-            [], [], "-", color=styles[load, sizes[0]][0].color, linewidth=3, label=f"$F_N/k_0 = {load:g}$"
-        )
-    for size in sizes:
-        look, filled = styles[loads[0], size]
-        face = style.INK if filled else "none"
-        axes.plot(
-            [], [], look.marker, color=style.INK, markerfacecolor=face, markersize=3, label=f"${size:g}^2$"
-        )
+    """Legend: what tells loads, and what tells sizes."""
+    entries: dict[str, list[Line2D]] = {}
+    for (load, size), (look, filled) in _styles(table).items():
+        face = look.color if filled else "none"
+        mark = Line2D([], [], ls="", marker=look.marker, color=look.color, mfc=face, markersize=3.5, mew=0.7)
+        entries.setdefault(f"$F_N/k_0 = {load:g}$", []).append(mark)
+        entries.setdefault(f"${size:g}^2$ sites", []).append(mark)
     axes.plot([], [], "--", color=style.INK, linewidth=1.0, label="logarithm")
-    curves.legend(axes, "upper left")
+    ordered = sorted(entries.items(), key=lambda entry: "sites" in entry[0])
+    curves.legend(axes, "upper left", together=dict(ordered))
 
 
 def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
@@ -166,8 +164,10 @@ def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
         "Growth of the contact area with time at constant load, for self-affine surfaces of Hurst exponent "
         f"<i>H</i> = {HURST:g} (Δ = {DELTA:g}), on lattices of {curves.several(area['size'])} sites a side. "
         f"(a) Area in sites for {STIFFNESS_RATIO} = {area['k1'].max():g} and loads "
-        f"{LOAD}/{K0} = {curves.several(area['load'])} (colors); symbols tell the "
-        f"sizes. (b) The same over the area at time 0, for {STIFFNESS_RATIO} = {curves.several(area['k1'])}; "
+        f"{LOAD}/{K0} = {curves.several(area['load'])} (colors and "
+        "shapes of the symbols); sizes differ in full "
+        "and open symbols. (b) The same over the area at time 0, for "
+        f"{STIFFNESS_RATIO} = {curves.several(area['k1'])}; "
         "where curves of different loads and sizes fall together, the relative growth does not depend on "
         "them. Dashed: the logarithm <i>A</i>(<i>t</i>)/<i>A</i>(0) = 1 + <i>C</i> ln(1 + "
         f"<i>t</i>/<i>t</i><sub>0</sub>), one for each {STIFFNESS_RATIO}, fitted to all its means up to "

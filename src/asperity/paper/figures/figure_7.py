@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
@@ -81,7 +82,7 @@ def figure_7(evidence: Evidence) -> PaperFigure:
         width=width,
         box=box,
         seeds=f"means over {len(seeds)} surfaces" if several else "the same simulation",
-        bars="Error bars: 95 % intervals of the mean (Student's t)."
+        bars="Error bars: 95 % intervals of the mean (Student's t); those that reach 0 end at the axis."
         if several
         else "There are no error bars.",
     )
@@ -175,8 +176,8 @@ def _moment(time: float) -> str:
 def _counted(marked: pd.DataFrame) -> str:
     """The number of sites in contact, and of those gained and lost since t = 0."""
     kept, new, lost = (int((marked["state"] == state).sum()) for state in ("kept", "new", "lost"))
-    changes = f"  (+{style.count(new)}, −{style.count(lost)})" if new or lost else ""
-    return f"$A$ = {style.count(kept + new)}{changes}"
+    changes = ", ".join(f"{sign}{style.count(sites)}" for sign, sites in (("+", new), ("−", lost)) if sites)
+    return f"$A$ = {style.count(kept + new)}" + (f"  ({changes})" if changes else "")
 
 
 def _add_legend(figure: SubFigure) -> None:
@@ -200,6 +201,10 @@ def _draw_curves(figure: SubFigure, ensemble: pd.DataFrame, letter: str) -> None
         for quantity in quantities:
             _draw_curve(axes, ensemble[ensemble["quantity"] == quantity], quantity)
         axes.set_yscale(scale)
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        bottom = _bottom(ensemble[ensemble["quantity"].isin(quantities)], scale)
+        if bottom is not None:
+            axes.set_ylim(bottom=bottom)
         axes.set_title(f"({chr(ord(letter) + number)})", fontsize=_TEXT + 1, loc="left")
         axes.set_ylabel(label, fontsize=_TEXT)
         axes.set_xlabel("$t\\,k_0R$", fontsize=_TEXT)
@@ -210,6 +215,15 @@ def _draw_curves(figure: SubFigure, ensemble: pd.DataFrame, letter: str) -> None
     handles, labels = panels[2].get_legend_handles_labels()
     labels[0] = f"({chr(ord(letter) + 2)})  {labels[0]}"
     figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=_TEXT, frameon=False)
+
+
+def _bottom(curves: pd.DataFrame, scale: str) -> float | None:
+    """Where the axis begins: error bars that reach 0 must not stretch it; None leaves it to Matplotlib."""
+    if scale == "linear":
+        return 0.0
+    reach = curves["mean"] - curves["half_interval"] <= 0
+    above = curves["mean"] > 0
+    return float(curves.loc[above, "mean"].min()) / 3 if (reach & above).any() else None
 
 
 def _draw_curve(axes: Axes, curve: pd.DataFrame, quantity: str) -> None:

@@ -22,6 +22,12 @@ _STIFFNESS_RATIOS = (0.1, 1.0, 3.0, 10.0, 100.0)
 
 _TIMES = np.geomspace(1e-3, 1e8, 177)
 
+_LARGE_LATTICE = 0.01
+"""Relative difference of the closed forms up to which a finite lattice stands for an endless one."""
+
+WHILE_LARGE = f"drawn while the lattice stands for an endless one to {100 * _LARGE_LATTICE:g} %"
+"""What captions say of it."""
+
 _LATE = 1e-2
 """From where on the late form is drawn."""
 
@@ -81,7 +87,9 @@ def indentation(evidence: Evidence) -> pd.DataFrame:
         For each ``k1``, ``R_viscous`` and ``time`` (k0 = R = 1): ``depth``, k0 u(0, t)/f0 as simulated;
         ``lattice``, the closed form for the same periodic lattice, `asperity.theory.torus_compliance` with
         what the mode q = 0 adds with viscous creep, R_viscous t / N0; ``deviation``, of ``depth`` from
-        ``lattice``, relative; ``plane``, the paper's G, for an endless lattice; ``sites``, N0.
+        ``lattice``, relative; ``plane``, the paper's G, for an endless lattice; ``sites``, N0; and whether
+        the point is to be ``drawn`` beside ``plane``: not at time 0, nor once the two closed forms have
+        differed by more than 1 %.
     """
     dataset = evidence["point"]
     time = dataset["time"].to_numpy()
@@ -97,7 +105,10 @@ def indentation(evidence: Evidence) -> pd.DataFrame:
         lattice = torus_compliance(k1, time, (side, side), viscous) + viscous * time / sites
         columns = {"k1": k1, "R_viscous": viscous, "sites": sites, "time": time}
         columns |= {"depth": depth, "lattice": lattice, "deviation": depth / lattice - 1}
-        frames.append(pd.DataFrame(columns | {"plane": compliance(k1, time, viscous)}))
+        plane = compliance(k1, time, viscous)
+        # Once the dip has come round the lattice, chance crossings of the closed forms mean nothing.
+        far = np.logical_or.accumulate(np.abs(lattice / plane - 1) > _LARGE_LATTICE)
+        frames.append(pd.DataFrame(columns | {"plane": plane, "drawn": ~far & (time > 0)}))
     return pd.concat(frames, ignore_index=True)
 
 
@@ -108,17 +119,19 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     below.set_yscale("log")
     theory, simulated, late = tables["theory"], tables["simulated"].query("time > 0"), tables["asymptotes"]
     ratios = theory["x1"].unique()
+    marks = []
     for at, (x1, look) in enumerate(zip(ratios, curves.looks(len(ratios)), strict=True)):
         part, run = theory.query("x1 == @x1"), simulated.query("k1 == @x1")
         curves.line(above, part["x2"], part["G"], look, at, label=f"{x1:g}")
-        curves.symbols(above, run["time"], run["depth"], look)
+        shown = run.query("drawn")
+        if len(shown):
+            marks.append(curves.symbols(above, shown["time"], shown["depth"], look))
         curves.symbols(below, run["time"], run["deviation"].abs(), look)
     above.plot(late["x2"], late["G"], ":", color=style.INK, linewidth=1.2, label="late form")
-    curves.symbols(above, [], [], curves.Look(style.INK), label="simulated")
     above.set_ylim(bottom=0)
     curves.dress(above, "", r"$G(x_1, x_2)$")
     curves.dress(below, r"reduced time  $x_2 = k_0 R\,t$", "deviation")
-    curves.legend(above, "upper left", "$x_1 = k_1/k_0$")
+    curves.legend(above, "upper left", "$x_1 = k_1/k_0$", together={"simulated": marks})
     return figure
 
 
@@ -134,7 +147,8 @@ def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
         f"rounded 0.04 ln <i>x</i><sub>2</sub> + 0.3 differs from it by at most {rounding:.1g} here, less "
         "than the line is thick. Symbols: simulations of one high asperity under constant load on a "
         f"periodic lattice of {run['sites'].max():g} sites, for {STIFFNESS_RATIO} = "
-        f"{curves.several(run['k1'])}; nothing is random here, so there are no error bars. Below: size of "
-        "the relative deviation of these simulations from the closed form for the same lattice, at most "
+        f"{curves.several(run['k1'])}, {WHILE_LARGE}; nothing is random here, so there are no error "
+        "bars. Below: size of the relative deviation of these simulations, at all times, from the closed "
+        "form for the same lattice, at most "
         f"{curves.power(run['deviation'].abs().max())}: the error that the time steps leave."
     )

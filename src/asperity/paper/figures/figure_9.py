@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from asperity.figures import style
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
-from asperity.paper.figures.figure_8 import indentation
+from asperity.paper.figures.figure_8 import WHILE_LARGE, indentation
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
 from asperity.paper.wording import STIFFNESS_RATIO
 from asperity.theory import LATE_SLOPE, compliance
@@ -22,9 +22,6 @@ _STIFFNESS_RATIO = 3.0
 _MOBILITY_RATIOS = (0.0, 0.01, 0.1, 1.0, 10.0)
 
 _TIMES = np.geomspace(1e-3, 1e8, 177)
-
-_LARGE_LATTICE = 0.01
-"""Relative difference of the closed forms up to which a finite lattice stands for an endless one."""
 
 
 def figure_9(evidence: Evidence) -> PaperFigure:
@@ -42,10 +39,6 @@ def figure_9(evidence: Evidence) -> PaperFigure:
         the lattice is too small to be ``drawn``.
     """
     simulated = indentation(evidence).query("k1 == @_STIFFNESS_RATIO").reset_index(drop=True)
-    apart = (simulated["lattice"] / simulated["plane"] - 1).abs()
-    # Once the dip has come round the lattice, chance crossings of the closed forms mean nothing.
-    far = (apart > _LARGE_LATTICE).groupby(simulated["R_viscous"]).cummax()
-    simulated["drawn"] = ~far & (simulated["time"] > 0)
     theory = pd.concat(
         [
             pd.DataFrame({"R_viscous": r, "x2": _TIMES, "depth": compliance(_STIFFNESS_RATIO, _TIMES, r)})
@@ -68,12 +61,12 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     axes = figure.add_subplot(xscale="log")
     theory, simulated = tables["theory"], tables["simulated"].query("drawn")
     mobilities = theory["R_viscous"].unique()
+    marks = []
     for at, (r, look) in enumerate(zip(mobilities, curves.looks(len(mobilities)), strict=True)):
         part, run = theory.query("R_viscous == @r"), simulated.query("R_viscous == @r")
         curves.line(axes, part["x2"], part["depth"], look, at, label=f"{r:g}")
-        curves.symbols(axes, run["time"], run["depth"], look)
-    if len(simulated):
-        curves.symbols(axes, [], [], curves.Look(style.INK), label="simulated")
+        if len(run):
+            marks.append(curves.symbols(axes, run["time"], run["depth"], look))
     highest = theory[theory["R_viscous"] == mobilities.max()]
     lowest = theory[theory["R_viscous"] == mobilities.min()]
     for family, shift, slope, text in (
@@ -87,7 +80,7 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         curves.note(axes, text, where, where="right" if shift > 0 else "left")
     axes.set_ylim(bottom=0)
     curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
-    curves.legend(axes, "upper left", r"$\tilde{R}/R$")
+    curves.legend(axes, "upper left", r"$\tilde{R}/R$", together={"simulated": marks})
     return figure
 
 
@@ -106,7 +99,6 @@ def _about(simulated: pd.DataFrame) -> str:
     return (
         "Symbols: simulations of one high asperity under constant load on a periodic lattice of "
         f"{simulated['sites'].max():g} sites, for R̃/<i>R</i> = {curves.several(simulated['R_viscous'])}, "
-        f"drawn while the lattice stands for an endless one to {100 * _LARGE_LATTICE:g} %; at all times they "
-        "deviate from the closed form for that lattice by at most "
+        f"{WHILE_LARGE}; at all times they deviate from the closed form for that lattice by at most "
         f"{curves.power(simulated['deviation'].abs().max())}."
     )
