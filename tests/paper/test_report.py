@@ -19,9 +19,9 @@ from asperity.errors import InputError, OutputError
 from asperity.fits.resampling import Estimate
 from asperity.paper import report, typeset
 from asperity.paper.corrections import corrections
-from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
-from asperity.paper.ledger import Finding, Measurement, exact
-from asperity.paper.places import SECTIONS, section_of
+from asperity.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
+from asperity.paper.ledger import Finding, Measurement, Verdict, exact
+from asperity.paper.places import EQUATIONS, SECTIONS, section_of
 from asperity.paper.report import About, Simulated, ledger_table, write_report
 from asperity.paper.studies import QUICK, studies
 from asperity.theory import GaussianHeights, compliance
@@ -173,7 +173,7 @@ def test_page_says_what_was_found(written):
     assert "Not <script>alert(1)</script> & more." in page.text
     assert "1 < 2 & FN" in page.text
     assert f"{7 * len(studies(QUICK))} simulations" in page.text
-    assert "1 h 1 min of computing; the command that wrote this page took 1 min 15 s" in page.text
+    assert "1 h 1 min of computing in all; the session that wrote this page took 1 min 15 s" in page.text
     assert "Asperity 9.8.7, 2030-01-02, quick reproduction." in page.text
     assert "shape = 200\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}200" in "".join(page.words)
 
@@ -182,6 +182,33 @@ def test_whole_sections_are_praised(tmp_path):
     both = [finding("a", "Section 2"), finding("b", "Section 3", 2.0)]
     page = Page(write_report(tmp_path, [], both, ABOUT).read_text())
     assert "Every claim of Section 2 agrees." in page.text
+
+
+def test_undecided_correction_of_a_claim_that_differs(tmp_path):
+    corrected = (Measurement("corrected", estimate(1.08, 0.05), 0.9, 1.1),)
+    differs = finding("mended", "Section 5", 3.9, corrected, correction="by half")
+    page = Page(write_report(tmp_path, [], [differs], ABOUT).read_text())
+    assert differs.verdict is Verdict.DIFFERS
+    assert f"The correction is undecided. To decide it: {differs.needs}." in page.text
+    assert "about 25 seeds in place of 4" in differs.needs
+
+
+def test_equations_have_numbers_on_the_page_and_labels_in_the_file(written):
+    path, page = written
+    assert "Section 5, Eq. (17)" in page.text
+    assert not [label for label in EQUATIONS if f"Eq. ({label})" in page.text]
+    table = pd.read_csv(path.parent / "ledger.csv")
+    assert set(table[table["key"] == "late"]["place"]) == {"Section 5, Eq. (ndet2)"}
+
+
+def test_wide_pictures_scroll(tmp_path):
+    narrow, wide = drawn(1), drawn(2)
+    wide.figure.set_figwidth(PAGE)
+    page = Page(write_report(tmp_path, [narrow, wide], [], ABOUT).read_text())
+    boxes = [name for name in page.values("class") if name.startswith("picture")]
+    assert boxes == ["picture", "picture wide"]
+    drawings = [target for target in page.values("href") if target.endswith(".svg")]
+    assert Counter(drawings) == {"figures/figure-1.svg": 2, "figures/figure-2.svg": 2}
 
 
 def test_claims_stand_in_the_order_of_the_paper(written):
@@ -333,6 +360,23 @@ def test_texts():
         == "F_N^(0.8) 10^6 x^2"
     )
     assert [typeset.duration(s) for s in (59.6, 3599, 7260)] == ["1 min 0 s", "59 min 59 s", "2 h 1 min"]
+
+
+@pytest.mark.parametrize(
+    ("text", "written_as"),
+    [
+        ("from 1 to 1e+06, then", "from 1 to 10<sup>6</sup>, then"),
+        ("<i>x</i> < 2.5e-05", "<i>x</i> &lt; 2.5 × 10<sup>−5</sup>"),
+        ("1e+09 and 3e+10", "10<sup>9</sup> and 3 × 10<sup>10</sup>"),
+        ("file1e+06, 1e6 and 1e+06x", "file1e+06, 1e6 and 1e+06x"),
+        ("Section 5, Eqs. (uq), (u); Fig. 8", "Section 5, Eqs. (6), (8); Fig. 8"),
+        ("Eq. (vt) to Eq. (ndet) (a)", "Eq. (11) to Eq. (16) (a)"),
+        ("Eqs. (a) and (log)", "Eqs. (4) and (5)"),
+        ("Eq. (7), Eq. (new)", "Eq. (7), Eq. (new)"),
+    ],
+)
+def test_equations_and_powers_of_ten_in_texts(text, written_as):
+    assert typeset.rich(text) == written_as
 
 
 def test_colors_have_contrast():

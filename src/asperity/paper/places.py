@@ -22,6 +22,7 @@ EQUATIONS = {
 }  # fmt: skip
 """Labels of equations in the paper's source, and their numbers in print."""
 
+_EQUATION = re.compile(r"\bEqs?\. \(\w+\)(?:(?:, | and |, and )\(\w+\))*")
 _LAST_EQUATION = {"Section 2": 3, "Section 3": 5, "Section 5": 17, "Section 6": 20}
 _LAST_FIGURE = {"Section 2": 1, "Section 3": 3, "Section 4": 7, "Section 5": 8, "Section 6": 9}
 
@@ -37,6 +38,14 @@ def section_of(place: str) -> str:
     if found := re.search(r"\bEqs?\. \((\w+)\)", place):
         return _holding(EQUATIONS.get(found[1], 0), _LAST_EQUATION)
     return "Elsewhere"
+
+
+def numbered(text: str) -> str:
+    """Return a text in which equations go by their numbers in print: "Eqs. (uq), (u)" as "Eqs. (6), (8)"."""
+    return _EQUATION.sub(
+        lambda found: re.sub(r"\w+(?=\))", lambda label: str(EQUATIONS.get(label[0], label[0])), found[0]),
+        text,
+    )
 
 
 def _holding(number: int, last: dict[str, int]) -> str:

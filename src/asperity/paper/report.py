@@ -21,9 +21,9 @@ from markupsafe import Markup, escape
 from asperity.config.models import Aging
 from asperity.errors import InputError, OutputError
 from asperity.paper.corrections import corrections
-from asperity.paper.figures.paper_figure import PaperFigure
+from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
 from asperity.paper.ledger import Finding, Verdict
-from asperity.paper.places import EQUATIONS, SECTIONS, section_of
+from asperity.paper.places import SECTIONS, section_of
 from asperity.paper.studies import Study
 from asperity.paper.typeset import bounds, duration, interval, number, plain, rich
 from asperity.results.store import whole_file
@@ -83,7 +83,7 @@ class About:
     command
         The command line that made it.
     wall_seconds, run_seconds
-        From start to end, and summed over the runs; NaN where unknown.
+        From the last start of the command to its end, and summed over all runs; NaN where unknown.
     studies
         What was simulated.
     """
@@ -99,11 +99,16 @@ class About:
 
 @dataclass(frozen=True)
 class _Picture:
-    """A figure as it stands on the page."""
+    """A figure as it stands on the page; the first of its files is the drawing that has no pixels."""
 
     figure: PaperFigure
     source: str
     files: tuple[str, ...]
+
+    @property
+    def wide(self) -> bool:
+        """Whether it takes the width of a page: too much for a telephone."""
+        return self.figure.figure.get_figwidth() > COLUMN
 
 
 def write_report(
@@ -250,7 +255,6 @@ def _template() -> jinja2.Template:
         "bounds": bounds,
         "Verdict": Verdict,
         "SECTIONS": SECTIONS,
-        "EQUATIONS": EQUATIONS,
     }
     return environment.get_template("report.html")
 

@@ -12,15 +12,19 @@ from markupsafe import Markup, escape
 
 from asperity.errors import InputError
 from asperity.fits.resampling import Estimate
+from asperity.paper.places import numbered
 
 UNKNOWN = "not determined"
 
 _TAG = re.compile(r"(</?(?:i|sub|sup)>)")
+_E_NOTATION = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]\d+)\b")
 _LARGE, _SMALL, _NARROW = 1e5, 1e-3, 1e-6
 
 
 def rich(text: str) -> Markup:
     """Return a text as HTML: the tags i, sub and sup are kept, all else is escaped.
+
+    Equations get their numbers for their labels, as in Eq. (17), and 2e-05 is written with a power of ten.
 
     Raises
     ------
@@ -30,7 +34,7 @@ def rich(text: str) -> Markup:
     pieces, opened = [], list[str]()
     for index, piece in enumerate(_TAG.split(text)):
         if index % 2 == 0:
-            pieces.append(escape(piece))
+            pieces.append(_words(piece))
             continue
         name = piece.strip("</>")
         if not piece.startswith("</"):
@@ -58,9 +62,7 @@ def number(value: float) -> Markup:
     mantissa, exponent = f"{value:.3e}".split("e")
     if value == 0 or _SMALL <= abs(value) < _LARGE:
         return _signed(_short(f"{value:.{max(0, 3 - int(exponent))}f}"))
-    digits = _short(mantissa)
-    power = _ten_to(int(exponent))
-    return power if digits == "1" else _signed(digits) + escape(" × ") + power
+    return _scaled(_short(mantissa), int(exponent))
 
 
 def interval(estimate: Estimate) -> Markup:
@@ -102,6 +104,21 @@ def duration(seconds: float) -> str:
     if minutes < 60:
         return f"{minutes} min {rest} s"
     return f"{minutes // 60} h {minutes % 60} min"
+
+
+def _words(text: str) -> Markup:
+    """Escape a text without tags; with numbers of equations and powers of ten."""
+    found = _E_NOTATION.split(numbered(text))
+    pieces = [escape(found[0])]
+    for digits, exponent, after in zip(found[1::3], found[2::3], found[3::3], strict=True):
+        pieces += [_scaled(digits, int(exponent)), escape(after)]
+    return Markup("").join(pieces)
+
+
+def _scaled(digits: str, exponent: int) -> Markup:
+    """Write digits times a power of ten; the power alone for 1."""
+    power = _ten_to(exponent)
+    return power if digits == "1" else _signed(digits) + escape(" × ") + power
 
 
 def _short(digits: str) -> str:
