@@ -375,6 +375,17 @@ def test_the_plan_is_kept_beside_the_runs(done):
     assert campaign.load_plan(done / "out") == campaign.read_plan(done / "campaign.toml")
 
 
+def identity_of(folder, where):
+    """Name of the run at these values of load, k1 and seed."""
+    (run,) = (
+        run
+        for run in campaign.load_plan(folder).runs
+        if (run.config.contact.load, run.config.solid.k1, run.seed)
+        == (where["load"], where["k1"], where["seed"])
+    )
+    return run.identity
+
+
 def test_kept_fields_are_those_of_single_runs(tmp_path):
     plan = written(tmp_path, SMALL + "\n[output]\nmaps_at = [0.0, 1.0]\n")
     assert main(["sweep", str(plan), "--out", str(tmp_path / "out"), "--workers", "1", "--quiet"]) == 0
@@ -390,6 +401,12 @@ def test_kept_fields_are_those_of_single_runs(tmp_path):
     for wrong in ({}, where | {"k9": 1.0}, where | {"seed": 99}):
         with pytest.raises(InputError, match="that name one run"):
             campaign.fields(tmp_path / "out", **wrong)
+    (chunk,) = (tmp_path / "out" / "runs.zarr").glob(f"{identity_of(tmp_path / 'out', where)}/u/c/0/0/0")
+    whole = chunk.read_bytes()
+    for damage in (lambda: chunk.write_bytes(whole[: len(whole) // 2]), chunk.unlink):
+        damage()
+        with pytest.raises(InputError, match="which is damaged; try removing that folder"):
+            campaign.fields(tmp_path / "out", **where)
 
 
 def test_fields_that_were_not_kept(done):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import subprocess
 import sys
 from pathlib import Path
@@ -21,10 +22,12 @@ from asperity.analysis import (
     SiteState,
     aging_summary,
     contact_maps,
+    measured_growth,
     surface_view,
     with_limit,
 )
-from asperity.figures import aging_curve, contact_figure, style, surface_figure
+from asperity.errors import InputError
+from asperity.figures import aging_curve, contact_figure, fit_figure, style, surface_figure
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, gaussian
 from asperity.theory import GaussianHeights
@@ -245,3 +248,17 @@ def test_counts_and_units() -> None:
     assert style.count(40000) == "40\u202f000"
     assert style.with_unit("height", "1") == "height"
     assert style.with_unit("height", "um") == "height [µm]"
+
+
+def test_names_from_outside_are_not_read_as_mathematics():
+    growth = measured_growth(np.geomspace(1, 1e4, 9), 1 + 0.1 * np.log(np.geomspace(1, 1e4, 9)))
+    figure = fit_figure(growth, title="$\\bad", quantity=r"$\frac{1}$", unit_time=r"$\foo$", window=False)
+    figure.savefig(io.BytesIO())
+    assert figure.axes[0].get_ylabel() == r"\$\frac{1}\$"
+
+
+def test_a_history_of_time_0_alone_has_no_curve():
+    contact = press(gaussian((16, 16)), spring_lattice(k0=1.0, k1=3.0), load=5.0)
+    dataset = age(contact, [0.0]).dataset
+    with pytest.raises(InputError, match="a history with times above 0"):
+        aging_curve(dataset, aging_summary(dataset))

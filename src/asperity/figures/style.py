@@ -65,4 +65,4 @@ def with_unit(quantity: str, unit: str) -> str:
 
 def spelled(unit: str) -> str:
     """Spell a unit as it is printed."""
-    return {"um": "µm", "angstrom": "Å", "rms": "rms height"}.get(unit, unit)
+    return {"um": "µm", "angstrom": "Å", "rms": "rms height"}.get(unit, verbatim(unit))
