@@ -52,7 +52,7 @@ def test_friction_in_words_figure_and_numbers(asperity: Asperity, friction: np.n
     low, high = (float(word) for word in per_decade.split(" to "))
     assert (low, high) == pytest.approx([np.log(10) * end for end in rate.interval("slope")], rel=1e-4)
     assert low < 0.01 < high
-    assert "the data prefer" in text
+    assert "the data prefer the logarithm: no sign" in text or "these data do not tell" in text
     assert "figure written: fit.png\nnumbers written: n.json\n" in text
     assert Path("fit.png").read_bytes().startswith(b"\x89PNG")
     found = json.loads(Path("n.json").read_text())
@@ -80,7 +80,7 @@ def test_columns_and_standard_errors(asperity: Asperity, friction: np.ndarray) -
     assert status == 0
     assert "reduced chi²" in text
     assert "saturation" not in text
-    assert "the data prefer" not in text
+    assert "AICc" not in text
     assert Path("a.pdf").read_bytes().startswith(b"%PDF")
 
 
@@ -122,6 +122,53 @@ def test_a_late_piece_does_not_tell_its_beginning(asperity: Asperity) -> None:
     assert status == 0
     assert "A0: not determined by these times" in text
     assert "in units of A0" not in text
+    # The straight line, which is determined, comes before the laws, which are not.
+    assert text.index("straight line in ln t") < text.index("saturation: A0") < text.index("logarithm: A0")
+    assert line(text[text.index("logarithm: A0") :], "t0").strip() == "not determined by these times"
+    growth = measured_growth(hold, mu)
+    legend = fit_figure(growth, title="", quantity="mu", unit_time="s", window=False).axes[0].get_legend()
+    assert legend is not None
+    words = [text.get_text() for text in legend.get_texts()]
+    assert any(word.startswith("straight line, 0.0") for word in words)
+    assert any("$t_0$ not determined by these times" in word for word in words)
+
+
+@pytest.mark.parametrize("name", [r"$\foo$", "$x_{", "摩擦力", "a\tb", "coefficient of friction " * 9])
+def test_any_name_is_drawn_as_it_stands(asperity: Asperity, friction: np.ndarray, name: str) -> None:
+    Path(f"{name[:50]}.csv").write_bytes(Path("mu.csv").read_bytes().replace(b"mu", name.encode()))
+    # Warnings are errors here: a glyph that the font lacks would be one.
+    status, text, error = asperity("fit", f"{name[:50]}.csv", "--unit-time", name, "--out", "a.png")
+    assert (status, error) == (0, "")
+    assert name.strip() in text
+
+
+def test_dollars_are_no_formulas() -> None:
+    growth = measured_growth(HOLD, 0.6 + 0.01 * np.log(HOLD), laws=("logarithm",))
+    figure = fit_figure(growth, title="$a", quantity="$b$", unit_time=r"$\foo$", window=False)
+    upper, lower = figure.axes
+    # matplotlib draws an escaped dollar as it stands.
+    assert (upper.get_title(), upper.get_ylabel()) == (r"\$a", r"\$b\$")
+    assert lower.get_xlabel() == r"hold time $t$ [\$\foo\$]"
+
+
+def test_labels_stay_on_the_canvas() -> None:
+    growth = measured_growth(HOLD, 0.6 + 0.01 * np.log(HOLD), laws=("logarithm",))
+    long = "W" * 300
+    figure = fit_figure(growth, title=long, quantity=long, unit_time=long, window=True)
+    figure.draw_without_rendering()
+    for text in (figure.axes[0].title, figure.axes[0].yaxis.label, figure.axes[1].xaxis.label):
+        box = text.get_window_extent()
+        assert text.get_text().rstrip("]").endswith("…")
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that nobody can write to")
+def test_nothing_is_written_where_one_file_cannot_be(asperity: Asperity, friction: np.ndarray) -> None:
+    status, text, error = asperity("fit", "mu.csv", "--json", "/proc/n.json")
+    assert (status != 0, text) == (True, "")
+    assert error.startswith("asperity: --json: cannot write /proc/n.json: ")
+    assert not Path("fit.png").exists()
 
 
 def test_growth_that_is_none(asperity: Asperity) -> None:
@@ -142,8 +189,12 @@ def test_growth_that_is_none(asperity: Asperity) -> None:
         (("mu.csv", "--out", "no/fit.png"), "--out: expected a file in a folder that exists"),
         (("mu.csv", "--json", "fit.txt"), "--json: expected a name that ends in .json"),
         (("mu.csv", "--law", "log"), "(see asperity --help)"),
-        (("flat.txt",), "area: expected an area that grows with time, got 0.6 at every time"),
-        (("few.txt",), "time: expected at least 4 values to fit, one more than there are parameters, got 2"),
+        (("flat.txt",), "flat.txt: value: expected values that grow with time, got 0.6 at every time"),
+        (("down.csv",), "down.csv: friction: expected values that grow with time, got 0.9 ... 0.7"),
+        (
+            ("few.txt",),
+            "few.txt: time: expected at least 4 values to fit, one more than there are parameters, got 2",
+        ),
     ],
 )
 def test_mistakes_get_a_line(
@@ -151,6 +202,7 @@ def test_mistakes_get_a_line(
 ) -> None:
     Path("flat.txt").write_text("1 .6\n2 .6\n3 .6\n4 .6\n5 .6\n6 .6\n")
     Path("few.txt").write_text("1 .6\n2 .7\n")
+    Path("down.csv").write_text("hold,friction\n1,.9\n2,.8\n3,.7\n")
     before = sorted(Path().iterdir())
     status, text, error = asperity("fit", *words)
     assert (status, text) == (2, "")

@@ -75,16 +75,24 @@ def test_a_header_in_an_old_encoding(tmp_path: Path) -> None:
         ("# a\n\n", "got no line besides comments"),
         ("1\n2\n", "expected two columns of numbers or more, got one"),
         ("hello you\nand you\n", "expected two columns of numbers or more, got 'and you'"),
-        ("t,m\n1,2\n\n2,nan\n", "expected a value above 0 in line 4, got '2,nan'; try a #"),
-        ("1,2\n2,inf\n", "expected a value above 0 in line 2"),
-        ("1,2\n2,\n", "expected a value above 0 in line 2, got '2,'"),
-        ("1,2\n2\n", "expected a value above 0 in line 2, got '2'"),
+        (
+            "t,m\n1,2\n\n2,nan\n",
+            "expected 'm' to be a number in line 4, got '2,nan', where it is missing; try a #",
+        ),
+        ("1,2\n2,inf\n", "expected a value to be a number in line 2, got '2,inf', where it is infinite"),
+        ("1,2\n2,\n", "expected a value to be a number in line 2, got '2,', where it is missing"),
+        ("t,mu\n1,2\n2,N/A\n", "expected 'mu' to be a number in line 3, got '2,N/A', where it is missing"),
+        ("t,mu\n1,2\n2,-3\n", "expected 'mu' above 0 in line 3, got '2,-3'; try a #"),
+        ("1,2\n2\n", "expected a value to be a number in line 2, got '2', where it is missing"),
         ("1,2\n2,-3\n", "expected a value above 0 in line 2, got '2,-3'"),
         ("# c\n1,2\n# d\n-1,3\n", "expected a time not below 0 in line 4, got '-1,3'"),
-        ("1,2\nabc,3\n", "expected a time not below 0 in line 2, got 'abc,3'"),
-        ("1,5;2,5\n2,5;x\n", "expected a value above 0 in line 2, got '2,5;x'"),
+        (
+            "1,2\nabc,3\n",
+            "expected a time to be a number in line 2, got 'abc,3', where it is not a number; try a #",
+        ),
+        ("1,5;2,5\n2,5;x\n", "expected a value to be a number in line 2, got '2,5;x'"),
         ("1,2\n\n2,3,4\n", "expected 2 columns in line 3, as before, got '2,3,4'"),
-        ("Experiment 5 of 7\n1 2\n", "expected a time not below 0 in line 1, got 'Experiment 5 of 7'"),
+        ("Experiment 5 of 7\n1 2\n", "expected a time to be a number in line 1, got 'Experiment 5 of 7'"),
         ("1\0 2\n", "expected text, got binary data"),
     ],
 )
@@ -94,6 +102,23 @@ def test_mistakes_are_named_with_their_line(tmp_path: Path, text: str, message: 
     with pytest.raises(InputError, match=message) as raised:
         read_measurements(file)
     assert str(file) in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("sample,t,mu\nA,1,2\nB,2,3\n", r"choose columns of numbers \('t', 'mu'\)$"),
+        ("A,1,2\nB,2,3\n", r"choose columns of numbers \(1, 2\)$"),
+        ("day,mu\n2024-01-01,2\n2024-01-02,3\n", r"\('mu'\); a hold time is a number, not a date$"),
+        ("t;mu\n1,438.45;2\n5,438.45;3\n", "try numbers without separators between thousands$"),
+        ('t,mu\n"1,438.45",2\n"5,438.45",3\n', "try numbers without separators between thousands$"),
+    ],
+)
+def test_columns_that_hold_no_numbers(tmp_path: Path, text: str, advice: str) -> None:
+    file = tmp_path / "mu.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=advice):
+        read_measurements(file)
 
 
 def test_no_file(tmp_path: Path) -> None:

@@ -136,7 +136,28 @@ def test_curvature_is_the_change_of_the_slope() -> None:
     assert abs(bent.curvature * bent.slope) == pytest.approx(12, rel=1e-9)
     assert not bent.straight
     # Three points tell of nothing but the line.
-    assert math.isnan(growth_rate(time[:3], 10 + z[:3], initial=1.0).curvature)
+    few = growth_rate(time[:3], 10 + z[:3], initial=1.0)
+    assert math.isnan(few.curvature)
+    assert few.straight is None
+
+
+def test_few_points_do_not_tell_a_line_from_a_curve() -> None:
+    z = np.arange(4.0)
+    y = 10 + z + np.array([0.008, -0.024, 0.024, -0.008]) - 0.02 * (z - 1.5) ** 2
+    rate = growth_rate(np.exp(z), y, initial=1.0)
+    # A parabola leaves one degree of freedom, of which the interval reaches 12.7 standard errors.
+    assert rate.curvature_reach == pytest.approx(t.ppf(0.975, 1) * rate.curvature_stderr)
+    assert rate.interval("curvature") == pytest.approx(
+        (rate.curvature - rate.curvature_reach, rate.curvature + rate.curvature_reach)
+    )
+    assert 2 * rate.curvature_stderr < 0.25 < rate.curvature_reach
+    assert rate.straight is None
+
+
+def test_times_near_the_largest_numbers() -> None:
+    time = np.geomspace(1e200, 1e204, 9)
+    rate = growth_rate(time, 6 + 0.4 * np.log(time), initial=5.0)
+    np.testing.assert_allclose(rate.predict(time), 6 + 0.4 * np.log(time))
 
 
 def test_the_initial_area_and_its_error_stand_in_the_rate() -> None:

@@ -25,7 +25,7 @@ from asperity.fits import (
     logarithm,
     saturation,
 )
-from asperity.fits.curve import Series
+from asperity.fits.curve import Series, refuse_decline
 from asperity.lattice import Field
 
 Law = Literal["saturation", "logarithm"]
@@ -98,6 +98,7 @@ def measured_growth(
     laws: Sequence[Law] = ("saturation", "logarithm"),
     first: float | None = None,
     last: float | None = None,
+    name: str = "value",
 ) -> MeasuredGrowth:
     """Fit laws of growth to measured values, and compare them.
 
@@ -109,6 +110,8 @@ def measured_growth(
         The laws to fit.
     first, last
         Window for the straight line in ln t; the laws are fitted to all values.
+    name
+        What the values are, for messages.
 
     Returns
     -------
@@ -121,7 +124,9 @@ def measured_growth(
     ConvergenceError
         The fit of the only law found no minimum.
     """
-    series = Series.checked(time, value, stderr)
+    series = Series.checked(time, value, stderr, ("time", name))
+    if series.x.size > 2:  # the fits would call the values areas
+        refuse_decline(series, name)
     fits, comparison, notes = _fits(series, laws)
     zeros = int(np.searchsorted(series.x, 0.0, side="right"))
     later = series.where(series.x > 0)

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,11 +14,11 @@ from asperity.analysis import MeasuredGrowth, measured_growth
 from asperity.analysis.measured_growth import Law
 from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
 from asperity.cli.report import aligned
-from asperity.errors import InputError
+from asperity.errors import InputError, OutputError
 from asperity.figures import fit_figure
+from asperity.figures.fit import UNDETERMINED, determined
 from asperity.figures.style import uncertain
 from asperity.fits import Comparison, FitResult, GrowthRate, LogarithmFit, SaturationFit, read_measurements
-from asperity.fits.rate import STRAIGHT
 from asperity.fits.result import parameters_of
 from asperity.results.store import whole_file
 
@@ -64,16 +65,28 @@ def fit(
     AsperityError
         The table cannot be used, or a file not written.
     """
-    check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
+    _check_target("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
     if numbers is not None:
-        check_new_file("--json", numbers, (".json",), overwrite=overwrite)
+        _check_target("--json", numbers, (".json",), overwrite=overwrite)
     first, last = window or (None, None)
     if window and not 0 <= window[0] < window[1]:
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
     time, value, stderr = columns
     data = read_measurements(file, time=time, value=value, stderr=stderr)
-    growth = measured_growth(data.time, data.value, stderr=data.stderr, laws=laws, first=first, last=last)
     named = quantity or data.value_name or "value"
+    try:
+        growth = measured_growth(
+            data.time,
+            data.value,
+            stderr=data.stderr,
+            laws=laws,
+            first=first,
+            last=last,
+            name=data.value_name or "value",
+        )
+    except InputError as error:
+        error.args = (f"{file}: {error}",)  # what computes does not know where the numbers came from
+        raise
     figure = fit_figure(
         growth, title=file.name, quantity=named, unit_time=unit_time, window=window is not None
     )
@@ -88,14 +101,26 @@ def fit(
     sys.stdout.write("\n\n".join([*map(aligned, blocks), "\n".join(written)]) + "\n")
 
 
+def _check_target(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:
+    """Make sure, before either file is written, that each can be."""
+    check_new_file(flag, target, suffixes, overwrite=overwrite)
+    try:
+        # Permissions do not tell of read-only disks and full quotas: try.
+        with tempfile.NamedTemporaryFile(prefix=".asperity-", dir=target.parent):
+            pass
+    except OSError as error:
+        raise OutputError(f"{flag}: cannot write {target}: {error.strerror}") from error
+
+
 def _blocks(growth: MeasuredGrowth, *, source: str, unit: str) -> list[list[tuple[str, ...]]]:
     """Tables of words: the data, each law, the straight line, the comparison."""
     zeros = f", {growth.initial_points} of them at time 0" if growth.initial_points else ""
     span = f"{growth.curve_time[0]:g} to {growth.curve_time[-1]:g}{unit}"
     data: list[tuple[str, ...]] = [("data", f"{source}, {growth.points} values{zeros}; times {span}")]
-    blocks = [data, *(_law(law, fit, unit) for law, fit in growth.fits.items())]
-    if growth.rate is not None:
-        blocks.append(_line(growth.rate, growth.initial_from, unit))
+    laws = [_law(law, fit, unit) for law, fit in growth.fits.items()]
+    line = [] if growth.rate is None else [_line(growth.rate, growth.initial_from, unit)]
+    # Where the laws are not determined, the straight line is all that the data say.
+    blocks = [data, *(laws + line if growth.initial_from else line + laws)]
     if growth.comparison is not None:
         blocks.append(_comparison(growth.comparison))
     if growth.notes:
@@ -109,8 +134,8 @@ def _law(law: Law, fit: SaturationFit | LogarithmFit, unit: str) -> list[tuple[s
     if fit.initial_area_stderr == 0:
         rows.append(("  A0", f"{fit.initial_area:.6g}", "as given, taken as exact"))
     else:
-        rows.append(_row("A0", fit, "initial_area"))
-    rows += [_row(name, fit, name, unit=unit if name == "t0" else "") for name in names]
+        rows.append(_shape("A0", fit, "initial_area"))
+    rows += [_shape(name, fit, name, unit=unit if name == "t0" else "") for name in names]
     rows.append(_row("A0 C per decade", fit, "slope", factor=_PER_DECADE))
     return [*rows, _goodness(fit)]
 
@@ -125,15 +150,24 @@ def _line(rate: GrowthRate, initial_from: str, unit: str) -> list[tuple[str, ...
     for text, name in (("absolute", "slope"), *over_A0, ("relative", "relative")):
         _, per_efold, _ = _row(text, rate, name)
         rows.append((f"  {text}", per_efold, *_row(text, rate, name, factor=_PER_DECADE)[1:]))
-    origin = f"{rate.initial_area:.6g}, {source}" if initial_from else "not determined by these times"
+    origin = f"{rate.initial_area:.6g}, {source}" if initial_from else UNDETERMINED
     rows += [(f"  A0: {origin}",), _goodness(rate)]
     if math.isfinite(rate.curvature):
         bend = uncertain(100 * rate.curvature, 100 * rate.curvature_stderr)
-        verdict = "straight" if rate.straight else "not straight, so that the rate depends on the window"
-        if rate.straight and rate.curvature_stderr > STRAIGHT:
-            verdict = "the data do not tell whether it is straight"
+        verdict = {
+            True: "straight",
+            False: "not straight, so that the rate depends on the window",
+            None: "the data do not tell whether it is straight",
+        }[rate.straight]
         rows.append((f"  change of slope within the window: {bend} %; {verdict}",))
     return rows
+
+
+def _shape(text: str, fit: FitResult, name: str, *, unit: str = "") -> tuple[str, ...]:
+    """Row of a parameter that must not be 0; a slope may be, and that is a result."""
+    if determined(getattr(fit, name), getattr(fit, f"{name}_stderr")):
+        return _row(text, fit, name, unit=unit)
+    return f"  {text}", UNDETERMINED, ""
 
 
 def _row(text: str, fit: FitResult, name: str, *, factor: float = 1.0, unit: str = "") -> tuple[str, ...]:
@@ -154,12 +188,13 @@ def _goodness(fit: FitResult) -> tuple[str, ...]:
 def _comparison(found: Comparison) -> list[tuple[str, ...]]:
     odds = f"{found.relative_likelihood:.1g}" if found.relative_likelihood > 1e-6 else "less than 1e-6"
     words = {
-        "saturation": f"saturation: a logarithm without end is {odds} times as likely",
-        "logarithm": "logarithm: no sign of saturation, and none that halves the slope within these times",
-        "undecided": "undecided: these data do not tell a logarithm from a saturation",
+        "saturation": f"the data prefer saturation: a logarithm without end is {odds} times as likely",
+        "logarithm": "the data prefer the logarithm: no sign of saturation, and none that halves the slope "
+        "within these times",
+        "undecided": "these data do not tell a logarithm from a saturation",
     }
     return [
-        ("the data prefer", words[found.verdict]),
+        (words[found.verdict],),
         ("  AICc", f"logarithm less saturation {found.delta_aicc:.3g}, were all values independent"),
         (
             "  residuals",

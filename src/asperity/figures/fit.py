@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -16,6 +17,14 @@ _LINES: dict[Law, tuple[str, str, str]] = {
     "saturation": (style.BLUE, "-", "o"),
     "logarithm": (style.VERMILION, "--", "s"),
 }
+
+
+UNDETERMINED = "not determined by these times"
+
+
+def determined(value: float, stderr: float) -> bool:
+    """Whether a parameter is known better than to a factor of about two; an exact one is."""
+    return stderr < abs(value)
 
 
 def fit_figure(growth: MeasuredGrowth, *, title: str, quantity: str, unit_time: str, window: bool) -> Figure:
@@ -30,7 +39,8 @@ def fit_figure(growth: MeasuredGrowth, *, title: str, quantity: str, unit_time: 
     quantity, unit_time
         Names for the axes; the unit may be "".
     window
-        Whether to draw the straight line of `growth.rate`.
+        Whether to draw the straight line of `growth.rate`; where the times do not determine the laws
+        it is drawn anyway.
 
     Returns
     -------
@@ -40,26 +50,62 @@ def fit_figure(growth: MeasuredGrowth, *, title: str, quantity: str, unit_time: 
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3.2, 1])
     upper.set_xscale("log")
     _draw_data(upper, growth)
+    unit = style.spelled(_drawable(unit_time, width=150))
+    first = not growth.initial_from
+    if first:
+        _draw_line(upper, growth)
     for law, fit in growth.fits.items():
         color, dashes, _ = _LINES[law]
-        label = _legend(law, fit, unit_time)
+        label = _legend(law, fit, unit)
         upper.plot(growth.curve_time, growth.curves[law], dashes, color=color, linewidth=1.8, label=label)
-    if window and growth.rate is not None:
-        rate, per_decade = growth.rate, math.log(10)
-        label = (
-            f"straight line, {style.uncertain(rate.slope * per_decade, rate.slope_stderr * per_decade)}"
-            " per decade"
-        )
-        upper.plot(growth.line_time, growth.line_value, ":", color=style.INK, linewidth=2.2, label=label)
+    if window and not first:
+        _draw_line(upper, growth)
     _draw_residuals(lower, growth)
-    upper.set_ylabel(style.verbatim(quantity))
-    lower.set_xlabel(f"hold time $t$ [{style.spelled(unit_time)}]" if unit_time else "hold time $t$")
+    upper.set_ylabel(style.verbatim(_drawable(quantity, width=280)))
+    lower.set_xlabel(f"hold time $t$ [{unit}]" if unit else "hold time $t$")
     for axes in (upper, lower):
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
     upper.margins(x=0.03)
-    upper.set_title(style.verbatim(title), fontsize=10)
+    upper.set_title(style.verbatim(_drawable(title, width=400)), fontsize=10)
     upper.legend(loc="best", fontsize=8, framealpha=0.95)
     return figure
+
+
+def _drawable(text: str, *, width: float) -> str:
+    """Reduce a text from outside to what can be drawn: glyphs that the font has, and as many as fit.
+
+    The width is in points (1/72 inch), at the font size of labels.
+    """
+    size = font_manager.FontProperties(size=10)
+    font = font_manager.get_font(font_manager.findfont(size))
+    known = "".join(c if font.get_char_index(ord(c)) else "?" for c in " ".join(text.split()))
+    font.set_size(size.get_size_in_points(), 72)
+
+    def wide(piece: str) -> bool:
+        font.set_text(piece)
+        return font.get_width_height()[0] / 64 > width
+
+    if wide(known):
+        while wide(f"{known}…"):
+            known = known[:-1]
+        known = f"{known.rstrip()}…"
+    return known
+
+
+def _draw_line(axes: Axes, growth: MeasuredGrowth) -> None:
+    """Straight line; boldest where it is all that the data determine."""
+    rate, per_decade = growth.rate, math.log(10)
+    if rate is None:
+        return
+    slope = style.uncertain(rate.slope * per_decade, rate.slope_stderr * per_decade)
+    axes.plot(
+        growth.line_time,
+        growth.line_value,
+        ":" if growth.initial_from else "-",
+        color=style.INK,
+        linewidth=2.2 if growth.initial_from else 3,
+        label=f"straight line, {slope} per decade",
+    )
 
 
 def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
@@ -103,9 +149,14 @@ def _draw_residuals(axes: Axes, growth: MeasuredGrowth) -> None:
     axes.set_ylabel("data / law − 1 [%]")
 
 
-def _legend(law: Law, fit: SaturationFit | LogarithmFit, unit_time: str) -> str:
-    unit = f" {style.spelled(unit_time)}" if unit_time else ""
-    numbers = [rf"$t_0$ = {style.uncertain(fit.t0, fit.t0_stderr)}{unit}"]
+def _number(name: str, value: float, stderr: float, unit: str = "") -> str:
+    if not determined(value, stderr):
+        return f"{name} {UNDETERMINED}"
+    return f"{name} = {style.uncertain(value, stderr)}{f' {unit}' if unit else ''}"
+
+
+def _legend(law: Law, fit: SaturationFit | LogarithmFit, unit: str) -> str:
+    numbers = [_number("$t_0$", fit.t0, fit.t0_stderr, unit)]
     if isinstance(fit, SaturationFit):
         formula = r"$A_0\,[a - (a-1)\,/\,(1+t/t_0)^q]$"
         shape = [
@@ -114,11 +165,11 @@ def _legend(law: Law, fit: SaturationFit | LogarithmFit, unit_time: str) -> str:
         ]
         if not fit.q_stderr < fit.q / 2:
             shape = [
-                rf"$(a-1)\,q$ = {style.uncertain(fit.C, fit.C_stderr)}",
+                _number(r"$(a-1)\,q$", fit.C, fit.C_stderr),
                 r"($a$ and $q$ are not determined)",
             ]
         numbers = shape + numbers
     else:
         formula = r"$A_0\,[1 + C\,\ln(1+t/t_0)]$"
-        numbers = [rf"$C$ = {style.uncertain(fit.C, fit.C_stderr)}", *numbers]
+        numbers = [_number("$C$", fit.C, fit.C_stderr), *numbers]
     return "\n   ".join([f"{law} {formula}", *numbers])

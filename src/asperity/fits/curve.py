@@ -129,14 +129,15 @@ class Curve:
         return np.geomspace(0.1, 10 * self.points.x[-1], 20)
 
 
-def refuse_decline(series: Series) -> None:
-    """Raise `InputError` for areas that do not grow with time on the whole (rank correlation)."""
+def refuse_decline(series: Series, name: str = "area") -> None:
+    """Raise `InputError` for values that do not grow with time on the whole (rank correlation)."""
     constant = bool((series.y == series.y[0]).all())
     rank = 0.0 if constant else float(spearmanr(series.x, series.y).statistic)
     if not rank > 0:
         got = f"{series.y[0]:g} at every time" if constant else f"{sketch(series.y)}"
         detail = "" if constant else f" (rank correlation with time {rank:.2f})"
-        raise InputError("area", expected="an area that grows with time", got=f"{got}{detail}")
+        kind = "an area that grows" if name == "area" else "values that grow"
+        raise InputError(name, expected=f"{kind} with time", got=f"{got}{detail}")
 
 
 def numbers(name: str, value: ArrayLike) -> Floats:

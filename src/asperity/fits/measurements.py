@@ -9,6 +9,7 @@ first lines as numbers.
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
@@ -25,6 +26,12 @@ _COMMENTS = ("#", "%", ";")
 _DIALECTS = ((";", "."), (";", ","), ("\t", "."), ("\t", ","), (",", "."), (r"\s+", "."), (r"\s+", ","))
 _LOOKED_AT = 100
 """First lines by which the separator is found."""
+
+_GROUPED = re.compile(r"[+-]?\d{1,3}([,.' ]\d{3})+([.,]\d*)?")
+"""A number with separators between thousands, that could not be read as it stands."""
+
+_DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
+_LEAVE_OUT = "a # before a line to leave it out"
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,18 +214,38 @@ def _frame(table: _Table) -> pd.DataFrame:
 
 
 def _checked(table: _Table, frame: pd.DataFrame, position: int, name: str) -> Floats:
-    cells = frame[position]
+    raw = frame[position]
+    cells = raw
     if cells.dtype.kind not in "if":  # some cell is no number: find which
         cells = pd.to_numeric(cells.astype(str).str.replace(table.decimal, "."), errors="coerce")
     values = cells.to_numpy(dtype=np.float64)
     bad = ~np.isfinite(values) | (values < 0 if name == "time" else values <= 0)
-    if bad.any():
-        body = _content(table.lines[table.first :])
-        i, line = next(islice(body, int(np.argmax(bad)), None))
-        raise InputError(
-            table.name,
-            expected=f"a {name} {'not below' if name == 'time' else 'above'} 0 in line {table.first + i + 1}",
-            got=f"{line.strip()[:60]!r}",
-            advice="a # before a line to leave it out",
-        )
-    return values
+    if not bad.any():
+        return values
+    row = int(np.argmax(bad))
+    what = repr(table.columns[position]) if table.columns[position] else f"a {name}"
+    i, line = next(islice(_content(table.lines[table.first :]), row, None))
+    where, got = f"in line {table.first + i + 1}", f"{line.strip()[:60]!r}"
+    if np.isfinite(values[row]):
+        expected = f"{what} {'not below' if name == 'time' else 'above'} 0 {where}"
+        raise InputError(table.name, expected=expected, got=got, advice=_LEAVE_OUT)
+    cell = "" if pd.isna(raw.iloc[row]) else str(raw.iloc[row]).strip()
+    fault = "missing" if not cell else "infinite" if np.isinf(values[row]) else "not a number"
+    raise InputError(
+        table.name,
+        expected=f"{what} to be a number {where}",
+        got=f"{got}, where it is {fault}",
+        advice=_advice(frame, cell, table, all_bad=bool(np.isnan(values).all())),
+    )
+
+
+def _advice(frame: pd.DataFrame, cell: str, table: _Table, *, all_bad: bool) -> str:
+    """What to do about a cell that is no number; "" is one that is missing."""
+    if _GROUPED.fullmatch(cell):
+        return "numbers without separators between thousands"
+    if not all_bad:
+        return _LEAVE_OUT
+    numeric = [i for i in range(frame.shape[1]) if frame[i].dtype.kind in "if" and frame[i].notna().any()]
+    names = ", ".join(repr(table.columns[i]) if table.columns[i] else str(i) for i in numeric)
+    choice = f"--column-time and --column-value to choose columns of numbers ({names})"
+    return f"{choice}; a hold time is a number, not a date" if _DATE.match(cell) else choice

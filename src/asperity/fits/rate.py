@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from asperity.errors import InputError, is_finite_number
 from asperity.fits.curve import Floats, Series
 from asperity.fits.line import polynomial
-from asperity.fits.result import FitResult
+from asperity.fits.result import FitResult, student
 
 STRAIGHT = 0.25
 """Change of the slope over a window, in units of the slope, up to which the window is called straight."""
@@ -41,6 +41,8 @@ class GrowthRate(FitResult):
         Change of the slope within the window, over the slope: of a cubic (with few times, a parabola), from
         the beginning to the end, or from or to the middle, whichever is largest. Below 0 where the growth
         slows down. NaN for fewer than four points or three different times.
+    curvature_reach
+        Half width of the 95 % interval of the curvature, by Student's t with the cubic's degrees of freedom.
     initial_area, initial_area_stderr
         A(0): the mean of the areas at time 0, or what was given.
     first, last
@@ -59,22 +61,32 @@ class GrowthRate(FitResult):
     slope_stderr: float
     curvature: float
     curvature_stderr: float
+    curvature_reach: float
     initial_area: float
     initial_area_stderr: float
     first: float
     last: float
-
     middle: float
 
     def predict(self, time: ArrayLike) -> Floats:
         """Area on the straight line at times above 0, of any shape."""
-        from_middle = np.log(np.asarray(time, dtype=np.float64) / math.sqrt(self.first * self.last))
+        from_middle = np.log(
+            np.asarray(time, dtype=np.float64) / (math.sqrt(self.first) * math.sqrt(self.last))
+        )
         return np.asarray(self.middle + self.slope * from_middle)[()]
 
+    def interval(self, name: str) -> tuple[float, float]:
+        """95 % interval of a parameter; see `FitResult.interval`."""
+        if name == "curvature":  # of another curve than the rest, with fewer degrees of freedom
+            return self.curvature - self.curvature_reach, self.curvature + self.curvature_reach
+        return super().interval(name)
+
     @property
-    def straight(self) -> bool:
-        """Whether the slope changes by less than a quarter of itself, or by less than the data can tell."""
-        return not abs(self.curvature) > max(STRAIGHT, 2 * self.curvature_stderr)
+    def straight(self) -> bool | None:
+        """Whether the slope changes by no more than a quarter of itself; None where the data do not tell."""
+        if abs(self.curvature) > max(STRAIGHT, self.curvature_reach):
+            return False
+        return True if self.curvature_reach <= STRAIGHT else None
 
 
 def growth_rate(
@@ -119,7 +131,7 @@ def growth_rate(
     line = polynomial(x, y, sigma)
     slope, slope_stderr = line.slope
     relative, relative_stderr = polynomial(x, np.log(y), None if sigma is None else sigma / y).slope
-    curvature, curvature_stderr = _curvature(window, slope)
+    curvature, curvature_stderr, curvature_reach = _curvature(window, slope)
     return GrowthRate(
         B=slope / A0,
         B_stderr=math.hypot(slope_stderr, slope * A0_stderr / A0) / A0,
@@ -129,6 +141,7 @@ def growth_rate(
         slope_stderr=slope_stderr,
         curvature=curvature,
         curvature_stderr=curvature_stderr,
+        curvature_reach=curvature_reach,
         initial_area=A0,
         initial_area_stderr=A0_stderr,
         first=float(window.x[0]),
@@ -163,17 +176,15 @@ def _initial(series: Series, initial: float | None, initial_stderr: float) -> tu
     return float(zeros.y.mean()), spread
 
 
-def _curvature(window: Series, slope: float) -> tuple[float, float]:
-    """Largest change of slope over the window, in units of the slope, and its standard error."""
+def _curvature(window: Series, slope: float) -> tuple[float, float, float]:
+    """Largest change of slope over the window, in units of the slope, its standard error, and its reach."""
     degree = min(3, np.unique(window.x).size - 1, window.x.size - 2)
     if degree < 2 or slope == 0:
-        return math.nan, math.nan
+        return math.nan, math.nan, math.nan
     curve = polynomial(np.log(window.x), window.y, window.stderr, degree=degree)
     # With z from -1 to 1 over the window dy/dz = c1 + 2 c2 z + 3 c3 z^2; an S has like slopes at its ends.
     changes = np.array([[0, 0, 4, 0], [0, 0, 2, -3], [0, 0, 2, 3]])[:, : degree + 1]
     largest = changes[np.argmax(np.abs(changes @ curve.coefficients))]
     unit = 1 / (slope * curve.scale)
-    return (
-        float(largest @ curve.coefficients) * unit,
-        float(np.sqrt(largest @ curve.covariance @ largest)) * abs(unit),
-    )
+    stderr = float(np.sqrt(largest @ curve.covariance @ largest)) * abs(unit)
+    return float(largest @ curve.coefficients) * unit, stderr, student(curve.degrees_of_freedom) * stderr
