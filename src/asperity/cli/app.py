@@ -199,8 +199,7 @@ def sweep(
     quiet
         Print neither progress nor summary.
     """
-    if workers is not None and workers < 1:
-        raise InputError("--workers", expected="1 or more", got=workers)
+    _check_workers(workers)
     from asperity.campaign import read_plan
     from asperity.cli import campaign
     from asperity.runs import cores
@@ -282,8 +281,7 @@ def reproduce(
     quiet
         Print neither progress nor summary.
     """
-    if workers is not None and workers < 1:
-        raise InputError("--workers", expected="1 or more", got=workers)
+    _check_workers(workers)
     from asperity.cli.reproduce import reproduce as reproduce_it
     from asperity.cli.reproduce import say_what_it_takes
     from asperity.runs import cores
@@ -342,6 +340,11 @@ def main(arguments: Annotated[Sequence[str] | None, Parameter(parse=False)] = No
     except KeyboardInterrupt as interrupt:
         return _complain(130, str(interrupt) or "interrupted; nothing was written")
     return 0
+
+
+def _check_workers(workers: int | None) -> None:
+    if workers is not None and workers < 1:
+        raise InputError("--workers", expected="1 or more", got=workers)
 
 
 def _complain(status: int, *problems: str) -> int:

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
-from scipy.special import stdtrit
 
 from asperity.analysis import ContactMaps, SiteState, clustering, contact_maps, patches, turnover
 from asperity.figures import style
 from asperity.figures.marks import COLORS, draw_marks, show_lattice, site_side, width_in_words
+from asperity.fits.result import student
 from asperity.lattice import Field
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure
@@ -131,8 +131,7 @@ def _ensemble(samples: pd.DataFrame) -> pd.DataFrame:
     long = samples.melt(id_vars=["seed", "time"], var_name="quantity")
     grouped = long.groupby(["quantity", "time"], sort=True)["value"]
     table = grouped.agg(mean="mean", stderr="sem", seeds="count").reset_index()
-    degrees = (table["seeds"] - 1).where(table["seeds"] > 1)
-    return table.assign(half_interval=table["stderr"] * stdtrit(degrees, 0.975))
+    return table.assign(half_interval=table["stderr"] * (table["seeds"] - 1).map(student))
 
 
 def _drawn(maps: ContactMaps, tables: dict[str, pd.DataFrame]) -> tuple[Figure, str]:
