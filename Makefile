@@ -29,8 +29,8 @@ format: $(VENV)/.dev  ## Format the source
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
 
-bench: $(VENV)/.run  ## Time the engine
-	$(BIN)/python benchmarks/aging.py
+bench: $(VENV)/.run  ## Time Asperity beside its peers: BENCH="--all" for every case
+	$(BIN)/python benchmarks/bench.py $(BENCH)
 
 clean:  ## Remove the environment and what was computed
 	rm -rf $(VENV) .boot results .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -14,9 +14,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.fft
+from array_api_compat import array_namespace
 from numpy.typing import NDArray
 
 from asperity.errors import InputError
@@ -25,6 +27,7 @@ Field = NDArray[np.float64]
 Spectrum = NDArray[np.float64]
 Modes = NDArray[np.complex128]
 Mask = NDArray[np.bool_]
+ModesOrSpectrum = TypeVar("ModesOrSpectrum", Modes, Spectrum)
 
 
 @dataclass(frozen=True)
@@ -92,12 +95,51 @@ class Lattice:
 
     def forward(self, field: Field) -> Modes:
         """Fourier modes of a field; the entry at wave vector 0 is the sum over sites."""
-        return np.asarray(scipy.fft.rfftn(field))
+        foreign = _foreign_transforms(field)
+        modes: Modes = foreign.rfftn(field) if foreign else scipy.fft.rfftn(field)
+        return modes
 
-    def backward(self, modes: Modes) -> Field:
-        """Field of given Fourier modes; the inverse of `forward`."""
-        return np.asarray(scipy.fft.irfftn(modes, s=self.shape))
+    def backward(self, modes: Modes, *, overwrite: bool = False) -> Field:
+        """Field of given Fourier modes, which may be overwritten; the inverse of `forward`."""
+        foreign = _foreign_transforms(modes)
+        field: Field
+        if foreign:
+            field = foreign.irfftn(modes, s=self.shape, axes=tuple(range(self.dimension)))
+            return field
+        # One axis after the other: scipy.fft.irfftn would copy the modes once more, which takes longer
+        # than the transform (`apply` at 1024 x 1024: 17 ms instead of 11).
+        if self.dimension > 1:
+            modes = scipy.fft.ifft(modes, axis=0, overwrite_x=overwrite)
+        field = scipy.fft.irfft(modes, n=self.shape[-1], axis=-1)
+        return field
 
     def apply(self, spectrum: Spectrum, field: Field) -> Field:
-        """Apply the operator that has this spectrum."""
-        return self.backward(spectrum * self.forward(field))
+        """Apply the operator that has this spectrum; in single precision if both are."""
+        modes = self.forward(field)
+        modes *= spectrum
+        return self.backward(modes, overwrite=True)
+
+    def long_waves(self, modes: ModesOrSpectrum, coarse: Lattice) -> ModesOrSpectrum:
+        """Those of the modes, or of a spectrum, that a coarser lattice has too, in its order."""
+        kept = modes[..., : coarse.spectral_shape[-1]]
+        if self.dimension == 1:
+            return kept + 0
+        n = coarse.shape[0]
+        rows = (kept[: (n + 1) // 2, :], kept[self.shape[0] - n // 2 :, :])
+        long: ModesOrSpectrum = array_namespace(modes).concat(rows)
+        return long
+
+    def add_long_waves(self, modes: Modes, long: Modes, coarse: Lattice) -> None:
+        """Add the modes of a coarser lattice, of odd lengths, to those of this one, in place."""
+        last = coarse.spectral_shape[-1]
+        if self.dimension == 1:
+            modes[:last] += long
+            return
+        n = coarse.shape[0]
+        modes[: (n + 1) // 2, :last] += long[: (n + 1) // 2, :]
+        modes[self.shape[0] - n // 2 :, :last] += long[(n + 1) // 2 :, :]
+
+
+def _foreign_transforms(array: object) -> Any:
+    """The transforms of the array's own library; None for numpy, which has scipy's."""
+    return None if isinstance(array, np.ndarray) else array_namespace(array).fft

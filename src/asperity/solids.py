@@ -4,7 +4,7 @@ r"""A solid is three spectra: permanent stiffness H, creeping stiffness C, mobil
 
 where u is the height of the elastic surface and u0 its slow, creeping shape (Jagla, Eqs. e and
 dosrs). H vanishes at wave vector 0: a rigid translation of u costs nothing, so the whole normal
-load passes through C.
+load passes through C. On a half-space C vanishes there too, and the load is applied from afar, evenly.
 """
 
 from __future__ import annotations
@@ -33,6 +33,30 @@ class LaplacianSpectrum:
 
 
 @dataclass(frozen=True)
+class WaveNumberSpectrum:
+    """The spectrum ``slope * abs(q)``: a half-space under normal load."""
+
+    slope: float
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice."""
+        return np.asarray(self.slope * np.sqrt(sum(q**2 for q in lattice.wave_numbers)))
+
+
+@dataclass(frozen=True)
+class FixedRate:
+    """The mobility with which a branch relaxes at one rate at every wave vector: ``rate / C``, or 0."""
+
+    rate: float
+    stiffness: SpectrumOf
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice."""
+        stiffness = self.stiffness(lattice)
+        return np.divide(self.rate, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
+
+
+@dataclass(frozen=True)
 class CreepBranch:
     """One creeping branch: a stiffness C in series with a creeping element of mobility M.
 
@@ -58,6 +82,16 @@ class Spectra:
 
 
 @dataclass(frozen=True)
+class SpringConstants:
+    """The lattice of springs: H = k0 lam, C = k1, M = R lam + R_viscous."""
+
+    k0: float
+    k1: float
+    R: float
+    R_viscous: float
+
+
+@dataclass(frozen=True)
 class Solid:
     """An elastic solid whose surface creeps; see the module for the equations.
 
@@ -69,17 +103,35 @@ class Solid:
         The creeping branches. Exactly one, for now; a generalized Maxwell solid will have several.
     parameters
         Numbers to record with every result.
+    loaded_from_afar
+        Whether the normal load is applied evenly from far away rather than through C at wave vector 0,
+        which may then vanish.
     """
 
     permanent: SpectrumOf
     branches: tuple[CreepBranch, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)
+    loaded_from_afar: bool = False
 
     def __post_init__(self) -> None:
         if len(self.branches) != 1:
             raise InputError(
                 "branches", expected="exactly one creeping branch", got=f"{len(self.branches)} branches"
             )
+
+    @property
+    def springs(self) -> SpringConstants | None:
+        """The spring constants, if this is Jagla's lattice of springs and nothing else."""
+        (branch,) = self.branches
+        H, C, M = self.permanent, branch.stiffness, branch.mobility
+        if not (
+            isinstance(H, LaplacianSpectrum)
+            and isinstance(C, LaplacianSpectrum)
+            and isinstance(M, LaplacianSpectrum)
+            and H.uniform == C.laplacian == 0
+        ):
+            return None
+        return SpringConstants(H.laplacian, C.uniform, M.laplacian, M.uniform)
 
     def on(self, lattice: Lattice) -> Spectra:
         """Evaluate the spectra on a lattice.
@@ -88,7 +140,7 @@ class Solid:
         ------
         InputError
             A spectrum is negative or not finite, H does not vanish at wave vector 0, C does (then no
-            load can be carried), or H + C vanishes somewhere.
+            load can be carried, unless from afar), or H + C vanishes elsewhere.
         """
         (branch,) = self.branches
         spectra = {
@@ -106,15 +158,15 @@ class Solid:
             raise InputError(
                 "permanent stiffness", expected="0 at wave vector 0 (translations are free)", got=H.flat[0]
             )
-        if C.flat[0] == 0:
+        if C.flat[0] == 0 and not self.loaded_from_afar:
             raise InputError(
                 "creeping stiffness",
                 expected="more than 0 at wave vector 0: the normal load passes through it",
                 got="0, so no load can be carried",
                 advice="k1 > 0",
             )
-        if not (H + C > 0).all():
-            raise InputError("stiffness", expected="H + C > 0 at every wave vector", got="0 at some")
+        if not (H + C).flat[1:].all():
+            raise InputError("stiffness", expected="H + C > 0 at every wave vector but 0", got="0 at some")
         return Spectra(H, C, M)
 
 
@@ -162,4 +214,57 @@ def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0
             ),
         ),
         parameters={name: float(value) for name, value in parameters.items()},
+    )
+
+
+def half_space(*, modulus: float, creeping: float = 0.0, relaxation_time: float = 1.0) -> Solid:
+    r"""Build an elastic half-space, part of which may creep; sites have spacing 1.
+
+    A periodic pressure of wave vector q on a half-space displaces its surface by 2 / (E* abs(q)) of it, so
+    the stiffness is E* abs(q) / 2. Of this the share ``creeping`` relaxes, at every wave vector with the
+    same time, and the rest is permanent: a standard linear (Zener) solid.
+
+        H = (1 - creeping) E* abs(q) / 2,    C = creeping E* abs(q) / 2,    M = 1 / (relaxation_time C)
+
+    Nothing holds the mean of the surface: the load is held, not the separation, and u0 has the mean of u.
+
+    Parameters
+    ----------
+    modulus
+        Contact modulus E*, force per area: E / (1 - nu**2) if the other body is rigid.
+    creeping
+        Share of the stiffness that relaxes, from 0 to 1.
+    relaxation_time
+        Time in which it relaxes at constant deformation.
+
+    Returns
+    -------
+    Solid
+
+    Raises
+    ------
+    InputError
+        The modulus or the time is not positive and finite, or the share is not between 0 and 1.
+
+    References
+    ----------
+    K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 13.2, DOI 10.1017/CBO9781139171731.
+    """
+    for name, value in {"modulus": modulus, "relaxation_time": relaxation_time}.items():
+        if not (is_finite_number(value) and value > 0):
+            raise InputError(name, expected="a finite number > 0", got=repr(value))
+    if not (is_finite_number(creeping) and 0 <= creeping <= 1):
+        raise InputError("creeping", expected="a number from 0 to 1", got=repr(creeping))
+    stiffness = WaveNumberSpectrum(float(creeping * modulus / 2))
+    return Solid(
+        permanent=WaveNumberSpectrum(float((1 - creeping) * modulus / 2)),
+        branches=(
+            CreepBranch(stiffness=stiffness, mobility=FixedRate(1 / float(relaxation_time), stiffness)),
+        ),
+        parameters={
+            "modulus": float(modulus),
+            "creeping": float(creeping),
+            "relaxation_time": float(relaxation_time),
+        },
+        loaded_from_afar=True,
     )

@@ -216,7 +216,7 @@ def test_a_disk_that_fills_up(tmp_path):
     # The limit stops the series of a run, not the plan.
     limit = (
         "import resource; sys.dont_write_bytecode = True; "
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (30000, 30000))"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))"
     )
     long = SMALL.replace("per_decade = 2", "per_decade = 400").replace("seeds = 3", "seeds = 1")
     path = written(tmp_path, long)

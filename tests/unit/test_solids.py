@@ -3,7 +3,7 @@ import pytest
 
 from asperity.errors import InputError
 from asperity.lattice import Lattice
-from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, spring_lattice
+from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, half_space, spring_lattice
 
 
 def test_spring_lattice_spectra():
@@ -66,3 +66,47 @@ def test_spectra_are_checked_on_the_lattice(wrong, message):
 def test_exactly_one_branch_for_now():
     with pytest.raises(InputError, match="exactly one creeping branch, got 0 branches"):
         Solid(permanent=LaplacianSpectrum(laplacian=1.0), branches=())
+
+
+def test_half_space_spectra():
+    lattice = Lattice((6, 8))
+    q = np.hypot(*np.meshgrid(2 * np.pi * np.fft.fftfreq(6), 2 * np.pi * np.fft.rfftfreq(8), indexing="ij"))
+    spectra = half_space(modulus=3.0, creeping=0.25, relaxation_time=4.0).on(lattice)
+    np.testing.assert_allclose(spectra.permanent, 0.75 * 3.0 * q / 2)
+    np.testing.assert_allclose(spectra.creeping, 0.25 * 3.0 * q / 2)
+    rate = spectra.mobility * spectra.creeping
+    assert rate[0, 0] == 0
+    np.testing.assert_allclose(rate.flat[1:], 0.25)  # every wave but the mean relaxes in the same time
+
+
+def test_a_half_space_that_does_not_creep():
+    spectra = half_space(modulus=1.0).on(Lattice((8,)))
+    assert not spectra.creeping.any()
+    assert not spectra.mobility.any()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"modulus": 0.0}, "modulus: expected a finite number > 0"),
+        ({"modulus": "1"}, "modulus: expected a finite number > 0"),
+        ({"relaxation_time": -1.0}, "relaxation_time: expected a finite number > 0"),
+        ({"creeping": 1.5}, "creeping: expected a number from 0 to 1"),
+        ({"creeping": np.nan}, "creeping: expected a number from 0 to 1"),
+    ],
+)
+def test_half_space_parameters_are_checked(wrong, message):
+    with pytest.raises(InputError, match=message):
+        half_space(**{"modulus": 1.0, **wrong})
+
+
+def test_only_the_mean_may_have_no_stiffness():
+    soft = Solid(
+        permanent=lambda lattice: np.where(lattice.lam > 1, lattice.lam, 0.0),
+        branches=(
+            CreepBranch(stiffness=LaplacianSpectrum(laplacian=0.0), mobility=LaplacianSpectrum(uniform=1.0)),
+        ),
+        loaded_from_afar=True,
+    )
+    with pytest.raises(InputError, match="stiffness: expected H \\+ C > 0 at every wave vector but 0"):
+        soft.on(Lattice((16,)))

@@ -7,9 +7,10 @@ import pytest
 
 from asperity.contact import ActiveSet
 from asperity.contact.pinning import effective_pinning
-from asperity.contact.problem import TOLERANCE, ContactProblem, Guess, residual
+from asperity.contact.problem import TOLERANCE, Guess, residual
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Lattice
+from tests.problems import problem_of
 from tests.surfaces import correlated
 
 
@@ -22,7 +23,7 @@ def tiny_problem(seed, n=9, load=None):
     if load:
         pull[0] = -load
     heights = rng.normal(size=n)
-    return ContactProblem(lattice, stiffness, pull, heights - heights.max())
+    return problem_of(lattice, heights, stiffness, pull)
 
 
 def by_exhaustion(problem):
@@ -66,7 +67,7 @@ def hard_problem():
     lattice = Lattice(heights.shape)
     pull = np.zeros(lattice.spectral_shape, complex)
     pull[0, 0] = -100.0
-    problem = ContactProblem(lattice, lattice.lam.copy(), pull, heights - heights.max())
+    problem = problem_of(lattice, heights, lattice.lam.copy(), pull)
     guess = Guess(np.zeros_like(heights), heights > heights.mean())
     return problem, guess
 

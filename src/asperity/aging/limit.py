@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.contact.active_set import ActiveSet
+from asperity.contact.choice import usual_solver
 from asperity.contact.controls import Hold, Load
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
 from asperity.contact.state import Contact, contact_from, hold_contact
@@ -34,7 +34,7 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
         What is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by default what
         the contact was pressed by.
     solver
-        How to solve; `ActiveSet` by default.
+        How to solve; by default as `asperity.press` does.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
     start = hold_contact(contact, hold)
     system = start.system
     step = system.implicit_step(np.inf)
-    soft = step.stiffness.flat[1:] == 0
+    soft = np.zeros(1, dtype=bool) if system.springs else step.stiffness.flat[1:] == 0
     if soft.any() and start.area == 0:
         return start  # nothing pushes, and nothing but a push would move it
     if soft.any() and not soft.all():
@@ -64,13 +64,14 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
         )
     if soft.any():
         solution, shape = _without_stiffness(start, system)
-    elif step.stiffness.flat[0] == 0 and not isinstance(system.control, Load):
+    elif system.mean_mobility > 0 and not isinstance(system.control, Load):
         solution, shape = _unloaded(start, system)
     else:
-        before = system.lattice.forward(start.u0 - system.datum)
+        before = start.u0 - system.datum
         guess = Guess(start.u - system.datum, start.in_contact)
-        solution = (solver or ActiveSet()).solve(step.problem(before), guess, TOLERANCE)
-        shape = system.lattice.backward(step.crept_shape(system.lattice.forward(solution.u), before))
+        solution = (solver or usual_solver(system)).solve(step.problem(before), guess, TOLERANCE)
+        stretch = step.stretch(solution.u, before) if solution.stretch is None else solution.stretch
+        shape = solution.u - stretch
     return contact_from(
         system,
         solution,
@@ -84,24 +85,25 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
 
 def _without_stiffness(start: Contact, system: System) -> tuple[Solution, Field]:
     """Nothing permanent resists (k0 = 0): the load spreads evenly over full contact."""
-    mean_force = float(system.spectra.creeping.flat[0]) * -float(np.mean(start.u0 - start.heights))
+    stretch = (
+        system.mean_stretch if isinstance(system.control, Load) else float(np.mean(start.heights - start.u0))
+    )
+    mean_force = system.mean_stiffness * stretch
     if isinstance(system.control, Load):
         mean_force = system.control.value / system.lattice.sites
-    if mean_force <= 0 or (system.spectra.mobility.flat[0] > 0 and not isinstance(system.control, Load)):
+    if mean_force <= 0 or (system.mean_mobility > 0 and not isinstance(system.control, Load)):
         raise InputError(
             "contact",
             expected="a load that lasts until full contact, as k0 = 0",
             got="a separation at which it dies out before, on a path-dependent shape",
             advice="asperity.age with late times, or k0 > 0",
         )
-    stretch = mean_force / float(system.spectra.creeping.flat[0])
     everywhere = np.ones(system.heights.shape, dtype=bool)
-    force = np.full(system.heights.shape, mean_force)
-    return Solution(system.heights, everywhere, force, 0.0, 0, 0), system.heights - stretch
+    return Solution(system.heights, everywhere, 0, 0), system.heights - stretch
 
 
 def _unloaded(start: Contact, system: System) -> tuple[Solution, Field]:
     """The load has died out: flat, touching the highest point unless the body hung above it."""
     level = 0.0 if start.in_contact.any() else max(0.0, start.separation - system.datum)
     flat = np.full(system.heights.shape, level)
-    return Solution(flat, system.heights >= level, np.zeros_like(flat), 0.0, 0, 0), flat
+    return Solution(flat, system.heights >= level, 0, 0), flat

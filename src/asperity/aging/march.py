@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.aging.tr_bdf2 import Past, Point, rms, take_step
-from asperity.contact.active_set import ActiveSet
+from asperity.contact.choice import usual_solver
 from asperity.contact.controls import Hold, Load
-from asperity.contact.problem import TOLERANCE, ContactSolver
+from asperity.contact.problem import TOLERANCE, ContactSolver, Solution
 from asperity.contact.state import Contact, contact_from, hold_contact
 from asperity.contact.system import System
 from asperity.errors import LARGEST, ConvergenceError, InputError, is_finite_number
@@ -33,6 +33,12 @@ fractions from 0.002 to 0.5, two kinds of surface, both controls, with viscous c
 that the sum stays below ``rtol``.
 """
 
+UNNOTICED = 0.3
+"""Error of u0 that a solver may leave in one stage, in units of what one step may err.
+
+Before a frame, a thirtieth of it.
+"""
+
 _MOST_REJECTIONS = 50
 """Rejections in a row after which a step is not going to succeed."""
 
@@ -50,8 +56,8 @@ class Frame:
     approach
         Rigid displacement of the upper body toward the lower since the start, length.
     steps, rejected, iterations
-        Steps taken, steps repeated with a smaller length, and conjugate-gradient iterations, since
-        the previous frame.
+        Steps taken, steps repeated with a smaller length, and the solver's iterations, since the
+        previous frame.
     """
 
     time: float
@@ -101,7 +107,7 @@ def creep(
         deformation reached so far: the rms of u about its mean (or of u - u0, if that is larger,
         where the mean of u0 creeps too or u is flat). See `STEP_TOLERANCE`.
     solver
-        How to solve the contact problems; `ActiveSet` by default.
+        How to solve the contact problems; by default as `asperity.press` does.
     midway
         Go on from here, with the frames after it; all other arguments as at first.
     after_step
@@ -119,7 +125,7 @@ def creep(
         expected = f"a number from {SMALLEST_RTOL:g} to {LARGEST_RTOL:g}"
         raise InputError("rtol", expected=expected, got=repr(rtol), advice=f"rtol={DEFAULT_RTOL:g}")
     start = hold_contact(contact, hold)
-    march = _March(start.system, solver or ActiveSet(), rtol, after_step)
+    march = _March(start.system, solver or usual_solver(start.system), rtol, after_step)
     if midway is None:
         march.begin(Point.of(march.system, start))
     else:
@@ -166,8 +172,7 @@ def _approach(system: System, start: Contact, now: Contact, time: float) -> floa
     """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
     if not isinstance(system.control, Load):
         return 0.0
-    viscous_mobility = float(system.spectra.mobility.flat[0])
-    creep = viscous_mobility * system.control.value / system.lattice.sites * time
+    creep = system.mean_mobility * system.control.value / system.lattice.sites * time
     return start.separation - now.separation + creep
 
 
@@ -196,7 +201,7 @@ class _March:
         """Set out, with a first step over which u0 changes by a small part of the deformation."""
         self.point, self.earlier, self.deformation = start, None, 0.0
         self.raise_deformation()
-        rate = rms(self.system.lattice, start.rate)
+        rate = rms(start.rate)
         self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / rate if rate > 0 else math.inf
 
     def resume(self, state: Midway) -> None:
@@ -219,34 +224,33 @@ class _March:
 
     def frame(self, start: Contact) -> Frame:
         """Publish the present state."""
-        shape = self.system.lattice.backward(self.point.shape)
+        system, point = self.system, self.point
+        stretch = system.balanced_stretch(point.u, point.stretch)
         state = contact_from(
-            self.system,
-            replace(self.point.solution, iterations=self.iterations),
-            shape,
+            system,
+            Solution(point.u, point.u <= system.heights, self.iterations, 0),
+            point.u - stretch,
             solid=start.solid,
             heights=start.heights,
             surface=start.surface,
             load_may_vanish=True,
         )
-        approach = _approach(self.system, start, state, self.point.time)
-        return Frame(self.point.time, state, approach, self.steps, self.rejected, self.iterations)
+        approach = _approach(system, start, state, point.time)
+        return Frame(point.time, state, approach, self.steps, self.rejected, self.iterations)
 
     def raise_deformation(self) -> None:
         """Let the scale of the error follow the largest deformation so far."""
-        lattice, point = self.system.lattice, self.point
-        shape = point.surface.copy()
-        shape.flat[0] = 0.0
-        scale = rms(lattice, shape)
-        free_mean = self.system.spectra.mobility.flat[0] > 0 and not isinstance(self.system.control, Load)
+        u, stretch = self.point.u, self.point.stretch
+        scale = float(u.std())
+        free_mean = self.system.mean_mobility > 0 and not isinstance(self.system.control, Load)
         if scale <= self.rounding() or free_mean:
             # A flat surface, or one whose mean creeps too: the stretch of the creeping springs.
-            scale = max(scale, rms(lattice, point.surface - point.shape))
+            scale = max(scale, rms(stretch))
         self.deformation = max(self.deformation, scale)
 
     def rounding(self) -> float:
         """Error of u0 that rounding alone makes."""
-        return 64 * float(np.finfo(float).eps) * float(np.abs(self.point.solution.u).max())
+        return 64 * float(np.finfo(float).eps) * float(np.abs(self.point.u).max())
 
     def advance_to(self, stop: float) -> None:
         """Step until the time is exactly ``stop``."""
@@ -255,6 +259,7 @@ class _March:
             landing = self.length >= left * (1 - 1e-9)
             # Two equal steps rather than a long one and a sliver.
             length = left if landing else left / 2 if 2 * self.length > left else self.length
+            unnoticed = UNNOTICED * self.tolerance * self.deformation
             step = take_step(
                 self.system,
                 self.solver,
@@ -262,6 +267,7 @@ class _March:
                 self.point,
                 self.earlier,
                 tolerances=(self.passing, TOLERANCE if landing else self.passing),
+                allowed_errors=(unnoticed, unnoticed / 30 if landing else unnoticed),
             )
             self.iterations += step.iterations
             error = self.relative(step.error)

@@ -25,10 +25,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.contact.problem import ContactSolver, Guess, Solution
+from asperity.contact.controls import Load
+from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
 from asperity.contact.system import ImplicitStep, System
-from asperity.lattice import Field, Lattice, Modes
+from asperity.lattice import Field
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
@@ -36,22 +37,26 @@ WEIGHT = math.sqrt(2.0) / 4.0
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """The state of the creeping system at one time; fields relative to the system's datum."""
+    """The state of the creeping system at one time, relative to the system's datum.
+
+    ``stretch`` is w = u - u0, ``rate`` is d u0 / dt.
+    """
 
     time: float
-    surface: Modes
-    shape: Modes
-    rate: Modes
-    solution: Solution
+    u: Field
+    stretch: Field
+    rate: Field
+
+    @property
+    def shape(self) -> Field:
+        """u0."""
+        return self.u - self.stretch
 
     @classmethod
     def of(cls, system: System, contact: Contact) -> Point:
         """Take a published contact as the state at time 0."""
-        u = contact.u - system.datum
-        solution = Solution(u, contact.in_contact, contact.force, contact.residual, 0, 0)
-        surface = system.lattice.forward(u)
-        shape = system.lattice.forward(contact.u0 - system.datum)
-        return cls(0.0, surface, shape, system.creep_rate(surface, shape), solution)
+        stretch = contact.u - contact.u0
+        return cls(0.0, contact.u - system.datum, stretch, system.creep_rate(stretch))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +65,12 @@ class Past:
 
     time: float
     u: Field
+    stretch: Field
 
     @classmethod
     def of(cls, point: Point) -> Past:
         """Remember a point."""
-        return cls(point.time, point.solution.u)
+        return cls(point.time, point.u, point.stretch)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,45 +90,55 @@ def take_step(
     earlier: Past | None,
     *,
     tolerances: tuple[float, float],
+    allowed_errors: tuple[float, float] = (0.0, 0.0),
 ) -> Step:
     """Step from ``start``.
 
     ``earlier`` helps to guess where the contacts will be; ``tolerances`` are those of the two contact
-    problems, of which only the second may be published.
+    problems, and ``allowed_errors`` are errors of u0 after them that would not be noticed.
     """
     implicit = system.implicit_step(DIAGONAL * duration)
     u0, f0 = start.shape, start.rate
+    h = duration
 
-    middle = _stage(
+    middle, spent = _stage(
         implicit,
         solver,
         time=start.time + 2 * DIAGONAL * duration,
-        before=u0 + (DIAGONAL * duration) * f0,
+        before=combined(u0, (DIAGONAL * h, f0)),
         known=(earlier, start),
         tolerance=tolerances[0],
+        allowed_error=allowed_errors[0],
     )
-    end = _stage(
+    end, spent_again = _stage(
         implicit,
         solver,
         time=start.time + duration,
-        before=u0 + (WEIGHT * duration) * (f0 + middle.rate),
+        before=combined(u0, (WEIGHT * h, f0), (WEIGHT * h, middle.rate)),
         known=(Past.of(start), middle),
         tolerance=tolerances[1],
+        allowed_error=allowed_errors[1],
     )
-    defect = (1 - 4 * WEIGHT) / 3 * f0 + middle.rate / 3 - 2 * DIAGONAL / 3 * end.rate
-    error = duration * defect / (1 + DIAGONAL * duration * free_decay_rate(system))
-    return Step(end, rms(system.lattice, error), middle.solution.iterations + end.solution.iterations)
+    defect = combined((1 - 4 * WEIGHT) / 3 * f0, (1 / 3, middle.rate), (-2 * DIAGONAL / 3, end.rate))
+    error = duration * system.damped_rms(defect, DIAGONAL * duration)
+    return Step(end, error, spent + spent_again)
 
 
-def free_decay_rate(system: System) -> Field:
-    """Rate z(q) at which a mode of u0 decays off contact (the paper's z_q)."""
-    H, C, M = system.spectra.permanent, system.spectra.creeping, system.spectra.mobility
-    return M * C * H / (H + C)
+def combined(field: Field, *terms: tuple[float, Field]) -> Field:
+    """A field plus multiples of others, with few temporaries."""
+    total = field.copy()
+    for factor, other in terms:
+        total += factor * other
+    return total
 
 
-def rms(lattice: Lattice, modes: Modes) -> float:
-    """Root mean square over the sites of the field that has these modes."""
-    return math.sqrt(lattice.mean_over_modes(np.abs(modes) ** 2) / lattice.sites)
+def rms(field: Field) -> float:
+    """Root mean square over the sites."""
+    largest = max(float(field.max()), -float(field.min()))
+    if not 0 < largest < math.inf:
+        return largest
+    field = field / largest
+    return largest * math.sqrt(float(np.einsum("i,i->", field.ravel(), field.ravel())) / field.size)
 
 
 def _stage(
@@ -130,27 +146,42 @@ def _stage(
     solver: ContactSolver,
     *,
     time: float,
-    before: Modes,
+    before: Field,
     known: tuple[Past | None, Point],
     tolerance: float,
-) -> Point:
-    """Solve one implicit stage that ends at ``time``."""
-    guess = _extrapolate(implicit.system, time, *known)
-    solution = solver.solve(implicit.problem(before), guess, tolerance)
-    surface = implicit.system.lattice.forward(solution.u)
-    shape = implicit.crept_shape(surface, before)
-    rate = implicit.system.creep_rate(surface, shape)
-    return Point(time, surface, shape, rate, solution)
+    allowed_error: float,
+) -> tuple[Point, int]:
+    """Solve one implicit stage that ends at ``time``; its end and the iterations spent."""
+    system = implicit.system
+    guess = _extrapolate(time, *known)
+    solution = solver.solve(implicit.problem(before, allowed_error), guess, tolerance)
+    stretch = implicit.stretch(solution.u, before) if solution.stretch is None else solution.stretch
+    rate = solution.u - stretch
+    rate -= before
+    rate /= implicit.tau
+    if isinstance(system.control, Load):
+        rate -= rate.mean()
+    return Point(time, solution.u, stretch, rate), solution.iterations
 
 
-def _extrapolate(system: System, time: float, earlier: Past | None, latest: Point) -> Guess:
+def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
     """Continue the surface in the logarithm of time, which is how contacts grow."""
-    u = latest.solution.u
     if earlier is None:
-        return Guess(u, latest.solution.in_contact)
+        return Guess(latest.u, stretch=latest.stretch)
     if earlier.time > 0:
         ahead = math.log(time / latest.time) / math.log(latest.time / earlier.time)
     else:
         ahead = (time - latest.time) / (latest.time - earlier.time)
-    predicted = u + min(ahead, 2.0) * (u - earlier.u)
-    return Guess(predicted, predicted <= system.heights)
+    u, stretch = (
+        continued(now, then, min(ahead, 2.0))
+        for now, then in ((latest.u, earlier.u), (latest.stretch, earlier.stretch))
+    )
+    return Guess(u, stretch=stretch)
+
+
+def continued(now: Field, then: Field, ahead: float) -> Field:
+    """Now + ahead (now - then)."""
+    field = now - then
+    field *= ahead
+    field += now
+    return field

@@ -3,6 +3,7 @@
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.controls import Control, Load, Separation
 from asperity.contact.instantaneous import press
+from asperity.contact.multigrid import Multigrid
 from asperity.contact.state import Contact
 
-__all__ = ["ActiveSet", "Contact", "Control", "Load", "Separation", "press"]
+__all__ = ["ActiveSet", "Contact", "Control", "Load", "Multigrid", "Separation", "press"]

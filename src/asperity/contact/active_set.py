@@ -1,13 +1,13 @@
-r"""Primal-dual active set (semismooth Newton) with preconditioned conjugate gradients.
+r"""Primal-dual active set (semismooth Newton) in Fourier space, for every spectrum.
 
 The sites are split into contacts, where u = xi, and free sites, where S u = b is solved by conjugate
-gradients. Then contacts that pull (r < 0) are released and free sites that penetrate (u < xi) become
-contacts, until neither is left (M. Hintermueller, K. Ito, K. Kunisch, SIAM J. Optim. 13, 865 (2002),
-DOI 10.1137/S1052623401383558). The split is revised long before the linear problem is solved: early
-splits are not worth an accurate solution.
+gradients (`asperity.contact.free_sites`). Then contacts that pull (r < 0) are released and free sites that
+penetrate (u < xi) become contacts, until neither is left (M. Hintermueller, K. Ito, K. Kunisch, SIAM J.
+Optim. 13, 865 (2002), DOI 10.1137/S1052623401383558). The split is revised before the linear problem is
+solved: the more sites a revision moved, the less accurate a solution the next is worth.
 
-The preconditioner on the free sites is the inverse of S + sigma between two masks, with sigma from
-`asperity.contact.pinning`: iteration counts then depend neither on the lattice nor on the load.
+The linear problems are corrections to a surface whose forces are evaluated in double precision at every
+revision, and are themselves solved in single precision, until that no longer helps.
 
 Exchanging all wrong sites at once is fast but may cycle. After `patience` exchanges that set no new
 record for the number of wrong sites, one site (the last) is exchanged at a time until one does; in exact
@@ -21,26 +21,43 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.contact.pinning import effective_pinning
+from asperity.contact.arrays import largest, library, to_numpy
+from asperity.contact.cascade import cold_start
+from asperity.contact.free_sites import FreeSites
 from asperity.contact.problem import ContactProblem, Guess, Solution, residual
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field, Mask
 
-_ASTRAY = 0.02
+_ASTRAY = 0.002
 """Largest sum of the forces off contact, relative to tolerance times load: it too must be small."""
 
 _NOTHING = 1e-120
 """Forces below it are none: their squares would vanish."""
 
+_DIGITS = 1e-5
+"""How far single precision can reduce a residual in one correction, with room to spare."""
+
+_SMALL = 2**14
+"""Lattices of so many sites gain nothing from single precision."""
+
+_FRUITLESS = 3
+"""Revisions without fewer wrong sites, after which each further one follows a more accurate solution."""
+
+_STALLED = 30
+"""Iterations without progress after which the precision is taken to be exhausted."""
+
+_SETTLED = 4.0
+"""A revision that moved the share x of the contacts is followed by a reduction to this times x."""
+
 
 @dataclass(frozen=True)
 class ActiveSet:
-    """The default contact solver; see the module for the method.
+    """The contact solver for every solid; see the module for the method.
 
     Parameters
     ----------
     reduction
-        How far the linear residual falls before the set of contacts is revised.
+        How far, at least, the linear residual falls before the set of contacts is revised.
     max_iterations
         Conjugate-gradient iterations after which the solver gives up.
     patience
@@ -50,6 +67,10 @@ class ActiveSet:
         that are wrong by no more than rounding are let be.
     max_revisions
         Revisions of the set after which the solver gives up.
+    arrays
+        The array library in which to compute: ``"numpy"``, or the name of another one that follows the
+        array API standard and has its transforms, such as ``"cupy"`` or ``"torch"``. Problems and
+        solutions are numpy arrays in any case.
     """
 
     reduction: float = 0.3
@@ -57,6 +78,7 @@ class ActiveSet:
     patience: int = 5
     careful_after: int = 60
     max_revisions: int = 10_000
+    arrays: str = "numpy"
 
     def __post_init__(self) -> None:
         if not 0 < self.reduction < 1:
@@ -65,126 +87,161 @@ class ActiveSet:
             if not getattr(self, name) >= 0:
                 raise InputError(name, expected="a whole number >= 0", got=getattr(self, name))
 
-    def solve(self, problem: ContactProblem, guess: Guess, tolerance: float) -> Solution:
-        """Solve the problem from a guess.
+    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+        """Solve the problem from a guess, or without one through coarser lattices.
 
         Raises
         ------
         ConvergenceError
             The tolerance was not reached within ``max_iterations``.
+        MissingExtraError
+            The array library is not installed.
         """
-        run = _Run(self, problem, guess, tolerance)
+        run = _Run(self, problem, guess or cold_start(problem, self), tolerance)
         while True:
             run.reduce_residual()
             wrong = run.wrong_sites()
-            if wrong.any():
+            if bool(run.xp.any(wrong)):
                 run.exchange(wrong)
             elif run.converged():
                 return run.solution()
 
 
 class _Run:
-    """The state of one solve."""
+    """The state of one solve. Fields are arrays of the library; so are S, b and the heights."""
 
     def __init__(self, method: ActiveSet, problem: ContactProblem, guess: Guess, tolerance: float) -> None:
         self.method = method
         self.problem = problem
         self.tolerance = tolerance
-        self.in_contact = guess.in_contact.copy()
+        self.xp = xp = library(method.arrays)
+        self.stiffness, self.pull, self.heights = map(
+            xp.asarray, (problem.stiffness, problem.pull, problem.heights)
+        )
+        self.working_stiffness = xp.zeros(0, dtype=xp.int8)
+        self.stiffest = float(problem.stiffness.max())
+        touching = guess.u <= problem.heights if guess.in_contact is None else guess.in_contact
+        self.in_contact = xp.asarray(touching, copy=True)
         self.iterations = 0
         self.set_changes = 0
-        self.record = problem.lattice.sites + 1
+        self.record = self.fewest = problem.lattice.sites + 1
+        self.fruitless = 0
         self.patience = method.patience
-        self.pinning = (0.0, 0.0)
-        self.start(guess.u)
+        self.reduction = method.reduction
+        self.single = problem.lattice.sites > _SMALL
+        self.start(xp.asarray(guess.u))
 
     def start(self, u: Field) -> None:
-        """Begin a linear solve on the present set of contacts."""
-        problem, heights = self.problem, self.problem.heights
-        self.contacts = int(np.count_nonzero(self.in_contact))
+        """Begin on the present set of contacts."""
+        xp = self.xp
+        self.contacts = int(xp.count_nonzero(self.in_contact))
         if self.contacts == 0:
-            if problem.load_controlled:  # something must carry the load: the deepest site
-                self.in_contact.flat[np.argmax(heights - u)] = True
+            if self.problem.load_controlled:  # something must carry the load: the deepest site
+                deepest = np.unravel_index(int(xp.argmax(self.heights - u)), self.problem.lattice.shape)
+                self.in_contact[tuple(map(int, deepest))] = True
                 self.contacts = 1
             else:
-                u = _free_surface(problem)
-        self.u = np.where(self.in_contact, heights, u)
-        self.free = np.where(self.in_contact, 0.0, 1.0)
+                u = xp.asarray(_free_surface(self.problem))
+        self.u = xp.where(self.in_contact, self.heights, u)
+        self.free_sites: FreeSites | None = None
         self.evaluate_force()
-        self.set_preconditioner()
 
     def evaluate_force(self) -> None:
-        """Evaluate the force afresh and forget the search direction."""
-        self.force = self.problem.force(self.u)
-        self.set_defect()
-        stiffest = float(self.problem.stiffness.max())
-        deepest = float(np.abs(self.u).max())
-        self.rounding = max(4 * float(np.finfo(float).eps) * stiffest * deepest, _NOTHING)
-        self.direction: Field | None = None
-        self.slope = 0.0
-
-    def set_preconditioner(self) -> None:
-        fraction = max(self.contacts, 1) / self.problem.lattice.sites
-        sigma, valid_for = self.pinning
-        if not 0.8 < fraction / (valid_for or np.inf) < 1.25:
-            sigma = effective_pinning(self.problem.lattice, self.problem.stiffness, fraction)
-            self.pinning = (sigma, fraction)
-            self.inverse = 1.0 / (self.problem.stiffness + sigma)
+        """Evaluate the force afresh, in double precision."""
+        xp, lattice = self.xp, self.problem.lattice
+        modes = lattice.forward(self.u)
+        modes *= self.stiffness
+        modes -= self.pull
+        self.force = lattice.backward(modes, overwrite=True)
+        off_contact = xp.where(self.in_contact, xp.asarray(0.0), self.force)
+        self.worst = largest(off_contact, xp)
+        astray = float(xp.sum(off_contact))
+        self.astray = abs(astray)
+        self.load = abs(float(xp.sum(self.force)) - astray)
+        indentation = largest(self.u, xp)
+        self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _NOTHING)
 
     def reduce_residual(self) -> None:
-        """Conjugate gradients on the free sites, until the residual has fallen enough."""
-        target = self.worst * (1e-8 if self.is_careful() else self.method.reduction)
+        """Correct the free sites, until the largest force on them has fallen enough."""
+        target = self.worst * (1e-8 if self.is_careful() else self.reduction)
         while self.worst > target and not self.within_tolerance():
-            self.iterate()
+            before = self.worst
+            step = self.correct(target)
+            if self.worst > target and not self.within_tolerance():
+                self.evaluate_force()
+                if self.single and self.worst > 0.5 * before:
+                    self.single = False
+                    if self.worst > before:
+                        self.u -= step
+                        self.evaluate_force()
 
-    def iterate(self) -> None:
-        """One conjugate-gradient iteration."""
-        lattice = self.problem.lattice
-        if self.iterations >= self.method.max_iterations:
+    def correct(self, target: float) -> Field:
+        """Correct the free sites once, and return by how much; the forces are then a prediction."""
+        left = self.method.max_iterations - self.iterations
+        if left <= 0:
+            left_over = residual(to_numpy(self.force), to_numpy(self.in_contact))
             raise ConvergenceError(
-                f"contact solver: residual {residual(self.force, self.in_contact):.1e} after "
+                f"contact solver: residual {left_over:.1e} after "
                 f"{self.iterations} iterations, expected {self.tolerance:.1e}; "
                 "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
             )
-        step = lattice.apply(self.inverse, self.defect)
-        step *= self.free
-        slope = inner(self.defect, step)
-        if self.direction is not None:
-            self.direction *= slope / self.slope
-            step += self.direction
-        stiff_step = lattice.apply(self.problem.stiffness, step)
-        length = slope / inner(step, stiff_step)
-        self.u += length * step
-        stiff_step *= length
-        self.force += stiff_step
-        self.set_defect()
-        self.direction, self.slope = step, slope
-        self.iterations += 1
+        acceptable = max(self.tolerance * self.load / self.contacts, self.rounding)
+        goal, astray = target / self.worst, np.inf
+        if target < 0.5 * acceptable:
+            goal = min(0.3, 0.5 * acceptable / self.worst)
+            astray = 0.5 * _ASTRAY * self.tolerance * self.load / self.worst
+        if self.single and goal < _DIGITS:
+            goal, astray = _DIGITS, np.inf
+        correction = self.linear_problem().correct(
+            self.force,
+            self.worst,
+            goal=goal,
+            astray=astray,
+            most=left,
+            patience=_STALLED if self.single else left,
+        )
+        self.u += correction.step
+        self.force, self.worst, self.astray = correction.force, correction.worst, correction.astray
+        self.iterations += max(1, correction.iterations)
+        return correction.step
 
-    def set_defect(self) -> None:
-        """Forces off contact, which are what is left to do, and the largest of them."""
-        self.defect = self.force * self.free
-        np.negative(self.defect, out=self.defect)
-        self.worst = max(float(self.defect.max()), -float(self.defect.min()))
+    def linear_problem(self) -> FreeSites:
+        """The linear problem on the present set of contacts, in the present precision."""
+        xp = self.xp
+        self.single = self.single and not self.is_careful()
+        real = xp.float32 if self.single else xp.float64
+        if self.free_sites is None or self.free_sites.stiffness.dtype != real:
+            if self.working_stiffness.dtype != real:
+                self.working_stiffness = xp.astype(self.stiffness / self.stiffest, real)
+            self.free_sites = FreeSites(
+                self.problem.lattice,
+                self.problem.stiffness,
+                self.stiffest,
+                self.working_stiffness,
+                self.in_contact,
+                xp,
+            )
+        return self.free_sites
 
     def within_tolerance(self) -> bool:
         """Whether the linear problem on the present set of contacts is solved."""
-        if self.contacts in (0, self.in_contact.size):  # solved exactly by `start`
+        if self.contacts in (0, self.problem.lattice.sites):  # solved exactly by `start`
             return True
-        astray = -float(self.defect.sum())
-        load = abs(float(self.force.sum()) - astray)
-        if self.worst > max(self.tolerance * load / self.contacts, self.rounding):
+        if self.worst > max(self.tolerance * self.load / self.contacts, self.rounding):
             return False
         # Forces off contact are small one by one and, zeroed together, leave the load unchanged.
-        return abs(astray) <= max(_ASTRAY * self.tolerance * load, self.rounding * self.defect.size)
+        return self.astray <= max(
+            _ASTRAY * self.tolerance * self.load, self.rounding * self.problem.lattice.sites
+        )
 
     def wrong_sites(self) -> Mask:
         """Contacts that pull and free sites that penetrate."""
         pull = penetration = 0.0
         if self.is_careful():  # rounding decides their sign: exchanged, they might come back for ever
             pull = self.rounding
-            penetration = self.rounding / float(self.problem.stiffness.max())
-        return np.where(self.in_contact, self.force < -pull, self.u < self.problem.heights - penetration)
+            penetration = self.rounding / self.stiffest
+        wrong: Mask = (self.in_contact & (self.force < -pull)) | (self.u - self.heights < -penetration)
+        return wrong
 
     def is_careful(self) -> bool:
         """Whether so many revisions have been made that something may be going round in circles."""
@@ -192,41 +249,41 @@ class _Run:
 
     def exchange(self, wrong: Mask) -> None:
         """Move wrong sites to the other side, all at once or, to break a cycle, only the last."""
+        xp = self.xp
         self.set_changes += 1
         if self.set_changes > self.method.max_revisions:
             raise ConvergenceError(
                 f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
                 "try a slightly different load"
             )
+        count = int(xp.count_nonzero(wrong))
+        self.fruitless = 0 if count < self.fewest else self.fruitless + 1
+        self.fewest = min(self.fewest, count)
+        self.reduction = min(self.method.reduction, _SETTLED * count / max(self.contacts, 1))
+        self.reduction *= 0.3 ** max(0, self.fruitless - _FRUITLESS)
         if self.is_careful():
-            count = int(np.count_nonzero(wrong))
             if count < self.record:
                 self.record, self.patience = count, self.method.patience
             elif self.patience > 0:
                 self.patience -= 1
             else:
-                last = int(np.flatnonzero(wrong)[-1])
-                wrong = np.zeros_like(wrong)
-                wrong.flat[last] = True
+                flat = xp.reshape(wrong, (-1,))
+                last = int(xp.max(xp.nonzero(flat)[0]))
+                flat = xp.arange(wrong.size) == last
+                wrong = xp.reshape(flat, wrong.shape)
         self.in_contact ^= wrong
         self.start(self.u)
 
     def converged(self) -> bool:
         """Whether the force, evaluated afresh, is within tolerance and has the right sign."""
+        self.reduction = _DIGITS  # the contacts have settled: if not yet within tolerance, go all the way
         if not self.within_tolerance():
             return False
         self.evaluate_force()
-        return self.within_tolerance() and not self.wrong_sites().any()
+        return self.within_tolerance() and not bool(self.xp.any(self.wrong_sites()))
 
     def solution(self) -> Solution:
-        return Solution(
-            u=self.u,
-            in_contact=self.in_contact,
-            force=self.force,
-            residual=residual(self.force, self.in_contact),
-            iterations=self.iterations,
-            set_changes=self.set_changes,
-        )
+        return Solution(to_numpy(self.u), to_numpy(self.in_contact), self.iterations, self.set_changes)
 
 
 def _free_surface(problem: ContactProblem) -> Field:
@@ -235,12 +292,3 @@ def _free_surface(problem: ContactProblem) -> Field:
     if not modes.flat[1:].any():
         return np.full(problem.lattice.shape, modes.flat[0].real / problem.lattice.sites)
     return problem.lattice.backward(modes)
-
-
-def inner(a: Field, b: Field) -> float:
-    """Inner product of two fields.
-
-    Not `numpy.vdot`: threads of the linear-algebra library gain nothing on so little work, wait for
-    each other on a busy machine, and make the last digits depend on their number.
-    """
-    return float(np.einsum("i,i->", a.ravel(), b.ravel()))

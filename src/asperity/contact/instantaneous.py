@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.contact.active_set import ActiveSet
+from asperity.contact.choice import usual_solver
 from asperity.contact.controls import Load, control_from
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess
 from asperity.contact.state import Contact, contact_from
@@ -40,7 +39,8 @@ def press(
         A contact to start the search from, such as that of a slightly smaller load; it changes the
         time taken, not the result.
     solver
-        How to solve; `ActiveSet` by default.
+        How to solve: by default `Multigrid` for the lattice of springs in two dimensions, and
+        `ActiveSet` for any other solid.
 
     Returns
     -------
@@ -60,37 +60,17 @@ def press(
     rough = check_heights(heights)
     control = control_from(load, separation)
     system = System.of(rough, solid, control)
-    flat = system.virgin_shape()
-    if start is None:
-        guess = cold_guess(system)
-    elif start.heights.shape == rough.shape:
+    guess = None
+    if start is not None:
+        if start.heights.shape != rough.shape:
+            raise InputError("start", expected=f"a contact of shape {rough.shape}", got=start.heights.shape)
         guess = Guess(start.u - system.datum, start.in_contact)
-    else:
-        raise InputError("start", expected=f"a contact of shape {rough.shape}", got=start.heights.shape)
-    step = system.implicit_step(0.0)
-    solution = (solver or ActiveSet()).solve(step.problem(flat), guess, TOLERANCE)
-    u0 = step.crept_shape(system.lattice.forward(solution.u), flat)
-    flat_u0 = np.full(rough.shape, u0.flat[0].real / rough.size)
-    return contact_from(system, solution, flat_u0, solid=solid, heights=rough, surface=_origin(heights))
-
-
-def cold_guess(system: System) -> Guess:
-    """Guess the contacts of a flat u0 as if the asperities were independent (Greenwood and Williamson).
-
-    Each asperity that reaches the level d carries the site stiffness times its overlap, and d is
-    where these forces add up to the load. (J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A
-    295, 300 (1966), DOI 10.1098/rspa.1966.0242.)
-    """
-    if isinstance(system.control, Load):
-        spectra = system.spectra
-        site_compliance = system.lattice.mean_over_modes(1.0 / (spectra.permanent + spectra.creeping))
-        descending = np.sort(system.heights, axis=None)[::-1]
-        overlap = np.cumsum(descending) - np.arange(1, descending.size + 1) * descending
-        reach = int(np.searchsorted(overlap, system.control.value * site_compliance))
-        level = float(descending[min(max(reach, 1), descending.size) - 1])
-    else:
-        level = system.control.value - system.datum
-    return Guess(np.full(system.heights.shape, level), system.heights >= level)
+    problem = system.implicit_step(0.0).problem(system.virgin_shape)
+    solution = (solver or usual_solver(system)).solve(problem, guess, TOLERANCE)
+    level = system.virgin_shape
+    if isinstance(control, Load):
+        level = float(solution.u.mean()) - system.mean_stretch
+    return contact_from(system, solution, level, solid=solid, heights=rough, surface=_origin(heights))
 
 
 def _origin(heights: object) -> dict[str, object]:

@@ -25,8 +25,10 @@ def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: f
     """Sigma for a stiffness spectrum and a fraction 0 < a <= 1 of sites in contact; same unit as S."""
     stride = max(1, stiffness.size // _SAMPLES) | 1  # odd: never in step with the rows of the lattice
     sample = stiffness.ravel()[::stride]
-    weight = np.broadcast_to(lattice.multiplicity, stiffness.shape).ravel()[::stride]
-    weight = weight / weight.sum()
+    weight = np.broadcast_to(lattice.multiplicity, stiffness.shape).ravel()[::stride].copy()
+    # The mode at wave vector 0 stands for itself alone: with few contacts it decides.
+    weight[1:] *= (lattice.sites - weight[0]) / max(weight[1:].sum(), 1.0)
+    weight /= weight.sum()
     stiffest = float(sample.max())
     if stiffest == 0:
         return 1.0

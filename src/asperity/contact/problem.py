@@ -10,7 +10,9 @@ S vanishes at wave vector 0 the sum of r is fixed by the pull: load control with
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -19,31 +21,87 @@ from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 
 
 @dataclass(frozen=True, eq=False)
+class SpringStep:
+    """A contact problem on the two-dimensional lattice of springs, in terms of neighbors alone.
+
+    k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
+    bulk after a step of creep from the shape v; L is minus the Laplacian. Under load control an
+    unknown constant joins the right-hand side, and the sum of k1 w is the load.
+
+    Parameters
+    ----------
+    k0, k1
+        Stiffness of the springs between neighbors and to the bulk, both > 0.
+    spread, drag
+        tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite.
+    relaxed
+        Whether the duration tau is infinite.
+    shape
+        v, a field or the level of a flat one, measured like the heights of the problem.
+    load
+        The normal load, or None where the separation is held.
+    """
+
+    k0: float
+    k1: float
+    spread: float
+    drag: float
+    relaxed: bool
+    shape: Field | float
+    load: float | None
+
+
 class ContactProblem:
-    """One contact problem; see the module for the equations.
+    """Find u with u >= heights, r = S u - b >= 0 and r (u - heights) = 0 at every site.
 
     Parameters
     ----------
     lattice
         The periodic lattice.
-    stiffness
-        S, a spectrum; positive but, under load control, zero at wave vector 0.
-    pull
-        b, as Fourier modes; under load control minus the normal load at wave vector 0.
     heights
         The obstacle xi, a field whose maximum is 0, which keeps rounding errors relative to the
         indentation rather than to the datum of the heights.
+    stiffness
+        S, a spectrum, or a function that computes it when it is first asked for; positive but, under
+        load control, zero at wave vector 0.
+    pull
+        b, as Fourier modes, or such a function; under load control minus the normal load at wave
+        vector 0.
+    load_controlled
+        Whether the sum of the forces is prescribed.
+    springs
+        The same problem in terms of neighbors, where there is such a form.
+    allowed_error
+        Error of the shape after the step, rms over sites, length, that does no harm: a step in the
+        middle of a history need not be exact. Solvers may ignore it.
     """
 
-    lattice: Lattice
-    stiffness: Spectrum
-    pull: Modes
-    heights: Field
+    def __init__(
+        self,
+        lattice: Lattice,
+        heights: Field,
+        *,
+        stiffness: Spectrum | Callable[[], Spectrum],
+        pull: Modes | Callable[[], Modes],
+        load_controlled: bool,
+        springs: SpringStep | None = None,
+        allowed_error: float = 0.0,
+    ) -> None:
+        self.lattice, self.heights = lattice, heights
+        self._stiffness, self._pull = stiffness, pull
+        self.load_controlled = load_controlled
+        self.springs = springs
+        self.allowed_error = allowed_error
 
-    @property
-    def load_controlled(self) -> bool:
-        """Whether the sum of the forces is prescribed."""
-        return bool(self.stiffness.flat[0] == 0)
+    @cached_property
+    def stiffness(self) -> Spectrum:
+        """S, a spectrum."""
+        return self._stiffness() if callable(self._stiffness) else self._stiffness
+
+    @cached_property
+    def pull(self) -> Modes:
+        """b, as Fourier modes."""
+        return self._pull() if callable(self._pull) else self._pull
 
     def force(self, u: Field) -> Field:
         """Contact force r = S u - b at every site."""
@@ -52,37 +110,40 @@ class ContactProblem:
 
 @dataclass(frozen=True, eq=False)
 class Guess:
-    """Where a solver starts: a surface and the sites believed to be in contact."""
+    """Where a solver starts: a surface, the sites believed in contact and, if known, u - u0.
+
+    If no sites are named, those that the surface does not clear.
+    """
 
     u: Field
-    in_contact: Mask
+    in_contact: Mask | None = None
+    stretch: Field | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
     """A solved contact problem.
 
-    ``u`` equals the heights on ``in_contact`` and exceeds them elsewhere; ``force`` is S u - b as
-    evaluated, so that it shows the residual off contact; ``iterations`` counts conjugate-gradient
-    iterations and ``set_changes`` the times the set of contacts was revised.
+    ``u`` equals the heights on ``in_contact`` and exceeds them elsewhere; ``iterations`` counts
+    conjugate-gradient iterations or multigrid cycles, and ``set_changes`` the times the set of
+    contacts was revised. ``stretch`` is u - u0 after the step, from solvers that find it on the way.
     """
 
     u: Field
     in_contact: Mask
-    force: Field
-    residual: float
     iterations: int
     set_changes: int
+    stretch: Field | None = None
 
 
 class ContactSolver(Protocol):
     """What a solver offers."""
 
-    def solve(self, problem: ContactProblem, guess: Guess, tolerance: float) -> Solution:
-        """Solve until no force off contact exceeds ``tolerance`` times the mean contact force.
+    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+        """Solve from a guess or from nothing; return converged or raise `ConvergenceError`.
 
-        Or until rounding errors forbid more, which the solution's residual then shows. Otherwise
-        raise `ConvergenceError`; never return unconverged.
+        Converged means that no force off contact exceeds ``tolerance`` times the mean contact force, or
+        that rounding errors forbid more, or that the error is below what the problem allows.
         """
         ...
 

@@ -47,7 +47,7 @@ class Contact:
         separation is held and the load has died out, relative to the smallest force that double
         precision can resolve to as many digits.
     iterations
-        Conjugate-gradient iterations spent.
+        Iterations spent: multigrid cycles, or those of conjugate gradients.
     surface
         Where the heights came from, as far as known.
     """
@@ -123,7 +123,7 @@ def hold_contact(contact: Contact, hold: Hold | None) -> Contact:
 def contact_from(
     system: System,
     solution: Solution,
-    shape: Field,
+    shape: Field | float,
     *,
     solid: Solid,
     heights: Field,
@@ -139,7 +139,7 @@ def contact_from(
     solution
         The solved contact problem.
     shape
-        u0 relative to the system's datum.
+        u0 relative to the system's datum: a field, or the level of a flat one.
     solid, heights, surface
         As in `Contact`.
     load_may_vanish
@@ -155,21 +155,21 @@ def contact_from(
     u[solution.in_contact] = heights[solution.in_contact]
     in_contact = u == heights
     u0 = _rounded_keeping_load(shape, solution.u, u, system.datum)
-    u_modes = system.lattice.forward(u - system.datum)
-    u0_modes = system.lattice.forward(u0 - system.datum)
-    force = system.force(u_modes, u0_modes)
+    relative, stretch = u - system.datum, u - u0
+    force = system.force(relative, stretch)
     vanishing = load_may_vanish and not isinstance(system.control, Load)
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
     left = residual(force, in_contact, floor)
-    if isinstance(system.control, Load):
-        carried = float(system.spectra.creeping.flat[0] * np.sum(u - u0))
+    if isinstance(system.control, Load) and system.mean_stiffness > 0:
+        carried = float(system.mean_stiffness * np.sum(stretch))
         left = max(left, abs(carried / system.control.value - 1))
     if not left <= ACCEPTED_RESIDUAL:
         raise ConvergenceError(
             f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too "
             "small for these heights in double precision; try heights without a large offset, or more load"
         )
-    force = np.where(in_contact, np.maximum(force, 0.0), 0.0)
+    np.maximum(force, 0.0, out=force)
+    force[~in_contact] = 0.0
     for field in (heights, u, u0, force, in_contact):
         field.flags.writeable = False  # the residual vouches for exactly these numbers
     return Contact(
@@ -180,7 +180,7 @@ def contact_from(
         u0=u0,
         force=force,
         in_contact=in_contact,
-        energy=system.energy(u_modes, u0_modes),
+        energy=system.energy(relative, stretch),
         residual=left,
         iterations=solution.iterations,
         surface=surface,
@@ -189,23 +189,24 @@ def contact_from(
 
 def _smallest_force(system: System, u: Field) -> float:
     """Force whose last trusted digit is rounding: the scale where there is no load to speak of."""
-    stiffest = float(np.max(system.spectra.permanent + system.spectra.creeping))
+    stiffest = system.greatest_stiffness
     largest = max(float(np.abs(field).max()) for field in (u, u - system.datum, system.heights))
     return 4 * float(np.spacing(largest)) * stiffest / ACCEPTED_RESIDUAL
 
 
-def _rounded_keeping_load(shape: Field, surface: Field, u: Field, datum: float) -> Field:
+def _rounded_keeping_load(shape: Field | float, surface: Field, u: Field, datum: float) -> Field:
     """Move u0 to the user's datum so that rounding leaves the sum of u - u0, and so the load, alone.
 
     Rounding errors of a smooth field are alike from site to site and add up; where they would change
     the sum by more than 1e-11 of it, as many sites as it takes are moved by their last digit.
     """
-    u0 = shape + datum
+    u0 = np.asarray(np.broadcast_to(shape + datum, u.shape))
     wanted = float(np.sum(surface - shape))
     excess = float(np.sum(u - u0)) - wanted
     last_digit = float(np.spacing(np.abs(u0).max()))
     if abs(excess) > 1e-11 * abs(wanted):
         sites = min(round(abs(excess) / last_digit), u0.size)
         chosen = np.linspace(0, u0.size - 1, sites).astype(int)
+        u0 = u0.copy()
         u0.flat[chosen] += np.copysign(last_digit, excess)
-    return u0
+    return np.ascontiguousarray(u0)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from asperity._version import __version__
 from asperity.aging.march import Midway
 from asperity.aging.tr_bdf2 import Past, Point
-from asperity.contact.problem import ContactSolver, Solution
+from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
 from asperity.errors import CheckpointError, OutputError
 from asperity.lattice import Field
@@ -115,15 +115,14 @@ class Keeper:
 
 def fingerprint_of(start: Contact, times: Field, fields_at: Field, rtol: float, solver: ContactSolver) -> str:
     """Hash all that a history depends on."""
-    spectra = start.system.spectra
-    digest = hashlib.sha256(repr((__version__, start.control, rtol, solver, start.u.shape)).encode())
+    solid = start.solid
+    laws = () if solid.springs else tuple(vars(start.system.spectra).values())
+    digest = hashlib.sha256(repr((__version__, start.control, solid.springs, rtol, solver)).encode())
     for array in (
         start.heights,
         start.u,
         start.u0,
-        spectra.permanent,
-        spectra.creeping,
-        spectra.mobility,
+        *laws,
         times,
         fields_at,
     ):
@@ -137,7 +136,6 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
     facts = {
         "fingerprint": fingerprint,
         "time": point.time,
-        "residual": point.solution.residual,
         "earlier": None if midway.earlier is None else midway.earlier.time,
         "march": [midway.deformation, midway.length, midway.steps, midway.rejected, midway.iterations],
         "rows": place.rows,
@@ -145,15 +143,13 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
     }
     arrays = {
         "facts": np.array(json.dumps(facts)),
-        "surface": point.surface,
-        "shape": point.shape,
+        "u": point.u,
+        "stretch": point.stretch,
         "rate": point.rate,
-        "u": point.solution.u,
-        "in_contact": point.solution.in_contact,
-        "force": point.solution.force,
     }
     if midway.earlier is not None:
         arrays["earlier_u"] = midway.earlier.u
+        arrays["earlier_stretch"] = midway.earlier.stretch
     for name in ("u", "u0", "in_contact"):
         if place.snapshots:
             arrays[f"kept_{name}"] = np.stack([getattr(snapshot, name) for snapshot in place.snapshots])
@@ -162,9 +158,10 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
 
 def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Place:
     deformation, length, steps, rejected, iterations = facts["march"]
-    solution = Solution(arrays["u"], arrays["in_contact"], arrays["force"], facts["residual"], 0, 0)
-    point = Point(facts["time"], arrays["surface"], arrays["shape"], arrays["rate"], solution)
-    earlier = None if facts["earlier"] is None else Past(facts["earlier"], arrays["earlier_u"])
+    point = Point(facts["time"], arrays["u"], arrays["stretch"], arrays["rate"])
+    earlier = None
+    if facts["earlier"] is not None:
+        earlier = Past(facts["earlier"], arrays["earlier_u"], arrays["earlier_stretch"])
     snapshots = [
         Snapshot(time, *(arrays[f"kept_{name}"][index] for name in ("u", "u0", "in_contact")))
         for index, time in enumerate(facts["snapshots"])

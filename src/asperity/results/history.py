@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from asperity.aging.march import DEFAULT_RTOL, Frame, Midway, check_times, creep
-from asperity.contact.active_set import ActiveSet
+from asperity.contact.choice import usual_solver
 from asperity.contact.controls import Hold
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, hold_contact
@@ -86,7 +86,7 @@ def age(
         stays: remove it when the results are safe. A solver of your own needs a repr that says all
         it depends on, by which the run is recognized.
     solver
-        How to solve the contact problems; `ActiveSet` by default.
+        How to solve the contact problems; by default as `asperity.press` does.
 
     Returns
     -------
@@ -108,7 +108,7 @@ def age(
     kept = check_times(fields_at, "fields_at") if np.size(fields_at) else np.empty(0)
     keep_start = bool(np.any(np.asarray(fields_at) == 0))
     start = hold_contact(contact, hold)
-    method = solver or ActiveSet()
+    method = solver or usual_solver(start.system)
     rows: list[Row] = []
     snapshots: list[Snapshot] = []
     keeper, midway = None, None

@@ -1,0 +1,111 @@
+"""Time nine decades of aging against the transforms of the same lattice.
+
+    python benchmarks/curve.py [--sizes 200 1024] [--threads 1]
+
+k1/k0 = 3, F / (N k0) = 0.02, 37 times from 1e-3 to 1e6. In the same process and on the same threads, 500
+forward-and-back pairs of scipy.fft.rfft2 and irfft2 of that size are timed before, and 500 after. The areas
+are compared with those of a run at a tenth of the tolerance, which is not timed with the others.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+from typing import Any
+
+import machine
+import synthetic
+
+PAIRS = 1000
+
+
+def run(size: int, threads: int) -> dict[str, Any]:
+    """Measure in a process of its own, so that every library has the threads it is to have."""
+    command = [sys.executable, __file__, "--sizes", str(size), "--threads", str(threads), "--json"]
+    done = subprocess.run(
+        command, env=machine.thread_environment(threads), stdout=subprocess.PIPE, text=True, check=False
+    )
+    if done.returncode:
+        return {"size": size, "failure": f"exit status {done.returncode}"}
+    measured: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return measured
+
+
+def pairs(heights, count: int, threads: int) -> float:
+    """Seconds that so many forward-and-back pairs of transforms take."""
+    import scipy.fft
+
+    begin = time.perf_counter()
+    for _ in range(count):
+        scipy.fft.irfft2(scipy.fft.rfft2(heights, workers=threads), s=heights.shape, workers=threads)
+    return time.perf_counter() - begin
+
+
+def measure(size: int, threads: int) -> dict[str, Any]:
+    """Age once for compilation (a small lattice), once for the time, and once at a tenth of the tolerance."""
+    import numpy as np
+    import scipy.fft
+
+    import asperity as asp
+
+    times = np.geomspace(1e-3, 1e6, 37)
+    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+    with scipy.fft.set_workers(threads):
+        asp.age(asp.press(synthetic.white(64), solid, load=0.02 * 64**2), times[:3])
+        heights = synthetic.white(size)
+        pairs(heights, 5, threads)
+        transforms = pairs(heights, PAIRS // 2, threads)
+        marks = [time.perf_counter()]
+        contact = asp.press(heights, solid, load=0.02 * heights.size)
+        marks.append(time.perf_counter())
+        data = asp.age(contact, times).dataset
+        marks.append(time.perf_counter())
+        transforms += pairs(heights, PAIRS - PAIRS // 2, threads)
+        rtol = float(data.attrs.get("rtol", 2e-3))
+        exact = asp.age(contact, times, rtol=rtol / 10).dataset["area"].values
+    area = data["area"].values
+    return {
+        "size": size,
+        "threads": threads,
+        "press_seconds": marks[1] - marks[0],
+        "age_seconds": marks[2] - marks[1],
+        "pairs_seconds": transforms,
+        "pairs": PAIRS * (marks[2] - marks[1]) / transforms,
+        "steps": int(data["steps"].sum()),
+        "iterations": int(data["iterations"].sum()),
+        "residual": float(data["residual"].max()),
+        "area_error": float(np.abs(area / exact - 1).max()),
+        "area": [int(area[0]), int(area[-1])],
+    }
+
+
+def words(curve: dict[str, Any]) -> str:
+    """One line about a curve."""
+    if "failure" in curve:
+        return f"nine decades at {curve['size']}^2: {curve['failure']}"
+    return (
+        f"nine decades at {curve['size']}^2: {curve['age_seconds']:.2f} s = {curve['pairs']:.0f} pairs of "
+        f"transforms ({PAIRS} took {curve['pairs_seconds']:.2f} s); {curve['steps']} steps, "
+        f"{curve['iterations']} iterations, residual {curve['residual']:.1e}, area within "
+        f"{100 * curve['area_error']:.2f} % of a run at rtol / 10"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--sizes", type=int, nargs="+", default=[200, 1024])
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--json", action="store_true", help="measure here, and print numbers for programs")
+    options = parser.parse_args()
+    for size in options.sizes:
+        if options.json:
+            print(json.dumps(measure(size, options.threads)), flush=True)
+        else:
+            print(words(run(size, options.threads)), flush=True)
+
+
+if __name__ == "__main__":
+    main()

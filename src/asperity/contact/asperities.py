@@ -1,0 +1,35 @@
+"""Asperities as if they were independent (Greenwood and Williamson): where to look for contacts first."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asperity.contact import kernels
+from asperity.lattice import Field
+
+
+def level_of_overlap(heights: Field, overlap: float) -> float:
+    """Level d above which the heights overlap by a given sum, sum (heights - d)+ = overlap.
+
+    Each asperity that reaches the level carries the site stiffness times its overlap: at d these forces
+    add up to the load. (J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966), DOI
+    10.1098/rspa.1966.0242.) The sum is convex and falls with d: Newton steps from below never overshoot.
+
+    Parameters
+    ----------
+    heights
+        Heights whose maximum is 0, any shape.
+    overlap
+        The sum, length; where it is not above 0, the level is 0.
+    """
+    rows = np.atleast_2d(heights)
+    sums = np.empty((len(rows), 2))
+    level = -overlap  # the highest site alone would overlap enough
+    while overlap > 0:
+        kernels.overlap(rows, level, sums, 0, len(rows))
+        total, count = sums.sum(axis=0).tolist()
+        rise = (total - overlap) / count if count else 0.0
+        if not rise > -1e-9 * level:
+            return level
+        level += rise
+    return 0.0

@@ -1,0 +1,70 @@
+"""A start from nothing: the same contact on coarser and coarser lattices, solved from the coarsest up.
+
+A coarser lattice has every second site along each axis, with the height there, and the long waves of the
+spectrum and of the pull. Its surface, interpolated, is good at all waves but the shortest: on the next
+lattice it leaves some five revisions of the set of contacts, whatever the load and the size.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asperity.contact.asperities import level_of_overlap
+from asperity.contact.problem import ContactProblem, ContactSolver, Guess
+from asperity.errors import ConvergenceError
+from asperity.lattice import Field, Lattice
+
+_COARSEST = 64
+"""Lattices of so many sites along each axis are not made coarser."""
+
+_TOLERANCE = 1e-2
+
+
+def cold_start(problem: ContactProblem, solver: ContactSolver) -> Guess:
+    """Guess the solution of a problem by solving it on a coarser lattice, where there is one."""
+    shape = problem.lattice.shape
+    if any(n % 2 for n in shape) or problem.lattice.sites <= _COARSEST ** len(shape):
+        return independent_asperities(problem)
+    coarser = _coarsen(problem)
+    try:
+        start = solver.solve(coarser, cold_start(coarser, solver), _TOLERANCE)
+    except ConvergenceError:  # no matter: a poor start costs time, not accuracy
+        return independent_asperities(problem)
+    u = _interpolate(start.u)
+    return Guess(u, u <= problem.heights)
+
+
+def independent_asperities(problem: ContactProblem) -> Guess:
+    """Guess the contacts as if the asperities were independent."""
+    lattice, stiffness, pull = problem.lattice, problem.stiffness, float(problem.pull.flat[0].real)
+    if problem.load_controlled:
+        compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
+        level = level_of_overlap(problem.heights, -pull * lattice.mean_over_modes(compliance))
+    else:
+        level = pull / float(stiffness.flat[0]) / lattice.sites
+    return Guess(np.full(lattice.shape, level), problem.heights >= level)
+
+
+def _coarsen(problem: ContactProblem) -> ContactProblem:
+    """The problem on every second site."""
+    fine = problem.lattice
+    heights = problem.heights[(slice(None, None, 2),) * fine.dimension]
+    coarse = Lattice(heights.shape)
+    pull = fine.long_waves(problem.pull, coarse) * (coarse.sites / fine.sites)
+    return ContactProblem(
+        coarse,
+        heights,
+        stiffness=fine.long_waves(problem.stiffness, coarse),
+        pull=pull,
+        load_controlled=problem.load_controlled,
+    )
+
+
+def _interpolate(field: Field) -> Field:
+    """The field on twice the sites along each axis, midway between neighbors where they are new."""
+    for axis in range(field.ndim):
+        between = (field + np.roll(field, -1, axis)) / 2
+        shape = list(field.shape)
+        shape[axis] *= 2
+        field = np.stack((field, between), axis=axis + 1).reshape(shape)
+    return field

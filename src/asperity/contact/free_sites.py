@@ -1,0 +1,251 @@
+r"""The linear problem on one set of contacts: displace the free sites until no force is left on them.
+
+Conjugate gradients on the free sites, with the preconditioner
+
+    M = P [ 1 / (S + s_0)  +  sum over k >= 1 of  R W ( 1 / (S + s_k) - 1 / (S + s_(k-1)) ) W R^T ] P.
+
+P is the mask of the free sites, lowered to `_SHORE` where two neighbors or more are in contact. Far from
+contacts the surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it
+is pinned more strongly, and yields over shorter distances. So long waves are split off onto lattices that
+are coarser by four and by four again (R, which keeps the long modes), and weighted there by
+W = exp(-8 rho) with rho the density of contacts around a site. s_k falls with k, from the stiffness of the
+shortest wave that level k + 1 holds down to sigma, so that each bracket and with them M is positive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asperity.contact.arrays import inner, largest
+from asperity.contact.pinning import effective_pinning
+from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
+
+_SHORE = 0.85
+_PINNING = 0.6
+"""The share of the mean pinning that serves best; around contacts W and P do the rest."""
+_COARSER = 4
+_COARSEST = 15
+_CROWDING = 8.0
+_BLUR = 0.5
+"""Width of the Gaussian that turns contacts into a density, in sites of the coarse lattice."""
+
+_EXTRA = 5
+"""Iterations that the sum of the forces off contact may cost beyond the largest of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """A displacement of the free sites and the forces that it should leave.
+
+    ``worst`` is the largest of those off contact, ``astray`` the magnitude of their sum.
+    """
+
+    step: Field
+    force: Field
+    worst: float
+    astray: float
+    iterations: int
+
+
+@dataclass(frozen=True, eq=False)
+class _LongWaves:
+    """One coarse level of the preconditioner."""
+
+    lattice: Lattice
+    weight: Field
+    compliance: Spectrum
+
+    def share(self, modes: Modes) -> Modes:
+        """The long waves of the response to the long waves of a force, which are overwritten."""
+        field = self.lattice.backward(modes, overwrite=True)
+        field *= self.weight
+        field = self.lattice.apply(self.compliance, field)
+        field *= self.weight
+        return self.lattice.forward(field)
+
+
+class FreeSites:
+    """The free sites of one set of contacts, and the preconditioner there.
+
+    Parameters
+    ----------
+    lattice
+        The periodic lattice.
+    spectrum
+        S, as a numpy array of double precision.
+    unit
+        Unit of stiffness that keeps single precision in range, such as the largest of S.
+    stiffness
+        S in that unit, of the array library and the precision in which to compute.
+    in_contact
+        The contacts, at least one, of the same array library.
+    xp
+        The array library.
+    """
+
+    def __init__(
+        self,
+        lattice: Lattice,
+        spectrum: Spectrum,
+        unit: float,
+        stiffness: Spectrum,
+        in_contact: Mask,
+        xp: Any,
+    ) -> None:
+        self.lattice = lattice
+        self.stiffness = stiffness
+        self.unit = unit
+        self.in_contact = in_contact
+        self.xp = xp
+        contacts = xp.astype(in_contact, stiffness.dtype)
+        neighbors = xp.zeros_like(contacts)
+        for axis in range(lattice.dimension):
+            neighbors += xp.roll(contacts, 1, axis=axis)
+            neighbors += xp.roll(contacts, -1, axis=axis)
+        self.free = 1.0 - contacts
+        self.mask = self.free * (1.0 - (1.0 - _SHORE) * xp.astype(neighbors > 1.5, stiffness.dtype))
+
+        pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
+        lattices = _coarse_lattices(lattice)
+        cuts, longest = [pinning], (2,) * lattice.dimension
+        for coarse in reversed(lattices):
+            cut = _stiffness_of_waves(spectrum, coarse.shape) - _stiffness_of_waves(spectrum, longest)
+            cuts.append(max(cuts[-1], cut))
+        cuts = [cut / unit for cut in reversed(cuts)]
+        self.compliance = 1.0 / (stiffness + cuts[0])
+        self.levels = []
+        density = lattice.forward(contacts) if lattices else None
+        for coarse, stiffer, softer in zip(lattices, cuts, cuts[1:], strict=False):
+            long = lattice.long_waves(stiffness, coarse)
+            compliance = 1.0 / (long + softer) - 1.0 / (long + stiffer)
+            rho = _blurred(lattice, density, coarse, xp)
+            self.levels.append(_LongWaves(coarse, xp.exp(-_CROWDING * rho), compliance))
+
+    def precondition(self, defect: Field) -> Field:
+        """Estimate the displacement that removes a defect, which this overwrites."""
+        defect *= self.mask
+        modes = self.lattice.forward(defect)
+        shares = [level.share(self.lattice.long_waves(modes, level.lattice)) for level in self.levels]
+        modes *= self.compliance
+        for level, share in zip(self.levels, shares, strict=True):
+            self.lattice.add_long_waves(modes, share, level.lattice)
+        step = self.lattice.backward(modes, overwrite=True)
+        step *= self.mask
+        return step
+
+    def correct(
+        self, force: Field, worst: float, *, goal: float, astray: float, most: int, patience: int
+    ) -> Correction:
+        """Displace the free sites until no force on them exceeds ``goal`` times the ``worst``.
+
+        ``force`` is the contact force at every site and ``worst`` the largest off contact. A few iterations
+        more may bring the sum of the forces off contact down to ``astray`` times ``worst``. Ends earlier
+        after ``most`` iterations, or after ``patience`` of them without a record.
+        """
+        xp, lattice = self.xp, self.lattice
+        residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
+        residual *= self.free
+        defect = xp.asarray(residual, copy=True)
+        total = xp.zeros_like(residual)
+        direction, slope, iterations = None, 1.0, 0
+        best, best_at, extra = 1.0, 0, 0
+        while iterations < most and iterations - best_at < patience:
+            step = self.precondition(defect)
+            previous, slope = slope, inner(residual, step, xp)
+            if direction is None:
+                direction = step
+            else:
+                direction *= slope / previous
+                direction += step
+            change = lattice.apply(self.stiffness, direction)
+            curvature = inner(direction, change, xp)
+            if not (slope > 0 and curvature > 0):
+                break
+            length = slope / curvature
+            total += direction * length
+            change *= length
+            residual -= change
+            defect[...] = residual
+            defect *= self.free
+            left = largest(defect, xp)
+            iterations += 1
+            if left <= goal:
+                extra += 1
+                if extra > _EXTRA or abs(float(xp.sum(defect, dtype=xp.float64))) <= astray:
+                    break
+            if left < best:
+                best, best_at = left, iterations
+        return self._correction(force, worst, total, residual, iterations)
+
+    def _correction(
+        self, force: Field, scale: float, total: Field, residual: Field, iterations: int
+    ) -> Correction:
+        """The outcome, in units of force; off contact the residual is the force, in contact its change."""
+        xp = self.xp
+        off_contact = residual * self.free
+        predicted = xp.astype(residual, force.dtype)
+        predicted *= -scale
+        predicted = xp.where(self.in_contact, force + predicted, predicted)
+        step = xp.astype(total, force.dtype)
+        step *= scale / self.unit
+        return Correction(
+            step=step,
+            force=predicted,
+            worst=scale * largest(off_contact, xp),
+            astray=scale * abs(float(xp.sum(off_contact, dtype=xp.float64))),
+            iterations=iterations,
+        )
+
+
+def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: Field, xp: Any) -> float:
+    """Pinning by contacts as they lie: those beside each other pin less than those that stand alone."""
+    count = float(xp.sum(contacts, dtype=xp.float64))
+    fraction = max(count, 2.0) / lattice.sites  # one contact pins the mean of the surface and nothing else
+    together = inner(contacts, neighbors, xp) / (2 * lattice.dimension * count)
+    single = min(1.0, max(1 - together, 0.01) / max(1 - fraction, 0.01))  # 1 if they lie at random
+    return single**2 * effective_pinning(lattice, spectrum, fraction)
+
+
+def _coarse_lattices(lattice: Lattice) -> list[Lattice]:
+    """Lattices coarser by four and four again."""
+    lattices = []
+    shape = lattice.shape
+    while min(shape) // _COARSER >= _COARSEST:
+        shape = tuple(_odd_length(n // _COARSER) for n in shape)
+        lattices.append(Lattice(shape))
+    return lattices
+
+
+def _odd_length(most: int) -> int:
+    """The largest length up to ``most`` that is quick to transform and odd: no mode has an unclear sign."""
+    length = most - (most + 1) % 2
+    while True:
+        rest = length
+        for factor in (3, 5, 7, 11):
+            while rest % factor == 0:
+                rest //= factor
+        if rest == 1:
+            return length
+        length -= 2
+
+
+def _stiffness_of_waves(spectrum: Spectrum, counts: tuple[int, ...]) -> float:
+    """Mean stiffness of waves along the axes, the shortest that lattices of these lengths hold."""
+    values = []
+    for axis, count in enumerate(counts):
+        index = [0] * len(counts)
+        index[axis] = count // 2
+        values.append(float(spectrum[tuple(index)]))
+    return float(np.mean(values))
+
+
+def _blurred(lattice: Lattice, modes: Any, coarse: Lattice, xp: Any) -> Field:
+    """A field of these modes, smoothed, on a coarse lattice; between 0 and 1."""
+    long = lattice.long_waves(modes, coarse)
+    exponent = sum(q**2 for q in coarse.wave_numbers) * (_BLUR**2 / 2)
+    long *= xp.asarray(np.exp(-exponent) * (coarse.sites / lattice.sites), dtype=xp.float32)
+    density: Field = xp.clip(coarse.backward(long, overwrite=True), 0.0, 1.0)
+    return density

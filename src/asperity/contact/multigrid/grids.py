@@ -1,0 +1,189 @@
+"""The coarse grids: every other site along each axis, of any length, down to a few sites solved directly."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.contact import kernels
+from asperity.contact.multigrid.pins import Response
+from asperity.lattice import Field, Mask
+
+Single = NDArray[np.float32]
+Kernel = Callable[..., Any]
+
+_COARSEST = 16
+"""Most sites of the grid on which the problem is solved directly."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One axis of a grid: couplings between a site and the next (inverse distances), and cell sizes."""
+
+    coupling: Field
+    size: Field
+
+    @classmethod
+    def fine(cls, n: int) -> Axis:
+        """Sites one apart."""
+        return cls(np.ones(n) if n > 1 else np.zeros(1), np.ones(n))
+
+    def coarser(self) -> Axis:
+        """Every other site; where n is odd, the last and the first are one old distance apart."""
+        n = self.size.size
+        if n == 1:
+            return self
+        distance = 1.0 / self.coupling
+        apart = distance[::2].copy()
+        apart[: n // 2] += distance[1::2]
+        size, half = self.size[::2].copy(), self.size[1::2] / 2
+        size[: half.size] += half
+        if n % 2:
+            size[1:] += half
+        else:
+            size += np.roll(half, 1)
+        return Axis(1.0 / apart if apart.size > 1 else np.zeros(1), size)
+
+
+class Grid:
+    """One coarse grid and the work arrays on it, in single precision."""
+
+    def __init__(self, y: Axis, x: Axis, fields: int) -> None:
+        self.shape = (y.size.size, x.size.size)
+        self.gx, self.mx = x.coupling.astype(np.float32), x.size.astype(np.float32)
+        self.gy, self.my = y.coupling.astype(np.float32), y.size.astype(np.float32)
+        self.pins = np.zeros(self.shape, np.float32)
+        self.corrections = [np.zeros(self.shape, np.float32) for _ in range(fields)]
+        self.sources = [np.zeros(self.shape, np.float32) for _ in range(fields)]
+
+    @property
+    def geometry(self) -> tuple[Single, Single, Single, Single]:
+        """Couplings and cell sizes, as the kernels take them."""
+        return self.gx, self.gy, self.mx, self.my
+
+    @cached_property
+    def cells(self) -> Field:
+        """Sizes of the cells."""
+        return np.outer(self.my, self.mx).astype(float).ravel()
+
+    def total(self, field: Single) -> float:
+        """Sum of a field over the sites that the cells stand for."""
+        return float(self.my.astype(float) @ (field @ self.mx))
+
+    def laplacian(self) -> Field:
+        """Minus the Laplacian as a matrix; for the coarsest grid."""
+        ny, nx = self.shape
+        matrix = np.zeros((ny * nx, ny * nx))
+        for i in range(ny):
+            for j in range(nx):
+                here = i * nx + j
+                for there, coupling in (
+                    ((i + 1) % ny * nx + j, self.gy[i] * self.mx[j]),
+                    (i * nx + (j + 1) % nx, self.gx[j] * self.my[i]),
+                ):
+                    matrix[here, here] += coupling
+                    matrix[there, there] += coupling
+                    matrix[here, there] -= coupling
+                    matrix[there, here] -= coupling
+        return matrix
+
+
+class Rows:
+    """Runs kernels on slabs of rows, in threads where that pays."""
+
+    def __init__(self, threads: int) -> None:
+        self.threads = threads
+        self.pool = ThreadPoolExecutor(threads) if threads > 1 else None
+
+    def __call__(self, kernel: Kernel, rows: int, width: int, *arguments: Any) -> None:
+        """Call ``kernel(*arguments, low, high)`` for slabs that together are all rows."""
+        if self.pool is None or rows * width < _WORTH_SHARING:
+            kernel(*arguments, 0, rows)
+            return
+        self._run(kernel, [(*arguments, low, high) for low, high in pairwise(self._edges(rows, width))])
+
+    def _edges(self, rows: int, width: int) -> list[int]:
+        shared = self.pool is not None and rows * width >= _WORTH_SHARING
+        slabs = min(self.threads, rows // _LOWEST_SLAB) if shared else 1
+        return [rows * slab // slabs for slab in range(slabs + 1)]
+
+    def _run(self, kernel: Kernel, calls: list[tuple[Any, ...]]) -> None:
+        if self.pool is None or len(calls) == 1:
+            for call in calls:
+                kernel(*call)
+            return
+        for future in [self.pool.submit(kernel, *call) for call in calls]:
+            future.result()
+
+    def sweeps(
+        self, sweep: Kernel, close: Kernel, shape: tuple[int, ...], *arguments: Any, halves: int
+    ) -> None:
+        """Half sweeps of alternating color in one pass: the slabs first, then the edges between them."""
+        edges = self._edges(*shape)
+        self._run(sweep, [(*arguments, halves, low, high) for low, high in pairwise(edges)])
+        self._run(close, [(*arguments, halves, edge) for edge in edges[:-1]])
+
+    def by_color(self, kernel: Kernel, shape: tuple[int, ...], *arguments: Any, first: int) -> None:
+        """One sweep: the sites of one color, then those of the other."""
+        rows, width = shape
+        for color in (first, 1 - first):
+            if rows % 2 and self.pool is not None:
+                # The last row has the color of the first, its neighbor: it waits.
+                self(kernel, rows - 1, width, *arguments, color)
+                kernel(*arguments, color, rows - 1, rows)
+            else:
+                self(kernel, rows, width, *arguments, color)
+
+
+_LOWEST_SLAB = 16
+"""Fewest rows of a slab, more than half sweeps reach from both of its edges."""
+
+_WORTH_SHARING = 65536
+"""Sites from which a second thread is worth waking."""
+
+
+def usual_threads() -> int:
+    """Number of threads: what ``OMP_NUM_THREADS`` says, as for other numerical libraries, or all cores."""
+    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, int(wanted)) if wanted.isdigit() else cores
+
+
+class Hierarchy:
+    """The grids above a lattice, from the first coarse one to the coarsest."""
+
+    def __init__(self, shape: tuple[int, ...], fields: int, rows: Rows) -> None:
+        self.shape, self.rows = shape, rows
+        y, x = (Axis.fine(n) for n in shape)
+        self.grids: list[Grid] = []
+        while not self.grids or np.prod(self.grids[-1].shape) > _COARSEST:
+            y, x = y.coarser(), x.coarser()
+            self.grids.append(Grid(y, x, fields))
+
+    def set_pins(self, u: Field, heights: Field, contacts: int, response: Response) -> None:
+        """Let the coarse grids feel the contacts."""
+        if contacts == 0:
+            for grid in self.grids:
+                grid.pins.fill(0.0)
+            return
+        sigma = response.coherent_potential(contacts / u.size)
+        first = self.grids[0]
+        strength = np.float32(1.0 / response.softening(0, sigma))
+        self.rows(kernels.pins_of_contacts, *first.shape, u, heights, strength, first.pins)
+        for level, (fine, coarse) in enumerate(zip(self.grids[:-1], self.grids[1:], strict=True), start=1):
+            mean = float(fine.pins.mean(dtype=float))
+            softening = response.softening(level, mean)
+            kernels.coarser_pins(fine.pins, np.float32(softening), np.float32(mean), coarse.pins)
+
+
+def in_contact(u: Field, heights: Field) -> Mask:
+    """Where the surface lies on the obstacle."""
+    return np.asarray(u <= heights)

@@ -1,0 +1,94 @@
+r"""How coarse grids feel contacts: as springs that get softer from grid to grid.
+
+A contact holds the surface at one site. A grid of spacing 2^l cannot represent the dip around it, so
+there the contact is a spring of finite stiffness, the one that makes the grid respond like the sites
+do. In units of k0, a surface of stiffness S held at a random fraction a of its sites responds on
+average like one of stiffness S + sigma, where sigma is the coherent potential,
+
+    sigma G_0(sigma) = a,     G_l(sigma) = mean_q 1 / (S_l(q) + sigma),
+
+S_l being S as grid l sees it (compare `asperity.contact.pinning`). A contact is then a spring p_l on
+grid l with
+
+    1 / p_(l+1) = 1 / p_l + G_l(sigma_l) - G_(l+1)(4 sigma_l),     1 / p_0 = 0,
+
+sigma_l the mean stiffness of the springs on a site of grid l: far up, the springs of N a contacts add
+up to N sigma, the response of the whole. Where springs crowd together only what stands out from their
+mean softens.
+
+G is known in closed form. Off the mean square lattice, mean_q 1/(lam + x) = 1 / AGM(x + 4, sqrt(x (x + 8)))
+(the elliptic integral of `asperity.theory.site_stiffness`, by the arithmetic-geometric mean), and S of a
+creep step is a ratio of polynomials in lam, so that 1/(S + sigma) is a sum of two such terms.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+_SHARED = 1.5
+"""Interpolation shares a contact among up to four springs, each of which softens less: so much less.
+
+With it the springs of contacts at random add up to N sigma; a test holds it to that.
+"""
+
+_HUGE = 1e6
+"""Stiffness on a site, in units of k0, beyond which its neighbors do not matter."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """S of the springs for one creep step, in units of k0.
+
+    S = lam + bed / (1 + drag + spread lam): ``bed`` is k1/k0 (0 if relaxed), ``spread`` is tau k1 R
+    and ``drag`` is tau k1 R_viscous.
+    """
+
+    bed: float
+    spread: float = 0.0
+    drag: float = 0.0
+
+    def compliance(self, level: int, sigma: float) -> float:
+        """G_l(sigma), the compliance of a site of a coarse grid."""
+        mass = 4.0**level
+        bed, lag = self.bed * mass, 1.0 + self.drag
+        if bed / lag + sigma > _HUGE:
+            return 1.0 / (bed / lag + sigma + 4.0)
+        spread = self.spread / mass
+        if spread * (8.0 + _HUGE) < 1e-12 * lag:
+            return _mean_inverse(bed / lag + sigma).real
+        # 1/(S + sigma) = (lag + spread lam) / (spread (lam + x)(lam + y))
+        linear = (lag + sigma * spread) / spread
+        constant = (bed + sigma * lag) / spread
+        x = (linear + cmath.sqrt(linear**2 - 4.0 * constant)) / 2.0
+        y = constant / x
+        if abs(x - y) < 1e-6 * abs(x):
+            x, y = x * (1.0 + 1e-5), y * (1.0 - 1e-5)
+        ratio = lag / spread
+        return (((ratio - x) * _mean_inverse(x) - (ratio - y) * _mean_inverse(y)) / (y - x)).real
+
+    def coherent_potential(self, fraction: float) -> float:
+        """Sigma for a fraction of sites in contact, to a few percent."""
+        low, high = math.log(1e-12), math.log(1e9)
+        while high - low > 0.03:
+            middle = (low + high) / 2.0
+            sigma = math.exp(middle)
+            if sigma * self.compliance(0, sigma) < fraction:
+                low = middle
+            else:
+                high = middle
+        return math.exp((low + high) / 2.0)
+
+    def softening(self, level: int, sigma: float) -> float:
+        """1 / p_(l+1) - 1 / p_l."""
+        change = self.compliance(level, sigma) - self.compliance(level + 1, 4.0 * sigma)
+        return max(_SHARED * change, 1e-9)
+
+
+def _mean_inverse(x: complex) -> complex:
+    """Mean of 1/(lam + x) over the Brillouin zone of the square lattice, for Re x > 0."""
+    a, b = x + 4.0, cmath.sqrt(x) * cmath.sqrt(x + 8.0)
+    while abs(a - b) > 1e-7 * abs(a):
+        a, b = (a + b) / 2.0, cmath.sqrt(a) * cmath.sqrt(b)
+    return 1.0 / a

@@ -1,0 +1,141 @@
+"""The multigrid solver: for the lattice of springs in two dimensions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+
+from asperity.contact.active_set import ActiveSet
+from asperity.contact.asperities import level_of_overlap
+from asperity.contact.multigrid.grids import Rows, usual_threads
+from asperity.contact.multigrid.one_field import OneField
+from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.problem import ContactProblem, Guess, Solution, SpringStep
+from asperity.errors import InputError
+from asperity.solids import SpringConstants
+
+W = TypeVar("W", OneField, TwoFields)
+
+_FEWEST_SITES = 8
+"""Along either axis: below, there is nothing to gain."""
+
+_SOFTEST, _STIFFEST = 1e-6, 1e6
+"""Range of k1/k0; outside it one kind of spring hardly matters."""
+
+
+@dataclass(frozen=True)
+class Multigrid:
+    """Multigrid on neighbor differences, the default for the lattice of springs in two dimensions.
+
+    The work per site does not depend on the size of the lattice; see
+    `asperity.contact.multigrid.one_field` for the method. Where cycles do not converge, which dense
+    and clustered contacts under long steps can cause, `ActiveSet` finishes from where they got.
+
+    Parameters
+    ----------
+    threads
+        Number of threads; by default ``OMP_NUM_THREADS``, or as many as there are cores. Results do
+        not depend on it. One instance serves one thread of the caller at a time.
+    max_cycles
+        Cycles after which `ActiveSet` takes over.
+    """
+
+    threads: int | None = None
+    max_cycles: int = 40
+    _work: dict[str, object] = field(default_factory=dict, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        for name, least in (("threads", 1), ("max_cycles", 0)):
+            value = getattr(self, name)
+            if value is not None and not value >= least:
+                raise InputError(name, expected=f"a whole number >= {least}", got=value)
+
+    @staticmethod
+    def suits(springs: SpringConstants | None, shape: tuple[int, ...]) -> bool:
+        """Whether a system with these springs on a lattice of this shape can be solved so."""
+        return (
+            springs is not None
+            and min(shape) >= _FEWEST_SITES
+            and _SOFTEST * springs.k0 <= springs.k1 <= _STIFFEST * springs.k0
+        )
+
+    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+        """Solve the problem from a guess, or from a flat surface.
+
+        Raises
+        ------
+        InputError
+            The solid is not the lattice of springs in two dimensions.
+        ConvergenceError
+            Neither cycles nor `ActiveSet` reached the tolerance.
+        """
+        springs = problem.springs
+        if springs is None or len(problem.lattice.shape) != 2:
+            raise InputError(
+                "solver",
+                expected="a lattice of springs in two dimensions, k0 > 0 and k1 > 0, for Multigrid",
+                got="another solid or lattice",
+                advice="solver=ActiveSet()",
+            )
+        if guess is None:
+            guess = Guess(np.full(problem.heights.shape, _level(springs, problem.heights)))
+        if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
+            # A stiff mean, which truncated corrections move; a free surface, which is one division.
+            return ActiveSet().solve(problem, guess, tolerance)
+        heights = np.ascontiguousarray(problem.heights)
+        u = np.maximum(guess.u, heights)
+        if springs.relaxed or (
+            not isinstance(springs.shape, np.ndarray) and springs.spread == springs.drag == 0
+        ):
+            done, cycles, stretch = self._one_field(springs, heights, u, tolerance)
+        else:
+            done, cycles, stretch = self._two_fields(springs, problem, heights, u, guess, tolerance)
+        if done:
+            return Solution(u, u <= heights, cycles, 0, stretch)
+        if not np.isfinite(u).all():
+            u = guess.u
+        rest = ActiveSet().solve(problem, Guess(u), tolerance)
+        return Solution(rest.u, rest.in_contact, cycles + rest.iterations, rest.set_changes)
+
+    def _one_field(
+        self, springs: SpringStep, heights: np.ndarray, u: np.ndarray, tolerance: float
+    ) -> tuple[bool, int, np.ndarray | None]:
+        work = self._workspace(OneField, heights.shape)
+        done, push, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
+        stretch = np.full(u.shape, push / springs.k1) if springs.relaxed else None
+        return done, cycles, stretch
+
+    def _two_fields(
+        self,
+        springs: SpringStep,
+        problem: ContactProblem,
+        heights: np.ndarray,
+        u: np.ndarray,
+        guess: Guess,
+        tolerance: float,
+    ) -> tuple[bool, int, np.ndarray | None]:
+        stretch = u - springs.shape if guess.stretch is None else np.array(guess.stretch)
+        work = self._workspace(TwoFields, heights.shape)
+        done, cycles = work.solve(
+            springs, heights, u, stretch, problem.allowed_error, tolerance, self.max_cycles
+        )
+        return done, cycles, stretch
+
+    def _workspace(self, kind: type[W], shape: tuple[int, ...]) -> W:
+        """Work arrays, kept from call to call while the lattice stays the same."""
+        held = self._work.get("space")
+        if not isinstance(held, kind) or self._work["shape"] != shape:
+            self._work["space"] = held = kind(shape, Rows(self.threads or usual_threads()))
+            self._work["shape"] = shape
+        return held
+
+
+def _level(springs: SpringStep, heights: np.ndarray) -> float:
+    """Level at which independent asperities would carry the load, or of the shape they are held at."""
+    if springs.load is None:
+        return float(np.mean(springs.shape))
+    response = Response(springs.k1 / springs.k0)
+    return level_of_overlap(heights, springs.load * response.compliance(0, 0.0) / springs.k0)

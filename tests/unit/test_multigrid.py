@@ -1,0 +1,204 @@
+"""The multigrid solver: its parts against their definitions, its results against the Fourier solver."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.aging.tr_bdf2 import Point
+from asperity.contact import ActiveSet, Load, Multigrid, Separation, kernels
+from asperity.contact.multigrid.grids import Axis, Hierarchy, Rows, usual_threads
+from asperity.contact.multigrid.pins import Response
+from asperity.contact.problem import TOLERANCE, Guess
+from asperity.contact.system import System
+from asperity.errors import InputError
+from tests.independent import assert_equilibrium
+from tests.surfaces import correlated, uncorrelated
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 7, 25, 200, 513])
+def test_coarser_axes_keep_their_length(n):
+    axis = Axis.fine(n)
+    while axis.size.size > 1:
+        axis = axis.coarser()
+        assert axis.size.sum() == pytest.approx(n)
+        if axis.size.size > 1:
+            assert (1 / axis.coupling).sum() == pytest.approx(n)
+
+
+@pytest.mark.parametrize("shape", [(8, 8), (9, 14), (1, 6), (7, 1), (2, 3)])
+def test_restriction_is_the_transpose_of_interpolation(shape):
+    rng = np.random.default_rng(0)
+    ny, nx = shape
+    my, mx = (ny + 1) // 2, (nx + 1) // 2
+    coarse, fine = (rng.normal(size=s).astype(np.float32) for s in ((my, mx), shape))
+    zero, down, up = np.float32(0), np.zeros((my, mx), np.float32), np.zeros(shape, np.float32)
+    for i in range(ny):
+        kernels.interpolate_row(coarse, i, ny, np.float32(0.5), np.empty(mx, np.float32), up[i])
+    # `coarser_pins` restricts a field of which nothing softens.
+    kernels.coarser_pins(fine, zero, zero, down)
+    assert np.sum(up.astype(float) * fine) == pytest.approx(np.sum(coarse.astype(float) * down), abs=1e-5)
+    np.testing.assert_array_equal(up[::2, ::2], coarse)
+
+
+def zone_mean(response, level, sigma, points=400):
+    """Compliance of a site by summation over the Brillouin zone."""
+    q = 2 * np.pi * (np.arange(points) + 0.5) / points
+    lam = (4 - 2 * np.cos(q)[:, None] - 2 * np.cos(q)) / 1.0
+    mass = 4.0**level
+    creep = 1 + response.drag + response.spread * lam / mass
+    return np.mean(1 / (lam + response.bed * mass / creep + sigma))
+
+
+@pytest.mark.parametrize(
+    "response", [Response(3.0), Response(0.1, 2.0), Response(3.0, 40.0, 0.5), Response(1.0, 0.0, 3.0)]
+)
+@pytest.mark.parametrize(("level", "sigma"), [(0, 0.05), (1, 0.3), (3, 2.0)])
+def test_compliance_of_a_site_is_the_mean_over_the_zone(response, level, sigma):
+    assert response.compliance(level, sigma) == pytest.approx(zone_mean(response, level, sigma), rel=1e-6)
+
+
+def test_compliance_before_creep_is_that_of_the_theory():
+    assert 1 / Response(3.0).compliance(0, 0.0) == pytest.approx(asp.theory.site_stiffness(3.0), rel=1e-9)
+
+
+@pytest.mark.parametrize("fraction", [1e-4, 0.03, 0.5, 0.99])
+def test_coherent_potential_solves_its_condition(fraction):
+    response = Response(0.5, 10.0)
+    sigma = response.coherent_potential(fraction)
+    assert sigma * zone_mean(response, 0, sigma) == pytest.approx(fraction, rel=0.05)
+
+
+@pytest.mark.parametrize("contacts", [3, 300])
+def test_pins_far_up_hold_like_the_contacts_together(contacts):
+    # Springs on the coarsest grid add up to N sigma, the response of the whole surface.
+    rng = np.random.default_rng(0)
+    heights = np.full((128, 128), -1.0)
+    heights.flat[rng.choice(heights.size, contacts, replace=False)] = 0.0
+    response = Response(0.3)
+    hierarchy = Hierarchy(heights.shape, 1, Rows(1))
+    hierarchy.set_pins(np.zeros_like(heights), heights, contacts, response)
+    total = float(hierarchy.grids[-1].pins.sum())
+    assert total == pytest.approx(
+        heights.size * response.coherent_potential(contacts / heights.size), rel=0.15
+    )
+
+
+CASES = [
+    (uncorrelated(64), 3.0, 0.02),
+    (uncorrelated(64), 0.01, 0.3),
+    (uncorrelated(64), 100.0, 1.0),
+    (correlated(96), 0.1, 0.002),
+    (correlated(96), 3.0, 0.05),
+    (uncorrelated(64)[:51, :37], 1.0, 0.1),
+    (correlated(96)[:9, :], 1.0, 0.05),
+]
+
+
+@pytest.mark.parametrize(("heights", "k1", "p"), CASES)
+def test_agrees_with_the_fourier_solver_site_by_site(heights, k1, p):
+    solid = asp.solids.spring_lattice(k0=1.0, k1=k1)
+    heights = np.ascontiguousarray(heights)
+    here, there = (
+        asp.press(heights, solid, load=p * heights.size, solver=s) for s in (Multigrid(), ActiveSet())
+    )
+    np.testing.assert_array_equal(here.in_contact, there.in_contact)
+    np.testing.assert_allclose(here.u, there.u, atol=1e-7 * heights.std())
+    again = asp.press(heights, solid, separation=here.separation, solver=Multigrid())
+    np.testing.assert_array_equal(again.in_contact, here.in_contact)
+    ends = [asp.relax(here, solver=s) for s in (Multigrid(), ActiveSet())]
+    np.testing.assert_array_equal(ends[0].in_contact, ends[1].in_contact)
+    np.testing.assert_allclose(ends[0].u, ends[1].u, atol=1e-7 * heights.std())
+    for contact in (here, again, ends[0]):
+        assert_equilibrium(contact, k0=1.0, k1=k1)
+
+
+@pytest.mark.parametrize("tau", [1e-3, 1.0, 1e3, 1e9])
+@pytest.mark.parametrize(("heights", "k1", "p"), CASES[:6])
+@pytest.mark.parametrize("R_viscous", [0.0, 0.1])
+def test_an_implicit_step_agrees_with_the_fourier_solver(heights, k1, p, tau, R_viscous):
+    heights = np.ascontiguousarray(heights)
+    contact = asp.press(
+        heights, asp.solids.spring_lattice(k0=1.0, k1=k1, R_viscous=R_viscous), load=p * heights.size
+    )
+    for control in (contact.control, Separation(contact.separation)):
+        system = System.of(heights, contact.solid, control)
+        point = Point.of(system, contact)
+        step = system.implicit_step(tau)
+        problem = step.problem(point.shape)
+        guess = Guess(point.u, contact.in_contact, point.stretch)
+        here, there = (solver.solve(problem, guess, TOLERANCE) for solver in (Multigrid(), ActiveSet()))
+        np.testing.assert_array_equal(here.in_contact, there.in_contact)
+        np.testing.assert_allclose(here.u, there.u, atol=1e-6 * heights.std())
+        if here.stretch is not None:
+            np.testing.assert_allclose(
+                here.stretch, step.stretch(there.u, point.shape), atol=1e-6 * heights.std()
+            )
+
+
+@pytest.mark.parametrize("shape", [(400, 300), (301, 299)])
+def test_results_do_not_depend_on_the_number_of_threads(shape):
+    heights = np.random.default_rng(0).normal(size=shape)
+    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+    one, three = (
+        asp.press(heights, solid, load=0.02 * heights.size, solver=Multigrid(threads=n)) for n in (1, 3)
+    )
+    np.testing.assert_array_equal(one.u, three.u)
+    ends = [asp.age(one, [1.0], solver=Multigrid(threads=n)).final for n in (1, 3)]
+    np.testing.assert_array_equal(ends[0].u0, ends[1].u0)
+
+
+@pytest.mark.parametrize("k1", [0.1, 3.0])
+def test_cycles_do_not_grow_with_the_lattice(k1):
+    solid = asp.solids.spring_lattice(k0=1.0, k1=k1)
+    cycles = []
+    for n in (64, 128, 256, 512):
+        contact = asp.press(uncorrelated(n), solid, load=0.02 * n * n)
+        cycles.append([contact.iterations, asp.relax(contact).iterations])
+    assert np.max(cycles) <= 25
+    assert (np.ptp(cycles, axis=0) <= 4).all()
+
+
+def test_a_few_cycles_are_finished_by_the_fourier_solver():
+    heights = uncorrelated(48)
+    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+    usual = asp.press(heights, solid, load=100.0)
+    for cycles in (0, 2):
+        helped = asp.press(heights, solid, load=100.0, solver=Multigrid(max_cycles=cycles))
+        np.testing.assert_array_equal(helped.in_contact, usual.in_contact)
+        assert helped.iterations > cycles
+
+
+def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
+    line = np.random.default_rng(0).normal(size=64)
+    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+    with pytest.raises(InputError, match=r"solver: expected a lattice of springs in two dimensions"):
+        asp.press(line, solid, load=1.0, solver=Multigrid())
+    assert asp.press(line, solid, load=1.0).residual <= 1e-8
+    bed = asp.solids.spring_lattice(k0=0.0, k1=3.0)
+    assert asp.press(uncorrelated(16), bed, load=1.0).residual <= 1e-8
+
+
+@pytest.mark.parametrize("wrong", [{"threads": 0}, {"max_cycles": -1}, {"threads": np.nan}])
+def test_settings_are_checked(wrong):
+    with pytest.raises(InputError, match=f"{next(iter(wrong))}: expected a whole number"):
+        Multigrid(**wrong)
+
+
+def test_threads_follow_the_environment(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "3")
+    assert usual_threads() == 3
+    monkeypatch.delenv("OMP_NUM_THREADS")
+    assert usual_threads() >= 1
+
+
+def test_balanced_stretch_is_in_equilibrium():
+    heights = uncorrelated(32)
+    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=50.0)
+    system = System.of(heights, contact.solid, Load(50.0))
+    rough_guess = contact.u - contact.u0 + 1e-4 * np.random.default_rng(0).normal(size=heights.shape)
+    stretch = system.balanced_stretch(contact.u - system.datum, rough_guess)
+    force = system.force(contact.u - system.datum, stretch)
+    assert np.abs(force[~contact.in_contact]).max() < 1e-12
+    assert force[contact.in_contact].min() >= -1e-12
+    assert force.sum() == pytest.approx(50.0, rel=1e-10)
+    np.testing.assert_allclose(stretch, rough_guess, atol=1e-2)
