@@ -250,7 +250,7 @@ class _March:
 
     def rounding(self) -> float:
         """Error of u0 that rounding alone makes."""
-        return 64 * float(np.finfo(float).eps) * float(np.abs(self.point.u).max())
+        return 64 * float(np.finfo(float).eps) * max(float(self.point.u.max()), -float(self.point.u.min()))
 
     def advance_to(self, stop: float) -> None:
         """Step until the time is exactly ``stop``."""

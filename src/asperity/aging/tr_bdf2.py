@@ -28,6 +28,7 @@ import numpy as np
 from asperity.contact.controls import Load
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
+from asperity.contact.stencils import combined
 from asperity.contact.system import ImplicitStep, System
 from asperity.lattice import Field
 
@@ -50,7 +51,7 @@ class Point:
     @property
     def shape(self) -> Field:
         """u0."""
-        return self.u - self.stretch
+        return combined((1.0, self.u), (-1.0, self.stretch))
 
     @classmethod
     def of(cls, system: System, contact: Contact) -> Point:
@@ -105,7 +106,7 @@ def take_step(
         implicit,
         solver,
         time=start.time + 2 * DIAGONAL * duration,
-        before=combined(u0, (DIAGONAL * h, f0)),
+        before=combined((1.0, u0), (DIAGONAL * h, f0)),
         known=(earlier, start),
         tolerance=tolerances[0],
         allowed_error=allowed_errors[0],
@@ -114,22 +115,14 @@ def take_step(
         implicit,
         solver,
         time=start.time + duration,
-        before=combined(u0, (WEIGHT * h, f0), (WEIGHT * h, middle.rate)),
+        before=combined((1.0, u0), (WEIGHT * h, f0), (WEIGHT * h, middle.rate)),
         known=(Past.of(start), middle),
         tolerance=tolerances[1],
         allowed_error=allowed_errors[1],
     )
-    defect = combined((1 - 4 * WEIGHT) / 3 * f0, (1 / 3, middle.rate), (-2 * DIAGONAL / 3, end.rate))
+    defect = combined(((1 - 4 * WEIGHT) / 3, f0), (1 / 3, middle.rate), (-2 * DIAGONAL / 3, end.rate))
     error = duration * system.damped_rms(defect, DIAGONAL * duration)
     return Step(end, error, spent + spent_again)
-
-
-def combined(field: Field, *terms: tuple[float, Field]) -> Field:
-    """A field plus multiples of others, with few temporaries."""
-    total = field.copy()
-    for factor, other in terms:
-        total += factor * other
-    return total
 
 
 def rms(field: Field) -> float:
@@ -156,9 +149,8 @@ def _stage(
     guess = _extrapolate(time, *known)
     solution = solver.solve(implicit.problem(before, allowed_error), guess, tolerance)
     stretch = implicit.stretch(solution.u, before) if solution.stretch is None else solution.stretch
-    rate = solution.u - stretch
-    rate -= before
-    rate /= implicit.tau
+    pace = 1.0 / implicit.tau
+    rate = combined((pace, solution.u), (-pace, stretch), (-pace, before))
     if isinstance(system.control, Load):
         rate -= rate.mean()
     return Point(time, solution.u, stretch, rate), solution.iterations
@@ -172,16 +164,7 @@ def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
         ahead = math.log(time / latest.time) / math.log(latest.time / earlier.time)
     else:
         ahead = (time - latest.time) / (latest.time - earlier.time)
-    u, stretch = (
-        continued(now, then, min(ahead, 2.0))
-        for now, then in ((latest.u, earlier.u), (latest.stretch, earlier.stretch))
-    )
-    return Guess(u, stretch=stretch)
-
-
-def continued(now: Field, then: Field, ahead: float) -> Field:
-    """Now + ahead (now - then)."""
-    field = now - then
-    field *= ahead
-    field += now
-    return field
+    ahead = min(ahead, 2.0)
+    u = combined((1.0 + ahead, latest.u), (-ahead, earlier.u))
+    stretch = combined((1.0 + ahead, latest.stretch), (-ahead, earlier.stretch))
+    return Guess(u, stretch=stretch, disposable=True)

@@ -84,21 +84,19 @@ def fine_row(coarse_row: int, offset: int, ny: int) -> int:
 def pins_of_contacts(u: Any, heights: Any, strength: Any, out: Any, low: int, high: int) -> None:
     """Pins on the first coarse grid: each contact counts ``strength``."""
     ny, nx = u.shape
-    row = np.empty(nx, np.float32)
-    one, half = np.float32(1.0), np.float32(0.5)
-    zero = np.float32(0.0)
+    total = np.empty(nx, np.float32)
+    half, zero = np.float32(0.5), np.float32(0.0)
     for k in range(low, high):
-        out[k] = zero
+        total[:] = zero
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
                 continue
+            part = strength if offset == 0 else half * strength
             for j in range(nx):
-                row[j] = strength if u[i, j] <= heights[i, j] else zero
-            if offset == 0:
-                restrict_row(row, out[k], one, half)
-            else:
-                restrict_row(row, out[k], half, half * half)
+                total[j] += part if u[i, j] <= heights[i, j] else zero
+        out[k] = zero
+        restrict_row(total, out[k], np.float32(1.0), half)
 
 
 @_compiled
@@ -213,22 +211,21 @@ def restrict_1(
 ) -> None:
     """Defect, times ``scale``, on coarse rows low to high."""
     ny, nx = u.shape
-    defect = np.empty(nx)
+    defect, total = np.empty(nx), np.empty(nx)
     ignored = np.empty(sums.shape[1])
     for k in range(low, high):
-        out[k] = np.float32(0.0)
+        total[:] = 0.0
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
                 continue
-            if offset == -1 and k > low:  # the row below the coarse row before
-                restrict_row(defect, out[k], 0.5 * scale, 0.25 * scale)
-                continue
-            defect_row_1(u, heights, k0, bed, push, i, defect, ignored if offset == -1 else sums[i])
-            if offset == 0:
-                restrict_row(defect, out[k], scale, 0.5 * scale)
-            else:
-                restrict_row(defect, out[k], 0.5 * scale, 0.25 * scale)
+            if not (offset == -1 and k > low):  # else it is still in the buffer
+                defect_row_1(u, heights, k0, bed, push, i, defect, ignored if offset == -1 else sums[i])
+            part = scale if offset == 0 else 0.5 * scale
+            for j in range(nx):
+                total[j] += part * defect[j]
+        out[k] = np.float32(0.0)
+        restrict_row(total, out[k], 1.0, 0.5)
 
 
 @_compiled
@@ -361,10 +358,10 @@ def coarse_restrict_1(
 ) -> None:
     """Defect b - push mass - (...) e on the next coarser grid, rows low to high."""
     ny, nx = e.shape
-    defect = np.empty(nx, np.float32)
+    defect, total = np.empty(nx, np.float32), np.empty(nx, np.float32)
     one, half = np.float32(1.0), np.float32(0.5)
     for k in range(low, high):
-        out[k] = np.float32(0.0)
+        total[:] = np.float32(0.0)
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
@@ -378,10 +375,11 @@ def coarse_restrict_1(
                     pulls = mx[j] * (above * up[j] + below * down[j])
                     pulls += size * (gx[left] * row[left] + gx[j] * row[right])
                     defect[j] = b[i, j] - push * size * mx[j] + pulls - (diagonal + pins[i, j]) * row[j]
-            if offset == 0:
-                restrict_row(defect, out[k], one, half)
-            else:
-                restrict_row(defect, out[k], half, half * half)
+            part = one if offset == 0 else half
+            for j in range(nx):
+                total[j] += part * defect[j]
+        out[k] = np.float32(0.0)
+        restrict_row(total, out[k], one, half)
 
 
 @_compiled
@@ -559,11 +557,11 @@ def restrict_2(
     """Both defects on coarse rows low to high: the first times ``scale / k0``, the second times ``scale``."""
     ny, nx = u.shape
     balance, creep = np.empty(nx), np.empty(nx)
+    total_1, total_2 = np.empty(nx), np.empty(nx)
     ignored = np.empty(sums.shape[1])
-    force = scale / k0
     for k in range(low, high):
-        out_1[k] = np.float32(0.0)
-        out_2[k] = np.float32(0.0)
+        total_1[:] = 0.0
+        total_2[:] = 0.0
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
@@ -571,9 +569,14 @@ def restrict_2(
             if not (offset == -1 and k > low):  # else it is still in the buffers
                 into = ignored if offset == -1 else sums[i]
                 defect_row_2(u, w, heights, v, k0, k1, spread, drag, shift, i, balance, creep, into)
-            part = 1.0 if offset == 0 else 0.5
-            restrict_row(balance, out_1[k], part * force, 0.5 * part * force)
-            restrict_row(creep, out_2[k], part * scale, 0.5 * part * scale)
+            part = scale if offset == 0 else 0.5 * scale
+            for j in range(nx):
+                total_1[j] += part * balance[j]
+                total_2[j] += part * creep[j]
+        out_1[k] = np.float32(0.0)
+        out_2[k] = np.float32(0.0)
+        restrict_row(total_1, out_1[k], 1.0 / k0, 0.5 / k0)
+        restrict_row(total_2, out_2[k], 1.0, 0.5)
 
 
 @_compiled
@@ -812,10 +815,11 @@ def coarse_restrict_2(
     """Defects of both equations on the next coarser grid, rows low to high."""
     ny, nx = e.shape
     first, second = np.empty(nx, np.float32), np.empty(nx, np.float32)
-    one, half = np.float32(1.0), np.float32(0.5)
+    total_1, total_2 = np.empty(nx, np.float32), np.empty(nx, np.float32)
+    one, half, zero = np.float32(1.0), np.float32(0.5), np.float32(0.0)
     for k in range(low, high):
-        out_b[k] = np.float32(0.0)
-        out_c[k] = np.float32(0.0)
+        total_1[:] = zero
+        total_2[:] = zero
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
@@ -838,8 +842,13 @@ def coarse_restrict_2(
                         c[i, j] + spread * (flow - lap * f_row[j]) + mass * (e_row[j] - lag * f_row[j])
                     )
             part = one if offset == 0 else half
-            restrict_row(first, out_b[k], part, half * part)
-            restrict_row(second, out_c[k], part, half * part)
+            for j in range(nx):
+                total_1[j] += part * first[j]
+                total_2[j] += part * second[j]
+        out_b[k] = zero
+        out_c[k] = zero
+        restrict_row(total_1, out_b[k], one, half)
+        restrict_row(total_2, out_c[k], one, half)
 
 
 # Fields of the spring lattice.
@@ -886,3 +895,22 @@ def overlap(heights: Any, level: float, out: Any, low: int, high: int) -> None:
             total += rise if rise > 0.0 else 0.0
             count += 1.0 if rise > 0.0 else 0.0
         out[i, 0], out[i, 1] = total, count
+
+
+# Fields of a step of creep, each in one pass through memory.
+
+
+@_compiled
+def combine_2(a: float, x: Any, b: float, y: Any, out: Any, low: int, high: int) -> None:
+    """Sum a x + b y."""
+    for i in range(low, high):
+        for j in range(x.shape[1]):
+            out[i, j] = a * x[i, j] + b * y[i, j]
+
+
+@_compiled
+def combine_3(a: float, x: Any, b: float, y: Any, c: float, z: Any, out: Any, low: int, high: int) -> None:
+    """Sum a x + b y + c z."""
+    for i in range(low, high):
+        for j in range(x.shape[1]):
+            out[i, j] = a * x[i, j] + b * y[i, j] + c * z[i, j]

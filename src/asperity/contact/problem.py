@@ -112,12 +112,14 @@ class ContactProblem:
 class Guess:
     """Where a solver starts: a surface, the sites believed in contact and, if known, u - u0.
 
-    If no sites are named, those that the surface does not clear.
+    If no sites are named, those that the surface does not clear. A solver may write into the fields of
+    a guess that is disposable.
     """
 
     u: Field
     in_contact: Mask | None = None
     stretch: Field | None = None
+    disposable: bool = False
 
 
 @dataclass(frozen=True, eq=False)

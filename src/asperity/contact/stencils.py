@@ -1,11 +1,23 @@
-"""Fields of the two-dimensional lattice of springs by neighbor differences, without transforms."""
+"""Sums of fields, and forces and energies of the lattice of springs, by compiled loops."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from asperity.contact import kernels
 from asperity.lattice import Field
+
+
+def combined(*terms: tuple[float, Field]) -> Field:
+    """Sum of two or three multiples of fields, in one pass through memory."""
+    shape = terms[0][1].shape
+    known = [(float(factor), np.atleast_2d(np.ascontiguousarray(field))) for factor, field in terms]
+    total = np.empty_like(known[0][1])
+    kernel: Any = kernels.combine_2 if len(known) == 2 else kernels.combine_3
+    kernel(*(item for term in known for item in term), total, 0, len(total))
+    return total.reshape(shape)
 
 
 def lattice_force(u: Field, stretch: Field, k0: float, k1: float) -> Field:

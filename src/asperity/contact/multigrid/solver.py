@@ -81,12 +81,13 @@ class Multigrid:
                 advice="solver=ActiveSet()",
             )
         if guess is None:
-            guess = Guess(np.full(problem.heights.shape, _level(springs, problem.heights)))
+            flat = np.full(problem.heights.shape, _level(springs, problem.heights))
+            guess = Guess(flat, disposable=True)
         if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             return ActiveSet().solve(problem, guess, tolerance)
         heights = np.ascontiguousarray(problem.heights)
-        u = np.maximum(guess.u, heights)
+        u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
         if springs.relaxed or (
             not isinstance(springs.shape, np.ndarray) and springs.spread == springs.drag == 0
         ):
@@ -117,7 +118,10 @@ class Multigrid:
         guess: Guess,
         tolerance: float,
     ) -> tuple[bool, int, np.ndarray | None]:
-        stretch = u - springs.shape if guess.stretch is None else np.array(guess.stretch)
+        if guess.stretch is None:
+            stretch = u - springs.shape
+        else:
+            stretch = guess.stretch if guess.disposable else guess.stretch.copy()
         work = self._workspace(TwoFields, heights.shape)
         done, cycles = work.solve(
             springs, heights, u, stretch, problem.allowed_error, tolerance, self.max_cycles
