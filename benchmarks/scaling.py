@@ -5,9 +5,8 @@
 
 `press` and `relax` cost what one contact problem costs; `age` (nine decades, 37 times) is divided by the
 contact problems on the way, two for each step. White heights of rms 1, k0 = 1; where nothing else is said
-k1 = 1 and F / N = 0.02. Every point is the median of
---repeats or more, after one that is not counted. A point that is
-predicted to take longer than --limit is left out.
+k1 = 1 and F / N = 0.02. Every point is the median of --repeats or more, after one that is not counted. A
+point that is predicted to take longer than --limit is left out.
 
 The limit drawn is memory traffic: one sweep over the grid reads u and the heights and writes u, 24 bytes a
 site, at the bandwidth measured on the same threads in the same run, the better of copy and triad. No solver

@@ -30,7 +30,8 @@ STEP_TOLERANCE = 3.0
 The errors of a second-order method whose steps err by e each add up to a multiple of e^(2/3). That
 multiple was measured to lie between 0.03 and 0.29 over 20 cases (k1/k0 from 0.01 to 100, contact
 fractions from 0.002 to 0.5, two kinds of surface, both controls, with viscous creep and without), so
-that the sum stays below ``rtol``.
+that the sum stays below ``rtol``. (With contact problems solved exactly; what `UNNOTICED` adds is in the
+tests of ``rtol``, which hold with it.)
 """
 
 UNNOTICED = 0.3

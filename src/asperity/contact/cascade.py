@@ -30,7 +30,7 @@ def cold_start(problem: ContactProblem, solver: ContactSolver) -> Guess:
         start = solver.solve(coarser, cold_start(coarser, solver), _TOLERANCE)
     except ConvergenceError:  # no matter: a poor start costs time, not accuracy
         return independent_asperities(problem)
-    u = _interpolate(start.u)
+    u = interpolated(start.u)
     return Guess(u, u <= problem.heights)
 
 
@@ -60,7 +60,7 @@ def _coarsen(problem: ContactProblem) -> ContactProblem:
     )
 
 
-def _interpolate(field: Field) -> Field:
+def interpolated(field: Field) -> Field:
     """The field on twice the sites along each axis, midway between neighbors where they are new."""
     for axis in range(field.ndim):
         between = (field + np.roll(field, -1, axis)) / 2

@@ -172,7 +172,7 @@ def close_sweeps_1(u: Any, heights: Any, k0: float, bed: float, push: float, hal
 def defect_row_1(
     u: Any, heights: Any, k0: float, bed: float, push: float, i: int, defect: Any, sums: Any
 ) -> None:
-    """Minus the force off contact, in row i; ``sums``: largest defect, largest pull, load, contacts, sum."""
+    """Minus the force off contact, in row i; ``sums``: largest defect, pulls, load, contacts, sum."""
     ny, nx = u.shape
     up, down, row = u[i - 1 if i > 0 else ny - 1], u[i + 1 if i < ny - 1 else 0], u[i]
     rough = heights[i]
@@ -182,18 +182,21 @@ def defect_row_1(
     for j in (0, nx - 1):
         left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
         defect[j] = k0 * (up[j] + down[j] + row[left] + row[right]) - diagonal * row[j] - push
-    worst = pull = load = contacts = total = 0.0
-    for j in range(nx):
+    worst = pull = load = free_sites = total = 0.0
+    for j in range(nx):  # sums and the largest apart, and no branches: the compiler makes vectors of both
+        free = 1.0 if row[j] > rough[j] else 0.0
         value = defect[j]
-        touching = row[j] <= rough[j]
-        load -= value if touching else 0.0
-        contacts += 1.0 if touching else 0.0
-        pull = max(pull, value if touching else 0.0)
-        value = 0.0 if touching else value
-        worst = max(worst, abs(value))
-        defect[j] = value
-        total += value
-    sums[0], sums[1], sums[2], sums[3], sums[4] = worst, pull, load, contacts, total
+        off_contact = value * free
+        held = value - off_contact
+        load -= held
+        pull += held if held > 0.0 else 0.0
+        free_sites += free
+        total += off_contact
+        defect[j] = off_contact
+    for j in range(nx):
+        value = abs(defect[j])
+        worst = value if value > worst else worst
+    sums[0], sums[1], sums[2], sums[3], sums[4] = worst, pull, load, nx - free_sites, total
 
 
 @_compiled
@@ -305,11 +308,10 @@ def correct_1(
         interpolate_row(coarse, i, ny, np.float32(0.5), between, line)
         row, rough, last = u[i], heights[i], step[i]
         for j in range(nx):
-            move = alpha * line[j] + beta * last[j]
-            free = row[j] > rough[j]
-            move = move if free else np.float32(0.0)
-            last[j] = move
-            row[j] = max(rough[j], row[j] + unit * move) if free else row[j]
+            free = np.float32(1.0) if row[j] > rough[j] else np.float32(0.0)
+            last[j] = (alpha * line[j] + beta * last[j]) * free
+        for j in range(nx):
+            row[j] = max(rough[j], row[j] + unit * last[j])
 
 
 # One field on a coarse grid: (lap + bed mass + pins) e = b. gx, gy: couplings; mx, my: cell sizes.
@@ -424,21 +426,19 @@ def relax_row_2(
     up, down, row, rough = u[before], u[after], u[i], heights[i]
     w_up, w_down, w_row, shape = w[before], w[after], w[i], v[i]
     for j in range(1, nx - 1):
-        known = spread * (w_up[j] + w_down[j] + w_row[j - 1] + w_row[j + 1]) - shape[j] + shift
+        new_w[j] = spread * (w_up[j] + w_down[j] + w_row[j - 1] + w_row[j + 1]) - shape[j] + shift
+    for j in range(1, nx - 1):
         pulls = k0 * (up[j] + down[j] + row[j - 1] + row[j + 1])
-        height = max(rough[j], (pulls - damped * known) * inverse)
-        new_u[j] = height
-        new_w[j] = (height + known) * damping
+        new_u[j] = max(rough[j], (pulls - damped * new_w[j]) * inverse)
     for j in (0, nx - 1):
         left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
         known = spread * (w_up[j] + w_down[j] + w_row[left] + w_row[right]) - shape[j] + shift
         pulls = k0 * (up[j] + down[j] + row[left] + row[right])
-        height = max(rough[j], (pulls - damped * known) * inverse)
-        new_u[j] = height
-        new_w[j] = (height + known) * damping
+        new_u[j] = max(rough[j], (pulls - damped * known) * inverse)
+        new_w[j] = known
     for j in range((i + color) & 1, nx, 2):
         row[j] = new_u[j]
-        w_row[j] = new_w[j]
+        w_row[j] = (new_u[j] + new_w[j]) * damping
 
 
 @_compiled
@@ -517,6 +517,7 @@ def defect_row_2(
     diagonal = 1.0 + drag + 4.0 * spread
     for j in range(1, nx - 1):
         balance[j] = k0 * (up[j] + down[j] + row[j - 1] + row[j + 1] - 4.0 * row[j]) - k1 * w_row[j]
+    for j in range(1, nx - 1):
         spreading = spread * (w_up[j] + w_down[j] + w_row[j - 1] + w_row[j + 1])
         creep[j] = spreading - diagonal * w_row[j] + row[j] - shape[j] + shift
     for j in (0, nx - 1):
@@ -524,16 +525,17 @@ def defect_row_2(
         balance[j] = k0 * (up[j] + down[j] + row[left] + row[right] - 4.0 * row[j]) - k1 * w_row[j]
         spreading = spread * (w_up[j] + w_down[j] + w_row[left] + w_row[right])
         creep[j] = spreading - diagonal * w_row[j] + row[j] - shape[j] + shift
-    first = second = stretch = contacts = 0.0
+    first = second = stretch = free_sites = 0.0
     for j in range(nx):
-        touching = row[j] <= rough[j]
-        value = 0.0 if touching else balance[j]
+        free = 1.0 if row[j] > rough[j] else 0.0
+        value = balance[j] * free
         balance[j] = value
         first += value * value
+        free_sites += free
+    for j in range(nx):
         second += creep[j] * creep[j]
         stretch += w_row[j]
-        contacts += 1.0 if touching else 0.0
-    sums[0], sums[1], sums[2], sums[3] = first, second, stretch, contacts
+    sums[0], sums[1], sums[2], sums[3] = first, second, stretch, nx - free_sites
 
 
 @_compiled
@@ -710,15 +712,16 @@ def correct_2(
         interpolate_row(coarse_u, i, ny, np.float32(0.5), between, line)
         if keep:
             for j in range(nx):
-                move = alpha * line[j] + beta * last[j]
-                free = row[j] > rough[j]
-                move = move if free else np.float32(0.0)
-                last[j] = move
-                row[j] = max(rough[j], row[j] + unit * move) if free else row[j]
+                free = np.float32(1.0) if row[j] > rough[j] else np.float32(0.0)
+                last[j] = (alpha * line[j] + beta * last[j]) * free
+            for j in range(nx):
+                row[j] = max(rough[j], row[j] + unit * last[j])
         else:
             for j in range(nx):
-                move = unit * (alpha * line[j])
-                row[j] = max(rough[j], row[j] + move) if row[j] > rough[j] else row[j]
+                free = np.float32(1.0) if row[j] > rough[j] else np.float32(0.0)
+                line[j] = alpha * line[j] * free
+            for j in range(nx):
+                row[j] = max(rough[j], row[j] + unit * line[j])
         interpolate_row(coarse_w, i, ny, np.float32(0.5), between, line)
         if keep:
             for j in range(nx):

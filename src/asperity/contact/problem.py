@@ -162,7 +162,9 @@ def residual(force: Field, in_contact: Mask, smallest_scale: float = 0.0) -> flo
     ``smallest_scale``, or there is no contact, violations are measured against that instead.
     """
     touching = force[in_contact]
-    worst = float(np.max(np.abs(force), where=~in_contact, initial=0.0))
+    off_contact = ~in_contact
+    worst = float(np.max(force, where=off_contact, initial=0.0))
+    worst = max(worst, -float(np.min(force, where=off_contact, initial=0.0)))
     mean = 0.0
     if touching.size:
         mean = float(touching.mean())

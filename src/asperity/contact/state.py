@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,6 +15,9 @@ from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field, Mask
 from asperity.solids import Solid
+
+_BLOCK = 2**20
+"""Sites taken at a time where memory is spared."""
 
 ACCEPTED_RESIDUAL = 1e-8
 """No state is returned whose residual, evaluated on the very fields it carries, is larger."""
@@ -151,7 +155,8 @@ def contact_from(
     ConvergenceError
         In double precision the heights cannot resolve a load this small.
     """
-    u = np.maximum(solution.u + system.datum, heights)
+    u = solution.u + system.datum
+    np.maximum(u, heights, out=u)
     u[solution.in_contact] = heights[solution.in_contact]
     in_contact = u == heights
     u0 = _rounded_keeping_load(shape, solution.u, u, system.datum)
@@ -200,13 +205,23 @@ def _rounded_keeping_load(shape: Field | float, surface: Field, u: Field, datum:
     Rounding errors of a smooth field are alike from site to site and add up; where they would change
     the sum by more than 1e-11 of it, as many sites as it takes are moved by their last digit.
     """
+    # A flat u0 takes no memory: all its sites are one number.
     u0 = np.asarray(np.broadcast_to(shape + datum, u.shape))
-    wanted = float(np.sum(surface - shape))
-    excess = float(np.sum(u - u0)) - wanted
-    last_digit = float(np.spacing(np.abs(u0).max()))
+    wanted = _sum_of_difference(surface, shape)
+    excess = _sum_of_difference(u, u0) - wanted
+    last_digit = float(np.spacing(max(abs(float(u0.max())), abs(float(u0.min())))))
     if abs(excess) > 1e-11 * abs(wanted):
         sites = min(round(abs(excess) / last_digit), u0.size)
         chosen = np.linspace(0, u0.size - 1, sites).astype(int)
         u0 = u0.copy()
         u0.flat[chosen] += np.copysign(last_digit, excess)
-    return np.ascontiguousarray(u0)
+    return u0
+
+
+def _sum_of_difference(field: Field, other: Field | float) -> float:
+    """Sum over the sites of a difference, a block of rows at a time to spare memory."""
+    rows = max(1, _BLOCK * len(field) // field.size)
+    starts = range(0, len(field), rows)
+    if not isinstance(other, np.ndarray):
+        return math.fsum(float(np.sum(field[i : i + rows] - other)) for i in starts)
+    return math.fsum(float(np.sum(field[i : i + rows] - other[i : i + rows])) for i in starts)

@@ -26,7 +26,7 @@ SERIES: dict[str, tuple[str, str]] = {
     "residual": ("largest force off contact over the mean contact force", "1"),
     "steps": ("time steps since the previous entry", "1"),
     "rejected": ("time steps repeated with a smaller length since the previous entry", "1"),
-    "iterations": ("conjugate-gradient iterations since the previous entry", "1"),
+    "iterations": ("iterations of the contact solver since the previous entry", "1"),
 }
 FIELDS: dict[str, tuple[str, str]] = {
     "u": ("height of the elastic surface", "height unit"),

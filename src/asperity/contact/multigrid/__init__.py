@@ -1,4 +1,4 @@
-"""Multigrid for the lattice of springs: kernels, coarse grids, pins, and the two problems solved."""
+"""Multigrid for the lattice of springs: coarse grids, pins on them, and the two problems solved."""
 
 from asperity.contact.multigrid.solver import Multigrid
 

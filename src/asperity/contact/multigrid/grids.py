@@ -76,7 +76,7 @@ class Grid:
 
     def total(self, field: Single) -> float:
         """Sum of a field over the sites that the cells stand for."""
-        return float(self.my.astype(float) @ (field @ self.mx))
+        return float(np.sum(self.my * np.einsum("ij,j->i", field, self.mx), dtype=float))
 
     def laplacian(self) -> Field:
         """Minus the Laplacian as a matrix; for the coarsest grid."""

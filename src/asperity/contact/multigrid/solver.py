@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
 
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.asperities import level_of_overlap
+from asperity.contact.cascade import interpolated
 from asperity.contact.multigrid.grids import Rows, usual_threads
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpringStep
+from asperity.contact.stencils import bond_energy
 from asperity.errors import InputError
+from asperity.lattice import Field
 from asperity.solids import SpringConstants
+
+_WORTH_COARSENING = 256
+"""Least number of sites along an axis for which a start from coarser lattices pays."""
+
+_ALIKE = 0.5
+"""Mean square difference between neighbors, in units of the variance, of heights that are alike."""
+
+_ROUGHLY = 3e-2
+"""Tolerance on coarser lattices."""
 
 W = TypeVar("W", OneField, TwoFields)
 
@@ -43,7 +55,7 @@ class Multigrid:
         Cycles after which `ActiveSet` takes over.
     """
 
-    threads: int | None = None
+    threads: int | None = field(default=None, repr=False)
     max_cycles: int = 40
     _work: dict[str, object] = field(default_factory=dict, repr=False, compare=False)
 
@@ -81,8 +93,7 @@ class Multigrid:
                 advice="solver=ActiveSet()",
             )
         if guess is None:
-            flat = np.full(problem.heights.shape, _level(springs, problem.heights))
-            guess = Guess(flat, disposable=True)
+            guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
         if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             return ActiveSet().solve(problem, guess, tolerance)
@@ -100,6 +111,19 @@ class Multigrid:
             u = guess.u
         rest = ActiveSet().solve(problem, Guess(u), tolerance)
         return Solution(rest.u, rest.in_contact, cycles + rest.iterations, rest.set_changes)
+
+    def _cold_start(self, springs: SpringStep, heights: Field) -> Field:
+        """A flat surface, or where neighboring heights are alike that over every second site, solved."""
+        lengths = heights.shape
+        bonds = bond_energy(heights) / (2 * heights.size)
+        if min(lengths) < _WORTH_COARSENING or any(n % 2 for n in lengths) or bonds > _ALIKE * heights.var():
+            return np.full(lengths, _level(springs, heights))
+        coarser = np.ascontiguousarray(heights[::2, ::2])
+        stiffer = replace(springs, k1=4.0 * springs.k1, shape=float(np.mean(springs.shape)))
+        u = self._cold_start(stiffer, coarser)
+        np.maximum(u, coarser, out=u)
+        OneField(coarser.shape, Rows(1)).solve(stiffer, coarser, u, _ROUGHLY, self.max_cycles)
+        return interpolated(u)
 
     def _one_field(
         self, springs: SpringStep, heights: np.ndarray, u: np.ndarray, tolerance: float
