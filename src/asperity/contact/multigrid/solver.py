@@ -107,17 +107,14 @@ class Multigrid:
             done, cycles, stretch = self._two_fields(springs, problem, heights, u, guess, tolerance)
         if done:
             return Solution(u, u <= heights, cycles, 0, stretch)
-        if not np.isfinite(u).all():
-            u = guess.u
-        rest = ActiveSet().solve(problem, Guess(u), tolerance)
+        start = Guess(u) if np.isfinite(u).all() else None
+        rest = ActiveSet().solve(problem, start, tolerance)
         return Solution(rest.u, rest.in_contact, cycles + rest.iterations, rest.set_changes)
 
     def _cold_start(self, springs: SpringStep, heights: Field) -> Field:
         """A flat surface, or where neighboring heights are alike that over every second site, solved."""
-        lengths = heights.shape
-        bonds = bond_energy(heights) / (2 * heights.size)
-        if min(lengths) < _WORTH_COARSENING or any(n % 2 for n in lengths) or bonds > _ALIKE * heights.var():
-            return np.full(lengths, _level(springs, heights))
+        if not _is_smooth(heights):
+            return np.full(heights.shape, _level(springs, heights))
         coarser = np.ascontiguousarray(heights[::2, ::2])
         stiffer = replace(springs, k1=4.0 * springs.k1, shape=float(np.mean(springs.shape)))
         u = self._cold_start(stiffer, coarser)
@@ -126,8 +123,8 @@ class Multigrid:
         return interpolated(u)
 
     def _one_field(
-        self, springs: SpringStep, heights: np.ndarray, u: np.ndarray, tolerance: float
-    ) -> tuple[bool, int, np.ndarray | None]:
+        self, springs: SpringStep, heights: Field, u: Field, tolerance: float
+    ) -> tuple[bool, int, Field | None]:
         work = self._workspace(OneField, heights.shape)
         done, push, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
         stretch = np.full(u.shape, push / springs.k1) if springs.relaxed else None
@@ -137,11 +134,11 @@ class Multigrid:
         self,
         springs: SpringStep,
         problem: ContactProblem,
-        heights: np.ndarray,
-        u: np.ndarray,
+        heights: Field,
+        u: Field,
         guess: Guess,
         tolerance: float,
-    ) -> tuple[bool, int, np.ndarray | None]:
+    ) -> tuple[bool, int, Field | None]:
         if guess.stretch is None:
             stretch = u - springs.shape
         else:
@@ -161,7 +158,14 @@ class Multigrid:
         return held
 
 
-def _level(springs: SpringStep, heights: np.ndarray) -> float:
+def _is_smooth(heights: Field) -> bool:
+    """Whether a start from every second site pays."""
+    if min(heights.shape) < _WORTH_COARSENING or any(n % 2 for n in heights.shape):
+        return False
+    return bond_energy(heights) / (2 * heights.size) < _ALIKE * float(heights.var())
+
+
+def _level(springs: SpringStep, heights: Field) -> float:
     """Level at which independent asperities would carry the load, or of the shape they are held at."""
     if springs.load is None:
         return float(np.mean(springs.shape))
