@@ -108,8 +108,12 @@ def _check_out(out: Path) -> None:
     """Refuse a folder that holds something else."""
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    ours = any((out / name).exists() for name in ("plan.json", "runs.zarr"))
-    if out.exists() and any(out.iterdir()) and not ours:
+    # Listed once: another campaign may be filling the folder at this very moment.
+    found = [path.name.lstrip(".") for path in out.iterdir()] if out.exists() else []
+    ours = any(name.startswith(("plan.json", "runs.zarr")) for name in found) or (
+        (out / "state" / "locks").is_dir()
+    )
+    if found and not ours:
         raise InputError(
             "--out",
             expected="a new folder, or that of a campaign",
