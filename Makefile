@@ -5,6 +5,11 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup
 
+# The first use of a loop compiles it; done once here, for every process after.
+COMPILE = echo "Compiling its loops ..."; $(BIN)/python -c "import numpy as np, asperity as asp; \
+  contact = asp.press(np.random.default_rng(0).normal(size=(64, 64)), asp.solids.spring_lattice(k0=1.0, k1=3.0), load=80.0); \
+  asp.age(contact, [1.0, 100.0]); asp.relax(contact)"
+
 .PHONY: help run test test-slow check format bench clean
 
 help:  ## List the targets
@@ -49,9 +54,11 @@ $(BIN)/python:
 $(VENV)/.run: pyproject.toml | $(BIN)/python
 	@echo "Installing Asperity ..."
 	@$(PIP) install --editable .
+	@$(COMPILE)
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml | $(BIN)/python
 	@echo "Installing Asperity and its tools ..."
 	@$(PIP) install --editable '.[dev]'
+	@$(COMPILE)
 	@touch $@ $(VENV)/.run
