@@ -74,7 +74,7 @@ def test_a_run_that_is_stopped(tmp_path: Path) -> None:
 
 def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) -> None:
     often = "import asperity.cli.run as command\ncommand._CHECKPOINT_EVERY = 0.0"
-    flags = ("--shape", "64,64", "--last", "1e4")
+    flags = ("--shape", "256,256", "--last", "1e6")  # long enough to be stopped on the way
     for stop in (signal.SIGKILL, signal.SIGINT):
         listen = f"{often}\nimport signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
         running = process("run", *flags, "--out", tmp_path / "out", before=listen)
