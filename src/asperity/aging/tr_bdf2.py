@@ -100,13 +100,12 @@ def take_step(
     """
     implicit = system.implicit_step(DIAGONAL * duration)
     u0, f0 = start.shape, start.rate
-    h = duration
 
     middle, spent = _stage(
         implicit,
         solver,
         time=start.time + 2 * DIAGONAL * duration,
-        before=combined((1.0, u0), (DIAGONAL * h, f0)),
+        before=combined((1.0, u0), (DIAGONAL * duration, f0)),
         known=(earlier, start),
         tolerance=tolerances[0],
         allowed_error=allowed_errors[0],
@@ -115,7 +114,7 @@ def take_step(
         implicit,
         solver,
         time=start.time + duration,
-        before=combined((1.0, u0), (WEIGHT * h, f0), (WEIGHT * h, middle.rate)),
+        before=combined((1.0, u0), (WEIGHT * duration, f0), (WEIGHT * duration, middle.rate)),
         known=(Past.of(start), middle),
         tolerance=tolerances[1],
         allowed_error=allowed_errors[1],

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from asperity.contact import kernels
 from asperity.contact.multigrid.pins import Response
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field
 
 Single = NDArray[np.float32]
 Kernel = Callable[..., Any]
@@ -105,9 +105,6 @@ class Rows:
 
     def __call__(self, kernel: Kernel, rows: int, width: int, *arguments: Any) -> None:
         """Call ``kernel(*arguments, low, high)`` for slabs that together are all rows."""
-        if self.pool is None or rows * width < _WORTH_SHARING:
-            kernel(*arguments, 0, rows)
-            return
         self._run(kernel, [(*arguments, low, high) for low, high in pairwise(self._edges(rows, width))])
 
     def _edges(self, rows: int, width: int) -> list[int]:
@@ -161,7 +158,7 @@ class Hierarchy:
     """The grids above a lattice, from the first coarse one to the coarsest."""
 
     def __init__(self, shape: tuple[int, ...], fields: int, rows: Rows) -> None:
-        self.shape, self.rows = shape, rows
+        self.rows = rows
         y, x = (Axis.fine(n) for n in shape)
         self.grids: list[Grid] = []
         while not self.grids or np.prod(self.grids[-1].shape) > _COARSEST:
@@ -182,8 +179,3 @@ class Hierarchy:
             mean = float(fine.pins.mean(dtype=float))
             softening = response.softening(level, mean)
             kernels.coarser_pins(fine.pins, np.float32(softening), np.float32(mean), coarse.pins)
-
-
-def in_contact(u: Field, heights: Field) -> Mask:
-    """Where the surface lies on the obstacle."""
-    return np.asarray(u <= heights)

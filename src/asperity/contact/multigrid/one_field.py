@@ -52,6 +52,10 @@ class Push:
         bed = 0.0 if springs.relaxed else springs.k1
         return cls(bed, -bed, springs.load / sites)
 
+    def on(self, u: Field) -> float:
+        """The push on a surface."""
+        return self.base + self.pull * float(u.mean()) if self.pull else self.base
+
 
 class OneField:
     """Work space for one lattice."""
@@ -72,10 +76,9 @@ class OneField:
         self.step.fill(0.0)
         pinned, push = -1.0, law.base
         for cycle in range(max_cycles):
-            push = law.base + law.pull * float(u.mean()) if law.pull else law.base
-            equation = (u, heights, springs.k0, law.bed, push)
+            equation = (u, heights, springs.k0, law.bed, law.on(u))
             self.rows.sweeps(kernels.sweeps_1, kernels.close_sweeps_1, u.shape, *equation, halves=4)
-            push = law.base + law.pull * float(u.mean()) if law.pull else law.base
+            push = law.on(u)
             contacts = self.restrict(push)
             if contacts == 0 and springs.load is not None:
                 deepest = int(np.argmax(heights - u))  # something must carry the load

@@ -146,11 +146,11 @@ class TwoFields:
 
     def set_pins(self, contacts: float) -> None:
         """Tell the coarse grids of the contacts, where many have changed, and factorize the coarsest."""
-        s = self.springs
-        response = Response(s.k1 / s.k0, s.spread, s.drag)
         if abs(contacts - self.pinned) <= 0.02 * self.pinned:
             return
         self.pinned = contacts
+        s = self.springs
+        response = Response(s.k1 / s.k0, s.spread, s.drag)
         self.hierarchy.set_pins(self.u, self.heights, int(contacts), response)
         grid = self.hierarchy.grids[-1]
         lap, cells = grid.laplacian(), grid.cells
