@@ -6,7 +6,7 @@ import pytest
 import asperity as asp
 from asperity.aging.tr_bdf2 import Point
 from asperity.contact import ActiveSet, Load, Multigrid, Separation, kernels
-from asperity.contact.multigrid.grids import Axis, Hierarchy, Rows, usual_threads
+from asperity.contact.multigrid.grids import Axis, Hierarchy, Rows, parted, parted_shape, usual_threads
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.problem import TOLERANCE, Guess
 from asperity.contact.system import System
@@ -32,10 +32,13 @@ def test_restriction_is_the_transpose_of_interpolation(shape):
     my, mx = (ny + 1) // 2, (nx + 1) // 2
     coarse, fine = (rng.normal(size=s).astype(np.float32) for s in ((my, mx), shape))
     zero, down, up = np.float32(0), np.zeros((my, mx), np.float32), np.zeros(shape, np.float32)
+    line, out = np.zeros(parted_shape(1, nx)[1:], np.float32), np.zeros(parted_shape(my, mx), np.float32)
     for i in range(ny):
-        kernels.interpolate_row(coarse, i, ny, np.float32(0.5), np.empty(mx, np.float32), up[i])
+        kernels.interpolate_row(coarse, i, ny, nx, line)
+        kernels.join(line, up[i])
     # `coarser_pins` restricts a field of which nothing softens.
-    kernels.coarser_pins(fine, zero, zero, down)
+    kernels.coarser_pins(parted(fine), nx, zero, zero, out)
+    kernels.join_rows(out, down, 0, my)
     assert np.sum(up.astype(float) * fine) == pytest.approx(np.sum(coarse.astype(float) * down), abs=1e-5)
     np.testing.assert_array_equal(up[::2, ::2], coarse)
 
@@ -76,7 +79,8 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     heights.flat[rng.choice(heights.size, contacts, replace=False)] = 0.0
     response = Response(0.3)
     hierarchy = Hierarchy(heights.shape, 1, Rows(1))
-    hierarchy.set_pins(np.zeros_like(heights), heights, contacts, response)
+    surface, gap = parted(np.zeros_like(heights)), parted(heights)
+    hierarchy.set_pins(surface, gap, 128, contacts / heights.size, response)
     total = float(hierarchy.grids[-1].pins.sum())
     assert total == pytest.approx(
         heights.size * response.coherent_potential(contacts / heights.size), rel=0.15

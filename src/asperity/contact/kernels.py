@@ -1,11 +1,21 @@
 r"""The loops over neighbors, compiled.
 
-Fine fields are double precision; everything on coarse grids is single, in units in which k0 = 1, for
-coarse grids only correct. Each kernel works on rows ``low <= i < high`` so that threads can share a
-grid; sums are kept row by row, so that results do not depend on the number of threads. Half sweeps
-visit the sites of one color of a checkerboard: new values of a row go through a buffer, which lets the
-compiler use vector instructions. On fine grids several half sweeps follow each other at a distance of
-one row, so that a row is fetched from memory once.
+States are double precision. Multigrid works on corrections to them, in single precision and in units in
+which k0 = 1 and no length is large; what one correction lacks the next one makes up for.
+
+Rows of corrections are parted: the m even columns first, then the odd ones. All neighbors of one color of
+a checkerboard then lie side by side, as do the sites that two grids share, so that every loop reads and
+writes in order and the compiler can use vector instructions. A field has the shape (rows, 2, m + 1):
+
+    row[0]   columns 0, 2, 4, ...   and column 0 again
+    row[1]   column -1   and columns 1, 3, 5, ...
+
+The sites of ``row[side]`` are ``side <= k < side + count``, with ``other[k - side]`` and
+``other[k - side + 1]`` of the other side next to them. `wrap` sets the two images.
+
+Each kernel works on rows ``low <= i < high`` so that threads can share a grid; sums are kept row by row,
+so that results do not depend on the number of threads. On the lattice several half sweeps follow each
+other at a distance of one row, so that a row is fetched from memory once.
 
 Parameters are arguments, never globals: compiled code is kept on disk and would go stale.
 """
@@ -22,48 +32,98 @@ _compiled = njit(
 )
 
 
+# Parted rows.
+
+
+@_compiled
+def wrap(row: Any, nx: int) -> None:
+    """Set the images beyond both ends of a parted row of nx columns."""
+    m = (nx + 1) // 2
+    if nx % 2 == 0:
+        row[0, m] = row[0, 0]
+        row[1, 0] = row[1, m]
+    else:
+        row[1, m] = row[0, 0]
+        row[1, 0] = row[0, m - 1]
+
+
+@_compiled
+def part(line: Any, row: Any) -> None:
+    """A row in order, parted."""
+    nx = line.shape[0]
+    for k in range((nx + 1) // 2):
+        row[0, k] = line[2 * k]
+    for k in range(nx // 2):
+        row[1, k + 1] = line[2 * k + 1]
+
+
+@_compiled
+def join(row: Any, line: Any) -> None:
+    """A parted row, in order."""
+    nx = line.shape[0]
+    for k in range(nx // 2):
+        line[2 * k] = row[0, k]
+        line[2 * k + 1] = row[1, k + 1]
+    if nx % 2:
+        line[nx - 1] = row[0, nx // 2]
+
+
+@_compiled
+def join_rows(field: Any, out: Any, low: int, high: int) -> None:
+    """Parted rows, in order."""
+    for i in range(low, high):
+        join(field[i], out[i])
+
+
+@_compiled
+def total(field: Any, nx: int, out: Any, low: int, high: int) -> None:
+    """Sums of parted rows."""
+    m = field.shape[2] - 1
+    for i in range(low, high):
+        value = np.float32(0.0)
+        for side in range(2):
+            row = field[i, side]
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                value += row[k]
+        out[i, 0] = value
+
+
 # Between grids: bilinear interpolation, and its transpose. Every other site belongs to the coarse grid.
 
 
 @_compiled
-def restrict_row(row: Any, out: Any, whole: Any, half: Any) -> None:
-    """Add a fine row to a coarse row: coarse sites weigh ``whole``, sites between them ``half``."""
-    n, m = row.shape[0], out.shape[0]
-    if n == 1:
-        out[0] += whole * row[0]
-        return
-    for j in range(1, m - 1):
-        out[j] += whole * row[2 * j] + half * (row[2 * j - 1] + row[2 * j + 1])
-    first = whole * row[0] + half * row[1]
-    if n % 2 == 0:
-        first += half * row[n - 1]
-    out[0] += first
-    if m > 1:
-        last = whole * row[2 * m - 2] + half * row[2 * m - 3]
-        if n % 2 == 0:
-            last += half * row[n - 1]
-        out[m - 1] += last
+def restrict_row(row: Any, nx: int, line: Any, out: Any) -> None:
+    """A parted fine row on a parted coarse row: coarse sites count whole, sites between them half."""
+    half = np.float32(0.5)
+    m = line.shape[0]
+    even, odd = row[0], row[1]
+    if nx % 2 == 0:
+        odd[0] = odd[m]
+    else:  # the last column and the first are neighbors with nothing between
+        odd[0] = odd[m] = np.float32(0.0)
+    for k in range(m):
+        line[k] = even[k] + half * (odd[k] + odd[k + 1])
+    part(line, out)
 
 
 @_compiled
-def interpolate_row(coarse: Any, i: int, ny: int, half: Any, between: Any, out: Any) -> None:
-    """Row i of a fine grid of ny rows, interpolated; ``between`` is a buffer as long as a coarse row."""
+def interpolate_row(coarse: Any, i: int, ny: int, nx: int, out: Any) -> None:
+    """Parted row i of a fine grid of ny rows, from a coarse grid whose rows are in order."""
+    half = np.float32(0.5)
     my, m = coarse.shape
-    n = out.shape[0]
+    even, odd = out[0], out[1]
     above = coarse[i // 2]
     if i % 2 == 0 or ny == 1:
-        for j in range(m):
-            between[j] = above[j]
+        for k in range(m):
+            even[k] = above[k]
     else:
         below = coarse[i // 2 + 1 if i // 2 + 1 < my else 0]
-        for j in range(m):
-            between[j] = half * (above[j] + below[j])
-    for j in range(m - 1):
-        out[2 * j] = between[j]
-        out[2 * j + 1] = half * (between[j] + between[j + 1])
-    out[2 * m - 2] = between[m - 1]
-    if 2 * m - 1 < n:
-        out[2 * m - 1] = half * (between[m - 1] + between[0])
+        for k in range(m):
+            even[k] = half * (above[k] + below[k])
+    even[m] = even[0]
+    for k in range(1, 1 + nx - m):
+        odd[k] = half * (even[k - 1] + even[k])
+    wrap(out, nx)
 
 
 @_compiled
@@ -77,241 +137,413 @@ def fine_row(coarse_row: int, offset: int, ny: int) -> int:
     return i if i < ny else -1
 
 
+@_compiled
+def gather(row: Any, offset: int, out: Any) -> None:
+    """Add a fine row at an offset from a coarse row to what the latter gets."""
+    share = np.float32(1.0) if offset == 0 else np.float32(0.5)
+    for side in range(2):
+        for k in range(row.shape[1]):
+            out[side, k] += share * row[side, k]
+
+
 # Pins: contacts as the coarse grids feel them.
 
 
 @_compiled
-def pins_of_contacts(u: Any, heights: Any, strength: Any, out: Any, low: int, high: int) -> None:
+def pins_of_contacts(e: Any, gap: Any, nx: int, strength: Any, out: Any, low: int, high: int) -> None:
     """Pins on the first coarse grid: each contact counts ``strength``."""
-    ny, nx = u.shape
-    total = np.empty(nx, np.float32)
-    half, zero = np.float32(0.5), np.float32(0.0)
+    ny, _, width = e.shape
+    m = width - 1
+    row, whole = np.zeros((2, width), np.float32), np.empty((2, width), np.float32)
+    line = np.empty(m, np.float32)
+    zero = np.float32(0.0)
     for k in range(low, high):
-        total[:] = zero
+        whole[:] = zero
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
                 continue
-            part = strength if offset == 0 else half * strength
-            for j in range(nx):
-                total[j] += part if u[i, j] <= heights[i, j] else zero
-        out[k] = zero
-        restrict_row(total, out[k], np.float32(1.0), half)
+            for side in range(2):
+                for j in range(side, m if side == 0 else 1 + nx - m):
+                    row[side, j] = strength if e[i, side, j] <= gap[i, side, j] else zero
+            gather(row, offset, whole)
+        restrict_row(whole, nx, line, out[k])
 
 
 @_compiled
-def coarser_pins(pins: Any, softening: Any, mean: Any, out: Any) -> None:
+def coarser_pins(pins: Any, nx: int, softening: Any, mean: Any, out: Any) -> None:
     """Pins on the next coarser grid: what stands out from the mean softens."""
-    ny, nx = pins.shape
-    row = np.empty(nx, np.float32)
-    one, half, zero = np.float32(1.0), np.float32(0.5), np.float32(0.0)
+    ny, _, width = pins.shape
+    row, whole = np.empty((2, width), np.float32), np.empty((2, width), np.float32)
+    line = np.empty(width - 1, np.float32)
+    one, zero = np.float32(1.0), np.float32(0.0)
     for k in range(out.shape[0]):
-        out[k] = zero
+        whole[:] = zero
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
                 continue
-            for j in range(nx):
-                row[j] = pins[i, j] / (one + softening * max(pins[i, j] - mean, zero))
-            if offset == 0:
-                restrict_row(row, out[k], one, half)
-            else:
-                restrict_row(row, out[k], half, half * half)
+            for side in range(2):
+                for j in range(width):
+                    pin = pins[i, side, j]
+                    row[side, j] = pin / (one + softening * max(pin - mean, zero))
+            gather(row, offset, whole)
+        restrict_row(whole, nx, line, out[k])
 
 
-# One field: S = k0 lam + bed, force k0 L u + bed u + push.
-
-
-@_compiled
-def relax_row_1(
-    u: Any, heights: Any, k0: float, bed: float, push: float, i: int, color: int, new: Any
-) -> None:
-    """Projected Gauss-Seidel on the sites of one color in row i."""
-    ny, nx = u.shape
-    inverse = 1.0 / (4.0 * k0 + bed)
-    up, down, row = u[i - 1 if i > 0 else ny - 1], u[i + 1 if i < ny - 1 else 0], u[i]
-    rough = heights[i]
-    for j in range(1, nx - 1):
-        new[j] = max(rough[j], (k0 * (up[j] + down[j] + row[j - 1] + row[j + 1]) - push) * inverse)
-    for j in (0, nx - 1):
-        left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-        new[j] = max(rough[j], (k0 * (up[j] + down[j] + row[left] + row[right]) - push) * inverse)
-    for j in range((i + color) & 1, nx, 2):
-        row[j] = new[j]
+# Between states and corrections. ``gap`` is how far the surface may still come down, a length < 0.
 
 
 @_compiled
-def sweeps_1(
-    u: Any, heights: Any, k0: float, bed: float, push: float, halves: int, low: int, high: int
-) -> None:
-    """Half sweeps, one after the other in a single pass; each stops one row farther from both ends.
-
-    Where the number of rows is odd the last has the color of the first, its neighbor, and waits.
-    """
-    new = np.empty(u.shape[1])
-    last = high - 1 if high == u.shape[0] and high % 2 else high
-    for front in range(low, high + halves - 1):
-        for half in range(halves):
-            i = front - half
-            if low + half <= i < last - half:
-                relax_row_1(u, heights, k0, bed, push, i, half & 1, new)
-
-
-@_compiled
-def close_sweeps_1(u: Any, heights: Any, k0: float, bed: float, push: float, halves: int, edge: int) -> None:
-    """What `sweeps_1` left undone on both sides of an edge between slabs."""
-    ny, nx = u.shape
-    new = np.empty(nx)
-    odd = 1 if edge == 0 and ny % 2 else 0
-    for half in range(1 - odd, halves):
-        for i in range(edge - half - odd, edge + half):
-            relax_row_1(u, heights, k0, bed, push, i % ny, half & 1, new)
-
-
-@_compiled
-def defect_row_1(
-    u: Any, heights: Any, k0: float, bed: float, push: float, i: int, defect: Any, sums: Any
-) -> None:
-    """Minus the force off contact, in row i; ``sums``: largest defect, pulls, load, contacts, sum."""
-    ny, nx = u.shape
-    up, down, row = u[i - 1 if i > 0 else ny - 1], u[i + 1 if i < ny - 1 else 0], u[i]
-    rough = heights[i]
-    diagonal = 4.0 * k0 + bed
-    for j in range(1, nx - 1):
-        defect[j] = k0 * (up[j] + down[j] + row[j - 1] + row[j + 1]) - diagonal * row[j] - push
-    for j in (0, nx - 1):
-        left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-        defect[j] = k0 * (up[j] + down[j] + row[left] + row[right]) - diagonal * row[j] - push
-    worst = pull = load = free_sites = total = 0.0
-    for j in range(nx):  # sums and the largest apart, and no branches: the compiler makes vectors of both
-        free = 1.0 if row[j] > rough[j] else 0.0
-        value = defect[j]
-        off_contact = value * free
-        held = value - off_contact
-        load -= held
-        pull += held if held > 0.0 else 0.0
-        free_sites += free
-        total += off_contact
-        defect[j] = off_contact
-    for j in range(nx):
-        value = abs(defect[j])
-        worst = value if value > worst else worst
-    sums[0], sums[1], sums[2], sums[3], sums[4] = worst, pull, load, nx - free_sites, total
-
-
-@_compiled
-def restrict_1(
+def measure_1(
     u: Any,
     heights: Any,
     k0: float,
     bed: float,
     push: float,
-    scale: float,
+    unit: float,
+    gap: Any,
+    b: Any,
+    sums: Any,
+    low: int,
+    high: int,
+) -> None:
+    """Gap and source for a state with the force k0 L u + bed u + push.
+
+    ``sums``: largest force off contact, pulls in contact, load, contacts, sum of the forces off contact.
+    """
+    ny, nx = u.shape
+    force, line = np.empty(nx), np.empty(nx)
+    diagonal = 4.0 * k0 + bed
+    scale, inverse = -1.0 / (k0 * unit), 1.0 / unit
+    for i in range(low, high):
+        up, down, row = u[i - 1 if i > 0 else ny - 1], u[i + 1 if i < ny - 1 else 0], u[i]
+        rough = heights[i]
+        for j in range(1, nx - 1):
+            force[j] = diagonal * row[j] - k0 * (up[j] + down[j] + row[j - 1] + row[j + 1]) + push
+        for j in (0, nx - 1):
+            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
+            force[j] = diagonal * row[j] - k0 * (up[j] + down[j] + row[left] + row[right]) + push
+        worst = pull = load = free_sites = astray = 0.0
+        for j in range(nx):  # sums and the largest apart, and no branches: the compiler makes vectors of both
+            free = 1.0 if row[j] > rough[j] else 0.0
+            off_contact = force[j] * free
+            held = force[j] - off_contact
+            load += held
+            pull += -held if held < 0.0 else 0.0
+            free_sites += free
+            astray += off_contact
+            line[j] = off_contact
+        for j in range(nx):
+            value = abs(line[j])
+            worst = value if value > worst else worst
+        found = sums[i]
+        found[0], found[1], found[2], found[3], found[4] = worst, pull, load, nx - free_sites, astray
+        for j in range(nx):
+            line[j] = (rough[j] - row[j]) * inverse
+            force[j] *= scale
+        part(line, gap[i])
+        part(force, b[i])
+
+
+@_compiled
+def measure_2(
+    u: Any,
+    w: Any,
+    heights: Any,
+    v: Any,
+    k0: float,
+    k1: float,
+    spread: float,
+    drag: float,
+    shift: float,
+    unit: float,
+    gap: Any,
+    b: Any,
+    c: Any,
+    sums: Any,
+    low: int,
+    high: int,
+) -> None:
+    """Gap and both sources for a state of two fields; ``sums``: sum of w."""
+    ny, nx = u.shape
+    balance, creep = np.empty(nx), np.empty(nx)
+    scale, inverse = 1.0 / (k0 * unit), 1.0 / unit
+    lag = 1.0 + drag + 4.0 * spread
+    for i in range(low, high):
+        before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
+        up, down, row, rough = u[before], u[after], u[i], heights[i]
+        w_up, w_down, w_row, shape = w[before], w[after], w[i], v[i]
+        for j in range(1, nx - 1):
+            balance[j] = k0 * (up[j] + down[j] + row[j - 1] + row[j + 1] - 4.0 * row[j]) - k1 * w_row[j]
+        for j in range(1, nx - 1):
+            spreading = spread * (w_up[j] + w_down[j] + w_row[j - 1] + w_row[j + 1])
+            creep[j] = spreading - lag * w_row[j] + row[j] - shape[j] + shift
+        for j in (0, nx - 1):
+            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
+            balance[j] = k0 * (up[j] + down[j] + row[left] + row[right] - 4.0 * row[j]) - k1 * w_row[j]
+            spreading = spread * (w_up[j] + w_down[j] + w_row[left] + w_row[right])
+            creep[j] = spreading - lag * w_row[j] + row[j] - shape[j] + shift
+        stretch = 0.0
+        for j in range(nx):
+            balance[j] *= scale
+            creep[j] *= inverse
+            stretch += w_row[j]
+        sums[i, 0] = stretch
+        part(balance, b[i])
+        part(creep, c[i])
+        for j in range(nx):
+            balance[j] = (rough[j] - row[j]) * inverse
+        part(balance, gap[i])
+
+
+@_compiled
+def settle(u: Any, heights: Any, e: Any, gap: Any, unit: float, low: int, high: int) -> None:
+    """Add a correction to a surface; where it closes the gap there is contact."""
+    nx = u.shape[1]
+    move, least = np.empty(nx, np.float32), np.empty(nx, np.float32)
+    for i in range(low, high):
+        join(e[i], move)
+        join(gap[i], least)
+        row, rough = u[i], heights[i]
+        for j in range(nx):
+            moved = max(rough[j], row[j] + unit * move[j])
+            row[j] = moved if move[j] > least[j] else rough[j]
+
+
+@_compiled
+def add(w: Any, f: Any, unit: float, low: int, high: int) -> None:
+    """Add a correction to a field."""
+    nx = w.shape[1]
+    move = np.empty(nx, np.float32)
+    for i in range(low, high):
+        join(f[i], move)
+        row = w[i]
+        for j in range(nx):
+            row[j] += unit * move[j]
+
+
+# One field: (lap + bed) e = b - push, e >= gap; ``diagonal`` is 4 + bed.
+
+
+@_compiled
+def relax_row_1(e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, i: int, color: int) -> None:
+    """Projected Gauss-Seidel on the sites of one color in row i."""
+    ny, _, width = e.shape
+    m = width - 1
+    side = (i + color) & 1
+    inverse = np.float32(1.0) / diagonal
+    row, other = e[i, side], e[i, 1 - side]
+    up, down = e[i - 1 if i > 0 else ny - 1, side], e[i + 1 if i < ny - 1 else 0, side]
+    least, source = gap[i, side], b[i, side]
+    for k in range(side, m if side == 0 else 1 + nx - m):
+        pulls = up[k] + down[k] + other[k - side] + other[k - side + 1]
+        row[k] = max(least[k], (pulls + source[k] - push) * inverse)
+    wrap(e[i], nx)
+
+
+@_compiled
+def sweeps_1(
+    e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, halves: int, low: int, high: int
+) -> None:
+    """Half sweeps, one after the other in a single pass; each stops one row farther from both ends.
+
+    Where the number of rows is odd the last has the color of the first, its neighbor, and waits.
+    """
+    last = high - 1 if high == e.shape[0] and high % 2 else high
+    for front in range(low, high + halves - 1):
+        for half in range(halves):
+            i = front - half
+            if low + half <= i < last - half:
+                relax_row_1(e, gap, b, diagonal, push, nx, i, half & 1)
+
+
+@_compiled
+def close_sweeps_1(
+    e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, halves: int, edge: int
+) -> None:
+    """What `sweeps_1` left undone on both sides of an edge between slabs."""
+    ny = e.shape[0]
+    odd = 1 if edge == 0 and ny % 2 else 0
+    for half in range(1 - odd, halves):
+        for i in range(edge - half - odd, edge + half):
+            relax_row_1(e, gap, b, diagonal, push, nx, i % ny, half & 1)
+
+
+@_compiled
+def defect_row_1(
+    e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, i: int, defect: Any, sums: Any
+) -> None:
+    """Minus the force off contact, in row i; ``sums`` as in `measure_1`, then the largest correction."""
+    ny, _, width = e.shape
+    m = width - 1
+    zero, one = np.float32(0.0), np.float32(1.0)
+    worst = pull = load = free_sites = astray = far = zero
+    for side in range(2):
+        end = m if side == 0 else 1 + nx - m
+        row, other, least, source, out = e[i, side], e[i, 1 - side], gap[i, side], b[i, side], defect[side]
+        up, down = e[i - 1 if i > 0 else ny - 1, side], e[i + 1 if i < ny - 1 else 0, side]
+        for k in range(side, end):
+            pulls = up[k] + down[k] + other[k - side] + other[k - side + 1]
+            value = pulls + source[k] - push - diagonal * row[k]
+            free = one if row[k] > least[k] else zero
+            off_contact = value * free
+            held = value - off_contact
+            load -= held
+            pull += held if held > zero else zero
+            free_sites += free
+            astray += off_contact
+            out[k] = off_contact
+        for k in range(side, end):
+            value, move = abs(out[k]), abs(row[k])
+            worst = value if value > worst else worst
+            far = move if move > far else far
+    sums[0], sums[1], sums[2], sums[3], sums[4], sums[5] = worst, pull, load, nx - free_sites, astray, far
+
+
+@_compiled
+def restrict_1(
+    e: Any,
+    gap: Any,
+    b: Any,
+    diagonal: Any,
+    push: Any,
+    nx: int,
     out: Any,
     sums: Any,
     low: int,
     high: int,
 ) -> None:
-    """Defect, times ``scale``, on coarse rows low to high."""
-    ny, nx = u.shape
-    defect, total = np.empty(nx), np.empty(nx)
+    """Defect on coarse rows low to high."""
+    ny, _, width = e.shape
+    defect, whole = np.zeros((2, width), np.float32), np.empty((2, width), np.float32)
+    line = np.empty(width - 1, np.float32)
     ignored = np.empty(sums.shape[1])
     for k in range(low, high):
-        total[:] = 0.0
+        whole[:] = np.float32(0.0)
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
                 continue
             if not (offset == -1 and k > low):  # else it is still in the buffer
-                defect_row_1(u, heights, k0, bed, push, i, defect, ignored if offset == -1 else sums[i])
-            part = scale if offset == 0 else 0.5 * scale
-            for j in range(nx):
-                total[j] += part * defect[j]
-        out[k] = np.float32(0.0)
-        restrict_row(total, out[k], 1.0, 0.5)
+                into = ignored if offset == -1 else sums[i]
+                defect_row_1(e, gap, b, diagonal, push, nx, i, defect, into)
+            gather(defect, offset, whole)
+        restrict_row(whole, nx, line, out[k])
 
 
 @_compiled
-def directions_1(
-    coarse: Any, step: Any, u: Any, heights: Any, i: int, between: Any, row: Any, first: Any, second: Any
-) -> None:
-    """Correction and previous step in row i, zero in contact."""
-    ny, nx = u.shape
-    interpolate_row(coarse, i, ny, np.float32(0.5), between, row)
-    for j in range(nx):
-        free = u[i, j] > heights[i, j]
-        first[j] = row[j] if free else 0.0
-        second[j] = step[i, j] if free else 0.0
+def product(x: Any, y: Any, nx: int) -> Any:
+    """Sum of x y over a parted row."""
+    m = x.shape[1] - 1
+    value = np.float32(0.0)
+    for k in range(m):
+        value += x[0, k] * y[0, k]
+    for k in range(1, 1 + nx - m):
+        value += x[1, k] * y[1, k]
+    return value
+
+
+@_compiled
+def along_bonds(x: Any, x_next: Any, y: Any, y_next: Any, nx: int) -> Any:
+    """Sum of (difference of x) (difference of y) over the bonds to the right of a row and below it."""
+    m = x.shape[1] - 1
+    value = np.float32(0.0)
+    for side in range(2):
+        a, a_right, a_below = x[side], x[1 - side], x_next[side]
+        b, b_right, b_below = y[side], y[1 - side], y_next[side]
+        for k in range(side, m if side == 0 else 1 + nx - m):
+            value += (a[k] - a_below[k]) * (b[k] - b_below[k])
+            value += (a[k] - a_right[k - side + 1]) * (b[k] - b_right[k - side + 1])
+    return value
+
+
+@_compiled
+def off_contact(line: Any, e: Any, gap: Any, nx: int, out: Any) -> None:
+    """A parted row where it is free, zero in contact."""
+    m = e.shape[1] - 1
+    for side in range(2):
+        for k in range(side, m if side == 0 else 1 + nx - m):
+            out[side, k] = line[side, k] if e[side, k] > gap[side, k] else np.float32(0.0)
+    wrap(out, nx)
 
 
 @_compiled
 def products_1(
     coarse: Any,
     step: Any,
-    u: Any,
-    heights: Any,
-    k0: float,
-    bed: float,
-    push: float,
+    e: Any,
+    gap: Any,
+    b: Any,
+    bed: Any,
+    push: Any,
+    nx: int,
     out: Any,
     low: int,
     high: int,
 ) -> None:
     """Products by rows, for correction d and step q: r.d, r.q, d.Sd, d.Sq, q.Sq, sum d, sum q."""
-    ny, nx = u.shape
-    between, line = np.empty(coarse.shape[1], np.float32), np.empty(nx, np.float32)
-    d, q = np.empty((3, nx)), np.empty((3, nx))
-    diagonal = 4.0 * k0 + bed
-    for i in (low - 1, low):
-        directions_1(coarse, step, u, heights, i % ny, between, line, d[i % 3], q[i % 3])
-    for i in range(low, high):
-        directions_1(coarse, step, u, heights, (i + 1) % ny, between, line, d[(i + 1) % 3], q[(i + 1) % 3])
-        d0, d1, d2 = d[(i - 1) % 3], d[i % 3], d[(i + 1) % 3]
-        q0, q1, q2 = q[(i - 1) % 3], q[i % 3], q[(i + 1) % 3]
-        up, down, row = u[i - 1 if i > 0 else ny - 1], u[i + 1 if i < ny - 1 else 0], u[i]
-        rd = rq = dd = dq = qq = sd = sq = 0.0
-        for j in range(1, nx - 1):
-            r = diagonal * row[j] - k0 * (up[j] + down[j] + row[j - 1] + row[j + 1]) + push
-            stiff_d = diagonal * d1[j] - k0 * (d0[j] + d2[j] + d1[j - 1] + d1[j + 1])
-            stiff_q = diagonal * q1[j] - k0 * (q0[j] + q2[j] + q1[j - 1] + q1[j + 1])
-            rd += r * d1[j]
-            rq += r * q1[j]
-            dd += stiff_d * d1[j]
-            dq += stiff_d * q1[j]
-            qq += stiff_q * q1[j]
-            sd += d1[j]
-            sq += q1[j]
-        for j in (0, nx - 1):
-            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-            r = diagonal * row[j] - k0 * (up[j] + down[j] + row[left] + row[right]) + push
-            stiff_d = diagonal * d1[j] - k0 * (d0[j] + d2[j] + d1[left] + d1[right])
-            stiff_q = diagonal * q1[j] - k0 * (q0[j] + q2[j] + q1[left] + q1[right])
-            rd += r * d1[j]
-            rq += r * q1[j]
-            dd += stiff_d * d1[j]
-            dq += stiff_d * q1[j]
-            qq += stiff_q * q1[j]
-            sd += d1[j]
-            sq += q1[j]
-        sums = out[i]
+    ny, _, width = e.shape
+    m = width - 1
+    d, q = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
+    for i in range(low, high + 1):
+        here, now = i % ny, i % 2
+        interpolate_row(coarse, here, ny, nx, d[now])
+        off_contact(d[now], e[here], gap[here], nx, d[now])
+        off_contact(step[here], e[here], gap[here], nx, q[now])
+        if i == low:
+            continue
+        x, y, d0, d1, q0, q1 = e[i - 1], e[here], d[1 - now], d[now], q[1 - now], q[now]
+        zero = np.float32(0.0)
+        rd = rq = dd = dq = qq = sd = sq = zero
+        for side in range(2):
+            a, a_right, a_below = x[side], x[1 - side], y[side]
+            f, f_right, f_below = d0[side], d0[1 - side], d1[side]
+            g, g_right, g_below = q0[side], q0[1 - side], q1[side]
+            source = b[i - 1, side]
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                known = bed * a[k] - source[k] + push
+                a1, f1, g1 = a[k] - a_below[k], f[k] - f_below[k], g[k] - g_below[k]
+                a2, f2, g2 = (
+                    a[k] - a_right[k - side + 1],
+                    f[k] - f_right[k - side + 1],
+                    g[k] - g_right[k - side + 1],
+                )
+                rd += a1 * f1 + a2 * f2 + known * f[k]
+                rq += a1 * g1 + a2 * g2 + known * g[k]
+                dd += f1 * f1 + f2 * f2 + bed * f[k] * f[k]
+                dq += f1 * g1 + f2 * g2 + bed * f[k] * g[k]
+                qq += g1 * g1 + g2 * g2 + bed * g[k] * g[k]
+                sd += f[k]
+                sq += g[k]
+        sums = out[i - 1]
         sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6] = rd, rq, dd, dq, qq, sd, sq
 
 
 @_compiled
+def move_row(line: Any, last: Any, e: Any, gap: Any, nx: int, alpha: Any, beta: Any) -> None:
+    """Move the free sites of a row by ``alpha line + beta last``, which becomes the last; and project."""
+    m = e.shape[1] - 1
+    zero = np.float32(0.0)
+    for side in range(2):
+        for k in range(side, m if side == 0 else 1 + nx - m):
+            here, least = e[side, k], gap[side, k]
+            move = alpha * line[side, k] + beta * last[side, k] if here > least else zero
+            last[side, k] = move
+            e[side, k] = max(least, here + move)
+    wrap(e, nx)
+
+
+@_compiled
 def correct_1(
-    coarse: Any, step: Any, u: Any, heights: Any, alpha: Any, beta: Any, unit: float, low: int, high: int
+    coarse: Any, step: Any, e: Any, gap: Any, nx: int, alpha: Any, beta: Any, low: int, high: int
 ) -> None:
     """Move free sites by alpha times the correction plus beta times the previous step, and project."""
-    ny, nx = u.shape
-    between, line = np.empty(coarse.shape[1], np.float32), np.empty(nx, np.float32)
+    ny, _, width = e.shape
+    line = np.zeros((2, width), np.float32)
     for i in range(low, high):
-        interpolate_row(coarse, i, ny, np.float32(0.5), between, line)
-        row, rough, last = u[i], heights[i], step[i]
-        for j in range(nx):
-            free = np.float32(1.0) if row[j] > rough[j] else np.float32(0.0)
-            last[j] = (alpha * line[j] + beta * last[j]) * free
-        for j in range(nx):
-            row[j] = max(rough[j], row[j] + unit * last[j])
+        interpolate_row(coarse, i, ny, nx, line)
+        move_row(line, step[i], e[i], gap[i], nx, alpha, beta)
 
 
 # One field on a coarse grid: (lap + bed mass + pins) e = b. gx, gy: couplings; mx, my: cell sizes.
@@ -319,28 +551,35 @@ def correct_1(
 
 @_compiled
 def coarse_sweep_1(
-    e: Any, b: Any, pins: Any, bed: Any, gx: Any, gy: Any, mx: Any, my: Any, color: int, low: int, high: int
+    e: Any,
+    b: Any,
+    pins: Any,
+    bed: Any,
+    gx: Any,
+    gy: Any,
+    mx: Any,
+    my: Any,
+    nx: int,
+    color: int,
+    low: int,
+    high: int,
 ) -> None:
     """Gauss-Seidel on the sites of one color."""
-    ny, nx = e.shape
-    new = np.empty(nx, np.float32)
+    ny, _, width = e.shape
+    m = width - 1
     for i in range(low, high):
-        up, down, row = e[i - 1 if i > 0 else ny - 1], e[i + 1 if i < ny - 1 else 0], e[i]
-        above, below, size = gy[i - 1 if i > 0 else ny - 1], gy[i], my[i]
-        source, pin = b[i], pins[i]
-        for j in range(1, nx - 1):
-            diagonal = (gx[j - 1] + gx[j] + bed * mx[j]) * size + (above + below) * mx[j] + pin[j]
-            pulls = mx[j] * (above * up[j] + below * down[j])
-            pulls += size * (gx[j - 1] * row[j - 1] + gx[j] * row[j + 1])
-            new[j] = (source[j] + pulls) / diagonal
-        for j in (0, nx - 1):
-            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-            diagonal = (gx[left] + gx[j] + bed * mx[j]) * size + (above + below) * mx[j] + pin[j]
-            pulls = mx[j] * (above * up[j] + below * down[j])
-            pulls += size * (gx[left] * row[left] + gx[j] * row[right])
-            new[j] = (source[j] + pulls) / diagonal
-        for j in range((i + color) & 1, nx, 2):
-            row[j] = new[j]
+        side = (i + color) & 1
+        before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
+        row, other, up, down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
+        above, below, size = gy[before], gy[i], my[i]
+        right, left, cell, source, pin = gx[side], gx[1 - side], mx[side], b[i, side], pins[i, side]
+        for k in range(side, m if side == 0 else 1 + nx - m):
+            g = left[k - side]
+            diagonal = (g + right[k] + bed * cell[k]) * size + (above + below) * cell[k] + pin[k]
+            pulls = cell[k] * (above * up[k] + below * down[k])
+            pulls += size * (g * other[k - side] + right[k] * other[k - side + 1])
+            row[k] = (source[k] + pulls) / diagonal
+        wrap(e[i], nx)
 
 
 @_compiled
@@ -353,105 +592,113 @@ def coarse_restrict_1(
     gy: Any,
     mx: Any,
     my: Any,
+    nx: int,
     push: Any,
     out: Any,
     low: int,
     high: int,
 ) -> None:
     """Defect b - push mass - (...) e on the next coarser grid, rows low to high."""
-    ny, nx = e.shape
-    defect, total = np.empty(nx, np.float32), np.empty(nx, np.float32)
-    one, half = np.float32(1.0), np.float32(0.5)
+    ny, _, width = e.shape
+    m = width - 1
+    defect, whole = np.zeros((2, width), np.float32), np.empty((2, width), np.float32)
+    line = np.empty(m, np.float32)
     for k in range(low, high):
-        total[:] = np.float32(0.0)
+        whole[:] = np.float32(0.0)
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
                 continue
             if not (offset == -1 and k > low):  # else it is still in the buffer
-                up, down, row = e[i - 1 if i > 0 else ny - 1], e[i + 1 if i < ny - 1 else 0], e[i]
-                above, below, size = gy[i - 1 if i > 0 else ny - 1], gy[i], my[i]
-                for j in range(nx):
-                    left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-                    diagonal = (gx[left] + gx[j] + bed * mx[j]) * size + (above + below) * mx[j]
-                    pulls = mx[j] * (above * up[j] + below * down[j])
-                    pulls += size * (gx[left] * row[left] + gx[j] * row[right])
-                    defect[j] = b[i, j] - push * size * mx[j] + pulls - (diagonal + pins[i, j]) * row[j]
-            part = one if offset == 0 else half
-            for j in range(nx):
-                total[j] += part * defect[j]
-        out[k] = np.float32(0.0)
-        restrict_row(total, out[k], one, half)
+                before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
+                above, below, size = gy[before], gy[i], my[i]
+                for side in range(2):
+                    row, other, up, down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
+                    right, left, cell, source = gx[side], gx[1 - side], mx[side], b[i, side]
+                    pin, to = pins[i, side], defect[side]
+                    for j in range(side, m if side == 0 else 1 + nx - m):
+                        g = left[j - side]
+                        diagonal = (g + right[j] + bed * cell[j]) * size + (above + below) * cell[j] + pin[j]
+                        pulls = cell[j] * (above * up[j] + below * down[j] - push * size)
+                        pulls += size * (g * other[j - side] + right[j] * other[j - side + 1])
+                        to[j] = source[j] + pulls - diagonal * row[j]
+            gather(defect, offset, whole)
+        restrict_row(whole, nx, line, out[k])
 
 
 @_compiled
-def coarse_correct(coarse: Any, e: Any, b: Any, shift: Any, mx: Any, my: Any, low: int, high: int) -> None:
+def coarse_correct(
+    coarse: Any, e: Any, b: Any, shift: Any, mx: Any, my: Any, nx: int, low: int, high: int
+) -> None:
     """Add the interpolated correction to e, and ``shift`` times the cell size to b."""
-    ny, nx = e.shape
-    between, line = np.empty(coarse.shape[1], np.float32), np.empty(nx, np.float32)
+    ny, _, width = e.shape
+    m = width - 1
+    line = np.zeros((2, width), np.float32)
     for i in range(low, high):
-        interpolate_row(coarse, i, ny, np.float32(0.5), between, line)
-        row, source, size = e[i], b[i], shift * my[i]
-        for j in range(nx):
-            row[j] += line[j]
-            source[j] += size * mx[j]
+        interpolate_row(coarse, i, ny, nx, line)
+        size = shift * my[i]
+        for side in range(2):
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                e[i, side, k] += line[side, k]
+                b[i, side, k] += size * mx[side, k]
+        wrap(e[i], nx)
 
 
 # Two fields, u and its stretch w = u - u0, for a step of creep from the shape v:
 #     k0 L u + k1 w = r            w + spread L w + drag w = u - v + shift
+# and the corrections e and f of both, with ``lag`` = 1 + drag:
+#     lap e + bed f = b            spread lap f + lag f - e = c + shift
 
 
 @_compiled
 def relax_row_2(
-    u: Any,
-    w: Any,
-    heights: Any,
-    v: Any,
-    k0: float,
-    k1: float,
-    spread: float,
-    drag: float,
-    shift: float,
+    e: Any,
+    f: Any,
+    gap: Any,
+    b: Any,
+    c: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    shift: Any,
+    nx: int,
     i: int,
     color: int,
-    new_u: Any,
-    new_w: Any,
 ) -> None:
     """Projected Gauss-Seidel, both fields of a site at once, on the sites of one color in row i."""
-    ny, nx = u.shape
-    damping = 1.0 / (1.0 + drag + 4.0 * spread)
-    damped = k1 * damping
-    inverse = 1.0 / (4.0 * k0 + damped)
+    ny, _, width = e.shape
+    m = width - 1
+    side = (i + color) & 1
+    four = np.float32(4.0)
+    damping = np.float32(1.0) / (lag + four * spread)
+    damped = bed * damping
+    inverse = np.float32(1.0) / (four + damped)
     before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
-    up, down, row, rough = u[before], u[after], u[i], heights[i]
-    w_up, w_down, w_row, shape = w[before], w[after], w[i], v[i]
-    for j in range(1, nx - 1):
-        new_w[j] = spread * (w_up[j] + w_down[j] + w_row[j - 1] + w_row[j + 1]) - shape[j] + shift
-    for j in range(1, nx - 1):
-        pulls = k0 * (up[j] + down[j] + row[j - 1] + row[j + 1])
-        new_u[j] = max(rough[j], (pulls - damped * new_w[j]) * inverse)
-    for j in (0, nx - 1):
-        left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-        known = spread * (w_up[j] + w_down[j] + w_row[left] + w_row[right]) - shape[j] + shift
-        pulls = k0 * (up[j] + down[j] + row[left] + row[right])
-        new_u[j] = max(rough[j], (pulls - damped * known) * inverse)
-        new_w[j] = known
-    for j in range((i + color) & 1, nx, 2):
-        row[j] = new_u[j]
-        w_row[j] = (new_u[j] + new_w[j]) * damping
+    e_row, e_other, e_up, e_down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
+    f_row, f_other, f_up, f_down = f[i, side], f[i, 1 - side], f[before, side], f[after, side]
+    least, first, second = gap[i, side], b[i, side], c[i, side]
+    for k in range(side, m if side == 0 else 1 + nx - m):
+        pulls = e_up[k] + e_down[k] + e_other[k - side] + e_other[k - side + 1] + first[k]
+        known = spread * (f_up[k] + f_down[k] + f_other[k - side] + f_other[k - side + 1]) + second[k] + shift
+        value = max(least[k], (pulls - damped * known) * inverse)
+        e_row[k] = value
+        f_row[k] = (value + known) * damping
+    wrap(e[i], nx)
+    wrap(f[i], nx)
 
 
 @_compiled
 def sweeps_2(
-    u: Any,
-    w: Any,
-    heights: Any,
-    v: Any,
-    k0: float,
-    k1: float,
-    spread: float,
-    drag: float,
-    shift: float,
+    e: Any,
+    f: Any,
+    gap: Any,
+    b: Any,
+    c: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    shift: Any,
+    nx: int,
     halves: int,
     low: int,
     high: int,
@@ -460,281 +707,225 @@ def sweeps_2(
 
     Where the number of rows is odd the last has the color of the first, its neighbor, and waits.
     """
-    nx = u.shape[1]
-    new_u, new_w = np.empty(nx), np.empty(nx)
-    last = high - 1 if high == u.shape[0] and high % 2 else high
+    last = high - 1 if high == e.shape[0] and high % 2 else high
     for front in range(low, high + halves - 1):
         for half in range(halves):
             i = front - half
             if low + half <= i < last - half:
-                relax_row_2(u, w, heights, v, k0, k1, spread, drag, shift, i, half & 1, new_u, new_w)
+                relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, half & 1)
 
 
 @_compiled
 def close_sweeps_2(
-    u: Any,
-    w: Any,
-    heights: Any,
-    v: Any,
-    k0: float,
-    k1: float,
-    spread: float,
-    drag: float,
-    shift: float,
+    e: Any,
+    f: Any,
+    gap: Any,
+    b: Any,
+    c: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    shift: Any,
+    nx: int,
     halves: int,
     edge: int,
 ) -> None:
     """What `sweeps_2` left undone on both sides of an edge between slabs."""
-    ny, nx = u.shape
-    new_u, new_w = np.empty(nx), np.empty(nx)
+    ny = e.shape[0]
     odd = 1 if edge == 0 and ny % 2 else 0
     for half in range(1 - odd, halves):
         for i in range(edge - half - odd, edge + half):
-            relax_row_2(u, w, heights, v, k0, k1, spread, drag, shift, i % ny, half & 1, new_u, new_w)
+            relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i % ny, half & 1)
 
 
 @_compiled
 def defect_row_2(
-    u: Any,
-    w: Any,
-    heights: Any,
-    v: Any,
-    k0: float,
-    k1: float,
-    spread: float,
-    drag: float,
-    shift: float,
+    e: Any,
+    f: Any,
+    gap: Any,
+    b: Any,
+    c: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    shift: Any,
+    nx: int,
     i: int,
     balance: Any,
     creep: Any,
     sums: Any,
 ) -> None:
-    """Defects of both equations in row i; ``sums``: their squares, sum of w, contacts."""
-    ny, nx = u.shape
+    """Defects of both equations in row i; ``sums``: their squares, sum of f, contacts, squares of e."""
+    ny, _, width = e.shape
+    m = width - 1
+    zero, one, four = np.float32(0.0), np.float32(1.0), np.float32(4.0)
     before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
-    up, down, row, rough = u[before], u[after], u[i], heights[i]
-    w_up, w_down, w_row, shape = w[before], w[after], w[i], v[i]
-    diagonal = 1.0 + drag + 4.0 * spread
-    for j in range(1, nx - 1):
-        balance[j] = k0 * (up[j] + down[j] + row[j - 1] + row[j + 1] - 4.0 * row[j]) - k1 * w_row[j]
-    for j in range(1, nx - 1):
-        spreading = spread * (w_up[j] + w_down[j] + w_row[j - 1] + w_row[j + 1])
-        creep[j] = spreading - diagonal * w_row[j] + row[j] - shape[j] + shift
-    for j in (0, nx - 1):
-        left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-        balance[j] = k0 * (up[j] + down[j] + row[left] + row[right] - 4.0 * row[j]) - k1 * w_row[j]
-        spreading = spread * (w_up[j] + w_down[j] + w_row[left] + w_row[right])
-        creep[j] = spreading - diagonal * w_row[j] + row[j] - shape[j] + shift
-    first = second = stretch = free_sites = 0.0
-    for j in range(nx):
-        free = 1.0 if row[j] > rough[j] else 0.0
-        value = balance[j] * free
-        balance[j] = value
-        first += value * value
-        free_sites += free
-    for j in range(nx):
-        second += creep[j] * creep[j]
-        stretch += w_row[j]
-    sums[0], sums[1], sums[2], sums[3] = first, second, stretch, nx - free_sites
+    squares_1 = squares_2 = stretch = free_sites = moves = zero
+    diagonal = lag + four * spread
+    for side in range(2):
+        e_row, e_other, e_up, e_down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
+        f_row, f_other, f_up, f_down = f[i, side], f[i, 1 - side], f[before, side], f[after, side]
+        least, first, second = gap[i, side], b[i, side], c[i, side]
+        out_1, out_2 = balance[side], creep[side]
+        for k in range(side, m if side == 0 else 1 + nx - m):
+            pulls = e_up[k] + e_down[k] + e_other[k - side] + e_other[k - side + 1] - four * e_row[k]
+            free = one if e_row[k] > least[k] else zero
+            value = (pulls + first[k] - bed * f_row[k]) * free
+            flow = spread * (f_up[k] + f_down[k] + f_other[k - side] + f_other[k - side + 1])
+            flow += second[k] + shift + e_row[k] - diagonal * f_row[k]
+            out_1[k], out_2[k] = value, flow
+            squares_1 += value * value
+            squares_2 += flow * flow
+            free_sites += free
+            stretch += f_row[k]
+            moves += e_row[k] * e_row[k]
+    sums[0], sums[1], sums[2], sums[3], sums[4] = squares_1, squares_2, stretch, nx - free_sites, moves
 
 
 @_compiled
 def restrict_2(
-    u: Any,
-    w: Any,
-    heights: Any,
-    v: Any,
-    k0: float,
-    k1: float,
-    spread: float,
-    drag: float,
-    shift: float,
-    scale: float,
+    e: Any,
+    f: Any,
+    gap: Any,
+    b: Any,
+    c: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    shift: Any,
+    nx: int,
     out_1: Any,
     out_2: Any,
     sums: Any,
     low: int,
     high: int,
 ) -> None:
-    """Both defects on coarse rows low to high: the first times ``scale / k0``, the second times ``scale``."""
-    ny, nx = u.shape
-    balance, creep = np.empty(nx), np.empty(nx)
-    total_1, total_2 = np.empty(nx), np.empty(nx)
+    """Both defects on coarse rows low to high."""
+    ny, _, width = e.shape
+    balance, creep = np.zeros((2, width), np.float32), np.zeros((2, width), np.float32)
+    whole_1, whole_2 = np.empty((2, width), np.float32), np.empty((2, width), np.float32)
+    line = np.empty(width - 1, np.float32)
     ignored = np.empty(sums.shape[1])
     for k in range(low, high):
-        total_1[:] = 0.0
-        total_2[:] = 0.0
+        whole_1[:] = np.float32(0.0)
+        whole_2[:] = np.float32(0.0)
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
                 continue
             if not (offset == -1 and k > low):  # else it is still in the buffers
                 into = ignored if offset == -1 else sums[i]
-                defect_row_2(u, w, heights, v, k0, k1, spread, drag, shift, i, balance, creep, into)
-            part = scale if offset == 0 else 0.5 * scale
-            for j in range(nx):
-                total_1[j] += part * balance[j]
-                total_2[j] += part * creep[j]
-        out_1[k] = np.float32(0.0)
-        out_2[k] = np.float32(0.0)
-        restrict_row(total_1, out_1[k], 1.0 / k0, 0.5 / k0)
-        restrict_row(total_2, out_2[k], 1.0, 0.5)
+                defect_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, balance, creep, into)
+            gather(balance, offset, whole_1)
+            gather(creep, offset, whole_2)
+        restrict_row(whole_1, nx, line, out_1[k])
+        restrict_row(whole_2, nx, line, out_2[k])
 
 
 @_compiled
-def directions_2(
-    coarse_u: Any,
-    coarse_w: Any,
-    step_u: Any,
-    step_w: Any,
-    u: Any,
-    heights: Any,
-    i: int,
-    between: Any,
-    row: Any,
-    d: Any,
+def form_2(
+    x: Any,
+    x1: Any,
     f: Any,
-    q: Any,
+    f1: Any,
+    y: Any,
+    y1: Any,
     g: Any,
-) -> None:
-    """Correction (d, f) and previous step (q, g) in row i; u stays in contact."""
-    ny, nx = u.shape
-    interpolate_row(coarse_u, i, ny, np.float32(0.5), between, row)
-    for j in range(nx):
-        free = u[i, j] > heights[i, j]
-        d[j] = row[j] if free else 0.0
-        q[j] = step_u[i, j] if free else 0.0
-        g[j] = step_w[i, j]
-    interpolate_row(coarse_w, i, ny, np.float32(0.5), between, row)
-    for j in range(nx):
-        f[j] = row[j]
+    g1: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    nx: int,
+) -> Any:
+    """Symmetric form of (x, f) and (y, g) on a row and its bonds to the next, x1, f1, y1 and g1."""
+    creep = spread * along_bonds(f, f1, g, g1, nx) + lag * product(f, g, nx)
+    return along_bonds(x, x1, y, y1, nx) + bed * (product(x, g, nx) + product(f, y, nx) - creep)
 
 
 @_compiled
 def products_2(
-    coarse_u: Any,
-    coarse_w: Any,
-    step_u: Any,
-    step_w: Any,
-    u: Any,
-    w: Any,
-    heights: Any,
-    v: Any,
-    k0: float,
-    k1: float,
-    spread: float,
-    drag: float,
-    shift: float,
+    coarse_e: Any,
+    coarse_f: Any,
+    step_e: Any,
+    step_f: Any,
+    e: Any,
+    f: Any,
+    gap: Any,
+    b: Any,
+    c: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    shift: Any,
+    nx: int,
     out: Any,
     low: int,
     high: int,
 ) -> None:
-    """Products of the symmetric form by rows, for the correction (d, f) and the previous step (q, g).
+    """Products of the symmetric form by rows, for the correction (d, p) and the previous step (q, g).
 
-    Gradient with either, then dd, dq, qq, the sum of f and that of g.
+    Gradient with either, then dd, dq, qq, the sum of p and that of g.
     """
-    ny, nx = u.shape
-    between, line = np.empty(coarse_u.shape[1], np.float32), np.empty(nx, np.float32)
-    d, f, q, g = np.empty((3, nx)), np.empty((3, nx)), np.empty((3, nx)), np.empty((3, nx))
-    diagonal = 1.0 + drag + 4.0 * spread
-    for i in (low - 1, low):
-        k = i % 3
-        directions_2(
-            coarse_u, coarse_w, step_u, step_w, u, heights, i % ny, between, line, d[k], f[k], q[k], g[k]
-        )
-    for i in range(low, high):
-        a, b, c = (i - 1) % 3, i % 3, (i + 1) % 3
-        directions_2(
-            coarse_u,
-            coarse_w,
-            step_u,
-            step_w,
-            u,
-            heights,
-            (i + 1) % ny,
-            between,
-            line,
-            d[c],
-            f[c],
-            q[c],
-            g[c],
-        )
-        before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
-        rd = rq = dd = dq = qq = sf = sg = 0.0
-        for j in range(nx):
-            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-            force = (
-                k0 * (4.0 * u[i, j] - u[before, j] - u[after, j] - u[i, left] - u[i, right]) + k1 * w[i, j]
-            )
-            spreading = spread * (w[before, j] + w[after, j] + w[i, left] + w[i, right])
-            creep = k1 * (u[i, j] - v[i, j] + shift - diagonal * w[i, j] + spreading)
-            force_d = k0 * (4.0 * d[b, j] - d[a, j] - d[c, j] - d[b, left] - d[b, right]) + k1 * f[b, j]
-            spreading = spread * (f[a, j] + f[c, j] + f[b, left] + f[b, right])
-            creep_d = k1 * (d[b, j] - diagonal * f[b, j] + spreading)
-            force_q = k0 * (4.0 * q[b, j] - q[a, j] - q[c, j] - q[b, left] - q[b, right]) + k1 * g[b, j]
-            spreading = spread * (g[a, j] + g[c, j] + g[b, left] + g[b, right])
-            creep_q = k1 * (q[b, j] - diagonal * g[b, j] + spreading)
-            rd += force * d[b, j] + creep * f[b, j]
-            rq += force * q[b, j] + creep * g[b, j]
-            dd += force_d * d[b, j] + creep_d * f[b, j]
-            dq += force_d * q[b, j] + creep_d * g[b, j]
-            qq += force_q * q[b, j] + creep_q * g[b, j]
-            sf += f[b, j]
-            sg += g[b, j]
-        sums = out[i]
-        sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6] = rd, rq, dd, dq, qq, sf, sg
+    ny, _, width = e.shape
+    d, p = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
+    q, ones = np.zeros((2, 2, width), np.float32), np.ones((2, width), np.float32)
+    for i in range(low, high + 1):
+        y, now = i % ny, i % 2
+        interpolate_row(coarse_e, y, ny, nx, d[now])
+        off_contact(d[now], e[y], gap[y], nx, d[now])
+        off_contact(step_e[y], e[y], gap[y], nx, q[now])
+        interpolate_row(coarse_f, y, ny, nx, p[now])
+        if i == low:
+            continue
+        x = i - 1
+        d0, d1, p0, p1, q0, q1 = d[1 - now], d[now], p[1 - now], p[now], q[1 - now], q[now]
+        g0, g1, e0, e1, f0, f1 = step_f[x], step_f[y], e[x], e[y], f[x], f[y]
+        sum_p, sum_g = product(p0, ones, nx), product(g0, ones, nx)
+        sums = out[x]
+        sums[0] = form_2(e0, e1, f0, f1, d0, d1, p0, p1, bed, spread, lag, nx) - product(b[x], d0, nx)
+        sums[0] += bed * (product(c[x], p0, nx) + shift * sum_p)
+        sums[1] = form_2(e0, e1, f0, f1, q0, q1, g0, g1, bed, spread, lag, nx) - product(b[x], q0, nx)
+        sums[1] += bed * (product(c[x], g0, nx) + shift * sum_g)
+        sums[2] = form_2(d0, d1, p0, p1, d0, d1, p0, p1, bed, spread, lag, nx)
+        sums[3] = form_2(d0, d1, p0, p1, q0, q1, g0, g1, bed, spread, lag, nx)
+        sums[4] = form_2(q0, q1, g0, g1, q0, q1, g0, g1, bed, spread, lag, nx)
+        sums[5], sums[6] = sum_p, sum_g
 
 
 @_compiled
 def correct_2(
-    coarse_u: Any,
-    coarse_w: Any,
-    step_u: Any,
-    step_w: Any,
-    u: Any,
-    w: Any,
-    heights: Any,
+    coarse_e: Any,
+    coarse_f: Any,
+    step_e: Any,
+    step_f: Any,
+    e: Any,
+    f: Any,
+    gap: Any,
+    nx: int,
     alpha: Any,
     beta: Any,
-    unit: float,
-    keep: bool,
     low: int,
     high: int,
 ) -> None:
-    """Move free sites, and w everywhere, by alpha times the correction plus beta times the last step.
-
-    Unless ``keep``, there is no last step, and this one is not kept.
-    """
-    ny, nx = u.shape
-    between, line = np.empty(coarse_u.shape[1], np.float32), np.empty(nx, np.float32)
+    """Move free sites, and f everywhere, by alpha times the correction plus beta times the last step."""
+    ny, _, width = e.shape
+    m = width - 1
+    line = np.zeros((2, width), np.float32)
     for i in range(low, high):
-        row, rough, last, w_row, w_last = u[i], heights[i], step_u[i], w[i], step_w[i]
-        interpolate_row(coarse_u, i, ny, np.float32(0.5), between, line)
-        if keep:
-            for j in range(nx):
-                free = np.float32(1.0) if row[j] > rough[j] else np.float32(0.0)
-                last[j] = (alpha * line[j] + beta * last[j]) * free
-            for j in range(nx):
-                row[j] = max(rough[j], row[j] + unit * last[j])
-        else:
-            for j in range(nx):
-                free = np.float32(1.0) if row[j] > rough[j] else np.float32(0.0)
-                line[j] = alpha * line[j] * free
-            for j in range(nx):
-                row[j] = max(rough[j], row[j] + unit * line[j])
-        interpolate_row(coarse_w, i, ny, np.float32(0.5), between, line)
-        if keep:
-            for j in range(nx):
-                move = alpha * line[j] + beta * w_last[j]
-                w_last[j] = move
-                w_row[j] += unit * move
-        else:
-            for j in range(nx):
-                w_row[j] += unit * (alpha * line[j])
+        interpolate_row(coarse_e, i, ny, nx, line)
+        move_row(line, step_e[i], e[i], gap[i], nx, alpha, beta)
+        interpolate_row(coarse_f, i, ny, nx, line)
+        for side in range(2):
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                move = alpha * line[side, k] + beta * step_f[i, side, k]
+                step_f[i, side, k] = move
+                f[i, side, k] += move
+        wrap(f[i], nx)
+        wrap(step_f[i], nx)
 
 
 # Two fields on a coarse grid:
-#     (lap + pins) e + bed mass f = b          (spread lap + (1 + drag) mass) f - mass e = c
+#     (lap + pins) e + bed mass f = b          (spread lap + lag mass) f - mass e = c
 
 
 @_compiled
@@ -751,49 +942,39 @@ def coarse_sweep_2(
     gy: Any,
     mx: Any,
     my: Any,
+    nx: int,
     color: int,
     low: int,
     high: int,
 ) -> None:
-    """Gauss-Seidel, both fields of a site at once, on the sites of one color; ``lag`` is 1 + drag."""
-    ny, nx = e.shape
-    new_e, new_f = np.empty(nx, np.float32), np.empty(nx, np.float32)
+    """Gauss-Seidel, both fields of a site at once, on the sites of one color."""
+    ny, _, width = e.shape
+    m = width - 1
     one = np.float32(1.0)
     for i in range(low, high):
+        side = (i + color) & 1
         before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
         above, below, size = gy[before], gy[i], my[i]
-        e_up, e_down, e_row, f_up, f_down, f_row = e[before], e[after], e[i], f[before], f[after], f[i]
-        b_row, c_row, pin = b[i], c[i], pins[i]
-        for j in range(1, nx - 1):
-            lap = (gx[j - 1] + gx[j]) * size + (above + below) * mx[j]
-            mass = size * mx[j]
-            first = b_row[j] + mx[j] * (above * e_up[j] + below * e_down[j])
-            first += size * (gx[j - 1] * e_row[j - 1] + gx[j] * e_row[j + 1])
-            second = mx[j] * (above * f_up[j] + below * f_down[j])
-            second += size * (gx[j - 1] * f_row[j - 1] + gx[j] * f_row[j + 1])
-            second = c_row[j] + spread * second
+        e_row, e_other, e_up, e_down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
+        f_row, f_other, f_up, f_down = f[i, side], f[i, 1 - side], f[before, side], f[after, side]
+        right, left, cell = gx[side], gx[1 - side], mx[side]
+        pin, first, second = pins[i, side], b[i, side], c[i, side]
+        for k in range(side, m if side == 0 else 1 + nx - m):
+            g = left[k - side]
+            lap = (g + right[k]) * size + (above + below) * cell[k]
+            mass = size * cell[k]
+            pulls = cell[k] * (above * e_up[k] + below * e_down[k])
+            pulls += size * (g * e_other[k - side] + right[k] * e_other[k - side + 1]) + first[k]
+            flow = cell[k] * (above * f_up[k] + below * f_down[k])
+            flow += size * (g * f_other[k - side] + right[k] * f_other[k - side + 1])
+            known = second[k] + spread * flow
             inverse = one / (mass * lag + spread * lap)
             coupling = bed * mass * inverse
-            value = (first - coupling * second) / (lap + pin[j] + coupling * mass)
-            new_e[j] = value
-            new_f[j] = (second + mass * value) * inverse
-        for j in (0, nx - 1):
-            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-            lap = (gx[left] + gx[j]) * size + (above + below) * mx[j]
-            mass = size * mx[j]
-            first = b_row[j] + mx[j] * (above * e_up[j] + below * e_down[j])
-            first += size * (gx[left] * e_row[left] + gx[j] * e_row[right])
-            second = mx[j] * (above * f_up[j] + below * f_down[j])
-            second += size * (gx[left] * f_row[left] + gx[j] * f_row[right])
-            second = c_row[j] + spread * second
-            inverse = one / (mass * lag + spread * lap)
-            coupling = bed * mass * inverse
-            value = (first - coupling * second) / (lap + pin[j] + coupling * mass)
-            new_e[j] = value
-            new_f[j] = (second + mass * value) * inverse
-        for j in range((i + color) & 1, nx, 2):
-            e_row[j] = new_e[j]
-            f_row[j] = new_f[j]
+            value = (pulls - coupling * known) / (lap + pin[k] + coupling * mass)
+            e_row[k] = value
+            f_row[k] = (known + mass * value) * inverse
+        wrap(e[i], nx)
+        wrap(f[i], nx)
 
 
 @_compiled
@@ -810,19 +991,21 @@ def coarse_restrict_2(
     gy: Any,
     mx: Any,
     my: Any,
+    nx: int,
     out_b: Any,
     out_c: Any,
     low: int,
     high: int,
 ) -> None:
     """Defects of both equations on the next coarser grid, rows low to high."""
-    ny, nx = e.shape
-    first, second = np.empty(nx, np.float32), np.empty(nx, np.float32)
-    total_1, total_2 = np.empty(nx, np.float32), np.empty(nx, np.float32)
-    one, half, zero = np.float32(1.0), np.float32(0.5), np.float32(0.0)
+    ny, _, width = e.shape
+    m = width - 1
+    balance, creep = np.zeros((2, width), np.float32), np.zeros((2, width), np.float32)
+    whole_1, whole_2 = np.empty((2, width), np.float32), np.empty((2, width), np.float32)
+    line = np.empty(m, np.float32)
     for k in range(low, high):
-        total_1[:] = zero
-        total_2[:] = zero
+        whole_1[:] = np.float32(0.0)
+        whole_2[:] = np.float32(0.0)
         for offset in range(-1, 2):
             i = fine_row(k, offset, ny)
             if i < 0:
@@ -830,28 +1013,27 @@ def coarse_restrict_2(
             if not (offset == -1 and k > low):  # else it is still in the buffers
                 before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
                 above, below, size = gy[before], gy[i], my[i]
-                e_up, e_down, e_row = e[before], e[after], e[i]
-                f_up, f_down, f_row = f[before], f[after], f[i]
-                for j in range(nx):
-                    left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-                    lap = (gx[left] + gx[j]) * size + (above + below) * mx[j]
-                    mass = size * mx[j]
-                    pull = mx[j] * (above * e_up[j] + below * e_down[j])
-                    pull += size * (gx[left] * e_row[left] + gx[j] * e_row[right])
-                    first[j] = b[i, j] + pull - (lap + pins[i, j]) * e_row[j] - bed * mass * f_row[j]
-                    flow = mx[j] * (above * f_up[j] + below * f_down[j])
-                    flow += size * (gx[left] * f_row[left] + gx[j] * f_row[right])
-                    second[j] = (
-                        c[i, j] + spread * (flow - lap * f_row[j]) + mass * (e_row[j] - lag * f_row[j])
-                    )
-            part = one if offset == 0 else half
-            for j in range(nx):
-                total_1[j] += part * first[j]
-                total_2[j] += part * second[j]
-        out_b[k] = zero
-        out_c[k] = zero
-        restrict_row(total_1, out_b[k], one, half)
-        restrict_row(total_2, out_c[k], one, half)
+                for side in range(2):
+                    e_row, e_other, e_up, e_down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
+                    f_row, f_other, f_up, f_down = f[i, side], f[i, 1 - side], f[before, side], f[after, side]
+                    right, left, cell = gx[side], gx[1 - side], mx[side]
+                    pin, first, second = pins[i, side], b[i, side], c[i, side]
+                    out_1, out_2 = balance[side], creep[side]
+                    for j in range(side, m if side == 0 else 1 + nx - m):
+                        g = left[j - side]
+                        lap = (g + right[j]) * size + (above + below) * cell[j]
+                        mass = size * cell[j]
+                        pulls = cell[j] * (above * e_up[j] + below * e_down[j])
+                        pulls += size * (g * e_other[j - side] + right[j] * e_other[j - side + 1])
+                        flow = cell[j] * (above * f_up[j] + below * f_down[j])
+                        flow += size * (g * f_other[j - side] + right[j] * f_other[j - side + 1])
+                        out_1[j] = first[j] + pulls - (lap + pin[j]) * e_row[j] - bed * mass * f_row[j]
+                        out_2[j] = second[j] + spread * (flow - lap * f_row[j])
+                        out_2[j] += mass * (e_row[j] - lag * f_row[j])
+            gather(balance, offset, whole_1)
+            gather(creep, offset, whole_2)
+        restrict_row(whole_1, nx, line, out_b[k])
+        restrict_row(whole_2, nx, line, out_c[k])
 
 
 # Fields of the spring lattice.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -53,41 +54,68 @@ class Axis:
         return Axis(1.0 / apart if apart.size > 1 else np.zeros(1), size)
 
 
+def parted_shape(ny: int, nx: int) -> tuple[int, int, int]:
+    """Shape of a field whose rows are parted; see `asperity.contact.kernels`."""
+    return ny, 2, (nx + 1) // 2 + 1
+
+
+def parted(field: NDArray[np.floating]) -> Single:
+    """A field or one row, in single precision, its rows parted; no images, and 0 where there is no site."""
+    lines = np.atleast_2d(field)
+    out = np.zeros(parted_shape(*lines.shape), np.float32)
+    for row, line in zip(out, lines, strict=True):
+        kernels.part(line, row)
+    return out.reshape(*field.shape[:-1], *out.shape[1:])
+
+
 class Grid:
-    """One coarse grid and the work arrays on it, in single precision."""
+    """One coarse grid and the work arrays on it: single precision, rows parted."""
 
     def __init__(self, y: Axis, x: Axis, fields: int) -> None:
         self.shape = (y.size.size, x.size.size)
-        self.gx, self.mx = x.coupling.astype(np.float32), x.size.astype(np.float32)
+        self.gx, self.mx = parted(x.coupling), parted(x.size)
+        kernels.wrap(self.gx, x.size.size)
         self.gy, self.my = y.coupling.astype(np.float32), y.size.astype(np.float32)
-        self.pins = np.zeros(self.shape, np.float32)
-        self.corrections = [np.zeros(self.shape, np.float32) for _ in range(fields)]
-        self.sources = [np.zeros(self.shape, np.float32) for _ in range(fields)]
+        self.axes = (y, x)
+        parts = parted_shape(*self.shape)
+        self.pins = np.zeros(parts, np.float32)
+        self.corrections = [np.zeros(parts, np.float32) for _ in range(fields)]
+        self.sources = [np.zeros(parts, np.float32) for _ in range(fields)]
+        self.joined = [np.zeros(self.shape, np.float32) for _ in range(fields)]
+        """The corrections, rows in order, for the next finer grid."""
 
     @property
-    def geometry(self) -> tuple[Single, Single, Single, Single]:
-        """Couplings and cell sizes, as the kernels take them."""
-        return self.gx, self.gy, self.mx, self.my
+    def geometry(self) -> tuple[Single, Single, Single, Single, int]:
+        """Couplings, cell sizes and number of columns, as the kernels take them."""
+        return self.gx, self.gy, self.mx, self.my, self.shape[1]
 
     @cached_property
     def cells(self) -> Field:
         """Sizes of the cells."""
-        return np.outer(self.my, self.mx).astype(float).ravel()
+        y, x = self.axes
+        return np.outer(y.size, x.size).ravel()
 
     def total(self, field: Single) -> float:
         """Sum of a field over the sites that the cells stand for."""
-        return float(np.sum(self.my * np.einsum("ij,j->i", field, self.mx), dtype=float))
+        return float(np.sum(self.my * np.einsum("isk,sk->i", field, self.mx), dtype=float))
+
+    def in_order(self, field: Single) -> Field:
+        """A field as a vector; for the coarsest grid."""
+        out = np.empty(self.shape)
+        kernels.join_rows(field, out, 0, len(out))
+        return out.ravel()
 
     def laplacian(self) -> Field:
         """Minus the Laplacian as a matrix; for the coarsest grid."""
         ny, nx = self.shape
+        y, x = self.axes
         matrix = np.zeros((ny * nx, ny * nx))
         for i in range(ny):
             for j in range(nx):
                 here = i * nx + j
                 for there, coupling in (
-                    ((i + 1) % ny * nx + j, self.gy[i] * self.mx[j]),
-                    (i * nx + (j + 1) % nx, self.gx[j] * self.my[i]),
+                    ((i + 1) % ny * nx + j, y.coupling[i] * x.size[j]),
+                    (i * nx + (j + 1) % nx, x.coupling[j] * y.size[i]),
                 ):
                     matrix[here, here] += coupling
                     matrix[there, there] += coupling
@@ -165,17 +193,17 @@ class Hierarchy:
             y, x = y.coarser(), x.coarser()
             self.grids.append(Grid(y, x, fields))
 
-    def set_pins(self, u: Field, heights: Field, contacts: int, response: Response) -> None:
-        """Let the coarse grids feel the contacts."""
-        if contacts == 0:
+    def set_pins(self, e: Single, gap: Single, columns: int, fraction: float, response: Response) -> None:
+        """Let the coarse grids feel the contacts, which are a fraction of the sites."""
+        if fraction == 0:
             for grid in self.grids:
                 grid.pins.fill(0.0)
             return
-        sigma = response.coherent_potential(contacts / u.size)
+        sigma = response.coherent_potential(fraction)
         first = self.grids[0]
         strength = np.float32(1.0 / response.softening(0, sigma))
-        self.rows(kernels.pins_of_contacts, *first.shape, u, heights, strength, first.pins)
+        self.rows(kernels.pins_of_contacts, *first.shape, e, gap, columns, strength, first.pins)
         for level, (fine, coarse) in enumerate(zip(self.grids[:-1], self.grids[1:], strict=True), start=1):
-            mean = float(fine.pins.mean(dtype=float))
-            softening = response.softening(level, mean)
-            kernels.coarser_pins(fine.pins, np.float32(softening), np.float32(mean), coarse.pins)
+            mean = float(fine.pins.sum(dtype=float)) / math.prod(fine.shape)
+            softening = np.float32(response.softening(level, mean))
+            kernels.coarser_pins(fine.pins, fine.shape[1], softening, np.float32(mean), coarse.pins)

@@ -14,6 +14,10 @@ A cycle is two projected Gauss-Seidel sweeps, which find the contacts; one multi
 sites, contacts held (truncated nonsmooth Newton multigrid: C. Graeser, R. Kornhuber, J. Comput. Math. 27,
 1 (2009)); and the lowest energy that combines its correction with the previous one, which is what
 conjugate gradients would do if the contacts stood still.
+
+Cycles work on a correction in single precision. When that is as good as rounding allows it is added to
+the surface, and what is left of the forces, measured in double precision, is the source of the next one:
+only such a measurement decides that the state is found.
 """
 
 from __future__ import annotations
@@ -24,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact import kernels
-from asperity.contact.multigrid.grids import Hierarchy, Rows, Single
+from asperity.contact.multigrid.grids import Hierarchy, Rows, parted_shape
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.problem import SpringStep
 from asperity.lattice import Field
@@ -34,6 +38,12 @@ ASTRAY = 1e-3
 
 The sum, because forces that all have one sign would shift the separation; pulls, because they are cut off.
 """
+
+_MARGIN = 0.1
+"""What of the tolerance is used: many small forces off contact together move the separation."""
+
+_AS_GOOD_AS_IT_GETS = 100 * float(np.finfo(np.float32).eps)
+"""Defect at which a correction is added, in units of the stiffness times the largest correction."""
 
 
 @dataclass(frozen=True)
@@ -61,9 +71,11 @@ class OneField:
     """Work space for one lattice."""
 
     def __init__(self, shape: tuple[int, ...], rows: Rows) -> None:
-        self.rows = rows
+        self.rows, self.shape = rows, shape
         self.hierarchy = Hierarchy(shape, 1, rows)
-        self.step = np.zeros(shape, np.float32)
+        parts = parted_shape(*shape)
+        self.gap = np.full(parts, -np.inf, np.float32)
+        self.source, self.correction, self.step = (np.zeros(parts, np.float32) for _ in range(3))
         self.sums = np.zeros((shape[0], 7))
 
     def solve(
@@ -71,101 +83,145 @@ class OneField:
     ) -> tuple[bool, float, int]:
         """Improve u in place; whether the tolerance was reached, the push, and the cycles taken."""
         self.springs, self.heights, self.u = springs, heights, u
-        self.law = law = Push.of(springs, u.size)
+        self.law = Push.of(springs, u.size)
+        self.bed, self.pull = self.law.bed / springs.k0, self.law.pull / (springs.k0 * u.size)
         self.unit = max(float(u.max()), -float(u.min())) or 1.0
+        self.stiffest = 8.0 * springs.k0 + self.law.bed
         self.step.fill(0.0)
-        pinned, push = -1.0, law.base
-        for cycle in range(max_cycles):
-            equation = (u, heights, springs.k0, law.bed, law.on(u))
-            self.rows.sweeps(kernels.sweeps_1, kernels.close_sweeps_1, u.shape, *equation, halves=4)
-            push = law.on(u)
-            contacts = self.restrict(push)
+        push, pinned = self.measure(), -1.0
+        for cycle in range(1, max_cycles + 1):
+            self.sweep()
+            contacts = self.restrict()
             if contacts == 0 and springs.load is not None:
-                deepest = int(np.argmax(heights - u))  # something must carry the load
-                u.flat[deepest] = heights.flat[deepest]
+                deepest = int(np.argmax(self.gap - self.correction))  # something must carry the load
+                self.correction.flat[deepest] = self.gap.flat[deepest]
                 continue
-            if self.converged(contacts, tolerance):
-                return True, push, cycle + 1
+            if self.is_done(tolerance):
+                self.settle()
+                push = self.measure()
+                if self.has_converged(self.sums[:, :5], tolerance):
+                    return True, push, cycle
+                self.restrict()
             if contacts != pinned:
-                self.set_pins(int(contacts))
+                self.set_pins(contacts)
                 pinned = contacts
             self.correct_on_grid(0)
-            self.combine(push)
+            self.combine()
+        self.settle()
         return False, push, max_cycles
 
-    def restrict(self, push: float) -> float:
-        """Bring the forces off contact to the first coarse grid; the number of contacts."""
-        grid, k0 = self.hierarchy.grids[0], self.springs.k0
+    def measure(self) -> float:
+        """Begin a correction to the surface as it is; the push on it."""
+        push = self.law.on(self.u)
         self.rows(
-            kernels.restrict_1,
-            *grid.shape,
+            kernels.measure_1,
+            *self.shape,
             self.u,
             self.heights,
-            k0,
+            self.springs.k0,
             self.law.bed,
             push,
-            1.0 / (k0 * self.unit),
-            grid.sources[0],
+            self.unit,
+            self.gap,
+            self.source,
             self.sums,
         )
+        self.correction.fill(0.0)
+        return push
+
+    def settle(self) -> None:
+        """Add the correction."""
+        fields = (self.u, self.heights, self.correction, self.gap)
+        self.rows(kernels.settle, *self.shape, *fields, self.unit)
+
+    def push(self) -> np.float32:
+        """What the correction adds to the push."""
+        if not self.pull:
+            return np.float32(0.0)
+        self.rows(kernels.total, *self.shape, self.correction, self.shape[1], self.sums)
+        return np.float32(self.pull * self.sums[:, 0].sum())
+
+    def equation(self) -> tuple[object, ...]:
+        """Fields and coefficients, as the kernels take them."""
+        fields = (self.correction, self.gap, self.source)
+        return (*fields, np.float32(4.0 + self.bed), self.push(), self.shape[1])
+
+    def sweep(self) -> None:
+        """Find the contacts and smooth the error."""
+        self.rows.sweeps(kernels.sweeps_1, kernels.close_sweeps_1, self.shape, *self.equation(), halves=4)
+
+    def restrict(self) -> float:
+        """Bring the forces off contact to the first coarse grid; the number of contacts."""
+        grid = self.hierarchy.grids[0]
+        self.rows(kernels.restrict_1, *grid.shape, *self.equation(), grid.sources[0], self.sums)
         return float(self.sums[:, 3].sum())
 
-    def converged(self, contacts: float, tolerance: float) -> bool:
+    def is_done(self, tolerance: float) -> bool:
+        """Whether the correction is good enough, or as good as it gets."""
+        worst, far = self.sums[:, 0].max(), self.sums[:, 5].max()
+        if worst <= _AS_GOOD_AS_IT_GETS * (8.0 + self.bed) * far:
+            return True
+        unit = self.springs.k0 * self.unit
+        return self.has_converged(self.sums[:, :5] * [unit, unit, unit, 1.0, unit], tolerance)
+
+    def has_converged(self, sums: Field, tolerance: float) -> bool:
         """Whether forces off contact, pulls in contact and the sum of the former are small."""
-        worst, pull = self.sums[:, 0].max(), self.sums[:, 1].max()
-        load, astray = abs(self.sums[:, 2].sum()), abs(self.sums[:, 4].sum())
-        stiffest = 8.0 * self.springs.k0 + self.law.bed
-        rounding = 4.0 * float(np.finfo(float).eps) * stiffest * self.unit
-        allowed = max(tolerance * load / max(contacts, 1.0), rounding)
-        small = astray <= max(ASTRAY * tolerance * load, rounding * math.sqrt(self.u.size))
+        worst, pull = sums[:, 0].max(), sums[:, 1].max()
+        load, contacts, astray = sums[:, 2:].sum(axis=0).tolist()
+        rounding = 4.0 * float(np.finfo(float).eps) * self.stiffest * self.unit
+        allowed = max(_MARGIN * tolerance * abs(load) / max(contacts, 1.0), rounding)
+        small = abs(astray) <= max(ASTRAY * tolerance * abs(load), rounding * math.sqrt(self.u.size))
         return bool(worst <= allowed and pull <= max(ASTRAY * allowed, rounding) and small)
 
-    def set_pins(self, contacts: int) -> None:
+    def set_pins(self, contacts: float) -> None:
         """Tell the coarse grids of the contacts, and factorize the coarsest."""
-        k0 = self.springs.k0
-        self.hierarchy.set_pins(self.u, self.heights, contacts, Response(self.law.bed / k0))
+        fraction = contacts / self.u.size
+        self.hierarchy.set_pins(self.correction, self.gap, self.shape[1], fraction, Response(self.bed))
         grid = self.hierarchy.grids[-1]
         cells = grid.cells
-        matrix = grid.laplacian() + np.diag(grid.pins.ravel() + self.law.bed / k0 * cells)
-        matrix += self.law.pull / (k0 * self.u.size) * np.outer(cells, cells)
+        matrix = grid.laplacian() + np.diag(grid.in_order(grid.pins) + self.bed * cells)
+        matrix += self.pull * np.outer(cells, cells)
         self.coarsest = np.linalg.pinv(matrix, hermitian=True)
 
     def correct_on_grid(self, level: int) -> float:
         """One V-cycle from a grid up; the push that its correction adds."""
         grid = self.hierarchy.grids[level]
-        (e,), (b,) = grid.corrections, grid.sources
-        pull = self.law.pull / (self.springs.k0 * self.u.size)
+        (e,), (b,), (joined,) = grid.corrections, grid.sources, grid.joined
         if grid is self.hierarchy.grids[-1]:
-            e[...] = (self.coarsest @ b.ravel().astype(float)).reshape(e.shape)
-            return pull * grid.total(e)
-        operator = (grid.pins, np.float32(self.law.bed / self.springs.k0), *grid.geometry)
+            found = self.coarsest @ grid.in_order(b)
+            joined[...] = found.reshape(joined.shape)
+            return self.pull * float(grid.cells @ found)
+        operator = (grid.pins, np.float32(self.bed), *grid.geometry)
         coarser = self.hierarchy.grids[level + 1]
         e.fill(0.0)
-        self.rows.by_color(kernels.coarse_sweep_1, e.shape, e, b, *operator, first=0)
-        push = pull * grid.total(e) if pull else 0.0
+        self.rows.by_color(kernels.coarse_sweep_1, grid.shape, e, b, *operator, first=0)
+        push = self.pull * grid.total(e) if self.pull else 0.0
         self.rows(
             kernels.coarse_restrict_1, *coarser.shape, e, b, *operator, np.float32(push), coarser.sources[0]
         )
         push += self.correct_on_grid(level + 1)
-        shift = np.float32(-push)
-        self.rows(kernels.coarse_correct, *e.shape, coarser.corrections[0], e, b, shift, grid.mx, grid.my)
-        self.rows.by_color(kernels.coarse_sweep_1, e.shape, e, b, *operator, first=1)
-        return pull * grid.total(e) if pull else 0.0
+        fields = (coarser.joined[0], e, b, np.float32(-push), grid.mx, grid.my, grid.shape[1])
+        self.rows(kernels.coarse_correct, *grid.shape, *fields)
+        self.rows.by_color(kernels.coarse_sweep_1, grid.shape, e, b, *operator, first=1)
+        self.rows(kernels.join_rows, *grid.shape, e, joined)
+        return self.pull * grid.total(e) if self.pull else 0.0
 
-    def combine(self, push: float) -> None:
+    def combine(self) -> None:
         """Move by the combination of correction and previous step that has the lowest energy."""
-        coarse: Single = self.hierarchy.grids[0].corrections[0]
-        fields = (coarse, self.step, self.u, self.heights)
-        self.rows(kernels.products_1, *self.u.shape, *fields, self.springs.k0, self.law.bed, push, self.sums)
-        alpha, beta = lowest(self.sums.sum(axis=0), self.law.pull / self.u.size, self.unit)
-        self.rows(kernels.correct_1, *self.u.shape, *fields, np.float32(alpha), np.float32(beta), self.unit)
+        e, gap, source, _, push, columns = self.equation()
+        coarse, step = self.hierarchy.grids[0].joined[0], self.step
+        bed = np.float32(self.bed)
+        self.rows(
+            kernels.products_1, *self.shape, coarse, step, e, gap, source, bed, push, columns, self.sums
+        )
+        weights = map(np.float32, lowest(self.sums.sum(axis=0), self.pull))
+        self.rows(kernels.correct_1, *self.shape, coarse, step, e, gap, columns, *weights)
 
 
-def lowest(sums: Field, pull: float, unit: float) -> tuple[float, float]:
+def lowest(sums: Field, pull: float) -> tuple[float, float]:
     """Combination alpha, beta of two directions that minimizes the energy, or alpha alone."""
     rd, rq, dd, dq, qq, sd, sq = sums.tolist()
     dd, dq, qq = dd + pull * sd * sd, dq + pull * sd * sq, qq + pull * sq * sq
-    rd, rq = rd / unit, rq / unit
     determinant = dd * qq - dq * dq
     if dd > 0 and qq > 0 and determinant > 1e-6 * dd * qq:
         return (rq * dq - rd * qq) / determinant, (rd * dq - rq * dd) / determinant

@@ -13,6 +13,9 @@ A step starts near its end, and a cycle usually divides the error by four or mor
 correction tells the error that was, and so the one that is left. Where cycles are slower,
 the correction is combined with the previous one as there, by the stationary point of the symmetric form
 that the pair makes instead of the lowest energy.
+
+All this happens to a correction (e, f) of the pair, in single precision, which is added at the end, or
+where no error is allowed as often as it has become as good as rounding allows.
 """
 
 from __future__ import annotations
@@ -22,7 +25,7 @@ import math
 import numpy as np
 
 from asperity.contact import kernels
-from asperity.contact.multigrid.grids import Hierarchy, Rows
+from asperity.contact.multigrid.grids import Hierarchy, Rows, parted_shape
 from asperity.contact.multigrid.one_field import lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.problem import SpringStep
@@ -37,14 +40,21 @@ _USUAL_RATE = 0.3
 _FORCE_ERROR = 1e-3
 """Error of the sum of the forces that is allowed even where an error of u0 is."""
 
+_AS_GOOD_AS_IT_GETS = 100 * float(np.finfo(np.float32).eps)
+"""What the equations leave when a correction is added, in units of the correction."""
+
 
 class TwoFields:
     """Work space for one lattice."""
 
     def __init__(self, shape: tuple[int, ...], rows: Rows) -> None:
-        self.rows = rows
+        self.rows, self.shape = rows, shape
         self.hierarchy = Hierarchy(shape, 2, rows)
-        self.steps = (np.zeros(shape, np.float32), np.zeros(shape, np.float32))
+        parts = parted_shape(*shape)
+        self.gap = np.full(parts, -np.inf, np.float32)
+        self.corrections, self.sources, self.steps = (
+            (np.zeros(parts, np.float32), np.zeros(parts, np.float32)) for _ in range(3)
+        )
         self.sums = np.zeros((shape[0], 7))
         self.pinned = -math.inf
 
@@ -62,23 +72,30 @@ class TwoFields:
         self.springs, self.heights, self.u, self.w = springs, heights, u, w
         shape = springs.shape
         self.v = shape if isinstance(shape, np.ndarray) else np.full(u.shape, shape)
+        self.bed, self.lag = springs.k1 / springs.k0, 1.0 + springs.drag
         self.unit = max(float(u.max()), -float(u.min())) or 1.0
-        self.shift = 0.0
-        if springs.load is not None:
-            self.shift = (1.0 + springs.drag) * float(w.mean()) - float(u.mean()) + float(self.v.mean())
         self.last_shift, self.pinned = 0.0, -math.inf
+        self.total_stretch = 0.0
+        self.forget()
+        self.measure()
         size = math.inf
         for cycle in range(max_cycles):
             self.sweep()
             contacts = self.restrict()
-            missing, left = self.judge()
-            if allowed_error == 0 and left <= self.strict(tolerance, contacts):
-                return True, cycle + 1
+            missing, left, far = self.judge()
+            as_good_as_it_gets = _AS_GOOD_AS_IT_GETS * (8.0 / self.bed + 1.0) * far
+            if allowed_error == 0 and left <= max(self.strict(tolerance, contacts), as_good_as_it_gets):
+                self.settle()
+                self.measure()
+                contacts = self.restrict()
+                missing, left, _ = self.judge()
+                if left <= self.strict(tolerance, contacts):
+                    return True, cycle + 1
             self.set_pins(contacts)
-            self.shift_step = self.correct_on_grid(0, missing)
+            self.shift_step = self.correct_on_grid(0, missing / self.unit)
             before, size = size, self.size_of_correction()
             if not math.isfinite(size):
-                break
+                return False, max_cycles
             if cycle == 1:
                 self.forget()
             rate = min(max(size / before, 0.1), 0.9) if cycle else _USUAL_RATE
@@ -86,15 +103,51 @@ class TwoFields:
             missed = rate * abs(missing) * springs.k1
             if rate * size <= allowed_error and missed <= _FORCE_ERROR * abs(self.force_of_contacts()):
                 self.sweep()
+                self.settle()
                 self.keep_mean()
                 return True, cycle + 1
+        self.settle()
         return False, max_cycles
+
+    def measure(self) -> None:
+        """Begin a correction to the fields as they are."""
+        s = self.springs
+        shift = 0.0
+        if s.load is not None:
+            shift = self.lag * float(self.w.mean()) - float(self.u.mean()) + float(self.v.mean())
+        self.rows(
+            kernels.measure_2,
+            *self.shape,
+            self.u,
+            self.w,
+            self.heights,
+            self.v,
+            s.k0,
+            s.k1,
+            s.spread,
+            s.drag,
+            shift,
+            self.unit,
+            self.gap,
+            *self.sources,
+            self.sums,
+        )
+        self.stretch = float(self.sums[:, 0].sum())
+        for field in self.corrections:
+            field.fill(0.0)
+        self.shift = 0.0
+
+    def settle(self) -> None:
+        """Add the corrections."""
+        e, f = self.corrections
+        self.rows(kernels.settle, *self.shape, self.u, self.heights, e, self.gap, self.unit)
+        self.rows(kernels.add, *self.shape, self.w, f, self.unit)
 
     def keep_mean(self) -> None:
         """Make the mean of w exact: what creep conserves must not drift."""
         s = self.springs
         if s.load is None:
-            mean = (float(self.u.mean()) - float(self.v.mean())) / (1.0 + s.drag)
+            mean = (float(self.u.mean()) - float(self.v.mean())) / self.lag
         else:
             mean = s.load / (s.k1 * self.u.size)
         self.w += mean - float(self.w.mean())
@@ -106,42 +159,41 @@ class TwoFields:
 
     def sweep(self) -> None:
         """Find the contacts and smooth the error."""
-        self.rows.sweeps(kernels.sweeps_2, kernels.close_sweeps_2, self.u.shape, *self.equation(), halves=2)
+        self.rows.sweeps(kernels.sweeps_2, kernels.close_sweeps_2, self.shape, *self.equation(), halves=2)
 
     def equation(self) -> tuple[object, ...]:
         """Fields and coefficients, as the kernels take them."""
-        s = self.springs
-        return (self.u, self.w, self.heights, self.v, s.k0, s.k1, s.spread, s.drag, self.shift)
+        coefficients = map(np.float32, (self.bed, self.springs.spread, self.lag, self.shift))
+        return (*self.corrections, self.gap, *self.sources, *coefficients, self.shape[1])
 
     def restrict(self) -> float:
         """Bring both defects to the first coarse grid; the number of contacts."""
         grid = self.hierarchy.grids[0]
-        self.rows(
-            kernels.restrict_2, *grid.shape, *self.equation(), 1.0 / self.unit, *grid.sources, self.sums
-        )
+        self.rows(kernels.restrict_2, *grid.shape, *self.equation(), *grid.sources, self.sums)
         return float(self.sums[:, 3].sum())
 
     def force_of_contacts(self) -> float:
         """Sum of the forces, which is that of k1 w."""
-        return self.springs.k1 * float(self.sums[:, 2].sum())
+        return self.springs.k1 * self.total_stretch
 
-    def judge(self) -> tuple[float, float]:
-        """What is missing in the sum of w, and the larger rms of what the equations leave, as a length."""
-        balance, creep, stretch = self.sums[:, :3].sum(axis=0).tolist()
+    def judge(self) -> tuple[float, float, float]:
+        """What is missing in the sum of w; what the equations leave; the correction; rms, as lengths."""
+        balance, creep, stretch, _, far = self.sums[:, :5].sum(axis=0).tolist()
         sites, springs = self.u.size, self.springs
-        missing = 0.0 if springs.load is None else springs.load / springs.k1 - stretch
-        left = max(math.sqrt(balance / sites) / springs.k1, math.sqrt(creep / sites), abs(missing) / sites)
-        return missing, left
+        self.total_stretch = self.stretch + self.unit * stretch
+        missing = 0.0 if springs.load is None else springs.load / springs.k1 - self.total_stretch
+        left = self.unit * max(math.sqrt(balance / sites) / self.bed, math.sqrt(creep / sites))
+        return missing, max(left, abs(missing) / sites), self.unit * math.sqrt(far / sites)
 
     def strict(self, tolerance: float, contacts: float) -> float:
         """What the equations may leave where no error is allowed."""
-        s = self.springs
-        rounding = 4.0 * float(np.finfo(float).eps) * (8.0 * s.k0 / s.k1 + 1.0) * self.unit
-        return max(tolerance * abs(self.force_of_contacts()) / (s.k1 * max(contacts, 1.0)), rounding)
+        rounding = 4.0 * float(np.finfo(float).eps) * (8.0 / self.bed + 1.0) * self.unit
+        force = abs(self.force_of_contacts())
+        return max(tolerance * force / (self.springs.k1 * max(contacts, 1.0)), rounding)
 
     def size_of_correction(self) -> float:
         """Correction of u0, rms over the sites: the error before it."""
-        e, f = self.hierarchy.grids[0].corrections
+        e, f = self.hierarchy.grids[0].joined
         return self.unit * math.sqrt(float(np.mean((e - f) ** 2, dtype=float)))
 
     def set_pins(self, contacts: float) -> None:
@@ -150,17 +202,18 @@ class TwoFields:
             return
         self.pinned = contacts
         s = self.springs
-        response = Response(s.k1 / s.k0, s.spread, s.drag)
-        self.hierarchy.set_pins(self.u, self.heights, int(contacts), response)
+        response = Response(self.bed, s.spread, s.drag)
+        e, fraction = self.corrections[0], contacts / self.u.size
+        self.hierarchy.set_pins(e, self.gap, self.shape[1], fraction, response)
         grid = self.hierarchy.grids[-1]
         lap, cells = grid.laplacian(), grid.cells
         n = cells.size
         matrix = np.zeros((2 * n + 1, 2 * n + 1))
         # No pins leave a mean that nothing holds, which is none of this grid's business.
-        matrix[:n, :n] = lap + np.diag(np.maximum(grid.pins.ravel(), 1e-9 * cells))
-        matrix[:n, n:-1] = np.diag(response.bed * cells)
+        matrix[:n, :n] = lap + np.diag(np.maximum(grid.in_order(grid.pins), 1e-9 * cells))
+        matrix[:n, n:-1] = np.diag(self.bed * cells)
         matrix[n:-1, :n] = -np.diag(cells)
-        matrix[n:-1, n:-1] = s.spread * lap + np.diag((1.0 + s.drag) * cells)
+        matrix[n:-1, n:-1] = s.spread * lap + np.diag(self.lag * cells)
         if s.load is None:
             matrix[-1, -1] = 1.0
         else:
@@ -170,66 +223,56 @@ class TwoFields:
 
     def correct_on_grid(self, level: int, missing: float) -> float:
         """One V-cycle from a grid up; the shift that its correction adds."""
-        return self._correct_on_grid(level, missing / self.unit) * self.unit
-
-    def _correct_on_grid(self, level: int, missing: float) -> float:
         grid = self.hierarchy.grids[level]
-        (e, f), (b, c) = grid.corrections, grid.sources
+        (e, f), (b, c), joined = grid.corrections, grid.sources, grid.joined
         if grid is self.hierarchy.grids[-1]:
             if self.springs.load is None:
                 missing = 0.0
-            known = np.concatenate([b.ravel(), c.ravel(), [missing]])
-            found = self.coarsest @ known
-            e[...], f[...] = found[: e.size].reshape(e.shape), found[e.size : -1].reshape(f.shape)
+            found = self.coarsest @ np.concatenate([grid.in_order(b), grid.in_order(c), [missing]])
+            for field, values in zip(joined, np.split(found[:-1], 2), strict=True):
+                field[...] = values.reshape(field.shape)
             return float(found[-1])
-        s = self.springs
-        coefficients = (s.k1 / s.k0, s.spread, 1.0 + s.drag)
-        operator = (grid.pins, *map(np.float32, coefficients), *grid.geometry)
+        coefficients = map(np.float32, (self.bed, self.springs.spread, self.lag))
+        operator = (grid.pins, *coefficients, *grid.geometry)
         coarser = self.hierarchy.grids[level + 1]
         e.fill(0.0)
         f.fill(0.0)
-        self.rows.by_color(kernels.coarse_sweep_2, e.shape, e, f, b, c, *operator, first=0)
+        self.rows.by_color(kernels.coarse_sweep_2, grid.shape, e, f, b, c, *operator, first=0)
         missing -= grid.total(f)
         self.rows(kernels.coarse_restrict_2, *coarser.shape, e, f, b, c, *operator, *coarser.sources)
-        shift = self._correct_on_grid(level + 1, missing)
-        sizes = (grid.mx, grid.my)
-        correction_u, correction_w = coarser.corrections
-        self.rows(kernels.coarse_correct, *e.shape, correction_u, e, b, np.float32(0.0), *sizes)
-        self.rows(kernels.coarse_correct, *e.shape, correction_w, f, c, np.float32(shift), *sizes)
-        self.rows.by_color(kernels.coarse_sweep_2, e.shape, e, f, b, c, *operator, first=1)
+        shift = self.correct_on_grid(level + 1, missing)
+        where = (grid.mx, grid.my, grid.shape[1])
+        changes = (np.float32(0.0), np.float32(shift))
+        for fields in zip(coarser.joined, (e, f), (b, c), changes, strict=True):
+            self.rows(kernels.coarse_correct, *grid.shape, *fields, *where)
+        self.rows.by_color(kernels.coarse_sweep_2, grid.shape, e, f, b, c, *operator, first=1)
+        for parts, out in zip((e, f), joined, strict=True):
+            self.rows(kernels.join_rows, *grid.shape, parts, out)
         return shift
 
     def move(self, *, keep: bool, combine: bool) -> None:
         """Move by the correction, or by what it and the previous step make together."""
         alpha, beta = 1.0, 0.0
-        coarse = self.hierarchy.grids[0].corrections
+        coarse = self.hierarchy.grids[0].joined
         if combine:
-            self.rows(kernels.products_2, *self.u.shape, *coarse, *self.steps, *self.equation(), self.sums)
+            self.rows(kernels.products_2, *self.shape, *coarse, *self.steps, *self.equation(), self.sums)
             alpha, beta = self.stationary()
-        fields = (*coarse, *self.steps, self.u, self.w, self.heights)
-        self.rows(
-            kernels.correct_2,
-            *self.u.shape,
-            *fields,
-            np.float32(alpha),
-            np.float32(beta),
-            self.unit,
-            keep,
-        )
-        self.last_shift = (alpha * self.shift_step + beta * self.last_shift) if keep else 0.0
-        self.shift += self.last_shift if keep else alpha * self.shift_step
+        fields = (*coarse, *self.steps, *self.corrections, self.gap, self.shape[1])
+        self.rows(kernels.correct_2, *self.shape, *fields, np.float32(alpha), np.float32(beta))
+        step = alpha * self.shift_step + beta * self.last_shift
+        self.shift += step
+        self.last_shift = step if keep else 0.0
 
     def stationary(self) -> tuple[float, float]:
         """Combination of the correction and the previous step; the plain correction if in doubt."""
         rd, rq, dd, dq, qq, sf, sg = self.sums.sum(axis=0).tolist()
-        k1, unit = self.springs.k1, self.unit
         if self.springs.load is not None:
-            short = k1 * float(self.w.sum()) - self.springs.load
-            shift, last = self.shift_step / unit, self.last_shift / unit
+            short = (self.force_of_contacts() - self.springs.load) / (self.springs.k0 * self.unit)
+            shift, last = self.shift_step, self.last_shift
             rd, rq = rd + short * shift, rq + short * last
-            dd, qq = dd + 2.0 * k1 * shift * sf, qq + 2.0 * k1 * last * sg
-            dq += k1 * (shift * sg + last * sf)
+            dd, qq = dd + 2.0 * self.bed * shift * sf, qq + 2.0 * self.bed * last * sg
+            dq += self.bed * (shift * sg + last * sf)
         if qq < 0 or dd <= 0:
             return 1.0, 0.0
-        alpha, beta = lowest(np.array([rd, rq, dd, dq, qq, 0.0, 0.0]), 0.0, unit)
+        alpha, beta = lowest(np.array([rd, rq, dd, dq, qq, 0.0, 0.0]), 0.0)
         return (alpha, beta) if 0.1 < alpha < 5.0 else (1.0, 0.0)
