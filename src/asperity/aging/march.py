@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from asperity.aging.tr_bdf2 import Past, Point, rms, take_step
+from asperity.aging.spring_steps import SpringSteps
+from asperity.aging.tr_bdf2 import FieldSteps, Point, Steps
 from asperity.contact.choice import usual_solver
 from asperity.contact.controls import Hold, Load
+from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver, Solution
 from asperity.contact.state import Contact, contact_from, hold_contact
 from asperity.contact.system import System
@@ -73,8 +76,8 @@ class Frame:
 class Midway:
     """All that is needed to go on from a time between two frames, to identical results."""
 
-    point: Point
-    earlier: Past | None
+    time: float
+    place: Mapping[str, NDArray[Any]]
     deformation: float
     length: float
     steps: int
@@ -126,13 +129,16 @@ def creep(
         expected = f"a number from {SMALLEST_RTOL:g} to {LARGEST_RTOL:g}"
         raise InputError("rtol", expected=expected, got=repr(rtol), advice=f"rtol={DEFAULT_RTOL:g}")
     start = hold_contact(contact, hold)
-    march = _March(start.system, solver or usual_solver(start.system), rtol, after_step)
-    if midway is None:
-        march.begin(Point.of(march.system, start))
-    else:
-        march.resume(midway)
-        stops = stops[stops >= midway.point.time]
+    march = _March(start, solver or usual_solver(start.system), rtol, midway, after_step)
+    if midway is not None:
+        stops = stops[stops >= midway.time]
     return _frames(start, stops, march, from_start=midway is None)
+
+
+def _kind_of_steps(system: System, solver: ContactSolver) -> type[FieldSteps] | type[SpringSteps]:
+    suited = isinstance(solver, Multigrid) and Multigrid.suits(system.springs, system.heights.shape)
+    creeps = system.springs is not None and (system.springs.R > 0 or system.springs.R_viscous > 0)
+    return SpringSteps if suited and creeps else FieldSteps
 
 
 def check_times(times: ArrayLike, name: str = "times") -> Field:
@@ -180,95 +186,84 @@ def _approach(system: System, start: Contact, now: Contact, time: float) -> floa
 class _March:
     """Adaptive steps from stop to stop."""
 
-    point: Point
-    earlier: Past | None
-    deformation: float
-    length: float
-    streak = 0
-
     def __init__(
-        self, system: System, solver: ContactSolver, rtol: float, after_step: Callable[[Midway], None] | None
+        self,
+        start: Contact,
+        solver: ContactSolver,
+        rtol: float,
+        midway: Midway | None,
+        after_step: Callable[[Midway], None] | None,
     ) -> None:
-        self.system, self.solver, self.after_step = system, solver, after_step
+        self.system, self.after_step, self.streak = start.system, after_step, 0
         self.tolerance = (STEP_TOLERANCE * rtol) ** 1.5
         self.passing = max(TOLERANCE, rtol / 2000)
         self.reset_counts()
+        kind: Any = _kind_of_steps(self.system, solver)
+        if midway is None:
+            self.now: Steps = kind.begin(self.system, solver, Point.of(self.system, start))
+            self.deformation = 0.0
+            self.raise_deformation()
+            # The first step: u0 changes by a small part of the deformation.
+            speed = self.now.speed()
+            self.length = math.inf
+            if speed > 0:
+                self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / speed
+        else:
+            self.now = kind(self.system, solver, midway.place)
+            self.deformation, self.length = midway.deformation, midway.length
+            self.steps, self.rejected, self.iterations = midway.steps, midway.rejected, midway.iterations
 
     def reset_counts(self) -> None:
         """Count from zero."""
         self.steps = self.rejected = self.iterations = 0
 
-    def begin(self, start: Point) -> None:
-        """Set out, with a first step over which u0 changes by a small part of the deformation."""
-        self.point, self.earlier, self.deformation = start, None, 0.0
-        self.raise_deformation()
-        rate = rms(start.rate)
-        self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / rate if rate > 0 else math.inf
-
-    def resume(self, state: Midway) -> None:
-        """Go on from where another march was."""
-        self.point, self.earlier = state.point, state.earlier
-        self.deformation, self.length = state.deformation, state.length
-        self.steps, self.rejected, self.iterations = state.steps, state.rejected, state.iterations
-
     def midway(self) -> Midway:
         """From where another march can go on."""
-        return Midway(
-            self.point,
-            self.earlier,
-            self.deformation,
-            self.length,
-            self.steps,
-            self.rejected,
-            self.iterations,
-        )
+        counts = (self.steps, self.rejected, self.iterations)
+        return Midway(self.now.time, self.now.place(), self.deformation, self.length, *counts)
 
     def frame(self, start: Contact) -> Frame:
         """Publish the present state."""
-        system, point = self.system, self.point
-        stretch = system.balanced_stretch(point.u, point.stretch)
+        system, (u, stretch) = self.system, self.now.state()
+        stretch = system.balanced_stretch(u, stretch)
         state = contact_from(
             system,
-            Solution(point.u, point.u <= system.heights, self.iterations, 0),
-            point.u - stretch,
+            Solution(u, u <= system.heights, self.iterations, 0),
+            u - stretch,
             solid=start.solid,
             heights=start.heights,
             surface=start.surface,
             load_may_vanish=True,
         )
-        approach = _approach(system, start, state, point.time)
-        return Frame(point.time, state, approach, self.steps, self.rejected, self.iterations)
+        approach = _approach(system, start, state, self.now.time)
+        return Frame(self.now.time, state, approach, self.steps, self.rejected, self.iterations)
 
     def raise_deformation(self) -> None:
         """Let the scale of the error follow the largest deformation so far."""
-        u, stretch = self.point.u, self.point.stretch
-        scale = float(u.std())
+        extent = self.now.extent()
+        scale = extent.spread
         free_mean = self.system.mean_mobility > 0 and not isinstance(self.system.control, Load)
         if scale <= self.rounding() or free_mean:
             # A flat surface, or one whose mean creeps too: the stretch of the creeping springs.
-            scale = max(scale, rms(stretch))
+            scale = max(scale, extent.stretch)
         self.deformation = max(self.deformation, scale)
 
     def rounding(self) -> float:
         """Error of u0 that rounding alone makes."""
-        return 64 * float(np.finfo(float).eps) * max(float(self.point.u.max()), -float(self.point.u.min()))
+        return 64 * float(np.finfo(float).eps) * self.now.extent().largest
 
     def advance_to(self, stop: float) -> None:
         """Step until the time is exactly ``stop``."""
-        while self.point.time < stop:
-            left = stop - self.point.time
+        while self.now.time < stop:
+            left = stop - self.now.time
             landing = self.length >= left * (1 - 1e-9)
             # Two equal steps rather than a long one and a sliver.
             length = left if landing else left / 2 if 2 * self.length > left else self.length
             unnoticed = UNNOTICED * self.tolerance * self.deformation
-            step = take_step(
-                self.system,
-                self.solver,
+            step = self.now.attempt(
                 length,
-                self.point,
-                self.earlier,
-                tolerances=(self.passing, TOLERANCE if landing else self.passing),
-                allowed_errors=(unnoticed, unnoticed / 30 if landing else unnoticed),
+                (self.passing, TOLERANCE if landing else self.passing),
+                (unnoticed, unnoticed / 30 if landing else unnoticed),
             )
             self.iterations += step.iterations
             error = self.relative(step.error)
@@ -280,8 +275,7 @@ class _March:
             self.steps += 1
             self.streak = 0
             self.length = max(length * change, min(self.length, 4.0 * length))
-            self.earlier = Past.of(self.point)
-            self.point = replace(step.end, time=stop) if landing else step.end
+            self.now.accept(stop if landing else self.now.time + length)
             self.raise_deformation()
             if self.after_step is not None:
                 self.after_step(self.midway())
@@ -292,7 +286,7 @@ class _March:
         self.streak += 1
         if self.streak > _MOST_REJECTIONS:
             raise ConvergenceError(
-                f"aging: steps shrank to {length:.1e} at time {self.point.time:.3e}; try a larger rtol"
+                f"aging: steps shrank to {length:.1e} at time {self.now.time:.3e}; try a larger rtol"
             )
         self.length = length * change
 

@@ -21,9 +21,12 @@ DOI 10.1016/0168-9274(95)00115-8.)
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.contact.controls import Load
 from asperity.contact.problem import ContactSolver, Guess
@@ -34,6 +37,7 @@ from asperity.lattice import Field
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
+ERROR_WEIGHTS = ((1 - 4 * WEIGHT) / 3, 1 / 3, -2 * DIAGONAL / 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +95,11 @@ def take_step(
     earlier: Past | None,
     *,
     tolerances: tuple[float, float],
-    allowed_errors: tuple[float, float] = (0.0, 0.0),
 ) -> Step:
     """Step from ``start``.
 
     ``earlier`` helps to guess where the contacts will be; ``tolerances`` are those of the two contact
-    problems, and ``allowed_errors`` are errors of u0 after them that would not be noticed.
+    problems.
     """
     implicit = system.implicit_step(DIAGONAL * duration)
     u0, f0 = start.shape, start.rate
@@ -108,7 +111,6 @@ def take_step(
         before=combined((1.0, u0), (DIAGONAL * duration, f0)),
         known=(earlier, start),
         tolerance=tolerances[0],
-        allowed_error=allowed_errors[0],
     )
     end, spent_again = _stage(
         implicit,
@@ -117,9 +119,9 @@ def take_step(
         before=combined((1.0, u0), (WEIGHT * duration, f0), (WEIGHT * duration, middle.rate)),
         known=(Past.of(start), middle),
         tolerance=tolerances[1],
-        allowed_error=allowed_errors[1],
     )
-    defect = combined(((1 - 4 * WEIGHT) / 3, f0), (1 / 3, middle.rate), (-2 * DIAGONAL / 3, end.rate))
+    rates = (f0, middle.rate, end.rate)
+    defect = combined(*zip(ERROR_WEIGHTS, rates, strict=True))
     error = duration * system.damped_rms(defect, DIAGONAL * duration)
     return Step(end, error, spent + spent_again)
 
@@ -141,12 +143,11 @@ def _stage(
     before: Field,
     known: tuple[Past | None, Point],
     tolerance: float,
-    allowed_error: float,
 ) -> tuple[Point, int]:
     """Solve one implicit stage that ends at ``time``; its end and the iterations spent."""
     system = implicit.system
     guess = _extrapolate(time, *known)
-    solution = solver.solve(implicit.problem(before, allowed_error), guess, tolerance)
+    solution = solver.solve(implicit.problem(before), guess, tolerance)
     stretch = implicit.stretch(solution.u, before) if solution.stretch is None else solution.stretch
     pace = 1.0 / implicit.tau
     rate = combined((pace, solution.u), (-pace, stretch), (-pace, before))
@@ -159,11 +160,125 @@ def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
     """Continue the surface in the logarithm of time, which is how contacts grow."""
     if earlier is None:
         return Guess(latest.u, stretch=latest.stretch)
-    if earlier.time > 0:
-        ahead = math.log(time / latest.time) / math.log(latest.time / earlier.time)
-    else:
-        ahead = (time - latest.time) / (latest.time - earlier.time)
-    ahead = min(ahead, 2.0)
-    u = combined((1.0 + ahead, latest.u), (-ahead, earlier.u))
-    stretch = combined((1.0 + ahead, latest.stretch), (-ahead, earlier.stretch))
+    factor = ahead(earlier.time, latest.time, time)
+    u = combined((1.0 + factor, latest.u), (-factor, earlier.u))
+    stretch = combined((1.0 + factor, latest.stretch), (-factor, earlier.stretch))
     return Guess(u, stretch=stretch, disposable=True)
+
+
+def ahead(earlier: float, latest: float, time: float) -> float:
+    """How far a time is ahead of the latest, in units of what that is ahead of an earlier one.
+
+    In the logarithm of time, in which contacts grow evenly; at most 2.
+    """
+    if earlier > 0:
+        return min(math.log(time / latest) / math.log(latest / earlier), 2.0)
+    return min((time - latest) / (latest - earlier), 2.0)
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What a step would bring: the error of u0 (rms over sites), and the iterations spent on it."""
+
+    error: float
+    iterations: int
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How large a deformation is: u about its mean and w, rms over the sites, and the largest u; lengths."""
+
+    spread: float
+    stretch: float
+    largest: float
+
+
+class Steps(Protocol):
+    """A creeping state that takes steps; fields relative to the system's datum."""
+
+    time: float
+
+    def state(self) -> tuple[Field, Field]:
+        """U and w = u - u0, not to be changed."""
+        ...
+
+    def extent(self) -> Extent:
+        """How large the deformation is."""
+        ...
+
+    def speed(self) -> float:
+        """Rate of u0, rms over the sites."""
+        ...
+
+    def attempt(
+        self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
+    ) -> Attempt:
+        """Try a step: to tolerances of the contact problems of both stages, or errors of u0 allowed there."""
+        ...
+
+    def accept(self, time: float) -> None:
+        """Make the end of the step that was tried the state at a time."""
+        ...
+
+    def place(self) -> dict[str, NDArray[Any]]:
+        """All that is needed to go on, to identical results."""
+        ...
+
+
+class FieldSteps:
+    """A creeping state of any solid, whose contact problems any solver solves."""
+
+    def __init__(self, system: System, solver: ContactSolver, place: Mapping[str, NDArray[Any]]) -> None:
+        self.system, self.solver = system, solver
+        self.point = Point(float(place["time"]), place["u"], place["stretch"], place["rate"])
+        self.earlier = None
+        if "earlier" in place:
+            self.earlier = Past(float(place["earlier"]), place["earlier_u"], place["earlier_stretch"])
+        self.end = self.point
+
+    @classmethod
+    def begin(cls, system: System, solver: ContactSolver, point: Point) -> FieldSteps:
+        """At the start of a history."""
+        place = {"time": np.asarray(point.time), "u": point.u, "stretch": point.stretch, "rate": point.rate}
+        return cls(system, solver, place)
+
+    @property
+    def time(self) -> float:
+        """Time of the state."""
+        return self.point.time
+
+    def state(self) -> tuple[Field, Field]:
+        """U and w."""
+        return self.point.u, self.point.stretch
+
+    def extent(self) -> Extent:
+        """How large the deformation is."""
+        u, stretch = self.state()
+        return Extent(float(u.std()), rms(stretch), max(float(u.max()), -float(u.min())))
+
+    def speed(self) -> float:
+        """Rate of u0, rms over the sites."""
+        return rms(self.point.rate)
+
+    def attempt(
+        self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
+    ) -> Attempt:
+        """Try a step; the contact problems are solved to their tolerances, whatever error is allowed."""
+        del allowed_errors
+        step = take_step(self.system, self.solver, duration, self.point, self.earlier, tolerances=tolerances)
+        self.end = step.end
+        return Attempt(step.error, step.iterations)
+
+    def accept(self, time: float) -> None:
+        """Make the end of the step that was tried the state at a time."""
+        self.earlier = Past.of(self.point)
+        self.point = replace(self.end, time=time)
+
+    def place(self) -> dict[str, NDArray[Any]]:
+        """All that is needed to go on."""
+        point, earlier = self.point, self.earlier
+        place = {"time": np.asarray(point.time), "u": point.u, "stretch": point.stretch, "rate": point.rate}
+        if earlier is None:
+            return place
+        past = {"earlier": earlier.time, "earlier_u": earlier.u, "earlier_stretch": earlier.stretch}
+        return place | {name: np.asarray(value) for name, value in past.items()}

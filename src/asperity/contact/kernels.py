@@ -247,6 +247,18 @@ def measure_1(
 
 
 @_compiled
+def stencil_row(a: float, x: Any, b: float, y: Any, i: int, out: Any) -> None:
+    """Row i of a L x + b y, L minus the Laplacian."""
+    ny, nx = x.shape
+    up, down, row, other = x[i - 1 if i > 0 else ny - 1], x[i + 1 if i < ny - 1 else 0], x[i], y[i]
+    for j in range(1, nx - 1):
+        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[j - 1] + row[j + 1])) + b * other[j]
+    for j in (0, nx - 1):
+        left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
+        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[left] + row[right])) + b * other[j]
+
+
+@_compiled
 def measure_2(
     u: Any,
     w: Any,
@@ -265,62 +277,312 @@ def measure_2(
     low: int,
     high: int,
 ) -> None:
-    """Gap and both sources for a state of two fields; ``sums``: sum of w."""
-    ny, nx = u.shape
-    balance, creep = np.empty(nx), np.empty(nx)
-    scale, inverse = 1.0 / (k0 * unit), 1.0 / unit
-    lag = 1.0 + drag + 4.0 * spread
+    """Gap and both sources for a state of two fields and the shape v; ``sums``: sum of w."""
+    nx = u.shape[1]
+    line = np.empty(nx)
+    inverse = 1.0 / unit
     for i in range(low, high):
-        before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
-        up, down, row, rough = u[before], u[after], u[i], heights[i]
-        w_up, w_down, w_row, shape = w[before], w[after], w[i], v[i]
-        for j in range(1, nx - 1):
-            balance[j] = k0 * (up[j] + down[j] + row[j - 1] + row[j + 1] - 4.0 * row[j]) - k1 * w_row[j]
-        for j in range(1, nx - 1):
-            spreading = spread * (w_up[j] + w_down[j] + w_row[j - 1] + w_row[j + 1])
-            creep[j] = spreading - lag * w_row[j] + row[j] - shape[j] + shift
-        for j in (0, nx - 1):
-            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-            balance[j] = k0 * (up[j] + down[j] + row[left] + row[right] - 4.0 * row[j]) - k1 * w_row[j]
-            spreading = spread * (w_up[j] + w_down[j] + w_row[left] + w_row[right])
-            creep[j] = spreading - lag * w_row[j] + row[j] - shape[j] + shift
-        stretch = 0.0
+        row, stretch, rough, shape = u[i], w[i], heights[i], v[i]
+        stencil_row(-inverse, u, -inverse * k1 / k0, w, i, line)
+        part(line, b[i])
+        stencil_row(spread, w, drag, w, i, line)
+        total_stretch = 0.0
         for j in range(nx):
-            balance[j] *= scale
-            creep[j] *= inverse
-            stretch += w_row[j]
-        sums[i, 0] = stretch
-        part(balance, b[i])
-        part(creep, c[i])
+            line[j] = (row[j] - stretch[j] - shape[j] + shift - line[j]) * inverse
+            total_stretch += stretch[j]
+        part(line, c[i])
         for j in range(nx):
-            balance[j] = (rough[j] - row[j]) * inverse
-        part(balance, gap[i])
+            line[j] = (rough[j] - row[j]) * inverse
+        part(line, gap[i])
+        sums[i, 0] = total_stretch
+
+
+@_compiled
+def settle_row(row: Any, rough: Any, move: Any, least: Any, unit: float) -> None:
+    """Add a correction to a row of a surface; where it closes the gap there is contact."""
+    for j in range(row.shape[0]):
+        moved = max(rough[j], row[j] + unit * move[j])
+        row[j] = moved if move[j] > least[j] else rough[j]
 
 
 @_compiled
 def settle(u: Any, heights: Any, e: Any, gap: Any, unit: float, low: int, high: int) -> None:
-    """Add a correction to a surface; where it closes the gap there is contact."""
+    """Add a correction to a surface."""
     nx = u.shape[1]
     move, least = np.empty(nx, np.float32), np.empty(nx, np.float32)
     for i in range(low, high):
         join(e[i], move)
         join(gap[i], least)
-        row, rough = u[i], heights[i]
-        for j in range(nx):
-            moved = max(rough[j], row[j] + unit * move[j])
-            row[j] = moved if move[j] > least[j] else rough[j]
+        settle_row(u[i], heights[i], move, least, unit)
+
+
+@_compiled
+def add_row(row: Any, move: Any, unit: float, offset: float) -> None:
+    """Add a correction and a constant to a row."""
+    for j in range(row.shape[0]):
+        row[j] += unit * move[j] + offset
 
 
 @_compiled
 def add(w: Any, f: Any, unit: float, low: int, high: int) -> None:
     """Add a correction to a field."""
-    nx = w.shape[1]
-    move = np.empty(nx, np.float32)
+    move = np.empty(w.shape[1], np.float32)
     for i in range(low, high):
         join(f[i], move)
-        row = w[i]
-        for j in range(nx):
-            row[j] += unit * move[j]
+        add_row(w[i], move, unit, 0.0)
+
+
+# A step of creep, from one state to the next.
+
+
+@_compiled
+def advance_row(
+    u: Any,
+    w: Any,
+    heights: Any,
+    k0: float,
+    k1: float,
+    spreading: float,
+    dragging: float,
+    unit: float,
+    level: float,
+    i: int,
+    gap: Any,
+    b: Any,
+    flow: Any,
+    line: Any,
+    sums: Any,
+) -> None:
+    """Gap, source and flow of row i; see `advance`."""
+    nx = u.shape[1]
+    row, stretch, rough = u[i], w[i], heights[i]
+    inverse = 1.0 / unit
+    stencil_row(-inverse, u, -inverse * k1 / k0, w, i, line)
+    part(line, b[i])
+    stencil_row(inverse * spreading, w, inverse * dragging, w, i, line)
+    part(line, flow[i])
+    sum_w = sum_u = squares_w = squares_u = largest = free_sites = 0.0
+    for j in range(nx):
+        line[j] = (rough[j] - row[j]) * inverse
+        free_sites += 1.0 if row[j] > rough[j] else 0.0
+        rise = row[j] - level
+        sum_w += stretch[j]
+        sum_u += rise
+        squares_w += stretch[j] * stretch[j]
+        squares_u += rise * rise
+    part(line, gap[i])
+    for j in range(nx):
+        size = abs(row[j])
+        largest = size if size > largest else largest
+    sums[0], sums[1], sums[2], sums[3] = sum_w, sum_u, squares_w, squares_u
+    sums[4], sums[5] = largest, nx - free_sites
+
+
+@_compiled
+def advance(
+    u: Any,
+    w: Any,
+    heights: Any,
+    e: Any,
+    f: Any,
+    offset: float,
+    k0: float,
+    k1: float,
+    spreading: float,
+    dragging: float,
+    unit: float,
+    level: float,
+    gap: Any,
+    b: Any,
+    flow: Any,
+    sums: Any,
+    low: int,
+    high: int,
+) -> None:
+    """Add corrections to a state, and an offset to w; then the gap, source and flow of the new one.
+
+    The flow is spreading L w + dragging w. ``sums``: w, u - level, their squares, the largest u, contacts.
+    The first row and the last are left to `advance_edges`.
+    """
+    nx = u.shape[1]
+    move, least, line = np.empty(nx, np.float32), np.empty(nx, np.float32), np.empty(nx)
+    for i in range(low, high):
+        join(e[i], move)
+        join(gap[i], least)
+        settle_row(u[i], heights[i], move, least, unit)
+        join(f[i], move)
+        add_row(w[i], move, unit, offset)
+        if i - 1 > low:
+            advance_row(
+                u,
+                w,
+                heights,
+                k0,
+                k1,
+                spreading,
+                dragging,
+                unit,
+                level,
+                i - 1,
+                gap,
+                b,
+                flow,
+                line,
+                sums[i - 1],
+            )
+
+
+@_compiled
+def advance_edges(
+    u: Any,
+    w: Any,
+    heights: Any,
+    k0: float,
+    k1: float,
+    spreading: float,
+    dragging: float,
+    unit: float,
+    level: float,
+    gap: Any,
+    b: Any,
+    flow: Any,
+    sums: Any,
+    edge: int,
+) -> None:
+    """What `advance` left undone on both sides of an edge between slabs."""
+    ny, nx = u.shape
+    line = np.empty(nx)
+    for i in ((edge - 1) % ny, edge):
+        advance_row(u, w, heights, k0, k1, spreading, dragging, unit, level, i, gap, b, flow, line, sums[i])
+
+
+@_compiled
+def begin_stage_1(
+    last_e: Any,
+    last_f: Any,
+    ahead: Any,
+    rate: Any,
+    flow: Any,
+    tau: Any,
+    gap: Any,
+    nx: int,
+    e: Any,
+    f: Any,
+    c: Any,
+    sums: Any,
+    low: int,
+    high: int,
+) -> None:
+    """First guess from the last step, and the source -tau (rate + flow); ``sums`` of e, f and c."""
+    m = e.shape[2] - 1
+    for i in range(low, high):
+        sum_e = sum_f = sum_c = np.float32(0.0)
+        for side in range(2):
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                move = max(gap[i, side, k], ahead * last_e[i, side, k])
+                stretch = ahead * last_f[i, side, k]
+                source = -tau * (rate[i, side, k] + flow[i, side, k])
+                e[i, side, k], f[i, side, k], c[i, side, k] = move, stretch, source
+                sum_e += move
+                sum_f += stretch
+                sum_c += source
+        wrap(e[i], nx)
+        wrap(f[i], nx)
+        sums[i, 0], sums[i, 1], sums[i, 2] = sum_e, sum_f, sum_c
+
+
+@_compiled
+def begin_stage_2(
+    offset: Any,
+    growth: Any,
+    rate: Any,
+    flow: Any,
+    tau: Any,
+    weight: Any,
+    gap: Any,
+    nx: int,
+    e: Any,
+    f: Any,
+    middle: Any,
+    c: Any,
+    sums: Any,
+    low: int,
+    high: int,
+) -> None:
+    """Rate at the end of the first stage, f plus an offset; then the second, as in `begin_stage_1`."""
+    m = e.shape[2] - 1
+    pace = np.float32(1.0) / tau
+    for i in range(low, high):
+        sum_e = sum_f = sum_c = np.float32(0.0)
+        for side in range(2):
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                move, stretch = e[i, side, k], f[i, side, k] + offset
+                found = (move - stretch) * pace - rate[i, side, k]
+                source = -weight * (rate[i, side, k] + found) - tau * flow[i, side, k]
+                move, stretch = max(gap[i, side, k], growth * move), growth * stretch
+                e[i, side, k], f[i, side, k], c[i, side, k] = move, stretch, source
+                middle[i, side, k] = found
+                sum_e += move
+                sum_f += stretch
+                sum_c += source
+        wrap(e[i], nx)
+        wrap(f[i], nx)
+        sums[i, 0], sums[i, 1], sums[i, 2] = sum_e, sum_f, sum_c
+
+
+@_compiled
+def finish_step(
+    e: Any,
+    f: Any,
+    offset: Any,
+    rate: Any,
+    middle: Any,
+    tau: Any,
+    weight: Any,
+    first: Any,
+    second: Any,
+    third: Any,
+    nx: int,
+    end: Any,
+    error: Any,
+    low: int,
+    high: int,
+) -> None:
+    """Rate at the end, f plus an offset, and the sum of the three rates with weights, rows in order."""
+    m = e.shape[2] - 1
+    pace = np.float32(1.0) / tau
+    line = np.zeros((2, m + 1), np.float32)
+    for i in range(low, high):
+        for side in range(2):
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                before, between = rate[i, side, k], middle[i, side, k]
+                found = (e[i, side, k] - f[i, side, k] - offset - weight * (before + between)) * pace
+                end[i, side, k] = found
+                line[side, k] = first * before + second * between + third * found
+        join(line, error[i])
+
+
+@_compiled
+def damped_power(
+    modes: Any, y: Any, x: Any, bed: float, spreading: float, dragging: float, out: Any, low: int, high: int
+) -> None:
+    """Sums by rows of squared modes, each divided by 1 + (spreading lam + dragging) lam / (lam + bed).
+
+    lam = y + x, the eigenvalue of L. Modes that stand for their conjugates too count twice; ``out[i, 1]``
+    is the part of the first column, ``out[i, 2]`` that of the last.
+    """
+    for i in range(low, high):
+        value = np.float32(0.0)
+        for j in range(x.shape[0]):
+            lam = y[i] + x[j]
+            damping = np.float32(1.0) + (spreading * lam + dragging) * lam / (lam + bed)
+            size = modes[i, j].real ** 2 + modes[i, j].imag ** 2
+            power = size / (damping * damping)
+            value += power
+            if j == 0:
+                out[i, 1] = power
+            out[i, 2] = power
+        out[i, 0] = value
 
 
 # One field: (lap + bed) e = b - push, e >= gap; ``diagonal`` is 4 + bed.
@@ -1042,17 +1304,8 @@ def coarse_restrict_2(
 @_compiled
 def lattice_force(u: Any, w: Any, k0: float, k1: float, out: Any, low: int, high: int) -> None:
     """Force k0 L u + k1 w in rows low to high."""
-    ny, nx = u.shape
     for i in range(low, high):
-        up, down, row, stretch = u[i - 1 if i > 0 else ny - 1], u[i + 1 if i < ny - 1 else 0], u[i], w[i]
-        force = out[i]
-        for j in range(1, nx - 1):
-            pulls = up[j] + down[j] + row[j - 1] + row[j + 1]
-            force[j] = k0 * (4.0 * row[j] - pulls) + k1 * stretch[j]
-        for j in (0, nx - 1):
-            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-            pulls = up[j] + down[j] + row[left] + row[right]
-            force[j] = k0 * (4.0 * row[j] - pulls) + k1 * stretch[j]
+        stencil_row(k0, u, k1, w, i, out[i])
 
 
 @_compiled

@@ -71,9 +71,6 @@ class ContactProblem:
         Whether the sum of the forces is prescribed.
     springs
         The same problem in terms of neighbors, where there is such a form.
-    allowed_error
-        Error of the shape after the step, rms over sites, length, that does no harm: a step in the
-        middle of a history need not be exact. Solvers may ignore it.
     """
 
     def __init__(
@@ -85,13 +82,11 @@ class ContactProblem:
         pull: Modes | Callable[[], Modes],
         load_controlled: bool,
         springs: SpringStep | None = None,
-        allowed_error: float = 0.0,
     ) -> None:
         self.lattice, self.heights = lattice, heights
         self._stiffness, self._pull = stiffness, pull
         self.load_controlled = load_controlled
         self.springs = springs
-        self.allowed_error = allowed_error
 
     @cached_property
     def stiffness(self) -> Spectrum:
@@ -145,7 +140,7 @@ class ContactSolver(Protocol):
         """Solve from a guess or from nothing; return converged or raise `ConvergenceError`.
 
         Converged means that no force off contact exceeds ``tolerance`` times the mean contact force, or
-        that rounding errors forbid more, or that the error is below what the problem allows.
+        that rounding errors forbid more.
         """
         ...
 

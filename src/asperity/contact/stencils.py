@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from asperity.contact import kernels
-from asperity.lattice import Field
+from asperity.lattice import Field, Modes
+from asperity.solids import SpringConstants
 
 
 def combined(*terms: tuple[float, Field]) -> Field:
@@ -32,3 +33,19 @@ def bond_energy(u: Field) -> float:
     rows = np.empty(len(u))
     kernels.bond_energy(u, rows, 0, len(u))
     return float(rows.sum())
+
+
+def damped_power(modes: Modes, shape: tuple[int, ...], springs: SpringConstants, tau: float) -> float:
+    """Mean over all modes of a field of |mode / (1 + tau z)|^2.
+
+    z is the rate at which a mode decays off contact.
+    """
+    y, x = (4.0 * np.sin(np.pi * np.arange(n) / n).astype(np.float32) ** 2 for n in shape)
+    x = x[: modes.shape[1]]
+    k1 = springs.k1
+    coefficients = map(np.float32, (k1 / springs.k0, tau * k1 * springs.R, tau * k1 * springs.R_viscous))
+    rows = np.empty((len(modes), 3))
+    kernel: Any = kernels.damped_power
+    kernel(modes, y, x, *coefficients, rows, 0, len(modes))
+    whole, first, last = map(float, rows.sum(axis=0))
+    return (2.0 * whole - first - (last if shape[1] % 2 == 0 else 0.0)) / (shape[0] * shape[1])

@@ -22,10 +22,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.contact.controls import Control, Load
 from asperity.contact.problem import ContactProblem, SpringStep
-from asperity.contact.stencils import bond_energy, lattice_force
+from asperity.contact.stencils import bond_energy, damped_power, lattice_force
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Modes, Spectrum
 from asperity.solids import Solid, Spectra, SpringConstants
@@ -165,18 +166,24 @@ class System:
         density += spectra.creeping * np.abs(lattice.forward(stretch)) ** 2
         return lattice.mean_over_modes(density) / 2
 
-    def damped_rms(self, error: Field, tau: float) -> float:
+    def damped_rms(self, error: NDArray[np.floating], tau: float) -> float:
         """Rms over the sites of an error of u0, each mode divided by 1 + tau z.
 
-        z = M C H / (H + C) is the rate at which the mode decays off contact (the paper's z_q). Single
-        precision does for the size of an error.
+        z = M C H / (H + C) is the rate at which the mode decays off contact (the paper's z_q). Under load
+        control the mean does not count. Single precision does for the size of an error.
         """
         scale = max(float(error.max()), -float(error.min()))
         if not 0 < scale < math.inf:
             return scale
-        modes = self.lattice.forward((error / scale).astype(np.float32))
-        damped = np.abs(modes) / (1 + np.float32(tau) * self._free_decay_rate)
-        return scale * math.sqrt(self.lattice.mean_over_modes(damped**2) / self.lattice.sites)
+        modes = self.lattice.forward((error / scale).astype(np.float32, copy=False))
+        if isinstance(self.control, Load):
+            modes.flat[0] = 0.0
+        if self.springs:
+            power = damped_power(modes, self.lattice.shape, self.springs, tau)
+        else:
+            damped = np.abs(modes) / (1 + np.float32(tau) * self._free_decay_rate)
+            power = self.lattice.mean_over_modes(damped**2)
+        return scale * math.sqrt(power / self.lattice.sites)
 
     @cached_property
     def _free_decay_rate(self) -> Spectrum:
@@ -207,7 +214,7 @@ class ImplicitStep:
             stiffness.flat[0] = 0.0
         return stiffness
 
-    def problem(self, shape: Field | float, allowed_error: float = 0.0) -> ContactProblem:
+    def problem(self, shape: Field | float) -> ContactProblem:
         """The contact problem of the step from a shape v, a field or the level of a flat one."""
         system = self.system
         return ContactProblem(
@@ -217,7 +224,6 @@ class ImplicitStep:
             pull=lambda: self._pull(shape),
             load_controlled=isinstance(system.control, Load),
             springs=self._springs(shape),
-            allowed_error=allowed_error,
         )
 
     def _pull(self, shape: Field | float) -> Modes:

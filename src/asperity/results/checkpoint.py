@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from asperity._version import __version__
 from asperity.aging.march import Midway
-from asperity.aging.tr_bdf2 import Past, Point
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
 from asperity.errors import CheckpointError, OutputError
@@ -132,24 +131,16 @@ def fingerprint_of(start: Contact, times: Field, fields_at: Field, rtol: float, 
 
 
 def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
-    midway, point = place.midway, place.midway.point
+    midway = place.midway
     facts = {
         "fingerprint": fingerprint,
-        "time": point.time,
-        "earlier": None if midway.earlier is None else midway.earlier.time,
+        "time": midway.time,
         "march": [midway.deformation, midway.length, midway.steps, midway.rejected, midway.iterations],
         "rows": place.rows,
         "snapshots": [snapshot.time for snapshot in place.snapshots],
     }
-    arrays = {
-        "facts": np.array(json.dumps(facts)),
-        "u": point.u,
-        "stretch": point.stretch,
-        "rate": point.rate,
-    }
-    if midway.earlier is not None:
-        arrays["earlier_u"] = midway.earlier.u
-        arrays["earlier_stretch"] = midway.earlier.stretch
+    arrays = {"facts": np.array(json.dumps(facts))}
+    arrays |= {f"place_{name}": array for name, array in midway.place.items()}
     for name in ("u", "u0", "in_contact"):
         if place.snapshots:
             arrays[f"kept_{name}"] = np.stack([getattr(snapshot, name) for snapshot in place.snapshots])
@@ -157,14 +148,11 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
 
 
 def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Place:
-    deformation, length, steps, rejected, iterations = facts["march"]
-    point = Point(facts["time"], arrays["u"], arrays["stretch"], arrays["rate"])
-    earlier = None
-    if facts["earlier"] is not None:
-        earlier = Past(facts["earlier"], arrays["earlier_u"], arrays["earlier_stretch"])
     snapshots = [
         Snapshot(time, *(arrays[f"kept_{name}"][index] for name in ("u", "u0", "in_contact")))
         for index, time in enumerate(facts["snapshots"])
     ]
-    midway = Midway(point, earlier, deformation, length, steps, rejected, iterations)
-    return Place(midway, facts["rows"], snapshots)
+    place = {
+        name.removeprefix("place_"): array for name, array in arrays.items() if name.startswith("place_")
+    }
+    return Place(Midway(facts["time"], place, *facts["march"]), facts["rows"], snapshots)

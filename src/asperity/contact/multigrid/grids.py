@@ -68,6 +68,13 @@ def parted(field: NDArray[np.floating]) -> Single:
     return out.reshape(*field.shape[:-1], *out.shape[1:])
 
 
+def join_all(field: Single, shape: tuple[int, ...]) -> Field:
+    """A parted field, its rows in order, in double precision."""
+    out = np.empty(shape)
+    kernels.join_rows(field, out, 0, len(out))
+    return out
+
+
 class Grid:
     """One coarse grid and the work arrays on it: single precision, rows parted."""
 
@@ -101,9 +108,7 @@ class Grid:
 
     def in_order(self, field: Single) -> Field:
         """A field as a vector; for the coarsest grid."""
-        out = np.empty(self.shape)
-        kernels.join_rows(field, out, 0, len(out))
-        return out.ravel()
+        return join_all(field, self.shape).ravel()
 
     def laplacian(self) -> Field:
         """Minus the Laplacian as a matrix; for the coarsest grid."""
@@ -155,6 +160,20 @@ class Rows:
         edges = self._edges(*shape)
         self._run(sweep, [(*arguments, halves, low, high) for low, high in pairwise(edges)])
         self._run(close, [(*arguments, halves, edge) for edge in edges[:-1]])
+
+    def and_edges(
+        self,
+        kernel: Kernel,
+        close: Kernel,
+        shape: tuple[int, ...],
+        fields: tuple[Any, ...],
+        extra: tuple[Any, ...],
+        rest: tuple[Any, ...],
+    ) -> None:
+        """A kernel on slabs, then what it left to do at their edges, for which it needs no ``extra``."""
+        edges = self._edges(*shape)
+        self._run(kernel, [(*fields, *extra, *rest, low, high) for low, high in pairwise(edges)])
+        self._run(close, [(*fields, *rest, edge) for edge in edges[:-1]])
 
     def by_color(self, kernel: Kernel, shape: tuple[int, ...], *arguments: Any, first: int) -> None:
         """One sweep: the sites of one color, then those of the other."""

@@ -104,7 +104,7 @@ class Multigrid:
         ):
             done, cycles, stretch = self._one_field(springs, heights, u, tolerance)
         else:
-            done, cycles, stretch = self._two_fields(springs, problem, heights, u, guess, tolerance)
+            done, cycles, stretch = self._two_fields(springs, heights, u, guess, tolerance)
         if done:
             return Solution(u, u <= heights, cycles, 0, stretch)
         start = Guess(u) if np.isfinite(u).all() else None
@@ -133,7 +133,6 @@ class Multigrid:
     def _two_fields(
         self,
         springs: SpringStep,
-        problem: ContactProblem,
         heights: Field,
         u: Field,
         guess: Guess,
@@ -143,11 +142,13 @@ class Multigrid:
             stretch = u - springs.shape
         else:
             stretch = guess.stretch if guess.disposable else guess.stretch.copy()
-        work = self._workspace(TwoFields, heights.shape)
-        done, cycles = work.solve(
-            springs, heights, u, stretch, problem.allowed_error, tolerance, self.max_cycles
-        )
+        work = self.two_fields(heights.shape)
+        done, cycles = work.solve(springs, heights, u, stretch, tolerance, self.max_cycles)
         return done, cycles, stretch
+
+    def two_fields(self, shape: tuple[int, ...]) -> TwoFields:
+        """Work space for steps of creep on a lattice."""
+        return self._workspace(TwoFields, shape)
 
     def _workspace(self, kind: type[W], shape: tuple[int, ...]) -> W:
         """Work arrays, kept from call to call while the lattice stays the same."""

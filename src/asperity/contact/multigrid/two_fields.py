@@ -7,15 +7,11 @@ The stiffness of a finite step is not local, but the pair is:
 
 shift = 0 where the separation is held; where the load is, the shift is unknown and the sum of k1 w is F.
 Only u is constrained, and only contacts are invisible to coarse grids: the cycle is that of
-`asperity.contact.multigrid.one_field`, both unknowns of a site relaxed together.
-
-A step starts near its end, and a cycle usually divides the error by four or more; the size of the
-correction tells the error that was, and so the one that is left. Where cycles are slower,
+`asperity.contact.multigrid.one_field`, both unknowns of a site relaxed together. Where cycles are slow,
 the correction is combined with the previous one as there, by the stationary point of the symmetric form
 that the pair makes instead of the lowest energy.
 
-All this happens to a correction (e, f) of the pair, in single precision, which is added at the end, or
-where no error is allowed as often as it has become as good as rounding allows.
+All this happens to a correction (e, f) of the pair, in single precision and in units in which k0 = 1.
 """
 
 from __future__ import annotations
@@ -25,7 +21,7 @@ import math
 import numpy as np
 
 from asperity.contact import kernels
-from asperity.contact.multigrid.grids import Hierarchy, Rows, parted_shape
+from asperity.contact.multigrid.grids import Hierarchy, Rows, Single, parted_shape
 from asperity.contact.multigrid.one_field import lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.problem import SpringStep
@@ -45,117 +41,115 @@ _AS_GOOD_AS_IT_GETS = 100 * float(np.finfo(np.float32).eps)
 
 
 class TwoFields:
-    """Work space for one lattice."""
+    """Work space for one lattice, and the correction on it.
+
+    Attributes
+    ----------
+    correction, source, step
+        e and f; b and c of the equations in `asperity.contact.kernels`; the last change of e and f.
+    gap
+        How far the surface may come down, a length < 0.
+    shift
+        The unknown shift, a length.
+    wanted
+        Sum of f with which the load is carried, a length, or None where no load is held.
+    known_stretch
+        Sum of w before the correction, a length.
+    """
 
     def __init__(self, shape: tuple[int, ...], rows: Rows) -> None:
-        self.rows, self.shape = rows, shape
+        self.rows, self.shape, self.sites = rows, shape, math.prod(shape)
         self.hierarchy = Hierarchy(shape, 2, rows)
-        parts = parted_shape(*shape)
-        self.gap = np.full(parts, -np.inf, np.float32)
-        self.corrections, self.sources, self.steps = (
-            (np.zeros(parts, np.float32), np.zeros(parts, np.float32)) for _ in range(3)
-        )
+        self.gap = np.full(parted_shape(*shape), -np.inf, np.float32)
+        self.correction, self.source, self.step = (self.pair() for _ in range(3))
         self.sums = np.zeros((shape[0], 7))
+        self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
+        self.wanted: float | None = None
+
+    def pair(self) -> tuple[Single, Single]:
+        """Two fields of zeros."""
+        parts = parted_shape(*self.shape)
+        return np.zeros(parts, np.float32), np.zeros(parts, np.float32)
+
+    def prepare(self, bed: float, spread: float, drag: float) -> None:
+        """Set the coefficients: bed = k1/k0, and those of the equations."""
+        self.bed, self.spread, self.lag = bed, spread, 1.0 + drag
+        self.response = Response(bed, spread, drag)
         self.pinned = -math.inf
 
     def solve(
-        self,
-        springs: SpringStep,
-        heights: Field,
-        u: Field,
-        w: Field,
-        allowed_error: float,
-        tolerance: float,
-        max_cycles: int,
+        self, springs: SpringStep, heights: Field, u: Field, w: Field, tolerance: float, max_cycles: int
     ) -> tuple[bool, int]:
-        """Improve u and w in place; whether the error became small enough, and the cycles taken."""
-        self.springs, self.heights, self.u, self.w = springs, heights, u, w
-        shape = springs.shape
-        self.v = shape if isinstance(shape, np.ndarray) else np.full(u.shape, shape)
-        self.bed, self.lag = springs.k1 / springs.k0, 1.0 + springs.drag
-        self.unit = max(float(u.max()), -float(u.min())) or 1.0
-        self.last_shift, self.pinned = 0.0, -math.inf
-        self.total_stretch = 0.0
+        """Improve u and w in place; whether the tolerance was reached, and the cycles taken."""
+        self.prepare(springs.k1 / springs.k0, springs.spread, springs.drag)
+        unit = max(float(u.max()), -float(u.min())) or 1.0
         self.forget()
-        self.measure()
+        self.measure(springs, heights, u, w, unit)
         size = math.inf
         for cycle in range(max_cycles):
             self.sweep()
             contacts = self.restrict()
             missing, left, far = self.judge()
             as_good_as_it_gets = _AS_GOOD_AS_IT_GETS * (8.0 / self.bed + 1.0) * far
-            if allowed_error == 0 and left <= max(self.strict(tolerance, contacts), as_good_as_it_gets):
-                self.settle()
-                self.measure()
+            if left <= max(self.strict(tolerance, contacts), as_good_as_it_gets):
+                self.settle(heights, u, w, unit)
+                self.measure(springs, heights, u, w, unit)
                 contacts = self.restrict()
                 missing, left, _ = self.judge()
                 if left <= self.strict(tolerance, contacts):
                     return True, cycle + 1
-            self.set_pins(contacts)
-            self.shift_step = self.correct_on_grid(0, missing / self.unit)
-            before, size = size, self.size_of_correction()
+            size, _ = self.correct(contacts, missing, cycle, size)
             if not math.isfinite(size):
                 return False, max_cycles
-            if cycle == 1:
-                self.forget()
-            rate = min(max(size / before, 0.1), 0.9) if cycle else _USUAL_RATE
-            self.move(keep=cycle > 0, combine=cycle > 0 and size > _SLOW * before)
-            missed = rate * abs(missing) * springs.k1
-            if rate * size <= allowed_error and missed <= _FORCE_ERROR * abs(self.force_of_contacts()):
-                self.sweep()
-                self.settle()
-                self.keep_mean()
-                return True, cycle + 1
-        self.settle()
+        self.settle(heights, u, w, unit)
         return False, max_cycles
 
-    def measure(self) -> None:
+    def improve(self, allowed_error: float, max_cycles: int) -> tuple[bool, int]:
+        """Improve the correction until the error of e - f, rms over the sites, is small enough.
+
+        A step starts near its end, and a cycle usually divides the error by four or more; the size of
+        a change tells the error that was, and so the one that is left.
+        """
+        self.forget()
+        size = math.inf
+        for cycle in range(max_cycles):
+            self.sweep()
+            contacts = self.restrict()
+            missing, _, _ = self.judge()
+            size, rate = self.correct(contacts, missing, cycle, size)
+            if not math.isfinite(size):
+                break
+            if rate * size <= allowed_error and rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch):
+                self.sweep()
+                return True, cycle + 1
+        return False, max_cycles
+
+    def measure(self, springs: SpringStep, heights: Field, u: Field, w: Field, unit: float) -> None:
         """Begin a correction to the fields as they are."""
-        s = self.springs
-        shift = 0.0
+        s, v, shift = springs, springs.shape, 0.0
+        if not isinstance(v, np.ndarray):
+            v = np.full(u.shape, v)
         if s.load is not None:
-            shift = self.lag * float(self.w.mean()) - float(self.u.mean()) + float(self.v.mean())
-        self.rows(
-            kernels.measure_2,
-            *self.shape,
-            self.u,
-            self.w,
-            self.heights,
-            self.v,
-            s.k0,
-            s.k1,
-            s.spread,
-            s.drag,
-            shift,
-            self.unit,
-            self.gap,
-            *self.sources,
-            self.sums,
-        )
-        self.stretch = float(self.sums[:, 0].sum())
-        for field in self.corrections:
+            shift = self.lag * float(w.mean()) - float(u.mean()) + float(v.mean())
+        coefficients = (s.k0, s.k1, s.spread, s.drag, shift, unit)
+        into = (self.gap, *self.source, self.sums)
+        self.rows(kernels.measure_2, *self.shape, u, w, heights, v, *coefficients, *into)
+        for field in self.correction:
             field.fill(0.0)
-        self.shift = 0.0
+        self.shift, self.known_stretch = 0.0, float(self.sums[:, 0].sum()) / unit
+        self.wanted = None if s.load is None else s.load / (s.k1 * unit) - self.known_stretch
 
-    def settle(self) -> None:
-        """Add the corrections."""
-        e, f = self.corrections
-        self.rows(kernels.settle, *self.shape, self.u, self.heights, e, self.gap, self.unit)
-        self.rows(kernels.add, *self.shape, self.w, f, self.unit)
-
-    def keep_mean(self) -> None:
-        """Make the mean of w exact: what creep conserves must not drift."""
-        s = self.springs
-        if s.load is None:
-            mean = (float(self.u.mean()) - float(self.v.mean())) / self.lag
-        else:
-            mean = s.load / (s.k1 * self.u.size)
-        self.w += mean - float(self.w.mean())
+    def settle(self, heights: Field, u: Field, w: Field, unit: float) -> None:
+        """Add the correction."""
+        e, f = self.correction
+        self.rows(kernels.settle, *self.shape, u, heights, e, self.gap, unit)
+        self.rows(kernels.add, *self.shape, w, f, unit)
 
     def forget(self) -> None:
         """Begin with no previous step."""
-        for step in self.steps:
-            step.fill(0.0)
+        self.last_shift = 0.0
+        for field in self.step:
+            field.fill(0.0)
 
     def sweep(self) -> None:
         """Find the contacts and smooth the error."""
@@ -163,8 +157,8 @@ class TwoFields:
 
     def equation(self) -> tuple[object, ...]:
         """Fields and coefficients, as the kernels take them."""
-        coefficients = map(np.float32, (self.bed, self.springs.spread, self.lag, self.shift))
-        return (*self.corrections, self.gap, *self.sources, *coefficients, self.shape[1])
+        coefficients = map(np.float32, (self.bed, self.spread, self.lag, self.shift))
+        return (*self.correction, self.gap, *self.source, *coefficients, self.shape[1])
 
     def restrict(self) -> float:
         """Bring both defects to the first coarse grid; the number of contacts."""
@@ -172,39 +166,47 @@ class TwoFields:
         self.rows(kernels.restrict_2, *grid.shape, *self.equation(), *grid.sources, self.sums)
         return float(self.sums[:, 3].sum())
 
-    def force_of_contacts(self) -> float:
-        """Sum of the forces, which is that of k1 w."""
-        return self.springs.k1 * self.total_stretch
-
     def judge(self) -> tuple[float, float, float]:
-        """What is missing in the sum of w; what the equations leave; the correction; rms, as lengths."""
+        """What is missing in the sum of f; what the equations leave and the correction, both rms."""
         balance, creep, stretch, _, far = self.sums[:, :5].sum(axis=0).tolist()
-        sites, springs = self.u.size, self.springs
-        self.total_stretch = self.stretch + self.unit * stretch
-        missing = 0.0 if springs.load is None else springs.load / springs.k1 - self.total_stretch
-        left = self.unit * max(math.sqrt(balance / sites) / self.bed, math.sqrt(creep / sites))
-        return missing, max(left, abs(missing) / sites), self.unit * math.sqrt(far / sites)
+        self.total_stretch = self.known_stretch + stretch
+        missing = 0.0 if self.wanted is None else self.wanted - stretch
+        left = max(math.sqrt(balance / self.sites) / self.bed, math.sqrt(creep / self.sites))
+        return missing, max(left, abs(missing) / self.sites), math.sqrt(far / self.sites)
 
     def strict(self, tolerance: float, contacts: float) -> float:
-        """What the equations may leave where no error is allowed."""
-        rounding = 4.0 * float(np.finfo(float).eps) * (8.0 / self.bed + 1.0) * self.unit
-        force = abs(self.force_of_contacts())
-        return max(tolerance * force / (self.springs.k1 * max(contacts, 1.0)), rounding)
+        """What the equations may leave in the end."""
+        rounding = 4.0 * float(np.finfo(float).eps) * (8.0 / self.bed + 1.0)
+        return max(tolerance * abs(self.total_stretch) / max(contacts, 1.0), rounding)
 
-    def size_of_correction(self) -> float:
-        """Correction of u0, rms over the sites: the error before it."""
+    def correct(self, contacts: float, missing: float, cycle: int, before: float) -> tuple[float, float]:
+        """Correct by the coarse grids; the size of the correction of u0, rms, and the rate of the cycles."""
+        self.set_pins(contacts)
+        shift = self.correct_on_grid(0, missing)
         e, f = self.hierarchy.grids[0].joined
-        return self.unit * math.sqrt(float(np.mean((e - f) ** 2, dtype=float)))
+        size = math.sqrt(float(np.mean((e - f) ** 2, dtype=float)))
+        if not math.isfinite(size):
+            return size, 1.0
+        if cycle == 1:
+            self.forget()
+        alpha, beta = 1.0, 0.0
+        if cycle > 0 and size > _SLOW * before:
+            fields = (*self.hierarchy.grids[0].joined, *self.step, *self.equation())
+            self.rows(kernels.products_2, *self.shape, *fields, self.sums)
+            alpha, beta = self.stationary(shift, missing)
+        fields = (*self.hierarchy.grids[0].joined, *self.step, *self.correction, self.gap, self.shape[1])
+        self.rows(kernels.correct_2, *self.shape, *fields, np.float32(alpha), np.float32(beta))
+        self.last_shift = alpha * shift + beta * self.last_shift
+        self.shift += self.last_shift
+        return size, min(max(size / before, 0.1), 0.9) if cycle else _USUAL_RATE
 
     def set_pins(self, contacts: float) -> None:
         """Tell the coarse grids of the contacts, where many have changed, and factorize the coarsest."""
         if abs(contacts - self.pinned) <= 0.02 * self.pinned:
             return
         self.pinned = contacts
-        s = self.springs
-        response = Response(self.bed, s.spread, s.drag)
-        e, fraction = self.corrections[0], contacts / self.u.size
-        self.hierarchy.set_pins(e, self.gap, self.shape[1], fraction, response)
+        e, fraction = self.correction[0], contacts / self.sites
+        self.hierarchy.set_pins(e, self.gap, self.shape[1], fraction, self.response)
         grid = self.hierarchy.grids[-1]
         lap, cells = grid.laplacian(), grid.cells
         n = cells.size
@@ -213,8 +215,8 @@ class TwoFields:
         matrix[:n, :n] = lap + np.diag(np.maximum(grid.in_order(grid.pins), 1e-9 * cells))
         matrix[:n, n:-1] = np.diag(self.bed * cells)
         matrix[n:-1, :n] = -np.diag(cells)
-        matrix[n:-1, n:-1] = s.spread * lap + np.diag(self.lag * cells)
-        if s.load is None:
+        matrix[n:-1, n:-1] = self.spread * lap + np.diag(self.lag * cells)
+        if self.wanted is None:
             matrix[-1, -1] = 1.0
         else:
             matrix[n:-1, -1] = -cells
@@ -226,13 +228,13 @@ class TwoFields:
         grid = self.hierarchy.grids[level]
         (e, f), (b, c), joined = grid.corrections, grid.sources, grid.joined
         if grid is self.hierarchy.grids[-1]:
-            if self.springs.load is None:
+            if self.wanted is None:
                 missing = 0.0
             found = self.coarsest @ np.concatenate([grid.in_order(b), grid.in_order(c), [missing]])
             for field, values in zip(joined, np.split(found[:-1], 2), strict=True):
                 field[...] = values.reshape(field.shape)
             return float(found[-1])
-        coefficients = map(np.float32, (self.bed, self.springs.spread, self.lag))
+        coefficients = map(np.float32, (self.bed, self.spread, self.lag))
         operator = (grid.pins, *coefficients, *grid.geometry)
         coarser = self.hierarchy.grids[level + 1]
         e.fill(0.0)
@@ -250,26 +252,12 @@ class TwoFields:
             self.rows(kernels.join_rows, *grid.shape, parts, out)
         return shift
 
-    def move(self, *, keep: bool, combine: bool) -> None:
-        """Move by the correction, or by what it and the previous step make together."""
-        alpha, beta = 1.0, 0.0
-        coarse = self.hierarchy.grids[0].joined
-        if combine:
-            self.rows(kernels.products_2, *self.shape, *coarse, *self.steps, *self.equation(), self.sums)
-            alpha, beta = self.stationary()
-        fields = (*coarse, *self.steps, *self.corrections, self.gap, self.shape[1])
-        self.rows(kernels.correct_2, *self.shape, *fields, np.float32(alpha), np.float32(beta))
-        step = alpha * self.shift_step + beta * self.last_shift
-        self.shift += step
-        self.last_shift = step if keep else 0.0
-
-    def stationary(self) -> tuple[float, float]:
+    def stationary(self, shift: float, missing: float) -> tuple[float, float]:
         """Combination of the correction and the previous step; the plain correction if in doubt."""
         rd, rq, dd, dq, qq, sf, sg = self.sums.sum(axis=0).tolist()
-        if self.springs.load is not None:
-            short = (self.force_of_contacts() - self.springs.load) / (self.springs.k0 * self.unit)
-            shift, last = self.shift_step, self.last_shift
-            rd, rq = rd + short * shift, rq + short * last
+        if self.wanted is not None:
+            last = self.last_shift
+            rd, rq = rd - self.bed * missing * shift, rq - self.bed * missing * last
             dd, qq = dd + 2.0 * self.bed * shift * sf, qq + 2.0 * self.bed * last * sg
             dq += self.bed * (shift * sg + last * sf)
         if qq < 0 or dd <= 0:
