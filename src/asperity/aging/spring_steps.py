@@ -221,9 +221,12 @@ class SpringSteps:
             kernels.advance,
             kernels.advance_edges,
             self.u.shape,
-            (self.u, self.w, self.heights),
-            (*work.correction, offset),
-            (*numbers, *fields),
+            self.u,
+            self.w,
+            self.heights,
+            *numbers,
+            *fields,
+            before=(*work.correction, offset),
         )
         sums, sites = work.sums, self.u.size
         stretch, rise, squares_w, squares_u, _, self.contacts = sums[:, :6].sum(axis=0).tolist()

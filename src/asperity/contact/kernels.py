@@ -92,17 +92,19 @@ def total(field: Any, nx: int, out: Any, low: int, high: int) -> None:
 
 
 @_compiled
-def restrict_row(row: Any, nx: int, line: Any, out: Any) -> None:
-    """A parted fine row on a parted coarse row: coarse sites count whole, sites between them half."""
+def restrict_rows(above: Any, here: Any, below: Any, nx: int, line: Any, out: Any) -> None:
+    """Three parted fine rows on a parted coarse row: coarse sites count whole, those between them half."""
     half = np.float32(0.5)
     m = line.shape[0]
-    even, odd = row[0], row[1]
-    if nx % 2 == 0:
-        odd[0] = odd[m]
-    else:  # the last column and the first are neighbors with nothing between
-        odd[0] = odd[m] = np.float32(0.0)
+    for row in (above, here, below):
+        if nx % 2 == 0:
+            row[1, 0] = row[1, m]
+        else:  # the last column and the first are neighbors with nothing between
+            row[1, 0] = row[1, m] = np.float32(0.0)
     for k in range(m):
-        line[k] = even[k] + half * (odd[k] + odd[k + 1])
+        sides = above[0, k] + below[0, k] + here[1, k] + here[1, k + 1]
+        corners = above[1, k] + above[1, k + 1] + below[1, k] + below[1, k + 1]
+        line[k] = here[0, k] + half * (sides + half * corners)
     part(line, out)
 
 
@@ -137,15 +139,6 @@ def fine_row(coarse_row: int, offset: int, ny: int) -> int:
     return i if i < ny else -1
 
 
-@_compiled
-def gather(row: Any, offset: int, out: Any) -> None:
-    """Add a fine row at an offset from a coarse row to what the latter gets."""
-    share = np.float32(1.0) if offset == 0 else np.float32(0.5)
-    for side in range(2):
-        for k in range(row.shape[1]):
-            out[side, k] += share * row[side, k]
-
-
 # Pins: contacts as the coarse grids feel them.
 
 
@@ -154,41 +147,37 @@ def pins_of_contacts(e: Any, gap: Any, nx: int, strength: Any, out: Any, low: in
     """Pins on the first coarse grid: each contact counts ``strength``."""
     ny, _, width = e.shape
     m = width - 1
-    row, whole = np.zeros((2, width), np.float32), np.empty((2, width), np.float32)
-    line = np.empty(m, np.float32)
+    rows, line = np.zeros((3, 2, width), np.float32), np.empty(m, np.float32)
     zero = np.float32(0.0)
     for k in range(low, high):
-        whole[:] = zero
         for offset in range(-1, 2):
-            i = fine_row(k, offset, ny)
+            i, row = fine_row(k, offset, ny), rows[offset + 1]
             if i < 0:
+                row[:] = zero
                 continue
             for side in range(2):
                 for j in range(side, m if side == 0 else 1 + nx - m):
                     row[side, j] = strength if e[i, side, j] <= gap[i, side, j] else zero
-            gather(row, offset, whole)
-        restrict_row(whole, nx, line, out[k])
+        restrict_rows(rows[0], rows[1], rows[2], nx, line, out[k])
 
 
 @_compiled
 def coarser_pins(pins: Any, nx: int, softening: Any, mean: Any, out: Any) -> None:
     """Pins on the next coarser grid: what stands out from the mean softens."""
     ny, _, width = pins.shape
-    row, whole = np.empty((2, width), np.float32), np.empty((2, width), np.float32)
-    line = np.empty(width - 1, np.float32)
+    rows, line = np.empty((3, 2, width), np.float32), np.empty(width - 1, np.float32)
     one, zero = np.float32(1.0), np.float32(0.0)
     for k in range(out.shape[0]):
-        whole[:] = zero
         for offset in range(-1, 2):
-            i = fine_row(k, offset, ny)
+            i, row = fine_row(k, offset, ny), rows[offset + 1]
             if i < 0:
+                row[:] = zero
                 continue
             for side in range(2):
                 for j in range(width):
                     pin = pins[i, side, j]
                     row[side, j] = pin / (one + softening * max(pin - mean, zero))
-            gather(row, offset, whole)
-        restrict_row(whole, nx, line, out[k])
+        restrict_rows(rows[0], rows[1], rows[2], nx, line, out[k])
 
 
 # Between states and corrections. ``gap`` is how far the surface may still come down, a length < 0.
@@ -380,12 +369,12 @@ def advance_row(
 
 @_compiled
 def advance(
-    u: Any,
-    w: Any,
-    heights: Any,
     e: Any,
     f: Any,
     offset: float,
+    u: Any,
+    w: Any,
+    heights: Any,
     k0: float,
     k1: float,
     spreading: float,
@@ -613,7 +602,7 @@ def sweeps_1(
     Where the number of rows is odd the last has the color of the first, its neighbor, and waits.
     """
     last = high - 1 if high == e.shape[0] and high % 2 else high
-    for front in range(low, high + halves - 1):
+    for front in range(low, high):
         for half in range(halves):
             i = front - half
             if low + half <= i < last - half:
@@ -678,20 +667,18 @@ def restrict_1(
 ) -> None:
     """Defect on coarse rows low to high."""
     ny, _, width = e.shape
-    defect, whole = np.zeros((2, width), np.float32), np.empty((2, width), np.float32)
-    line = np.empty(width - 1, np.float32)
+    defect, line = np.zeros((3, 2, width), np.float32), np.empty(width - 1, np.float32)
     ignored = np.empty(sums.shape[1])
     for k in range(low, high):
-        whole[:] = np.float32(0.0)
         for offset in range(-1, 2):
-            i = fine_row(k, offset, ny)
+            i, row = fine_row(k, offset, ny), defect[(2 * k + offset) % 3]
             if i < 0:
-                continue
-            if not (offset == -1 and k > low):  # else it is still in the buffer
+                row[:] = np.float32(0.0)
+            elif not (offset == -1 and k > low):  # else it is still in the buffer
                 into = ignored if offset == -1 else sums[i]
-                defect_row_1(e, gap, b, diagonal, push, nx, i, defect, into)
-            gather(defect, offset, whole)
-        restrict_row(whole, nx, line, out[k])
+                defect_row_1(e, gap, b, diagonal, push, nx, i, row, into)
+        above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
+        restrict_rows(defect[above], defect[here], defect[below], nx, line, out[k])
 
 
 @_compiled
@@ -863,29 +850,27 @@ def coarse_restrict_1(
     """Defect b - push mass - (...) e on the next coarser grid, rows low to high."""
     ny, _, width = e.shape
     m = width - 1
-    defect, whole = np.zeros((2, width), np.float32), np.empty((2, width), np.float32)
-    line = np.empty(m, np.float32)
+    defect, line = np.zeros((3, 2, width), np.float32), np.empty(m, np.float32)
     for k in range(low, high):
-        whole[:] = np.float32(0.0)
         for offset in range(-1, 2):
-            i = fine_row(k, offset, ny)
+            i, into = fine_row(k, offset, ny), defect[(2 * k + offset) % 3]
             if i < 0:
-                continue
-            if not (offset == -1 and k > low):  # else it is still in the buffer
+                into[:] = np.float32(0.0)
+            elif not (offset == -1 and k > low):  # else it is still in the buffer
                 before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
                 above, below, size = gy[before], gy[i], my[i]
                 for side in range(2):
                     row, other, up, down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
                     right, left, cell, source = gx[side], gx[1 - side], mx[side], b[i, side]
-                    pin, to = pins[i, side], defect[side]
+                    pin, to = pins[i, side], into[side]
                     for j in range(side, m if side == 0 else 1 + nx - m):
                         g = left[j - side]
                         diagonal = (g + right[j] + bed * cell[j]) * size + (above + below) * cell[j] + pin[j]
                         pulls = cell[j] * (above * up[j] + below * down[j] - push * size)
                         pulls += size * (g * other[j - side] + right[j] * other[j - side + 1])
                         to[j] = source[j] + pulls - diagonal * row[j]
-            gather(defect, offset, whole)
-        restrict_row(whole, nx, line, out[k])
+        above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
+        restrict_rows(defect[above], defect[here], defect[below], nx, line, out[k])
 
 
 @_compiled
@@ -950,57 +935,6 @@ def relax_row_2(
 
 
 @_compiled
-def sweeps_2(
-    e: Any,
-    f: Any,
-    gap: Any,
-    b: Any,
-    c: Any,
-    bed: Any,
-    spread: Any,
-    lag: Any,
-    shift: Any,
-    nx: int,
-    halves: int,
-    low: int,
-    high: int,
-) -> None:
-    """Half sweeps, one after the other in a single pass; each stops one row farther from both ends.
-
-    Where the number of rows is odd the last has the color of the first, its neighbor, and waits.
-    """
-    last = high - 1 if high == e.shape[0] and high % 2 else high
-    for front in range(low, high + halves - 1):
-        for half in range(halves):
-            i = front - half
-            if low + half <= i < last - half:
-                relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, half & 1)
-
-
-@_compiled
-def close_sweeps_2(
-    e: Any,
-    f: Any,
-    gap: Any,
-    b: Any,
-    c: Any,
-    bed: Any,
-    spread: Any,
-    lag: Any,
-    shift: Any,
-    nx: int,
-    halves: int,
-    edge: int,
-) -> None:
-    """What `sweeps_2` left undone on both sides of an edge between slabs."""
-    ny = e.shape[0]
-    odd = 1 if edge == 0 and ny % 2 else 0
-    for half in range(1 - odd, halves):
-        for i in range(edge - half - odd, edge + half):
-            relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i % ny, half & 1)
-
-
-@_compiled
 def defect_row_2(
     e: Any,
     f: Any,
@@ -1045,6 +979,14 @@ def defect_row_2(
 
 
 @_compiled
+def restrict_pair(balance: Any, creep: Any, k: int, nx: int, line: Any, out_1: Any, out_2: Any) -> None:
+    """Row k of two coarse fields, from buffers in which fine row i has the place i modulo 3."""
+    above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
+    restrict_rows(balance[above], balance[here], balance[below], nx, line, out_1[k])
+    restrict_rows(creep[above], creep[here], creep[below], nx, line, out_2[k])
+
+
+@_compiled
 def restrict_2(
     e: Any,
     f: Any,
@@ -1064,24 +1006,123 @@ def restrict_2(
 ) -> None:
     """Both defects on coarse rows low to high."""
     ny, _, width = e.shape
-    balance, creep = np.zeros((2, width), np.float32), np.zeros((2, width), np.float32)
-    whole_1, whole_2 = np.empty((2, width), np.float32), np.empty((2, width), np.float32)
-    line = np.empty(width - 1, np.float32)
-    ignored = np.empty(sums.shape[1])
+    balance, creep = np.zeros((3, 2, width), np.float32), np.zeros((3, 2, width), np.float32)
+    line, ignored = np.empty(width - 1, np.float32), np.empty(sums.shape[1])
     for k in range(low, high):
-        whole_1[:] = np.float32(0.0)
-        whole_2[:] = np.float32(0.0)
         for offset in range(-1, 2):
-            i = fine_row(k, offset, ny)
+            i, n = fine_row(k, offset, ny), (2 * k + offset) % 3
             if i < 0:
-                continue
-            if not (offset == -1 and k > low):  # else it is still in the buffers
+                balance[n] = np.float32(0.0)
+                creep[n] = np.float32(0.0)
+            elif not (offset == -1 and k > low):  # else it is still in the buffers
                 into = ignored if offset == -1 else sums[i]
-                defect_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, balance, creep, into)
-            gather(balance, offset, whole_1)
-            gather(creep, offset, whole_2)
-        restrict_row(whole_1, nx, line, out_1[k])
-        restrict_row(whole_2, nx, line, out_2[k])
+                defect_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, balance[n], creep[n], into)
+        restrict_pair(balance, creep, k, nx, line, out_1, out_2)
+
+
+@_compiled
+def correct_row_2(
+    coarse_e: Any,
+    coarse_f: Any,
+    step_e: Any,
+    step_f: Any,
+    e: Any,
+    f: Any,
+    gap: Any,
+    nx: int,
+    alpha: Any,
+    beta: Any,
+    i: int,
+    line: Any,
+) -> None:
+    """Move free sites, and f everywhere, by alpha times the correction plus beta times the last step."""
+    ny, _, width = e.shape
+    m = width - 1
+    interpolate_row(coarse_e, i, ny, nx, line)
+    move_row(line, step_e[i], e[i], gap[i], nx, alpha, beta)
+    interpolate_row(coarse_f, i, ny, nx, line)
+    for side in range(2):
+        for k in range(side, m if side == 0 else 1 + nx - m):
+            move = alpha * line[side, k] + beta * step_f[i, side, k]
+            step_f[i, side, k] = move
+            f[i, side, k] += move
+    wrap(f[i], nx)
+    wrap(step_f[i], nx)
+
+
+@_compiled
+def cycle_2(
+    coarse_e: Any,
+    coarse_f: Any,
+    step_e: Any,
+    step_f: Any,
+    alpha: Any,
+    beta: Any,
+    correcting: bool,
+    out_1: Any,
+    out_2: Any,
+    restricting: bool,
+    e: Any,
+    f: Any,
+    gap: Any,
+    b: Any,
+    c: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    shift: Any,
+    nx: int,
+    sums: Any,
+    low: int,
+    high: int,
+) -> None:
+    """What a cycle does on the lattice, in a single pass: correction, a sweep, restriction of the defects.
+
+    Each follows the one before at a distance of a row and stops a row farther from both ends of the
+    slab; `close_cycle_2` and `restrict_2` do the rest. Where the number of rows is odd the last has the
+    color of the first, its neighbor, and waits.
+    """
+    ny, _, width = e.shape
+    line, order = np.zeros((2, width), np.float32), np.empty(width - 1, np.float32)
+    balance, creep = np.zeros((3, 2, width), np.float32), np.zeros((3, 2, width), np.float32)
+    last = high - 1 if high == ny and high % 2 else high
+    lead = 1 if correcting else 0
+    for front in range(low, high):
+        if correcting:
+            correct_row_2(coarse_e, coarse_f, step_e, step_f, e, f, gap, nx, alpha, beta, front, line)
+        for half in range(2):
+            i, margin = front - lead - half, lead + half
+            if low + margin <= i < last - margin:
+                relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, half)
+        i, margin = front - lead - 2, lead + 2
+        if restricting and low + margin <= i < last - margin:
+            n = i % 3
+            defect_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, balance[n], creep[n], sums[i])
+            if i % 2 == 1 and i - 2 >= low + margin:
+                restrict_pair(balance, creep, i // 2, nx, order, out_1, out_2)
+
+
+@_compiled
+def close_cycle_2(
+    e: Any,
+    f: Any,
+    gap: Any,
+    b: Any,
+    c: Any,
+    bed: Any,
+    spread: Any,
+    lag: Any,
+    shift: Any,
+    nx: int,
+    lead: int,
+    edge: int,
+) -> None:
+    """The sweep that `cycle_2` left undone on both sides of an edge between slabs."""
+    ny = e.shape[0]
+    odd = 1 if edge == 0 and ny % 2 else 0
+    for half in range(2):
+        for i in range(edge - half - lead - odd, edge + half + lead):
+            relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i % ny, half)
 
 
 @_compiled
@@ -1152,38 +1193,6 @@ def products_2(
         sums[3] = form_2(d0, d1, p0, p1, q0, q1, g0, g1, bed, spread, lag, nx)
         sums[4] = form_2(q0, q1, g0, g1, q0, q1, g0, g1, bed, spread, lag, nx)
         sums[5], sums[6] = sum_p, sum_g
-
-
-@_compiled
-def correct_2(
-    coarse_e: Any,
-    coarse_f: Any,
-    step_e: Any,
-    step_f: Any,
-    e: Any,
-    f: Any,
-    gap: Any,
-    nx: int,
-    alpha: Any,
-    beta: Any,
-    low: int,
-    high: int,
-) -> None:
-    """Move free sites, and f everywhere, by alpha times the correction plus beta times the last step."""
-    ny, _, width = e.shape
-    m = width - 1
-    line = np.zeros((2, width), np.float32)
-    for i in range(low, high):
-        interpolate_row(coarse_e, i, ny, nx, line)
-        move_row(line, step_e[i], e[i], gap[i], nx, alpha, beta)
-        interpolate_row(coarse_f, i, ny, nx, line)
-        for side in range(2):
-            for k in range(side, m if side == 0 else 1 + nx - m):
-                move = alpha * line[side, k] + beta * step_f[i, side, k]
-                step_f[i, side, k] = move
-                f[i, side, k] += move
-        wrap(f[i], nx)
-        wrap(step_f[i], nx)
 
 
 # Two fields on a coarse grid:
@@ -1262,17 +1271,15 @@ def coarse_restrict_2(
     """Defects of both equations on the next coarser grid, rows low to high."""
     ny, _, width = e.shape
     m = width - 1
-    balance, creep = np.zeros((2, width), np.float32), np.zeros((2, width), np.float32)
-    whole_1, whole_2 = np.empty((2, width), np.float32), np.empty((2, width), np.float32)
-    line = np.empty(m, np.float32)
+    balance, creep = np.zeros((3, 2, width), np.float32), np.zeros((3, 2, width), np.float32)
+    line = np.empty(width - 1, np.float32)
     for k in range(low, high):
-        whole_1[:] = np.float32(0.0)
-        whole_2[:] = np.float32(0.0)
         for offset in range(-1, 2):
-            i = fine_row(k, offset, ny)
+            i, n = fine_row(k, offset, ny), (2 * k + offset) % 3
             if i < 0:
-                continue
-            if not (offset == -1 and k > low):  # else it is still in the buffers
+                balance[n] = np.float32(0.0)
+                creep[n] = np.float32(0.0)
+            elif not (offset == -1 and k > low):  # else it is still in the buffers
                 before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
                 above, below, size = gy[before], gy[i], my[i]
                 for side in range(2):
@@ -1280,7 +1287,7 @@ def coarse_restrict_2(
                     f_row, f_other, f_up, f_down = f[i, side], f[i, 1 - side], f[before, side], f[after, side]
                     right, left, cell = gx[side], gx[1 - side], mx[side]
                     pin, first, second = pins[i, side], b[i, side], c[i, side]
-                    out_1, out_2 = balance[side], creep[side]
+                    out_1, out_2 = balance[n, side], creep[n, side]
                     for j in range(side, m if side == 0 else 1 + nx - m):
                         g = left[j - side]
                         lap = (g + right[j]) * size + (above + below) * cell[j]
@@ -1292,10 +1299,7 @@ def coarse_restrict_2(
                         out_1[j] = first[j] + pulls - (lap + pin[j]) * e_row[j] - bed * mass * f_row[j]
                         out_2[j] = second[j] + spread * (flow - lap * f_row[j])
                         out_2[j] += mass * (e_row[j] - lag * f_row[j])
-            gather(balance, offset, whole_1)
-            gather(creep, offset, whole_2)
-        restrict_row(whole_1, nx, line, out_b[k])
-        restrict_row(whole_2, nx, line, out_c[k])
+        restrict_pair(balance, creep, k, nx, line, out_b, out_c)
 
 
 # Fields of the spring lattice.

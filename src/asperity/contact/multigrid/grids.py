@@ -153,27 +153,25 @@ class Rows:
         for future in [self.pool.submit(kernel, *call) for call in calls]:
             future.result()
 
-    def sweeps(
-        self, sweep: Kernel, close: Kernel, shape: tuple[int, ...], *arguments: Any, halves: int
-    ) -> None:
-        """Half sweeps of alternating color in one pass: the slabs first, then the edges between them."""
-        edges = self._edges(*shape)
-        self._run(sweep, [(*arguments, halves, low, high) for low, high in pairwise(edges)])
-        self._run(close, [(*arguments, halves, edge) for edge in edges[:-1]])
-
     def and_edges(
         self,
         kernel: Kernel,
         close: Kernel,
         shape: tuple[int, ...],
-        fields: tuple[Any, ...],
-        extra: tuple[Any, ...],
-        rest: tuple[Any, ...],
-    ) -> None:
-        """A kernel on slabs, then what it left to do at their edges, for which it needs no ``extra``."""
+        *arguments: Any,
+        before: tuple[Any, ...] = (),
+        after: tuple[Any, ...] = (),
+        closing: tuple[Any, ...] = (),
+    ) -> list[int]:
+        """A kernel on slabs, then what it left undone on both sides of their edges; returns the edges.
+
+        The arguments are common to both; the kernel takes others before and after them, and
+        what closes the edges after them.
+        """
         edges = self._edges(*shape)
-        self._run(kernel, [(*fields, *extra, *rest, low, high) for low, high in pairwise(edges)])
-        self._run(close, [(*fields, *rest, edge) for edge in edges[:-1]])
+        self._run(kernel, [(*before, *arguments, *after, low, high) for low, high in pairwise(edges)])
+        self._run(close, [(*arguments, *closing, edge) for edge in edges[:-1]])
+        return edges
 
     def by_color(self, kernel: Kernel, shape: tuple[int, ...], *arguments: Any, first: int) -> None:
         """One sweep: the sites of one color, then those of the other."""

@@ -148,7 +148,8 @@ class OneField:
 
     def sweep(self) -> None:
         """Find the contacts and smooth the error."""
-        self.rows.sweeps(kernels.sweeps_1, kernels.close_sweeps_1, self.shape, *self.equation(), halves=4)
+        sweeps = (kernels.sweeps_1, kernels.close_sweeps_1, self.shape)
+        self.rows.and_edges(*sweeps, *self.equation(), 4)
 
     def restrict(self) -> float:
         """Bring the forces off contact to the first coarse grid; the number of contacts."""

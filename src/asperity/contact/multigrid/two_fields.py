@@ -17,6 +17,8 @@ All this happens to a correction (e, f) of the pair, in single precision and in 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -64,6 +66,7 @@ class TwoFields:
         self.correction, self.source, self.step = (self.pair() for _ in range(3))
         self.sums = np.zeros((shape[0], 7))
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
+        self.weights, self.last_shift = (1.0, 0.0), 0.0
         self.wanted: float | None = None
 
     def pair(self) -> tuple[Single, Single]:
@@ -83,22 +86,20 @@ class TwoFields:
         """Improve u and w in place; whether the tolerance was reached, and the cycles taken."""
         self.prepare(springs.k1 / springs.k0, springs.spread, springs.drag)
         unit = max(float(u.max()), -float(u.min())) or 1.0
-        self.forget()
         self.measure(springs, heights, u, w, unit)
         size = math.inf
         for cycle in range(max_cycles):
-            self.sweep()
-            contacts = self.restrict()
-            missing, left, far = self.judge()
+            self.descend(correcting=cycle > 0)
+            contacts, missing, left, far = self.judge()
             as_good_as_it_gets = _AS_GOOD_AS_IT_GETS * (8.0 / self.bed + 1.0) * far
             if left <= max(self.strict(tolerance, contacts), as_good_as_it_gets):
                 self.settle(heights, u, w, unit)
                 self.measure(springs, heights, u, w, unit)
-                contacts = self.restrict()
-                missing, left, _ = self.judge()
+                self.restrict(0, self.hierarchy.grids[0].shape[0])
+                contacts, missing, left, _ = self.judge()
                 if left <= self.strict(tolerance, contacts):
                     return True, cycle + 1
-            size, _ = self.correct(contacts, missing, cycle, size)
+            size, _ = self.find_correction(contacts, missing, cycle, size)
             if not math.isfinite(size):
                 return False, max_cycles
         self.settle(heights, u, w, unit)
@@ -110,17 +111,15 @@ class TwoFields:
         A step starts near its end, and a cycle usually divides the error by four or more; the size of
         a change tells the error that was, and so the one that is left.
         """
-        self.forget()
         size = math.inf
         for cycle in range(max_cycles):
-            self.sweep()
-            contacts = self.restrict()
-            missing, _, _ = self.judge()
-            size, rate = self.correct(contacts, missing, cycle, size)
+            self.descend(correcting=cycle > 0)
+            contacts, missing, _, _ = self.judge()
+            size, rate = self.find_correction(contacts, missing, cycle, size)
             if not math.isfinite(size):
                 break
             if rate * size <= allowed_error and rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch):
-                self.sweep()
+                self.descend(correcting=True, restricting=False)
                 return True, cycle + 1
         return False, max_cycles
 
@@ -145,57 +144,77 @@ class TwoFields:
         self.rows(kernels.settle, *self.shape, u, heights, e, self.gap, unit)
         self.rows(kernels.add, *self.shape, w, f, unit)
 
-    def forget(self) -> None:
-        """Begin with no previous step."""
-        self.last_shift = 0.0
-        for field in self.step:
-            field.fill(0.0)
-
-    def sweep(self) -> None:
-        """Find the contacts and smooth the error."""
-        self.rows.sweeps(kernels.sweeps_2, kernels.close_sweeps_2, self.shape, *self.equation(), halves=2)
-
-    def equation(self) -> tuple[object, ...]:
+    def equation(self) -> tuple[Any, ...]:
         """Fields and coefficients, as the kernels take them."""
         coefficients = map(np.float32, (self.bed, self.spread, self.lag, self.shift))
         return (*self.correction, self.gap, *self.source, *coefficients, self.shape[1])
 
-    def restrict(self) -> float:
-        """Bring both defects to the first coarse grid; the number of contacts."""
+    def descend(self, *, correcting: bool, restricting: bool = True) -> None:
+        """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
         grid = self.hierarchy.grids[0]
-        self.rows(kernels.restrict_2, *grid.shape, *self.equation(), *grid.sources, self.sums)
-        return float(self.sums[:, 3].sum())
+        moves = (*grid.joined, *self.step, *map(np.float32, self.weights), correcting)
+        lead = int(correcting)
+        edges = self.rows.and_edges(
+            kernels.cycle_2,
+            kernels.close_cycle_2,
+            self.shape,
+            *self.equation(),
+            before=(*moves, *grid.sources, restricting),
+            after=(self.sums,),
+            closing=(lead,),
+        )
+        if not restricting:
+            return
+        margin, done = lead + 2, 0
+        for low, high in pairwise(edges):
+            last = high - 1 if high == self.shape[0] and high % 2 else high
+            first, end = (low + margin + 2) // 2, (last - margin) // 2
+            if first < end:
+                self.restrict(done, first)
+                done = end
+        self.restrict(done, grid.shape[0])
 
-    def judge(self) -> tuple[float, float, float]:
-        """What is missing in the sum of f; what the equations leave and the correction, both rms."""
-        balance, creep, stretch, _, far = self.sums[:, :5].sum(axis=0).tolist()
+    def restrict(self, low: int, high: int) -> None:
+        """Bring both defects to rows of the first coarse grid."""
+        arguments = (*self.equation(), *self.hierarchy.grids[0].sources, self.sums, low, high)
+        kernels.restrict_2(*arguments)
+
+    def judge(self) -> tuple[float, float, float, float]:
+        """Contacts; what the sum of f lacks; what the equations leave and the correction, both rms."""
+        balance, creep, stretch, contacts, far = self.sums[:, :5].sum(axis=0).tolist()
         self.total_stretch = self.known_stretch + stretch
         missing = 0.0 if self.wanted is None else self.wanted - stretch
         left = max(math.sqrt(balance / self.sites) / self.bed, math.sqrt(creep / self.sites))
-        return missing, max(left, abs(missing) / self.sites), math.sqrt(far / self.sites)
+        left = max(left, abs(missing) / self.sites)
+        return contacts, missing, left, math.sqrt(far / self.sites)
 
     def strict(self, tolerance: float, contacts: float) -> float:
         """What the equations may leave in the end."""
         rounding = 4.0 * float(np.finfo(float).eps) * (8.0 / self.bed + 1.0)
         return max(tolerance * abs(self.total_stretch) / max(contacts, 1.0), rounding)
 
-    def correct(self, contacts: float, missing: float, cycle: int, before: float) -> tuple[float, float]:
-        """Correct by the coarse grids; the size of the correction of u0, rms, and the rate of the cycles."""
+    def find_correction(
+        self, contacts: float, missing: float, cycle: int, before: float
+    ) -> tuple[float, float]:
+        """Ask the coarse grids; the size of their correction of u0, rms, and the rate of the cycles."""
         self.set_pins(contacts)
         shift = self.correct_on_grid(0, missing)
         e, f = self.hierarchy.grids[0].joined
         size = math.sqrt(float(np.mean((e - f) ** 2, dtype=float)))
         if not math.isfinite(size):
             return size, 1.0
-        if cycle == 1:
-            self.forget()
-        alpha, beta = 1.0, 0.0
-        if cycle > 0 and size > _SLOW * before:
+        self.weights = (1.0, 0.0)
+        if cycle == 0:
+            self.last_shift = 0.0
+        elif size > _SLOW * before:
+            if cycle == 1:  # a first correction, from a guess, is no direction to go on in
+                self.last_shift = 0.0
+                for field in self.step:
+                    field.fill(0.0)
             fields = (*self.hierarchy.grids[0].joined, *self.step, *self.equation())
             self.rows(kernels.products_2, *self.shape, *fields, self.sums)
-            alpha, beta = self.stationary(shift, missing)
-        fields = (*self.hierarchy.grids[0].joined, *self.step, *self.correction, self.gap, self.shape[1])
-        self.rows(kernels.correct_2, *self.shape, *fields, np.float32(alpha), np.float32(beta))
+            self.weights = self.stationary(shift, missing)
+        alpha, beta = self.weights
         self.last_shift = alpha * shift + beta * self.last_shift
         self.shift += self.last_shift
         return size, min(max(size / before, 0.1), 0.9) if cycle else _USUAL_RATE
