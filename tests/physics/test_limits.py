@@ -35,14 +35,14 @@ def test_a_long_run_at_constant_separation_ends_at_the_limit(separation):
 
 def test_viscous_creep_at_constant_separation_lets_the_load_die_out():
     contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0, R_viscous=0.3), separation=1.0)
-    history = age(contact, LATE)
+    history = age(contact, LATE, rtol=5e-4)
     limit = relax(contact)
     assert limit.load == 0
     assert limit.area == 1
     np.testing.assert_array_equal(limit.u, ROUGH.max())
     assert history.dataset["load"].values[-1] == pytest.approx(0.0, abs=1e-9)
-    # The last contact parts while the tolerance of aging still allows a residue of shape.
-    np.testing.assert_allclose(history.final.u0, limit.u0, atol=1e-5)
+    # The last contact parts while the tolerance of aging still allows a residue of shape, well below rtol.
+    np.testing.assert_allclose(history.final.u0, limit.u0, atol=1e-6)
     assert (history.dataset["approach"].values == 0).all()
 
 

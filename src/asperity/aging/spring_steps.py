@@ -3,18 +3,21 @@ r"""TR-BDF2 on the lattice of springs, in corrections to the state at the start 
 With e and f the changes of u and of w = u - u0 since then, and m = M C w the flow at the start, the stages
 of `asperity.aging.tr_bdf2` are two implicit steps of one duration tau = d h from one state:
 
-    (spread L + 1 + drag) f - e = c + shift,      c = -tau (f0 + m)         to t + 2 d h
+    (spread L + 1 + drag) f - e = c + shift,      c = -tau (f0 + m)             to t + 2 d h
                                                   c = -w h (f0 + f1) - tau m    to t + h
     f1 = (e - f) / tau - f0,                      f2 = (e - f - w h (f0 + f1)) / tau
 
 The changes, the rates and the flow take single precision, for what they are added to is twice as precise,
 and lengths are in units of the largest; only u and w at the ends of steps are double precision.
+
+Each stage starts from the polynomial in the logarithm of time, in which contacts grow evenly, that passes
+through the ends of the last two steps and the stage before; so good a guess that one cycle often does.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,7 +31,6 @@ from asperity.aging.tr_bdf2 import (
     Extent,
     Point,
     Step,
-    ahead,
     rms,
     take_step,
 )
@@ -36,13 +38,32 @@ from asperity.contact import kernels
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.controls import Load
 from asperity.contact.multigrid import Multigrid
-from asperity.contact.multigrid.grids import join_all, parted
+from asperity.contact.multigrid.grids import Single, join_all, parted
 from asperity.contact.system import System
 from asperity.lattice import Field
 
+_LARGEST_WEIGHTS = 12.0
+"""Sum of the sizes of the weights by which an extrapolation may multiply the errors of what it is from."""
+
 
 class SpringSteps:
-    """A creeping state on the lattice of springs, solved by multigrid."""
+    """A creeping state on the lattice of springs, solved by multigrid.
+
+    Attributes
+    ----------
+    u, w
+        The state, lengths.
+    times
+        Those of the state, of the one before and of the one before that, where there were any.
+    changes
+        The changes of u and w in the last step and in the one before, in units of ``unit``.
+    rate, flow
+        Rate of u0 at the end of the last step, and M C w, in units of ``unit`` by time.
+    mean_shape
+        Mean of u0 where the separation is held, a length.
+    origin
+        Time of the end of the first step.
+    """
 
     def __init__(self, system: System, solver: Multigrid, place: Mapping[str, NDArray[Any]]) -> None:
         assert system.springs is not None
@@ -50,11 +71,10 @@ class SpringSteps:
         self.heights = np.ascontiguousarray(system.heights)
         self.work = solver.two_fields(system.heights.shape)
         self.held = isinstance(system.control, Load)
-        self.time, self.earlier = float(place["time"]), float(place["earlier"])
-        self.unit, self.level = float(place["unit"]), float(place["level"])
-        self.mean_shape = float(place["mean_shape"])
-        self.u, self.w = place["u"], place["stretch"]
-        self.rate, self.last = place["rate"], (place["last_u"], place["last_stretch"])
+        self.u, self.w, self.rate = place["u"], place["stretch"], place["rate"]
+        self.times: list[float] = place["times"].tolist()
+        self.unit, self.level, self.mean_shape, self.origin = map(float, place["scales"])
+        self.changes = [(place[f"change_{n}_u"], place[f"change_{n}_stretch"]) for n in range(2)]
         (self.flow, self.middle), self.error = self.work.pair(), np.empty(self.u.shape, np.float32)
         self.by_fields: Step | None = None
         self.measure()
@@ -64,26 +84,34 @@ class SpringSteps:
         """At the start of a history."""
         u, w = np.maximum(point.u, system.heights), point.stretch
         unit = max(float(np.abs(u).max()), float(np.abs(w).max())) or 1.0
-        last = solver.two_fields(u.shape).pair()
         place = {
-            "time": point.time,
-            "earlier": math.nan,
-            "unit": unit,
-            "level": float(u.mean()),
-            "mean_shape": float(u.mean()) - float(w.mean()),
+            "times": np.array([point.time]),
+            "scales": np.array([unit, u.mean(), u.mean() - w.mean(), 0.0]),
             "u": u,
             "stretch": w,
             "rate": parted(point.rate / unit),
-            "last_u": last[0],
-            "last_stretch": last[1],
         }
-        return cls(system, solver, {name: np.asarray(value) for name, value in place.items()})
+        for n in range(2):
+            place[f"change_{n}_u"], place[f"change_{n}_stretch"] = solver.two_fields(u.shape).pair()
+        return cls(system, solver, place)
 
     def place(self) -> dict[str, NDArray[Any]]:
         """All that is needed to go on."""
-        names = ("time", "earlier", "unit", "level", "mean_shape", "u", "rate")
-        place = {name: np.asarray(getattr(self, name)) for name in names}
-        return place | {"stretch": self.w, "last_u": self.last[0], "last_stretch": self.last[1]}
+        place = {
+            "times": np.array(self.times),
+            "scales": np.array([self.unit, self.level, self.mean_shape, self.origin]),
+            "u": self.u,
+            "stretch": self.w,
+            "rate": self.rate,
+        }
+        for n, change in enumerate(self.changes):
+            place[f"change_{n}_u"], place[f"change_{n}_stretch"] = change
+        return place
+
+    @property
+    def time(self) -> float:
+        """Time of the state."""
+        return self.times[0]
 
     def state(self) -> tuple[Field, Field]:
         """U and w, the mean of w exact: what creep conserves must not drift."""
@@ -101,7 +129,7 @@ class SpringSteps:
     def attempt(
         self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
     ) -> Attempt:
-        """Try a step of a duration."""
+        """Try a step; the tolerances are for the Fourier solver, should it have to step in."""
         cycles = 0
         self.by_fields = None
         if self.held or self.contacts > 0:
@@ -118,89 +146,72 @@ class SpringSteps:
         work, k1 = self.work, self.springs.k1
         tau, weight = DIAGONAL * duration, WEIGHT * duration
         work.prepare(k1 / self.springs.k0, tau * k1 * self.springs.R, tau * k1 * self.springs.R_viscous)
-        work.wanted = None if not self.held else self.missing
-        columns, source = self.u.shape[1], work.source[1]
-        middle = self.time + 2 * DIAGONAL * duration
-        factor = 0.0 if math.isnan(self.earlier) else ahead(self.earlier, self.time, middle)
+        work.wanted = self.missing if self.held else None
+        columns, (_, source) = self.u.shape[1], work.source
+        # Logarithms of time, but for times that are short against the first step.
+        origin = self.origin or duration
+        places = [math.log(time + origin) for time in self.times]
+        middle, end = (math.log(self.time + h + origin) for h in (2 * DIAGONAL * duration, duration))
 
-        numbers = (np.float32(factor), self.rate, self.flow, np.float32(tau))
-        fields: tuple[Any, ...] = (*numbers, work.gap, columns, *work.correction, source, work.sums)
-        work.rows(kernels.begin_stage_1, *self.u.shape, *self.last, *fields)
-        mean_source = self._balance_means()
-        done, cycles = work.improve(allowed_errors[0] / self.unit, self.solver.max_cycles)
+        _, *weights = extrapolation(places, middle)
+        guess = (*self.changes[0], *self.changes[1], *_of_changes(weights))
+        rates: tuple[Any, ...] = (self.rate, self.flow, np.float32(tau))
+        fields: tuple[Any, ...] = (*guess, *rates, work.gap, columns, *work.correction, source, work.sums)
+        work.rows(kernels.begin_stage_1, *self.u.shape, *fields)
+        done, cycles = self._improve(allowed_errors[0])
         if not done:
             return False, cycles, math.nan
 
-        self._keep_mean(mean_source)
-        growth = 1.0 + ahead(self.time, middle, self.time + duration)
-        rates = (self.rate, self.flow, np.float32(tau), np.float32(weight))
-        fields = (
-            np.float32(self.offset),
-            np.float32(growth),
-            *rates,
-            work.gap,
-            columns,
-            *work.correction,
-            self.middle,
-            source,
-            work.sums,
-        )
-        work.rows(kernels.begin_stage_2, *self.u.shape, *fields)
-        mean_source = self._balance_means()
-        done, more = work.improve(allowed_errors[1] / self.unit, self.solver.max_cycles)
+        growth, _, *weights = extrapolation([middle, *places], end)
+        guess = (*self.changes[0], *self.changes[1], *_of_changes(weights))
+        numbers = (np.float32(growth), np.float32(self.offset), *rates, np.float32(weight))
+        fields = (*guess, *numbers, work.gap, columns, *work.correction)
+        work.rows(kernels.begin_stage_2, *self.u.shape, *fields, self.middle, source, work.sums)
+        done, more = self._improve(allowed_errors[1])
         if not done:
             return False, cycles + more, math.nan
 
-        self._keep_mean(mean_source)
-        weights = (np.float32(duration * factor) for factor in ERROR_WEIGHTS)
-        numbers = (
-            np.float32(self.offset),
-            self.rate,
-            self.middle,
-            np.float32(tau),
-            np.float32(weight),
-            *weights,
-            columns,
-        )
-        work.rows(kernels.finish_step, *self.u.shape, *work.correction, *numbers, source, self.error)
+        parts = (np.float32(duration * part) for part in ERROR_WEIGHTS)
+        rates = (np.float32(self.offset), self.rate, self.middle, np.float32(tau), np.float32(weight))
+        fields = (*work.correction, *rates, *parts, columns, source, self.error)
+        work.rows(kernels.finish_step, *self.u.shape, *fields)
         return True, cycles + more, self.unit * self.system.damped_rms(self.error, tau)
 
-    def _balance_means(self) -> float:
-        """Set the shift under which the means of the first guess are right; the mean of the source."""
+    def _improve(self, allowed_error: float) -> tuple[bool, int]:
+        """Solve a stage, given the sums of the guess and of its source; whether it was, and the cycles."""
         work = self.work
-        e, f, c = (work.sums[:, :3].sum(axis=0) / self.u.size).tolist()
-        work.shift = work.lag * f - e - c if self.held else 0.0
-        return float(c)
-
-    def _keep_mean(self, mean_source: float) -> None:
-        """Find what makes the mean of w exact: what creep conserves must not drift."""
-        e, f = (self._mean(field) for field in self.work.correction)
-        wanted = self.missing / self.u.size if self.held else (e + mean_source) / self.work.lag
+        e, f, source = (work.sums[:, :3].sum(axis=0) / self.u.size).tolist()
+        work.shift = work.lag * f - e - source if self.held else 0.0
+        done, cycles = work.improve(allowed_error / self.unit, self.solver.max_cycles)
+        # What makes the mean of w exact.
+        e, f = (self._mean(field) for field in work.correction)
+        wanted = self.missing / self.u.size if self.held else (e + source) / work.lag
         self.offset = wanted - f
+        return done, cycles
 
     def accept(self, time: float) -> None:
         """Make the end of the step that was tried the state at a time."""
-        self.earlier, self.time = self.time, time
+        self.times = [time, *self.times][:3]
+        self.origin = self.origin or time
+        (last_u, last_w), before = self.changes
+        work, unit = self.work, self.unit
         if self.by_fields is not None:
-            end, unit = self.by_fields.end, self.unit
-            for last, now, then in zip(self.last, (end.u, end.stretch), (self.u, self.w), strict=True):
-                last[...] = parted((now - then) / unit)
-                for row in last:
-                    kernels.wrap(row, self.u.shape[1])
+            end = self.by_fields.end
+            for change, now, then in zip(before, (end.u, end.stretch), (self.u, self.w), strict=True):
+                change[...] = parted((now - then) / unit)
+            self.changes.reverse()
             self.u, self.w, self.rate = end.u, end.stretch, parted(end.rate / unit)
             self.mean_shape = float(end.u.mean()) - float(end.stretch.mean())
-            self.by_fields = None
             self.measure()
             return
-        work = self.work
         if self.springs.R_viscous > 0 and not self.held:
-            change_u, change_w = (self._mean(field) for field in work.correction)
-            self.mean_shape += self.unit * (change_u - change_w - self.offset)
-        self._advance(self.unit * self.offset)
-        self.last, work.correction = work.correction, self.last
+            e, f = (self._mean(field) for field in work.correction)
+            self.mean_shape += unit * (e - f - self.offset)
+        self._advance(unit * self.offset)
+        self.changes, work.correction = [work.correction, (last_u, last_w)], before
         self.rate, work.source = work.source[1], (work.source[0], self.rate)
 
-    def _mean(self, field: NDArray[np.float32]) -> float:
+    def _mean(self, field: Single) -> float:
         """Mean of a parted field."""
         self.work.rows(kernels.total, *self.u.shape, field, self.u.shape[1], self.work.sums)
         return float(self.work.sums[:, 0].sum()) / self.u.size
@@ -234,3 +245,22 @@ class SpringSteps:
         self._extent = Extent(spread, math.sqrt(squares_w / sites), float(sums[:, 4].max()))
         work.known_stretch = stretch / self.unit
         self.missing = (self.system.mean_stretch * sites - stretch) / self.unit
+
+
+def extrapolation(known: Sequence[float], x: float) -> list[float]:
+    """Weights of the values at known places, the latest first, that give the value at x.
+
+    Lagrange's, through as many of the latest places as make no weight too large, or the last two.
+    """
+    for count in range(len(known), 1, -1):
+        places = known[:count]
+        weights = [math.prod((x - b) / (a - b) for b in places if b != a) for a in places]
+        if count == 2 or sum(map(abs, weights)) <= _LARGEST_WEIGHTS:
+            return weights + [0.0] * (len(known) - count)
+    return [1.0]
+
+
+def _of_changes(weights: Sequence[float]) -> tuple[np.float32, np.float32]:
+    """Weights of the last two changes, from those of where they led from, relative to where they led."""
+    last, before = (*weights, 0.0, 0.0)[:2]
+    return np.float32(-last - before), np.float32(-before)

@@ -449,7 +449,10 @@ def advance_edges(
 def begin_stage_1(
     last_e: Any,
     last_f: Any,
+    before_e: Any,
+    before_f: Any,
     ahead: Any,
+    back: Any,
     rate: Any,
     flow: Any,
     tau: Any,
@@ -468,8 +471,8 @@ def begin_stage_1(
         sum_e = sum_f = sum_c = np.float32(0.0)
         for side in range(2):
             for k in range(side, m if side == 0 else 1 + nx - m):
-                move = max(gap[i, side, k], ahead * last_e[i, side, k])
-                stretch = ahead * last_f[i, side, k]
+                move = max(gap[i, side, k], ahead * last_e[i, side, k] + back * before_e[i, side, k])
+                stretch = ahead * last_f[i, side, k] + back * before_f[i, side, k]
                 source = -tau * (rate[i, side, k] + flow[i, side, k])
                 e[i, side, k], f[i, side, k], c[i, side, k] = move, stretch, source
                 sum_e += move
@@ -482,8 +485,14 @@ def begin_stage_1(
 
 @_compiled
 def begin_stage_2(
-    offset: Any,
+    last_e: Any,
+    last_f: Any,
+    before_e: Any,
+    before_f: Any,
+    ahead: Any,
+    back: Any,
     growth: Any,
+    offset: Any,
     rate: Any,
     flow: Any,
     tau: Any,
@@ -508,7 +517,9 @@ def begin_stage_2(
                 move, stretch = e[i, side, k], f[i, side, k] + offset
                 found = (move - stretch) * pace - rate[i, side, k]
                 source = -weight * (rate[i, side, k] + found) - tau * flow[i, side, k]
-                move, stretch = max(gap[i, side, k], growth * move), growth * stretch
+                guess = growth * move + ahead * last_e[i, side, k] + back * before_e[i, side, k]
+                move = max(gap[i, side, k], guess)
+                stretch = growth * stretch + ahead * last_f[i, side, k] + back * before_f[i, side, k]
                 e[i, side, k], f[i, side, k], c[i, side, k] = move, stretch, source
                 middle[i, side, k] = found
                 sum_e += move
@@ -1032,22 +1043,36 @@ def correct_row_2(
     nx: int,
     alpha: Any,
     beta: Any,
+    keeping: bool,
     i: int,
     line: Any,
 ) -> None:
-    """Move free sites, and f everywhere, by alpha times the correction plus beta times the last step."""
+    """Move free sites, and f everywhere, by alpha times the correction plus beta times the last step.
+
+    Unless steps are kept there is no last one, and alpha is 1.
+    """
     ny, _, width = e.shape
     m = width - 1
     interpolate_row(coarse_e, i, ny, nx, line)
-    move_row(line, step_e[i], e[i], gap[i], nx, alpha, beta)
+    if keeping:
+        move_row(line, step_e[i], e[i], gap[i], nx, alpha, beta)
+    else:
+        for side in range(2):
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                here, least = e[i, side, k], gap[i, side, k]
+                e[i, side, k] = max(least, here + line[side, k]) if here > least else least
+        wrap(e[i], nx)
     interpolate_row(coarse_f, i, ny, nx, line)
+    if keeping:
+        for side in range(2):
+            for k in range(side, m if side == 0 else 1 + nx - m):
+                line[side, k] = alpha * line[side, k] + beta * step_f[i, side, k]
+                step_f[i, side, k] = line[side, k]
+        wrap(step_f[i], nx)
     for side in range(2):
         for k in range(side, m if side == 0 else 1 + nx - m):
-            move = alpha * line[side, k] + beta * step_f[i, side, k]
-            step_f[i, side, k] = move
-            f[i, side, k] += move
+            f[i, side, k] += line[side, k]
     wrap(f[i], nx)
-    wrap(step_f[i], nx)
 
 
 @_compiled
@@ -1058,6 +1083,7 @@ def cycle_2(
     step_f: Any,
     alpha: Any,
     beta: Any,
+    keeping: bool,
     correcting: bool,
     out_1: Any,
     out_2: Any,
@@ -1089,7 +1115,9 @@ def cycle_2(
     lead = 1 if correcting else 0
     for front in range(low, high):
         if correcting:
-            correct_row_2(coarse_e, coarse_f, step_e, step_f, e, f, gap, nx, alpha, beta, front, line)
+            correct_row_2(
+                coarse_e, coarse_f, step_e, step_f, e, f, gap, nx, alpha, beta, keeping, front, line
+            )
         for half in range(2):
             i, margin = front - lead - half, lead + half
             if low + margin <= i < last - margin:

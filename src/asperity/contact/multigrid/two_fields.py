@@ -66,7 +66,7 @@ class TwoFields:
         self.correction, self.source, self.step = (self.pair() for _ in range(3))
         self.sums = np.zeros((shape[0], 7))
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
-        self.weights, self.last_shift = (1.0, 0.0), 0.0
+        self.weights, self.last_shift, self.keeping = (1.0, 0.0), 0.0, False
         self.wanted: float | None = None
 
     def pair(self) -> tuple[Single, Single]:
@@ -152,7 +152,7 @@ class TwoFields:
     def descend(self, *, correcting: bool, restricting: bool = True) -> None:
         """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
         grid = self.hierarchy.grids[0]
-        moves = (*grid.joined, *self.step, *map(np.float32, self.weights), correcting)
+        moves = (*grid.joined, *self.step, *map(np.float32, self.weights), self.keeping, correcting)
         lead = int(correcting)
         edges = self.rows.and_edges(
             kernels.cycle_2,
@@ -205,10 +205,10 @@ class TwoFields:
             return size, 1.0
         self.weights = (1.0, 0.0)
         if cycle == 0:
-            self.last_shift = 0.0
+            self.keeping, self.last_shift = False, 0.0
         elif size > _SLOW * before:
-            if cycle == 1:  # a first correction, from a guess, is no direction to go on in
-                self.last_shift = 0.0
+            if not self.keeping:
+                self.keeping, self.last_shift = True, 0.0
                 for field in self.step:
                     field.fill(0.0)
             fields = (*self.hierarchy.grids[0].joined, *self.step, *self.equation())
