@@ -1355,6 +1355,48 @@ def bond_energy(u: Any, out: Any, low: int, high: int) -> None:
 
 
 @_compiled
+def extremes(force: Any, in_contact: Any, out: Any, low: int, high: int) -> None:
+    """By rows: the largest size off contact, the least in contact (at most 0), the sum there, contacts."""
+    for i in range(low, high):
+        worst = least = total = count = 0.0
+        row, touching = force[i], in_contact[i]
+        for j in range(row.shape[0]):
+            held = row[j] if touching[j] else 0.0
+            total += held
+            count += 1.0 if touching[j] else 0.0
+            least = held if held < least else least
+            free = abs(row[j] - held)
+            worst = free if free > worst else worst
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = worst, least, total, count
+
+
+@_compiled
+def balance(
+    u: Any, w: Any, heights: Any, k0: float, k1: float, out: Any, carried: Any, low: int, high: int
+) -> None:
+    """Stretch -k0 L u / k1 off contact; in contact, what force there is, none a pull, is summed by rows."""
+    nx = u.shape[1]
+    for i in range(low, high):
+        row = out[i]
+        stencil_row(-k0 / k1, u, 0.0, u, i, row)
+        total = 0.0
+        for j in range(nx):
+            force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
+            total += force
+        carried[i] = total
+
+
+@_compiled
+def carry(u: Any, w: Any, heights: Any, scale: float, out: Any, low: int, high: int) -> None:
+    """Add ``scale`` times the forces that `balance` summed to the stretch."""
+    for i in range(low, high):
+        row = out[i]
+        for j in range(u.shape[1]):
+            force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
+            row[j] += scale * force
+
+
+@_compiled
 def overlap(heights: Any, level: float, out: Any, low: int, high: int) -> None:
     """Sum of what rises above a level, and the number of sites that do, by rows."""
     for i in range(low, high):

@@ -10,13 +10,13 @@ S vanishes at wave vector 0 the sum of r is fixed by the pull: load control with
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
-import numpy as np
-
+from asperity.contact.stencils import extremes
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 
 
@@ -156,13 +156,9 @@ def residual(force: Field, in_contact: Mask, smallest_scale: float = 0.0) -> flo
     no term: solvers hold u at the heights exactly. Where the mean contact force is below
     ``smallest_scale``, or there is no contact, violations are measured against that instead.
     """
-    touching = force[in_contact]
-    off_contact = ~in_contact
-    worst = float(np.max(force, where=off_contact, initial=0.0))
-    worst = max(worst, -float(np.min(force, where=off_contact, initial=0.0)))
-    mean = 0.0
-    if touching.size:
-        mean = float(touching.mean())
-        worst = max(worst, -float(touching.min()))
-    scale = max(mean, smallest_scale)
-    return worst / scale if scale > 0 else (0.0 if worst == 0 else np.inf)
+    if not math.isfinite(float(force.sum())):
+        return math.inf
+    worst, pull, load, contacts = extremes(force, in_contact)
+    worst = max(worst, pull)
+    scale = max(load / contacts if contacts else 0.0, smallest_scale)
+    return worst / scale if scale > 0 else (0.0 if worst == 0 else math.inf)

@@ -157,7 +157,7 @@ def contact_from(
     """
     u = solution.u + system.datum
     np.maximum(u, heights, out=u)
-    u[solution.in_contact] = heights[solution.in_contact]
+    np.copyto(u, heights, where=solution.in_contact)
     in_contact = u == heights
     u0 = _rounded_keeping_load(shape, solution.u, u, system.datum)
     relative, stretch = u - system.datum, u - u0
@@ -174,7 +174,7 @@ def contact_from(
             "small for these heights in double precision; try heights without a large offset, or more load"
         )
     np.maximum(force, 0.0, out=force)
-    force[~in_contact] = 0.0
+    force *= in_contact
     for field in (heights, u, u0, force, in_contact):
         field.flags.writeable = False  # the residual vouches for exactly these numbers
     return Contact(

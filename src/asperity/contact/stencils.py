@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from asperity.contact import kernels
-from asperity.lattice import Field, Modes
+from asperity.lattice import Field, Mask, Modes
 from asperity.solids import SpringConstants
 
 
@@ -49,3 +49,24 @@ def damped_power(modes: Modes, shape: tuple[int, ...], springs: SpringConstants,
     kernel(modes, y, x, *coefficients, rows, 0, len(modes))
     whole, first, last = map(float, rows.sum(axis=0))
     return (2.0 * whole - first - (last if shape[1] % 2 == 0 else 0.0)) / (shape[0] * shape[1])
+
+
+def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:
+    """Largest force off contact, largest pull in contact, the sum of the forces there, and contacts."""
+    rows, touching = np.atleast_2d(force), np.atleast_2d(in_contact)
+    found = np.empty((len(rows), 4))
+    kernels.extremes(rows, touching, found, 0, len(rows))
+    worst, pull = found[:, 0].max(), -found[:, 1].min()
+    load, contacts = found[:, 2:].sum(axis=0)
+    return float(worst), float(pull), float(load), float(contacts)
+
+
+def balanced(u: Field, w: Field, heights: Field, k0: float, k1: float, total: float | None) -> Field:
+    """Stretch with which u is in equilibrium: w in contact, where it does not pull, or scaled to a total."""
+    heights = np.ascontiguousarray(heights)
+    out, rows = np.empty_like(u), np.empty(len(u))
+    kernels.balance(u, w, heights, k0, k1, out, rows, 0, len(u))
+    carried = float(rows.sum())
+    scale = total / carried if total is not None and carried > 0 and total > 0 else 1.0
+    kernels.carry(u, w, heights, scale, out, 0, len(u))
+    return out

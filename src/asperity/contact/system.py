@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from asperity.contact.controls import Control, Load
 from asperity.contact.problem import ContactProblem, SpringStep
-from asperity.contact.stencils import bond_energy, damped_power, lattice_force
+from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Modes, Spectrum
 from asperity.solids import Solid, Spectra, SpringConstants
@@ -140,21 +140,13 @@ class System:
         """
         if self.springs is None:
             return stretch
-        k0, k1 = self.springs.k0, self.springs.k1
-        elastic = lattice_force(u, u, k0, 0.0)
-        touching = u <= self.heights
-        force = np.maximum(elastic[touching] + k1 * stretch[touching], 0.0)
-        carried = load = float(force.sum())
+        k1 = self.springs.k1
+        load = None  # as it is
         if isinstance(self.control, Load):
-            load = self.control.value
+            load = self.control.value / k1
         elif self.mean_mobility == 0:  # then the mean of u0 stays, and of u - u0 with it
-            load = k1 * float(stretch.sum())
-        if carried > 0 and load > 0:
-            force *= load / carried
-        np.negative(elastic, out=elastic)
-        elastic[touching] += force
-        elastic /= k1
-        return elastic
+            load = float(stretch.sum())
+        return balanced(u, stretch, self.heights, self.springs.k0, k1, load)
 
     def energy(self, u: Field, stretch: Field) -> float:
         """Elastic energy 1/2 sum_q [ H |u|^2 + C |w|^2 ]."""
