@@ -51,10 +51,12 @@ def wrap(row: Any, nx: int) -> None:
 def part(line: Any, row: Any) -> None:
     """A row in order, parted."""
     nx = line.shape[0]
-    for k in range((nx + 1) // 2):
-        row[0, k] = line[2 * k]
+    even, odd = row[0], row[1]
     for k in range(nx // 2):
-        row[1, k + 1] = line[2 * k + 1]
+        even[k] = line[2 * k]
+        odd[k + 1] = line[2 * k + 1]
+    if nx % 2:
+        even[nx // 2] = line[nx - 1]
 
 
 @_compiled
@@ -86,6 +88,20 @@ def total(field: Any, nx: int, out: Any, low: int, high: int) -> None:
             for k in range(side, m if side == 0 else 1 + nx - m):
                 value += row[k]
         out[i, 0] = value
+
+
+@_compiled
+def weighted_total(field: Any, mx: Any, my: Any) -> float:
+    """Sum of a field over the sites that the cells of a coarse grid stand for."""
+    ny, _, width = field.shape
+    value = 0.0
+    for i in range(ny):
+        row = np.float32(0.0)
+        for side in range(2):
+            for k in range(width):
+                row += field[i, side, k] * mx[side, k]
+        value += my[i] * row
+    return value
 
 
 # Between grids: bilinear interpolation, and its transpose. Every other site belongs to the coarse grid.
@@ -636,31 +652,25 @@ def close_sweeps_1(
 def defect_row_1(
     e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, i: int, defect: Any, sums: Any
 ) -> None:
-    """Minus the force off contact, in row i; ``sums`` as in `measure_1`, then the largest correction."""
+    """Minus the force off contact, in row i; ``sums``: the largest, the largest correction, contacts."""
     ny, _, width = e.shape
     m = width - 1
     zero, one = np.float32(0.0), np.float32(1.0)
-    worst = pull = load = free_sites = astray = far = zero
+    worst = far = free_sites = zero
     for side in range(2):
         end = m if side == 0 else 1 + nx - m
         row, other, least, source, out = e[i, side], e[i, 1 - side], gap[i, side], b[i, side], defect[side]
         up, down = e[i - 1 if i > 0 else ny - 1, side], e[i + 1 if i < ny - 1 else 0, side]
         for k in range(side, end):
             pulls = up[k] + down[k] + other[k - side] + other[k - side + 1]
-            value = pulls + source[k] - push - diagonal * row[k]
             free = one if row[k] > least[k] else zero
-            off_contact = value * free
-            held = value - off_contact
-            load -= held
-            pull += held if held > zero else zero
             free_sites += free
-            astray += off_contact
-            out[k] = off_contact
+            out[k] = (pulls + source[k] - push - diagonal * row[k]) * free
         for k in range(side, end):
             value, move = abs(out[k]), abs(row[k])
             worst = value if value > worst else worst
             far = move if move > far else far
-    sums[0], sums[1], sums[2], sums[3], sums[4], sums[5] = worst, pull, load, nx - free_sites, astray, far
+    sums[0], sums[1], sums[2] = worst, far, nx - free_sites
 
 
 @_compiled
@@ -746,10 +756,11 @@ def products_1(
     ny, _, width = e.shape
     m = width - 1
     d, q = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
+    line = np.zeros((2, width), np.float32)
     for i in range(low, high + 1):
         here, now = i % ny, i % 2
-        interpolate_row(coarse, here, ny, nx, d[now])
-        off_contact(d[now], e[here], gap[here], nx, d[now])
+        interpolate_row(coarse, here, ny, nx, line)
+        off_contact(line, e[here], gap[here], nx, d[now])
         off_contact(step[here], e[here], gap[here], nx, q[now])
         if i == low:
             continue
@@ -820,14 +831,16 @@ def coarse_sweep_1(
     mx: Any,
     my: Any,
     nx: int,
-    color: int,
+    start: int,
+    colors: int,
     low: int,
     high: int,
 ) -> None:
-    """Gauss-Seidel on the sites of one color."""
+    """Gauss-Seidel on the sites of one color, or of one after the other."""
     ny, _, width = e.shape
     m = width - 1
-    for i in range(low, high):
+    for n in range(colors * (high - low)):
+        i, color = low + n % (high - low), start + n // (high - low)
         side = (i + color) & 1
         before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
         row, other, up, down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
@@ -1200,10 +1213,11 @@ def products_2(
     ny, _, width = e.shape
     d, p = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
     q, ones = np.zeros((2, 2, width), np.float32), np.ones((2, width), np.float32)
+    line = np.zeros((2, width), np.float32)
     for i in range(low, high + 1):
         y, now = i % ny, i % 2
-        interpolate_row(coarse_e, y, ny, nx, d[now])
-        off_contact(d[now], e[y], gap[y], nx, d[now])
+        interpolate_row(coarse_e, y, ny, nx, line)
+        off_contact(line, e[y], gap[y], nx, d[now])
         off_contact(step_e[y], e[y], gap[y], nx, q[now])
         interpolate_row(coarse_f, y, ny, nx, p[now])
         if i == low:
@@ -1242,15 +1256,17 @@ def coarse_sweep_2(
     mx: Any,
     my: Any,
     nx: int,
-    color: int,
+    start: int,
+    colors: int,
     low: int,
     high: int,
 ) -> None:
-    """Gauss-Seidel, both fields of a site at once, on the sites of one color."""
+    """Gauss-Seidel, both fields of a site at once, on the sites of one color, or of one after the other."""
     ny, _, width = e.shape
     m = width - 1
     one = np.float32(1.0)
-    for i in range(low, high):
+    for n in range(colors * (high - low)):
+        i, color = low + n % (high - low), start + n // (high - low)
         side = (i + color) & 1
         before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
         above, below, size = gy[before], gy[i], my[i]

@@ -104,7 +104,7 @@ class Grid:
 
     def total(self, field: Single) -> float:
         """Sum of a field over the sites that the cells stand for."""
-        return float(np.sum(self.my * np.einsum("isk,sk->i", field, self.mx), dtype=float))
+        return float(kernels.weighted_total(field, self.mx, self.my))
 
     def in_order(self, field: Single) -> Field:
         """A field as a vector; for the coarsest grid."""
@@ -176,13 +176,14 @@ class Rows:
     def by_color(self, kernel: Kernel, shape: tuple[int, ...], *arguments: Any, first: int) -> None:
         """One sweep: the sites of one color, then those of the other."""
         rows, width = shape
+        if len(self._edges(rows, width)) == 2:
+            kernel(*arguments, first, 2, 0, rows)
+            return
         for color in (first, 1 - first):
-            if rows % 2 and self.pool is not None:
-                # The last row has the color of the first, its neighbor: it waits.
-                self(kernel, rows - 1, width, *arguments, color)
-                kernel(*arguments, color, rows - 1, rows)
-            else:
-                self(kernel, rows, width, *arguments, color)
+            # Where the last row has the color of the first, its neighbor, it waits.
+            self(kernel, rows - rows % 2, width, *arguments, color, 1)
+            if rows % 2:
+                kernel(*arguments, color, 1, rows - 1, rows)
 
 
 _LOWEST_SLAB = 16

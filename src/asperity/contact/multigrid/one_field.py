@@ -86,9 +86,9 @@ class OneField:
         self.law = Push.of(springs, u.size)
         self.bed, self.pull = self.law.bed / springs.k0, self.law.pull / (springs.k0 * u.size)
         self.unit = max(float(u.max()), -float(u.min())) or 1.0
-        self.stiffest = 8.0 * springs.k0 + self.law.bed
         self.step.fill(0.0)
         push, pinned = self.measure(), -1.0
+        self.has_converged(tolerance)
         for cycle in range(1, max_cycles + 1):
             self.sweep()
             contacts = self.restrict()
@@ -96,10 +96,10 @@ class OneField:
                 deepest = int(np.argmax(self.gap - self.correction))  # something must carry the load
                 self.correction.flat[deepest] = self.gap.flat[deepest]
                 continue
-            if self.is_done(tolerance):
+            if self.is_done():
                 self.settle()
                 push = self.measure()
-                if self.has_converged(self.sums[:, :5], tolerance):
+                if self.has_converged(tolerance):
                     return True, push, cycle
                 self.restrict()
             if contacts != pinned:
@@ -155,24 +155,23 @@ class OneField:
         """Bring the forces off contact to the first coarse grid; the number of contacts."""
         grid = self.hierarchy.grids[0]
         self.rows(kernels.restrict_1, *grid.shape, *self.equation(), grid.sources[0], self.sums)
-        return float(self.sums[:, 3].sum())
+        return float(self.sums[:, 2].sum())
 
-    def is_done(self, tolerance: float) -> bool:
+    def is_done(self) -> bool:
         """Whether the correction is good enough, or as good as it gets."""
-        worst, far = self.sums[:, 0].max(), self.sums[:, 5].max()
-        if worst <= _AS_GOOD_AS_IT_GETS * (8.0 + self.bed) * far:
-            return True
-        unit = self.springs.k0 * self.unit
-        return self.has_converged(self.sums[:, :5] * [unit, unit, unit, 1.0, unit], tolerance)
+        worst, far = self.sums[:, :2].max(axis=0)
+        as_good_as_it_gets = _AS_GOOD_AS_IT_GETS * (8.0 + self.bed) * far
+        return bool(worst <= max(self.allowed / (self.springs.k0 * self.unit), as_good_as_it_gets))
 
-    def has_converged(self, sums: Field, tolerance: float) -> bool:
-        """Whether forces off contact, pulls in contact and the sum of the former are small."""
-        worst, pull = sums[:, 0].max(), sums[:, 1].max()
-        load, contacts, astray = sums[:, 2:].sum(axis=0).tolist()
-        rounding = 4.0 * float(np.finfo(float).eps) * self.stiffest * self.unit
-        allowed = max(_MARGIN * tolerance * abs(load) / max(contacts, 1.0), rounding)
+    def has_converged(self, tolerance: float) -> bool:
+        """Whether forces off contact, pulls in contact and the sum of the former are small, as measured."""
+        worst, pull = self.sums[:, :2].max(axis=0)
+        load, contacts, astray = self.sums[:, 2:5].sum(axis=0).tolist()
+        stiffest = 8.0 * self.springs.k0 + self.law.bed
+        rounding = 4.0 * float(np.finfo(float).eps) * stiffest * self.unit
+        self.allowed = max(_MARGIN * tolerance * abs(load) / max(contacts, 1.0), rounding)
         small = abs(astray) <= max(ASTRAY * tolerance * abs(load), rounding * math.sqrt(self.u.size))
-        return bool(worst <= allowed and pull <= max(ASTRAY * allowed, rounding) and small)
+        return bool(worst <= self.allowed and pull <= max(ASTRAY * self.allowed, rounding) and small)
 
     def set_pins(self, contacts: float) -> None:
         """Tell the coarse grids of the contacts, and factorize the coarsest."""
