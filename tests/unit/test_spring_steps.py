@@ -1,0 +1,142 @@
+"""Steps in corrections on the lattice of springs, against steps of whole fields, and their parts."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.aging.spring_steps import SpringSteps, extrapolation
+from asperity.aging.tr_bdf2 import FieldSteps, Point
+from asperity.contact import ActiveSet, Load, Multigrid, Separation, kernels
+from asperity.contact.multigrid.grids import join_all, parted
+from asperity.contact.problem import TOLERANCE, residual
+from asperity.contact.stencils import damped_power
+from asperity.contact.system import System
+from tests.independent import laplacian
+from tests.surfaces import correlated, uncorrelated
+
+SHAPES = [(16, 24), (17, 9), (8, 31), (25, 16)]
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_rows_come_back_in_order(shape):
+    field = np.random.default_rng(0).normal(size=shape).astype(np.float32)
+    rows = parted(field)
+    np.testing.assert_array_equal(join_all(rows, shape), field)
+    for row in rows:
+        kernels.wrap(row, shape[1])
+    np.testing.assert_array_equal(rows[:, 0, 0], field[:, 0])
+    np.testing.assert_array_equal(rows[:, 1, 0], field[:, -1])  # the column before the first
+    last = (shape[1] - 1) % 2
+    np.testing.assert_array_equal(rows[:, 1 - last, -1], field[:, 0])  # and the one after the last
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_products_along_bonds_are_those_of_the_laplacian(shape):
+    x, y = np.random.default_rng(0).normal(size=(2, *shape)).astype(np.float32)
+    a, b = parted(x), parted(y)
+    for row in (*a, *b):
+        kernels.wrap(row, shape[1])
+    ny = shape[0]
+    found = sum(
+        kernels.along_bonds(a[i], a[(i + 1) % ny], b[i], b[(i + 1) % ny], shape[1]) for i in range(ny)
+    )
+    assert found == pytest.approx(-np.sum(x * laplacian(y.astype(float))), rel=1e-4, abs=1e-3)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("tau", [0.0, 1.0, 1e4])
+def test_power_is_damped_as_the_spectra_say(shape, tau):
+    system = System.of(
+        np.random.default_rng(0).normal(size=shape),
+        asp.solids.spring_lattice(k0=2.0, k1=0.7, R=1.5, R_viscous=0.3),
+        Load(1.0),
+    )
+    error = np.random.default_rng(1).normal(size=shape)
+    lattice, s = system.lattice, system.spectra
+    H, C, M = s.permanent, s.creeping, s.mobility
+    modes = lattice.forward(error)
+    exact = lattice.mean_over_modes(np.abs(modes / (1 + tau * M * C * H / (H + C))) ** 2)
+    assert system.springs is not None
+    found = damped_power(modes.astype(np.complex64), shape, system.springs, tau)
+    assert found == pytest.approx(exact, rel=1e-4)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_extrapolation_continues_polynomials(count):
+    places = [3.0, 2.5, 1.8, 1.2][:count]
+    weights = extrapolation(places, 3.3)
+    for power in range(count):
+        assert np.dot(weights, np.power(places, power)) == pytest.approx(3.3**power, rel=1e-12)
+
+
+def test_extrapolation_uses_no_place_that_would_multiply_errors():
+    assert extrapolation([1.0], 2.0) == [1.0]
+    weights = extrapolation([1.0, 0.9, 0.89], 1.5)
+    assert weights == pytest.approx([6.0, -5.0, 0.0])
+
+
+CASES = [
+    (uncorrelated(32), 3.0, 0.05, 0.0),
+    (correlated(32), 0.1, 0.01, 0.2),
+    (uncorrelated(32)[:27, :21], 1.0, 0.3, 0.05),
+]
+
+
+@pytest.mark.parametrize(("heights", "k1", "p", "R_viscous"), CASES)
+@pytest.mark.parametrize("held", ["load", "separation"])
+def test_a_step_agrees_with_one_of_whole_fields(heights, k1, p, R_viscous, held):
+    heights = np.ascontiguousarray(heights)
+    solid = asp.solids.spring_lattice(k0=1.0, k1=k1, R_viscous=R_viscous)
+    contact = asp.press(heights, solid, load=p * heights.size)
+    control = contact.control if held == "load" else Separation(contact.separation)
+    system = System.of(heights, solid, control)
+    point = Point.of(system, contact)
+    exact = FieldSteps.begin(system, ActiveSet(), point)
+    quick = SpringSteps.begin(system, Multigrid(), point)
+    scale = contact.u.std()
+    for duration in (0.1, 0.5, 3.0):
+        errors = [
+            steps.attempt(duration, (TOLERANCE, TOLERANCE), (1e-9 * scale, 1e-9 * scale)).error
+            for steps in (quick, exact)
+        ]
+        assert quick.by_fields is None
+        assert errors[0] == pytest.approx(errors[1], rel=1e-2, abs=1e-6 * scale)
+        for steps in (quick, exact):
+            steps.accept(exact.time + duration if steps is quick else quick.time)
+        for here, there in zip(quick.state(), exact.state(), strict=True):
+            np.testing.assert_allclose(here, there, atol=5e-5 * scale)  # changes are single precision
+        np.testing.assert_array_equal(quick.u <= system.heights, exact.point.u <= system.heights)
+        extents = [steps.extent() for steps in (quick, exact)]
+        for name in ("spread", "stretch", "largest"):
+            assert getattr(extents[0], name) == pytest.approx(getattr(extents[1], name), rel=1e-4)
+
+
+@pytest.mark.parametrize("held", ["load", "separation"])
+def test_what_creep_conserves_does_not_drift(held):
+    heights = uncorrelated(32)
+    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
+    final = asp.age(contact, np.geomspace(1e-2, 1e4, 13), hold=held).final
+    if held == "load":
+        assert final.load == pytest.approx(30.0, rel=1e-10)
+    else:
+        assert final.separation == pytest.approx(contact.separation, abs=1e-12)
+
+
+def test_steps_that_cycles_do_not_solve_are_left_to_the_fourier_solver():
+    heights = uncorrelated(24)
+    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
+    times = np.geomspace(1e-2, 1e3, 6)
+    usual, helped = (asp.age(contact, times, solver=Multigrid(max_cycles=n)) for n in (40, 0))
+    np.testing.assert_allclose(helped.final.u0, usual.final.u0, atol=1e-4)
+    assert helped.dataset["iterations"].values[1:].min() > 0
+    mixed = asp.age(contact, times, solver=Multigrid(max_cycles=1))  # some by either
+    np.testing.assert_allclose(mixed.final.u0, usual.final.u0, atol=1e-4)
+
+
+@pytest.mark.parametrize("where", [0, 1])
+def test_a_force_that_is_no_number_is_a_residual_without_bound(where):
+    force = np.ones((4, 4))
+    in_contact = np.zeros((4, 4), dtype=bool)
+    in_contact[0] = True
+    force[where, 0] = np.nan
+    assert residual(force, in_contact) == np.inf
