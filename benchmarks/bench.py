@@ -67,7 +67,8 @@ def main() -> None:
             worker.close()
     for name in curves:
         print(f"{name} ...", file=sys.stderr, flush=True)
-        book.add_curve(curve.run(CURVES[name], options.threads))
+        for rtol in curve.RTOLS:
+            book.add_curve(curve.run(CURVES[name], options.threads, rtol))
     book.save(options.out)
     print(book.text())
 
