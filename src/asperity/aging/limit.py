@@ -68,7 +68,7 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
         solution, shape = _unloaded(start, system)
     else:
         before = start.u0 - system.datum
-        guess = Guess(start.u - system.datum, start.in_contact)
+        guess = Guess(start.u - system.datum, start.in_contact, disposable=True)
         solution = (solver or usual_solver(system)).solve(step.problem(before), guess, TOLERANCE)
         stretch = step.stretch(solution.u, before) if solution.stretch is None else solution.stretch
         shape = solution.u - stretch

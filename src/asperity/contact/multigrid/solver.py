@@ -127,7 +127,7 @@ class Multigrid:
     ) -> tuple[bool, int, Field | None]:
         work = self._workspace(OneField, heights.shape)
         done, push, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
-        stretch = np.full(u.shape, push / springs.k1) if springs.relaxed else None
+        stretch = np.broadcast_to(push / springs.k1, u.shape) if springs.relaxed else None
         return done, cycles, stretch
 
     def _two_fields(
