@@ -189,7 +189,7 @@ class Rows:
 _LOWEST_SLAB = 16
 """Fewest rows of a slab, more than half sweeps reach from both of its edges."""
 
-_WORTH_SHARING = 2**18
+_WORTH_SHARING = 2**19
 """Sites from which a second thread is worth waking."""
 
 
