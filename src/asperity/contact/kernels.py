@@ -17,7 +17,8 @@ Each kernel works on rows ``low <= i < high`` so that threads can share a grid; 
 so that results do not depend on the number of threads. On the lattice several half sweeps follow each
 other at a distance of one row, so that a row is fetched from memory once.
 
-Parameters are arguments, never globals: compiled code is kept on disk and would go stale.
+Parameters are arguments, never globals, and all loops are in this module: compiled code is kept on disk,
+and a change of what it took from elsewhere would not be noticed.
 """
 
 from __future__ import annotations
