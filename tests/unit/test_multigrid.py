@@ -132,6 +132,8 @@ def test_an_implicit_step_agrees_with_the_fourier_solver(heights, k1, p, tau, R_
         problem = step.problem(point.shape)
         guess = Guess(point.u, contact.in_contact, point.stretch)
         here, there = (solver.solve(problem, guess, TOLERANCE) for solver in (Multigrid(), ActiveSet()))
+        if tau in (1.0, 1e3):  # else the Fourier solver may have had to finish
+            assert here.stretch is not None
         np.testing.assert_array_equal(here.in_contact, there.in_contact)
         np.testing.assert_allclose(here.u, there.u, atol=1e-6 * heights.std())
         if here.stretch is not None:

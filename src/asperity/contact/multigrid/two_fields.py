@@ -94,7 +94,8 @@ class TwoFields:
         for cycle in range(max_cycles):
             self.descend(correcting=cycle > 0)
             contacts, missing, left, far = self.judge()
-            as_good_as_it_gets = _AS_GOOD_AS_IT_GETS * (8.0 / self.bed + 1.0) * far
+            stiffest = 8.0 / self.bed + self.lag + 8.0 * self.spread
+            as_good_as_it_gets = _AS_GOOD_AS_IT_GETS * stiffest * far
             if left <= max(self.strict(tolerance, contacts), as_good_as_it_gets):
                 self.settle(heights, u, w, unit)
                 self.measure(springs, heights, u, w, unit)
