@@ -36,6 +36,7 @@ from asperity.aging.tr_bdf2 import (
 )
 from asperity.contact import kernels
 from asperity.contact.active_set import ActiveSet
+from asperity.contact.arrays import largest
 from asperity.contact.controls import Load
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.multigrid.grids import Single, join_all, parted
@@ -83,7 +84,7 @@ class SpringSteps:
     def begin(cls, system: System, solver: Multigrid, point: Point) -> SpringSteps:
         """At the start of a history."""
         u, w = np.maximum(point.u, system.heights), point.stretch
-        unit = max(float(np.abs(u).max()), float(np.abs(w).max())) or 1.0
+        unit = max(largest(u, np), largest(w, np)) or 1.0
         place = {
             "times": np.array([point.time]),
             "scales": np.array([unit, u.mean(), u.mean() - w.mean(), 0.0]),

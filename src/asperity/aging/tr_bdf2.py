@@ -28,6 +28,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.contact.arrays import largest
 from asperity.contact.controls import Load
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
@@ -70,12 +71,11 @@ class Past:
 
     time: float
     u: Field
-    stretch: Field
 
     @classmethod
     def of(cls, point: Point) -> Past:
         """Remember a point."""
-        return cls(point.time, point.u, point.stretch)
+        return cls(point.time, point.u)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +128,11 @@ def take_step(
 
 def rms(field: Field) -> float:
     """Root mean square over the sites."""
-    largest = max(float(field.max()), -float(field.min()))
-    if not 0 < largest < math.inf:
-        return largest
-    field = field / largest
-    return largest * math.sqrt(float(np.einsum("i,i->", field.ravel(), field.ravel())) / field.size)
+    scale = largest(field, np)
+    if not 0 < scale < math.inf:
+        return scale
+    field = field / scale
+    return scale * math.sqrt(float(np.einsum("i,i->", field.ravel(), field.ravel())) / field.size)
 
 
 def _stage(
@@ -159,11 +159,10 @@ def _stage(
 def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
     """Continue the surface in the logarithm of time, which is how contacts grow."""
     if earlier is None:
-        return Guess(latest.u, stretch=latest.stretch)
+        return Guess(latest.u)
     factor = ahead(earlier.time, latest.time, time)
     u = combined((1.0 + factor, latest.u), (-factor, earlier.u))
-    stretch = combined((1.0 + factor, latest.stretch), (-factor, earlier.stretch))
-    return Guess(u, stretch=stretch, disposable=True)
+    return Guess(u, disposable=True)
 
 
 def ahead(earlier: float, latest: float, time: float) -> float:
@@ -233,7 +232,7 @@ class FieldSteps:
         self.point = Point(float(place["time"]), place["u"], place["stretch"], place["rate"])
         self.earlier = None
         if "earlier" in place:
-            self.earlier = Past(float(place["earlier"]), place["earlier_u"], place["earlier_stretch"])
+            self.earlier = Past(float(place["earlier"]), place["earlier_u"])
         self.end = self.point
 
     @classmethod
@@ -254,7 +253,7 @@ class FieldSteps:
     def extent(self) -> Extent:
         """How large the deformation is."""
         u, stretch = self.state()
-        return Extent(float(u.std()), rms(stretch), max(float(u.max()), -float(u.min())))
+        return Extent(float(u.std()), rms(stretch), largest(u, np))
 
     def speed(self) -> float:
         """Rate of u0, rms over the sites."""
@@ -280,5 +279,4 @@ class FieldSteps:
         place = {"time": np.asarray(point.time), "u": point.u, "stretch": point.stretch, "rate": point.rate}
         if earlier is None:
             return place
-        past = {"earlier": earlier.time, "earlier_u": earlier.u, "earlier_stretch": earlier.stretch}
-        return place | {name: np.asarray(value) for name, value in past.items()}
+        return place | {"earlier": np.asarray(earlier.time), "earlier_u": earlier.u}

@@ -60,7 +60,7 @@ def to_numpy(array: Any) -> NDArray[Any]:
     return np.array(np.from_dlpack(array))
 
 
-def largest(field: Field, xp: Any) -> float:
+def largest(field: NDArray[Any], xp: Any) -> float:
     """Largest magnitude in a field."""
     return max(float(xp.max(field)), -float(xp.min(field)))
 

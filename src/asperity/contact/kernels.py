@@ -218,21 +218,16 @@ def measure_1(
 
     ``sums``: largest force off contact, pulls in contact, load, contacts, sum of the forces off contact.
     """
-    ny, nx = u.shape
+    nx = u.shape[1]
     force, line = np.empty(nx), np.empty(nx)
-    diagonal = 4.0 * k0 + bed
     scale, inverse = -1.0 / (k0 * unit), 1.0 / unit
     for i in range(low, high):
-        up, down, row = u[i - 1 if i > 0 else ny - 1], u[i + 1 if i < ny - 1 else 0], u[i]
-        rough = heights[i]
-        for j in range(1, nx - 1):
-            force[j] = diagonal * row[j] - k0 * (up[j] + down[j] + row[j - 1] + row[j + 1]) + push
-        for j in (0, nx - 1):
-            left, right = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-            force[j] = diagonal * row[j] - k0 * (up[j] + down[j] + row[left] + row[right]) + push
+        row, rough = u[i], heights[i]
+        stencil_row(k0, u, bed, u, i, force)
         worst = pull = load = free_sites = astray = 0.0
         for j in range(nx):  # sums and the largest apart, and no branches: the compiler makes vectors of both
             free = 1.0 if row[j] > rough[j] else 0.0
+            force[j] += push
             off_contact = force[j] * free
             held = force[j] - off_contact
             load += held

@@ -105,15 +105,14 @@ class ContactProblem:
 
 @dataclass(frozen=True, eq=False)
 class Guess:
-    """Where a solver starts: a surface, the sites believed in contact and, if known, u - u0.
+    """Where a solver starts: a surface and the sites believed in contact.
 
-    If no sites are named, those that the surface does not clear. A solver may write into the fields of
+    If no sites are named, those that the surface does not clear. A solver may write into the surface of
     a guess that is disposable.
     """
 
     u: Field
     in_contact: Mask | None = None
-    stretch: Field | None = None
     disposable: bool = False
 
 

@@ -24,6 +24,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.contact.arrays import largest
 from asperity.contact.controls import Control, Load
 from asperity.contact.problem import ContactProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
@@ -164,7 +165,7 @@ class System:
         z = M C H / (H + C) is the rate at which the mode decays off contact (the paper's z_q). Under load
         control the mean does not count. Single precision does for the size of an error.
         """
-        scale = max(float(error.max()), -float(error.min()))
+        scale = largest(error, np)
         if not 0 < scale < math.inf:
             return scale
         modes = self.lattice.forward((error / scale).astype(np.float32, copy=False))

@@ -28,6 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact import kernels
+from asperity.contact.arrays import largest
 from asperity.contact.multigrid.grids import Hierarchy, Rows, parted_shape
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.problem import SpringStep
@@ -85,7 +86,7 @@ class OneField:
         self.springs, self.heights, self.u = springs, heights, u
         self.law = Push.of(springs, u.size)
         self.bed, self.pull = self.law.bed / springs.k0, self.law.pull / (springs.k0 * u.size)
-        self.unit = max(float(u.max()), -float(u.min())) or 1.0
+        self.unit = largest(u, np) or 1.0
         self.step.fill(0.0)
         push, pinned = self.measure(), -1.0
         self.has_converged(tolerance)

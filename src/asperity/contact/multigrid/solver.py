@@ -104,7 +104,7 @@ class Multigrid:
         ):
             done, cycles, stretch = self._one_field(springs, heights, u, tolerance)
         else:
-            done, cycles, stretch = self._two_fields(springs, heights, u, guess, tolerance)
+            done, cycles, stretch = self._two_fields(springs, heights, u, tolerance)
         if done:
             return Solution(u, u <= heights, cycles, 0, stretch)
         start = Guess(u) if np.isfinite(u).all() else None
@@ -135,13 +135,9 @@ class Multigrid:
         springs: SpringStep,
         heights: Field,
         u: Field,
-        guess: Guess,
         tolerance: float,
     ) -> tuple[bool, int, Field | None]:
-        if guess.stretch is None:
-            stretch = u - springs.shape
-        else:
-            stretch = guess.stretch if guess.disposable else guess.stretch.copy()
+        stretch = u - springs.shape
         work = self.two_fields(heights.shape)
         done, cycles = work.solve(springs, heights, u, stretch, tolerance, self.max_cycles)
         return done, cycles, stretch

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from asperity.contact import kernels
+from asperity.contact.arrays import largest
 from asperity.contact.multigrid.grids import Hierarchy, Rows, Single, parted_shape
 from asperity.contact.multigrid.one_field import lowest
 from asperity.contact.multigrid.pins import Response
@@ -88,7 +89,7 @@ class TwoFields:
     ) -> tuple[bool, int]:
         """Improve u and w in place; whether the tolerance was reached, and the cycles taken."""
         self.prepare(springs.k1 / springs.k0, springs.spread, springs.drag)
-        unit = max(float(u.max()), -float(u.min())) or 1.0
+        unit = largest(u, np) or 1.0
         self.measure(springs, heights, u, w, unit)
         size = math.inf
         for cycle in range(max_cycles):
