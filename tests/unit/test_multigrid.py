@@ -12,7 +12,7 @@ from asperity.contact.multigrid.pins import Response
 from asperity.contact.problem import TOLERANCE, Guess
 from asperity.contact.system import System
 from asperity.errors import InputError
-from tests.independent import assert_equilibrium
+from tests.independent import assert_equilibrium, laplacian
 from tests.surfaces import correlated, uncorrelated
 
 
@@ -117,6 +117,23 @@ def test_agrees_with_the_fourier_solver_site_by_site(heights, k1, p):
         assert_equilibrium(contact, k0=1.0, k1=k1)
 
 
+def assert_step(solution, stretch, before, system, tau):
+    """The equations of an implicit step, by sums over neighbors."""
+    s, u, contact = system.springs, solution.u, solution.in_contact
+    left = stretch + tau * s.k1 * (s.R_viscous * stretch - s.R * laplacian(stretch)) - (u - before)
+    force = s.k1 * stretch - s.k0 * laplacian(u)
+    if isinstance(system.control, Load):
+        left -= left.mean()  # the mean of u0 is whatever carries the load
+        assert force.sum() == pytest.approx(system.control.value, rel=1e-7)
+    stiffest = 1 + tau * s.k1 * (s.R_viscous + 8 * s.R)
+    assert np.abs(left).max() < 1e-7 * stiffest * np.abs(stretch).max()
+    np.testing.assert_array_equal(u == system.heights, contact)
+    assert (u >= system.heights).all()
+    scale = force[contact].mean()
+    assert np.abs(force[~contact]).max() < 1e-7 * scale
+    assert force[contact].min() > -1e-7 * scale
+
+
 @pytest.mark.parametrize("tau", [1e-3, 1.0, 1e3, 1e9])
 @pytest.mark.parametrize(("heights", "k1", "p"), CASES[:6])
 @pytest.mark.parametrize("R_viscous", [0.0, 0.1])
@@ -132,14 +149,14 @@ def test_an_implicit_step_agrees_with_the_fourier_solver(heights, k1, p, tau, R_
         problem = step.problem(point.shape)
         guess = Guess(point.u, contact.in_contact)
         here, there = (solver.solve(problem, guess, TOLERANCE) for solver in (Multigrid(), ActiveSet()))
-        if tau in (1.0, 1e3):  # else the Fourier solver may have had to finish
-            assert here.stretch is not None
         np.testing.assert_array_equal(here.in_contact, there.in_contact)
         np.testing.assert_allclose(here.u, there.u, atol=1e-6 * heights.std())
-        if here.stretch is not None:
-            np.testing.assert_allclose(
-                here.stretch, step.stretch(there.u, point.shape), atol=1e-6 * heights.std()
-            )
+        stretch = step.stretch(there.u, point.shape) if here.stretch is None else here.stretch
+        assert_step(here, stretch, point.shape, system, tau)
+        # Where cycles do not converge the Fourier solver finishes, and only the judge above can tell.
+        if tau < 1e9 and (k1, tau) != (100.0, 1e-3):
+            assert here.stretch is not None
+            np.testing.assert_allclose(stretch, step.stretch(there.u, point.shape), atol=1e-6 * heights.std())
 
 
 @pytest.mark.parametrize("shape", [(300, 250), (301, 249)])
@@ -181,9 +198,9 @@ def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
     solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
     with pytest.raises(InputError, match=r"solver: expected a lattice of springs in two dimensions"):
         asp.press(line, solid, load=1.0, solver=Multigrid())
-    assert asp.press(line, solid, load=1.0).residual <= 1e-8
+    assert_equilibrium(asp.press(line, solid, load=1.0), k0=1.0, k1=3.0, load=1.0)
     bed = asp.solids.spring_lattice(k0=0.0, k1=3.0)
-    assert asp.press(uncorrelated(16), bed, load=1.0).residual <= 1e-8
+    assert_equilibrium(asp.press(uncorrelated(16), bed, load=1.0), k0=0.0, k1=3.0, load=1.0)
 
 
 @pytest.mark.parametrize("wrong", [{"threads": 0}, {"max_cycles": -1}, {"threads": np.nan}])
