@@ -145,8 +145,8 @@ def contacts_at_start(
     -------
     ndarray
         Number of contacts (sites), shape of the broadcast arguments; a NumPy float if all are scalars. It
-        holds as long as it is small against the number of sites, which it does not know; and up to the one
-        contact that touches at no load, by which the mean over surfaces is larger.
+        holds while it is small against the number of sites, which is not an argument. The mean over surfaces
+        is larger by one contact, because one site touches at no load.
 
     Raises
     ------
