@@ -32,7 +32,7 @@ def test_pressed_and_relaxed_under_load(rough, k1, p):
 @given(surfaces, stiffness, st.floats(-5, 5, width=32))
 def test_pressed_at_a_separation(rough, k1, separation):
     contact = press(rough, spring_lattice(k0=1.0, k1=k1), separation=separation)
-    assert_equilibrium(contact, k0=1.0, k1=k1)
+    assert_equilibrium(contact, k0=1.0, k1=k1, load_may_vanish=contact.area == 0)
     assert contact.area > 0 or separation >= rough.max() - 1e-12
 
 
