@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from asperity.analysis import measured_growth
@@ -91,6 +92,14 @@ def test_the_table_of_a_run(asperity: Asperity, finished: Path) -> None:
     assert line(text, "A0 ").split("  ")[-1] == "as given, taken as exact"
     assert "A0: " in text
     assert "measured at time 0" in text
+
+
+def test_the_index_of_pandas_is_left_out_with_a_note(asperity: Asperity, friction: np.ndarray) -> None:
+    pd.DataFrame(friction, columns=["hold", "mu"]).to_csv("pandas.csv")
+    status, text, error = asperity("fit", "pandas.csv", "--law", "logarithm")
+    assert (status, error) == (0, "")
+    assert "pandas.csv: mu, 33 values; times 1 to 100000" in text
+    assert "note  column 0, without a name, counts the lines: took 'hold' for the hold times" in text
 
 
 def test_a_figure_is_kept(asperity: Asperity, friction: np.ndarray) -> None:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from asperity.errors import InputError
@@ -19,6 +20,8 @@ TABLES = {
     "blanks": "   1.5   0.6 \n  10   0.61\n",
     "comments": "% a\n# b\n1.5 0.6\n\n; c\n10 0.61 # d\n",
     "trailing separators": "1.5,0.6,\n10,0.61,\n",
+    "quoted decimal commas": '"t","mu"\n"1,5","0,6"\n"10","0,61"\n',
+    "empty rows": ";;\nt;mu;\n1.5;0.6;\n;;\n10;0.61;\n;;\n",
     "quotes": '"time","mu"\n"1.5","0.6"\n"10","0.61"\n',
     "units": "time,mu\ns,-\n1.5,0.6\n10,0.61\n",
     "Windows": "time,mu\r\n1.5,0.6\r\n10,0.61\r\n",
@@ -68,6 +71,25 @@ def test_a_header_in_an_old_encoding(tmp_path: Path) -> None:
     assert read_measurements(file).value_name == "µ"
 
 
+def test_the_index_that_pandas_writes_is_no_hold_time(tmp_path: Path) -> None:
+    file = tmp_path / "mu.csv"
+    frame = pd.DataFrame({"hold": [1.5, 10.0], "mu": [0.6, 0.61]})
+    frame.to_csv(file)
+    data = read_measurements(file)
+    np.testing.assert_array_equal(data.time, [1.5, 10])
+    np.testing.assert_array_equal(data.value, [0.6, 0.61])
+    assert data.remarks == ("column 0, without a name, counts the lines: took 'hold' for the hold times",)
+    np.testing.assert_array_equal(read_measurements(file, value="mu").time, [1.5, 10])
+    counted = read_measurements(file, time=0, value=2)
+    np.testing.assert_array_equal(counted.time, [0, 1])
+    assert counted.remarks == ()
+    # An index that is not counted, or that leaves one column only, is the hold time.
+    frame.set_index(pd.Index([3.0, 4.0])).to_csv(file)
+    np.testing.assert_array_equal(read_measurements(file).time, [3, 4])
+    frame[["mu"]].to_csv(file)
+    np.testing.assert_array_equal(read_measurements(file).time, [0, 1])
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -110,6 +132,7 @@ def test_mistakes_are_named_with_their_line(tmp_path: Path, text: str, message: 
         ("sample,t,mu\nA,1,2\nB,2,3\n", r"choose columns of numbers \('t', 'mu'\)$"),
         ("A,1,2\nB,2,3\n", r"choose columns of numbers \(1, 2\)$"),
         ("day,mu\n2024-01-01,2\n2024-01-02,3\n", r"\('mu'\); a hold time is a number, not a date$"),
+        ('t,mu\n"1,438",2\n"5,438",3\n', "try numbers without separators between thousands$"),
         ("t;mu\n1,438.45;2\n5,438.45;3\n", "try numbers without separators between thousands$"),
         ('t,mu\n"1,438.45",2\n"5,438.45",3\n', "try numbers without separators between thousands$"),
     ],

@@ -12,6 +12,7 @@ SOURCE = Path(asperity.__file__).parent
 # Each room may import the rooms before it, and itself.
 ROOMS = [
     {"errors", "_version"},
+    {"tables"},
     {"lattice"},
     {"surfaces", "solids"},
     {"contact"},

@@ -115,8 +115,8 @@ def fit_table(
     json: Path | None = None,
     overwrite: Switch = False,
     window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
-    column_time: str = "0",
-    column_value: str = "1",
+    column_time: str | None = None,
+    column_value: str | None = None,
     column_stderr: str | None = None,
     quantity: str | None = None,
     unit_time: str | None = None,
@@ -143,9 +143,10 @@ def fit_table(
         Hold times T1 T2 between which a straight line gives the growth per decade; the laws are fitted
         to all values. [default: all]
     column_time
-        Column of the hold times: its name in the header, or a number counted from 0.
+        Column of the hold times: its name in the header, or a number counted from 0. [default: 0, or 1
+        where column 0 is an index 0, 1, 2, ... without a name, as pandas writes it]
     column_value
-        Column of the values.
+        Column of the values. [default: the next]
     column_stderr
         Column of their standard errors. [default: none are known]
     quantity

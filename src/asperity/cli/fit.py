@@ -37,7 +37,7 @@ def fit(
     numbers: Path | None,
     overwrite: bool,
     window: tuple[float, float] | None,
-    columns: tuple[str, str, str | None],
+    columns: tuple[str | None, str | None, str | None],
     quantity: str | None,
     unit_time: str,
 ) -> None:
@@ -56,7 +56,7 @@ def fit(
     window
         Times between which the straight line is fitted, or None for all.
     columns
-        Time, value and, or None, standard error: names or numbers from 0.
+        Time, value and standard error: names or numbers from 0; None for the usual ones, or no error.
     quantity, unit_time
         Names for the figure; by default the header's name of the values, and no unit.
 
@@ -84,6 +84,7 @@ def fit(
             last=last,
             name=data.value_name or "value",
         )
+        growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     except InputError as error:
         error.args = (f"{file}: {error}",)  # what computes does not know where the numbers came from
         raise

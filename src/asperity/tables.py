@@ -1,0 +1,211 @@
+"""Tables of numbers in text files: whatever separates the columns, whatever stands around them.
+
+Columns are separated by semicolons, tabs, commas or blanks, and numbers may have decimal commas: of these
+possibilities, the first that reads most cells of the first lines as numbers. (The sniffer of Python's csv
+module knows no decimal commas, and pandas does not say in which line a cell is wrong.) A cell may stand in
+double quotes. What follows a # is a comment.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import InputError
+
+# A comma separates cells unless something else does, or the cells are quoted.
+_DIALECTS = tuple((separator, decimal) for separator in (";", "\t", ",", " ") for decimal in (".", ","))
+_LOOKED_AT = 100
+"""First lines, and first cells of each, by which the separator is found."""
+
+_ONE_COLUMN = 0.01
+"""Weight of a line of one cell: numbers in two columns or more are preferred."""
+
+MISSING = ("", "nan", "na", "n/a", "null")
+"""What may stand, in letters of any size, where a number is missing."""
+
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
+"""A number that seems to have separators between thousands."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The numbers of a text file.
+
+    Attributes
+    ----------
+    name
+        The file, for messages.
+    names
+        Names of the columns in the file's header; "" where it has none.
+    values
+        Shape (rows, columns); NaN where a cell is missing or no number.
+    lines
+        The line of each row: its number, from 1, and its text without comments.
+    separator
+        What separates cells; " " for any blanks.
+    """
+
+    name: str
+    names: list[str]
+    values: NDArray[np.float64]
+    lines: list[tuple[int, str]]
+    separator: str
+
+    def cell(self, row: int, column: int) -> str:
+        """Text of a cell; "" where the row ends before it."""
+        return "".join(_cells(self.lines[row][1], self.separator)[column : column + 1])
+
+
+def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = InputError) -> Table:
+    """Read a table of numbers.
+
+    Parameters
+    ----------
+    path
+        Text in UTF-8, in UTF-16 with its mark, or in Latin-1.
+    matrix
+        If true, each line but comments, which begin with # or %, is a row of as many numbers as the first
+        has; an empty cell, NaN or NA is a missing one. If false, there are two columns or more; lines
+        beginning with ; are comments too; lines before the first with a number are headers; cells may
+        hold words; the last cells of a row may be left out; rows of empty cells are skipped.
+    failure
+        What to raise.
+
+    Raises
+    ------
+    InputError
+        There is no such file, or it holds no such table; with the number of the line that is wrong.
+    """
+    name = str(path)
+    everything = _text(path, failure).split("\n")
+    comments = ("#", "%") if matrix else ("#", "%", ";")
+    lines = [
+        (number, line.partition("#")[0])
+        for number, line in enumerate(everything, 1)
+        if not line.lstrip().startswith(comments)
+    ]
+    shares = [_numeric_share([line for _, line in lines if line.strip()], *dialect) for dialect in _DIALECTS]
+    best = int(np.argmax(shares))
+    separator, decimal = _DIALECTS[best]
+    # A line of nothing but tabs is a row of missing cells where tabs separate; of nothing but blanks, no row.
+    lines = [(number, line) for number, line in lines if line.strip() or (separator == "\t" and "\t" in line)]
+    if not lines:
+        what, got = ("a matrix", "no number at all") if matrix else ("a table", "no line besides comments")
+        raise failure(name, expected=f"{what} of numbers", got=got)
+    first = 0
+    if not matrix:
+        if shares[best] <= _ONE_COLUMN:
+            got = "one" if shares[best] else f"{lines[-1][1].strip()[:40]!r}"
+            raise failure(name, expected="two columns of numbers or more", got=got)
+        first = next(i for i, (_, line) in enumerate(lines) if _share(_cells(line, separator), decimal))
+    width = len(_cells(lines[first][1], separator))
+    # numpy and many instruments write the names as a comment: the last before the numbers.
+    notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
+    headers = [line for _, line in lines[:first]] + [line.lstrip(" \t#%;") for line in notes[::-1]]
+    named = (cells for cells in (_cells(line, separator) for line in headers) if len(cells) == width)
+    names = [cell.strip("' ") for cell in next(named, [""] * width)]
+    rows = [(number, line) for number, line in lines[first:] if matrix or any(_cells(line, separator))]
+    values, trailing = _values(name, rows, (separator, decimal), width, matrix=matrix, failure=failure)
+    if trailing and not names[-1]:
+        names, values = names[:-1], values[:, :-1]
+    return Table(name, names, values, rows, separator)
+
+
+def _values(
+    name: str,
+    rows: list[tuple[int, str]],
+    dialect: tuple[str, str],
+    width: int,
+    *,
+    matrix: bool,
+    failure: type[InputError],
+) -> tuple[NDArray[np.float64], bool]:
+    """Numbers of all rows, and whether each ends with a separator, as some programs write it."""
+    separator, decimal = dialect
+    values = np.full((len(rows), width), math.nan)
+    trailing = width > 1
+    for row, (number, line) in enumerate(rows):
+        cells = _cells(line, separator)
+        if len(cells) > width or (matrix and len(cells) < width):
+            expected, got = f"{width} columns in line {number}, as before", f"{line.strip()[:60]!r}"
+            raise failure(name, expected=expected, got=got)
+        numbers = _numbers(cells, decimal)
+        if matrix and None in numbers:
+            expected, got = f"only numbers in line {number}", repr(cells[numbers.index(None)][:40])
+            advice = "a # before header lines, and NaN for undefined pixels"
+            raise failure(name, expected=expected, got=got, advice=advice)
+        values[row, : len(cells)] = numbers  # numpy makes NaN of None
+        trailing = trailing and len(cells) == width and not cells[-1]
+    return values, trailing
+
+
+def _text(path: Path, failure: type[InputError]) -> str:
+    if path.is_dir() or not path.exists():
+        got = "a folder" if path.is_dir() else "no such file"
+        raise failure(str(path), expected="a file with a table of numbers", got=got)
+    content = path.read_bytes()
+    wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+    try:
+        text = content.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")  # a µ of another age, in a header
+    if "\0" in text:
+        raise failure(str(path), expected="text", got="binary data", advice="exporting it as CSV")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    if separator == " ":
+        line = " ".join(line.split())
+    cells = line.split(separator)
+    if '"' in line:
+        try:
+            cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+        except csv.Error:  # a cell beyond the module's limit, which is no number
+            return [line]
+    return [cell.strip() for cell in cells]
+
+
+def _numbers(cells: list[str], decimal: str) -> list[float | None]:
+    """Numbers in cells: NaN for a missing one, None for one that is no number."""
+    if decimal == ".":
+        try:
+            return [float(cell) for cell in cells]
+        except ValueError:
+            pass
+    return [_number(cell, decimal) for cell in cells]
+
+
+def _number(cell: str, decimal: str) -> float | None:
+    if cell.lower() in MISSING:
+        return math.nan
+    if decimal == "," and "." in cell:
+        return None
+    try:
+        return float(cell.replace(decimal, "."))
+    except ValueError:
+        return None
+
+
+def _numeric_share(lines: list[str], separator: str, decimal: str) -> float:
+    """Share of the cells that are numbers, averaged over the first lines."""
+    head = [_cells(line, separator)[:_LOOKED_AT] for line in lines[:_LOOKED_AT]]
+    # Quoted numbers between commas: "1,438" is one and a half, or a thousand and more. Other cells tell.
+    commas = [cell for cells in head for cell in cells if "," in cell]
+    if separator == decimal and all(map(GROUPED.fullmatch, commas)):
+        return 0.0
+    shares = [_share(cells, decimal) * (1 if len(cells) > 1 else _ONE_COLUMN) for cells in head]
+    return float(np.mean(shares)) if shares else 0.0
+
+
+def _share(cells: list[str], decimal: str) -> float:
+    """Share of numbers among the cells that are not missing."""
+    present = [cell for cell in cells if cell.lower() not in MISSING]
+    return sum(_number(cell, decimal) is not None for cell in present) / max(len(present), 1)
