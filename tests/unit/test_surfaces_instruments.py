@@ -21,6 +21,12 @@ needs_library = pytest.mark.skipif(
 )
 
 
+TIFF_ENTRIES = b"".join(
+    tag.to_bytes(2, "little") + b"\x03\0\x01\0\0\0" + value.to_bytes(4, "little")
+    for tag, value in ((256, 1), (257, 1), (273, 50))
+)
+
+
 def instrument_file(name: Any) -> Any:
     if not (DATA / name).is_file():
         pytest.skip(f"instrument file {name} is not in {DATA}; set ASPERITY_DATA to its folder")
@@ -115,7 +121,7 @@ def test_channels_by_name_and_number() -> None:
 @pytest.mark.parametrize("channel", ["Phase", "Hight", 7, -1])
 def test_other_channels_list_the_right_ones(channel: Any) -> None:
     message = (
-        f"expected one of its channels of heights: 'Height#1' .*, 'Height#2' .*, got channel={channel!r}"
+        f"expected one of its channels of heights: 'Height#1' .*, 'Height#2' .*, got channel {channel!r}"
     )
     with pytest.raises(SurfaceFileError, match=message):
         read(instrument_file("di-1.di"), channel=channel)
@@ -133,7 +139,33 @@ def test_truncated_instrument_files(
     with pytest.raises(SurfaceFileError, match=f"{name}: expected a surface file, got") as caught:
         read(path)
     assert "\n" not in str(caught.value)
-    assert len(str(caught.value)) < 300 + len(str(tmp_path))
+    assert "Error" not in str(caught.value)
+    assert len(str(caught.value)) < 350 + len(str(tmp_path))
+    assert capfd.readouterr() == ("", "")
+
+
+@needs_library
+@pytest.mark.parametrize("name", FILES)
+def test_damaged_instrument_files(tmp_path: Path, name: Any, capfd: pytest.CaptureFixture[str]) -> None:
+    """Wrong bytes, most of them in the header, lead to heights or to one line."""
+    whole = instrument_file(name).read_bytes()
+    rng = np.random.default_rng(len(whole))
+    refused = []
+    for _ in range(12):
+        damaged = bytearray(whole)
+        for place in rng.integers(0, rng.choice([300, 3000, len(whole)]), size=rng.integers(1, 30)):
+            damaged[place] = rng.integers(256)
+        path = tmp_path / name
+        path.write_bytes(damaged)
+        try:
+            surface = read(path, tilt="mean", periodic="wrap", max_undefined=0.99)
+        except SurfaceFileError as error:
+            refused.append(str(error))
+        else:
+            assert np.isfinite(surface.heights).all()
+    assert 0 < len(refused) < 12
+    assert "\n" not in "".join(refused)
+    assert "Error" not in "".join(refused)
     assert capfd.readouterr() == ("", "")
 
 
@@ -147,12 +179,15 @@ def test_truncated_instrument_files(
         ("zeros.dat", bytes(8192)),
         ("letter.di", b"Dear reader, this is\nno surface, not even 1.\n"),
         ("archive.zip", b"PK\x03\x04" + bytes(300)),
+        # A picture: the smallest TIFF, of one pixel.
+        ("picture.tif", b"II*\0\x08\0\0\0\x03\0" + TIFF_ENTRIES + bytes(5)),
     ],
 )
 def test_other_kinds_of_files(tmp_path: Path, name: Any, content: Any) -> None:
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(SurfaceFileError, match=f"{name}: expected .*, got"):
+    with pytest.raises(SurfaceFileError, match=f"{name}: expected .*, got") as caught:
         read(tmp_path / name)
+    assert "Error" not in str(caught.value)
 
 
 @needs_library
@@ -171,7 +206,7 @@ def test_without_the_library_it_says_how_to_install_it(
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
     (tmp_path / "afm.di").write_bytes(b"\\*File list\r\n")
-    with pytest.raises(MissingExtraError, match=r"pip install 'asperity\[instruments\]'"):
+    with pytest.raises(MissingExtraError, match=r"install it with: pip install SurfaceTopography$"):
         read(tmp_path / "afm.di")
 
 

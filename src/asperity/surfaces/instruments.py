@@ -53,7 +53,7 @@ def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
         except ImportError as error:
             raise MissingExtraError(
                 f"{path}: reading instrument files needs SurfaceTopography ({error}); "
-                "install it with: pip install 'asperity[instruments]'"
+                "install it with: pip install SurfaceTopography"
             ) from error
         remarks.clear()  # the import's warnings are no remark on this file
         try:
@@ -64,7 +64,10 @@ def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
         # The library's forty readers raise whatever a damaged byte leads them to (IndexError, KeyError,
         # struct.error, ...), so nothing less than Exception keeps the promise of one clear error.
         except Exception as error:
-            raise SurfaceFileError(str(path), expected="a surface file", got=_diagnosis(error)) from error
+            advice = "another format that the instrument's software exports, or a matrix of heights as text"
+            raise SurfaceFileError(
+                str(path), expected="a surface file", got=_diagnosis(error), advice=advice
+            ) from error
     told = tuple(str(w.message) for w in remarks if issubclass(w.category, (UserWarning, RuntimeWarning)))
     return dataclasses.replace(raw, remarks=told)
 
@@ -81,7 +84,7 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
     heights = _rows_downward(np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan))
     unit = _spelled(topography.unit)
     sizes = chosen.physical_sizes
-    known = sizes is not None and all(s is not None for s in sizes)
+    known = sizes is not None and all(s is not None and 0 < s < np.inf for s in sizes)
     downward = sizes[::-1] if known else ()
     return RawSurface(
         np.array(heights, dtype=np.float64, order="C"),
@@ -114,7 +117,7 @@ def _choose(reader: Any, path: Path, channel: str | int | None) -> Any:
         raise SurfaceFileError(
             str(path),
             expected=f"one of its channels of heights: {known}" if listed else "a channel of heights",
-            got="none" if channel is None else f"channel={channel!r}",
+            got="none" if channel is None else f"channel {channel!r}",
         )
     return candidates[0]
 
@@ -157,8 +160,11 @@ def _diagnosis(error: Exception) -> str:
     """Say in one line what the library's error means."""
     if type(error).__name__ == "CannotDetectFileFormat":
         return "a file of no known kind, or a damaged or truncated one"
-    text = " ".join(str(error).split())[:120]
-    return f"a damaged, truncated or unsupported file ({type(error).__name__}: {text})"
+    # Its own errors speak of the file, others (list index out of range) of its code.
+    text = (
+        " ".join(str(error).split())[:120] if type(error).__module__.startswith("SurfaceTopography") else ""
+    )
+    return "a damaged, truncated or unsupported file" + (f" ({text})" if text else "")
 
 
 @contextlib.contextmanager
