@@ -9,8 +9,10 @@ double quotes. What follows a # is a comment.
 from __future__ import annotations
 
 import csv
+import functools
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -83,8 +85,8 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
     InputError
         There is no such file, or it holds no such table; with the number of the line that is wrong.
     """
-    name = str(path)
-    everything = _text(path, failure).split("\n")
+    fail = functools.partial(failure, str(path))
+    everything = _text(path, fail).split("\n")
     comments = ("#", "%") if matrix else ("#", "%", ";")
     lines = [
         (number, line.partition("#")[0])
@@ -98,12 +100,12 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
     lines = [(number, line) for number, line in lines if line.strip() or (separator == "\t" and "\t" in line)]
     if not lines:
         what, got = ("a matrix", "no number at all") if matrix else ("a table", "no line besides comments")
-        raise failure(name, expected=f"{what} of numbers", got=got)
+        raise fail(expected=f"{what} of numbers", got=got)
     first = 0
     if not matrix:
         if shares[best] <= _ONE_COLUMN:
             got = "one" if shares[best] else f"{lines[-1][1].strip()[:40]!r}"
-            raise failure(name, expected="two columns of numbers or more", got=got)
+            raise fail(expected="two columns of numbers or more", got=got)
         first = next(i for i, (_, line) in enumerate(lines) if _share(_cells(line, separator), decimal))
     width = len(_cells(lines[first][1], separator))
     # numpy and many instruments write the names as a comment: the last before the numbers.
@@ -111,45 +113,29 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
     headers = [line for _, line in lines[:first]] + [line.lstrip(" \t#%;") for line in notes[::-1]]
     named = (cells for cells in (_cells(line, separator) for line in headers) if len(cells) == width)
     names = [cell.strip("' ") for cell in next(named, [""] * width)]
+
     rows = [(number, line) for number, line in lines[first:] if matrix or any(_cells(line, separator))]
-    values, trailing = _values(name, rows, (separator, decimal), width, matrix=matrix, failure=failure)
-    if trailing and not names[-1]:
-        names, values = names[:-1], values[:, :-1]
-    return Table(name, names, values, rows, separator)
-
-
-def _values(
-    name: str,
-    rows: list[tuple[int, str]],
-    dialect: tuple[str, str],
-    width: int,
-    *,
-    matrix: bool,
-    failure: type[InputError],
-) -> tuple[NDArray[np.float64], bool]:
-    """Numbers of all rows, and whether each ends with a separator, as some programs write it."""
-    separator, decimal = dialect
     values = np.full((len(rows), width), math.nan)
-    trailing = width > 1
+    trailing = width > 1 and not names[-1]  # every row ends with a separator, as some programs write it
     for row, (number, line) in enumerate(rows):
         cells = _cells(line, separator)
         if len(cells) > width or (matrix and len(cells) < width):
-            expected, got = f"{width} columns in line {number}, as before", f"{line.strip()[:60]!r}"
-            raise failure(name, expected=expected, got=got)
+            raise fail(expected=f"{width} columns in line {number}, as before", got=f"{line.strip()[:60]!r}")
         numbers = _numbers(cells, decimal)
         if matrix and None in numbers:
-            expected, got = f"only numbers in line {number}", repr(cells[numbers.index(None)][:40])
+            got = repr(cells[numbers.index(None)][:40])
             advice = "a # before header lines, and NaN for undefined pixels"
-            raise failure(name, expected=expected, got=got, advice=advice)
+            raise fail(expected=f"only numbers in line {number}", got=got, advice=advice)
         values[row, : len(cells)] = numbers  # numpy makes NaN of None
         trailing = trailing and len(cells) == width and not cells[-1]
-    return values, trailing
+    kept = width - trailing
+    return Table(str(path), names[:kept], values[:, :kept], rows, separator)
 
 
-def _text(path: Path, failure: type[InputError]) -> str:
+def _text(path: Path, fail: Callable[..., InputError]) -> str:
     if path.is_dir() or not path.exists():
         got = "a folder" if path.is_dir() else "no such file"
-        raise failure(str(path), expected="a file with a table of numbers", got=got)
+        raise fail(expected="a file with a table of numbers", got=got)
     content = path.read_bytes()
     wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
     try:
@@ -157,7 +143,7 @@ def _text(path: Path, failure: type[InputError]) -> str:
     except UnicodeDecodeError:
         text = content.decode("latin-1")  # a µ of another age, in a header
     if "\0" in text:
-        raise failure(str(path), expected="text", got="binary data", advice="exporting it as CSV")
+        raise fail(expected="text", got="binary data", advice="exporting it as CSV")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
