@@ -43,6 +43,18 @@ def test_an_array(asperity: Asperity) -> None:
     assert before == pytest.approx(np.nanstd(heights), rel=0.01)
     assert after == pytest.approx(1.0, rel=0.1)
     assert row(text, "made periodic by") == "mirror"
+    removed = row(text, "tilt").removeprefix("plane: removed height ").replace(",", "").split()
+    assert removed[1:4] + removed[5:] == [
+        "and",
+        "per",
+        "pixel",
+        "downward",
+        *removed[6:7],
+        "to",
+        "the",
+        "right",
+    ]
+    assert float(removed[4]) == pytest.approx(0.5, abs=0.05)
     assert row(text, "figure written:") == "rough.png"
     assert Path("rough.png").read_bytes().startswith(b"\x89PNG")
 
@@ -70,6 +82,49 @@ def test_a_figure_is_kept(asperity: Asperity) -> None:
     assert Path("rough.png").read_text() == "mine"
     assert asperity("surface", "rough.npy", "--overwrite")[0] == 0
     assert Path("rough.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_oblong_pixels_are_refused_or_averaged(asperity: Asperity) -> None:
+    pytest.importorskip("SurfaceTopography", reason="needs asperity[instruments]")
+    x, y = np.meshgrid(np.arange(12.0), 3.0 * np.arange(10), indexing="ij")
+    np.savetxt("oblong.xyz", np.stack([x, y, gaussian((12, 10), seed=2)], axis=-1).reshape(-1, 3))
+    status, text, _ = asperity("surface", "oblong.xyz")
+    assert status == 0
+    assert row(text, "remark") == (
+        "pixels of 3 x 1 (no unit) are not square, and a run refuses them; try --resample"
+    )
+    status, text, error = asperity("run", "--file", "oblong.xyz")
+    assert (status, text) == (2, "")
+    assert error.splitlines()[-1] == (
+        "asperity: heights: expected square pixels, got 3 between rows and 1 between columns; "
+        "try reading the file with resample: means over 3"
+    )
+    assert not Path("asperity-out").exists()
+    status, text, _ = asperity("surface", "oblong.xyz", "--resample", "--overwrite")
+    assert status == 0
+    assert "remark" not in text
+    assert [words.split()[::2] for words in row(text, "sites").split("  ") if words] == [
+        ["10", "12"],
+        ["20", "8"],
+    ]
+    assert "pixels            averaged to 3 x 3 (no unit)\n" in text
+    Path("run.toml").write_text('[surface]\npath = "oblong.xyz"\nresample = true\n[aging]\nlast = 0.1\n')
+    assert asperity("run", "run.toml", "--quiet")[0] == 0
+    assert "resample = true" in Path("asperity-out/config.toml").read_text()
+
+
+def test_spikes_are_remarked_by_surface_and_run(asperity: Asperity) -> None:
+    heights = gaussian((30, 30), seed=6)
+    heights[3, 4] = 40.0
+    np.save("dust.npy", heights)
+    _, text, _ = asperity("surface", "dust.npy", "--tilt", "none")
+    remark = row(text, "remark")
+    assert remark.startswith(
+        "pixels more than 6 robust standard deviations above the median height: 1, up to"
+    )
+    _, text, error = asperity("run", "--file", "dust.npy", "--tilt", "none", "--last", "0.1")
+    assert f"remark: {remark}" in error
+    assert remark in text
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no instrument files in {DATA}; set ASPERITY_DATA")

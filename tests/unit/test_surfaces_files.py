@@ -5,13 +5,17 @@ import io
 import math
 import os
 import pickle
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
+import asperity
 from asperity.errors import InputError, SurfaceFileError
+from asperity.fits import read_measurements
 from asperity.surfaces import read
 
 AS_IT_IS: dict[str, Any] = {"tilt": "none", "periodic": "wrap"}
@@ -86,6 +90,9 @@ def test_profiles_are_read_too(tmp_path: Path) -> None:
     [
         ("1 2 3\n4 5 6\n", [[1, 2, 3], [4, 5, 6]]),
         ("# a comment\n\n  1\t2   3 \n4 5 6 # and another\n", [[1, 2, 3], [4, 5, 6]]),
+        ("1,5;2,5\n3,5;NA\n", [[1.5, 2.5], [3.5, 2.5 + 1 / 2]]),
+        ('"1,5","2"\n"3,5","4,5"\n', [[1.5, 2], [3.5, 4.5]]),
+        ("nan 2\n3 4\n", [[2.5, 2], [3, 4]]),
         ("1,2,3\r\n4,5,6", [[1, 2, 3], [4, 5, 6]]),
         ("1; 2; 3\n4; 5; 6\n", [[1, 2, 3], [4, 5, 6]]),
         ("1\t2\t3\n4\t5\t6\n", [[1, 2, 3], [4, 5, 6]]),
@@ -105,6 +112,18 @@ def test_text_is_read_with_any_delimiter(tmp_path: Path, text: Any, expected: An
     assert surface.provenance["format"] == "text"
 
 
+@pytest.mark.parametrize(
+    "options", [{}, {"index": False}, {"header": False}, {"index": False, "header": False}]
+)
+def test_the_labels_of_pandas_are_no_heights(tmp_path: Path, rough: Any, options: Any) -> None:
+    pd.DataFrame(rough).to_csv(tmp_path / "surface.csv", **options)
+    surface = read(tmp_path / "surface.csv", **AS_IT_IS)
+    np.testing.assert_array_equal(surface.heights, rough)
+    told = [remark.rpartition(" ... of the ")[2] for remark in surface.remarks]
+    labelled = {0: ["columns and lines"], 1: ["lines" if "header" in options else "columns"], 2: []}
+    assert told == labelled[len(options)]
+
+
 def test_text_and_npy_agree(tmp_path: Path, rough: Any) -> None:
     text = io.StringIO()
     np.savetxt(text, rough, fmt="%.17g", delimiter=";")
@@ -117,14 +136,14 @@ def test_text_and_npy_agree(tmp_path: Path, rough: Any) -> None:
     [
         ("x y z\n1 2 3\n", "expected only numbers in line 1, got 'x'; try a # before header lines"),
         ("# fine\n1,2\nheight,3\n", "expected only numbers in line 3, got 'height'"),
-        ("1,5;2,5\n3,5;4,5\n", "expected only numbers in line 1, got '1,5"),
-        ("1,5\t2,5\n", "expected only numbers in line 1"),
-        ("1 2 3\n4 5\n", "expected 3 numbers in line 2, as in the first row, got 2"),
-        ("1 2 3\n\n4 5 6 7\n", "expected 3 numbers in line 3, as in the first row, got 4"),
+        ("1,5;2,5\n3,5;4.5\n", "expected only numbers in line 2, got '4.5'"),
+        ('"1,438",2\n', "expected only numbers in line 1, got '1,438'"),
+        ("1 2 3\n4 5\n", "expected 3 columns in line 2, as before, got '4 5'"),
+        ("1 2 3\n\n4 5 6 7\n", "expected 3 columns in line 3, as before, got '4 5 6 7'"),
         ("# nothing\n\n", "expected a matrix of numbers, got no number at all"),
         ("Dear reader,\nthis is a letter.\n", "expected only numbers in line 1"),
         ("1 2\n3 inf\n", r"got 1 infinite of 4, the first at \[1, 1\]"),
-        ("1 2\0\n", "expected text in UTF-8, got binary data"),
+        ("1 2\0\n", "expected text, got binary data"),
         (
             "".join(f"{i * 0.1} {i**2}\n" for i in range(9)),
             "got 2 columns that look like coordinates and a height",
@@ -144,14 +163,51 @@ def test_text_that_is_no_matrix(tmp_path: Path, text: Any, message: Any) -> None
 def test_text_in_another_encoding(tmp_path: Path, encoding: Any) -> None:
     path = tmp_path / "surface.csv"
     path.write_bytes("# µm\n1,2\n".encode(encoding))
-    with pytest.raises(SurfaceFileError, match="expected text in UTF-8, got a file of another kind"):
-        read(path)
+    np.testing.assert_array_equal(read(path, **AS_IT_IS).heights, [1, 2])
 
 
 def test_narrow_matrices_are_still_matrices(tmp_path: Path) -> None:
     rough = np.random.default_rng(0).normal(size=(20, 3))
     text = "\n".join(" ".join(map(str, row)) for row in rough.tolist())
     np.testing.assert_array_equal(read(written(tmp_path, text), **AS_IT_IS).heights, rough)
+
+
+def test_npz_and_npy_agree(tmp_path: Path, rough: Any) -> None:
+    one, path = read(saved(tmp_path, rough)), tmp_path / "surface.npz"
+    for options in ({"h": rough}, {"h": np.asfortranarray(rough), "when": np.array("today")}):
+        np.savez_compressed(path, **options)
+        other = read(path)
+        np.testing.assert_array_equal(one.heights, other.heights)
+        assert (other.provenance["format"], other.provenance["channel"]) == ("npz", "h")
+
+
+def test_npz_of_several_arrays(tmp_path: Path, rough: Any) -> None:
+    path = tmp_path / "surface.npz"
+    np.savez(path, x=np.arange(9.0), h=rough, names=np.array(["a"]))
+    choices: list[Any] = ["h", 1]
+    for channel in choices:
+        np.testing.assert_array_equal(read(path, channel=channel, **AS_IT_IS).heights, rough)
+    others: list[Any] = [None, "names", 2, -1]
+    for channel in others:
+        with pytest.raises(SurfaceFileError, match=r"real numbers: 'x' \(number 0\), 'h' \(number 1\), got"):
+            read(path, channel=channel)
+    np.savez(path, names=np.array(["a"]), traps=np.array([None]))
+    with pytest.raises(SurfaceFileError, match=r"expected an array of real numbers .*, got none"):
+        read(path)
+
+
+def test_headers_that_promise_more_than_there_is_allocate_nothing(tmp_path: Path) -> None:
+    header = io.BytesIO()
+    form = {"descr": "<f8", "fortran_order": False, "shape": (10**7, 10**7)}
+    np.lib.format.write_array_header_1_0(header, form)
+    (tmp_path / "huge.npy").write_bytes(header.getvalue() + bytes(800))
+    with zipfile.ZipFile(tmp_path / "huge.npz", "w") as archive:
+        archive.writestr("h.npy", header.getvalue() + bytes(800))
+    for name in ("huge.npy", "huge.npz"):
+        with pytest.raises(
+            SurfaceFileError, match=r"truncated file .the header promises 800000000000000 bytes"
+        ):
+            read(tmp_path / name)
 
 
 @pytest.mark.parametrize("kept", [1, 5, 6, 9, 40, 127, 128, 129, 500, -1])
@@ -164,20 +220,61 @@ def test_truncated_npy(tmp_path: Path, rough: Any, kept: Any) -> None:
 
 
 def test_damaged_npy_headers_never_leak_another_error(tmp_path: Path, rough: Any) -> None:
-    whole = saved(tmp_path, rough).read_bytes()
+    np.savez_compressed(tmp_path / "surface.npz", h=rough, other=rough.astype("f4"))
     rng = np.random.default_rng(0)
-    refused = 0
-    for _ in range(150):
-        damaged = bytearray(whole)
-        for place in rng.integers(6, 80, size=3):
-            damaged[place] = rng.integers(256)
-        path = tmp_path / "damaged.npy"
-        path.write_bytes(bytes(damaged))
-        try:
-            read(path, max_undefined=0.99, **AS_IT_IS)
-        except SurfaceFileError:
-            refused += 1
-    assert refused > 100
+    for path, begin, end in ((saved(tmp_path, rough), 6, 80), (tmp_path / "surface.npz", 0, 2400)):
+        whole = path.read_bytes()
+        refused = []
+        for number in range(150):
+            damaged = bytearray(whole[: rng.integers(1, len(whole))] if number % 5 == 0 else whole)
+            for place in rng.integers(begin, min(end, len(damaged)), size=3) if len(damaged) > begin else ():
+                damaged[place] = rng.integers(256)
+            path.write_bytes(damaged)
+            try:
+                read(path, channel="h" if path.suffix == ".npz" else None, max_undefined=0.99, **AS_IT_IS)
+            except SurfaceFileError as error:
+                refused.append(str(error))
+        assert len(refused) > 50
+        assert "\n" not in "".join(refused)
+
+
+def test_damaged_text_never_leaks_another_error(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    path = tmp_path / "surface.csv"
+    pieces = [
+        "1,5",
+        "nan",
+        "inf",
+        "x",
+        "1e999",
+        "0x1",
+        "µ",
+        "\0",
+        "²",
+        "",
+        "#",
+        "%",
+        '"',
+        "'",
+        "\ufeff",
+        "\u2028",
+    ]
+    refused = []
+    for _ in range(300):
+        mark, shape = rng.choice([" ", ",", ";", "\t"]), rng.integers(1, 7, size=2)
+        rows = [mark.join(map(str, row)) for row in rng.integers(1, 9, size=shape).tolist()]
+        text = rng.choice(["\n", "\r\n"]).join(rows)
+        for _ in range(rng.integers(0, 3)):
+            place = rng.integers(len(text) + 1)
+            text = text[:place] + rng.choice(pieces) + text[place + rng.integers(2) :]
+        path.write_bytes(text.encode(rng.choice(["utf-8", "utf-16", "latin-1"]), errors="replace"))
+        for reader in (lambda: read(path, max_undefined=0.9), lambda: read_measurements(path)):
+            try:
+                reader()
+            except InputError as error:
+                refused.append(str(error))
+    assert 100 < len(refused) < 500
+    assert "\n" not in "".join(refused)
 
 
 @pytest.mark.parametrize(
@@ -287,8 +384,8 @@ def test_nothing_defined(tmp_path: Path) -> None:
         ({"max_undefined": -0.1}, "max_undefined: expected a fraction"),
         ({"max_undefined": math.nan}, "max_undefined: expected a fraction"),
         ({"max_undefined": None}, "max_undefined: expected a fraction"),
-        ({"unit": "nm"}, "unit: .* got heights without a unit; try unit=None or 'rms'"),
-        ({"channel": "Height"}, "expected no channel: this format has a single one, got channel='Height'"),
+        ({"unit": "nm"}, "unit: .* got heights without a unit; try no unit, or rms$"),
+        ({"channel": "Height"}, "expected no channel: this format has a single one, got channel 'Height'"),
     ],
 )
 def test_options_are_checked(tmp_path: Path, rough: Any, options: Any, message: Any) -> None:
@@ -298,10 +395,78 @@ def test_options_are_checked(tmp_path: Path, rough: Any, options: Any, message: 
 
 def test_a_plane_has_no_rms_to_divide_by(tmp_path: Path) -> None:
     plane = np.add.outer(0.1 * np.arange(30), 0.3 * np.arange(20))
-    with pytest.raises(InputError, match="expected a rough surface for unit='rms', got a flat one"):
+    with pytest.raises(InputError, match=r"expected a rough surface, .*, got a flat one"):
         read(saved(tmp_path, plane), unit="rms")
 
 
 def test_heights_whose_squares_overflow(tmp_path: Path) -> None:
     with pytest.raises(SurfaceFileError, match=r"expected heights of at most 1e\+60, got one of 1e\+200"):
         read(saved(tmp_path, np.array([[0.0, math.nan], [-1e200, 2.0]])), max_undefined=0.5)
+
+
+@pytest.fixture
+def oblong(tmp_path: Path, rough: Any) -> Path:
+    """Heights 3 nm apart along x and 1 nm along y, as a file of an instrument."""
+    pytest.importorskip("SurfaceTopography", reason="needs asperity[instruments]")
+    x, y = np.meshgrid(3.0 * np.arange(12), np.arange(9), indexing="ij")
+    np.savetxt(tmp_path / "oblong.xyz", np.stack([x, y, rough], axis=-1).reshape(-1, 3))
+    return tmp_path / "oblong.xyz"
+
+
+def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square(oblong: Path) -> None:
+    surface = read(oblong)
+    assert surface.pixel_size == pytest.approx((1, 3))
+    assert surface.describe().shape == (18, 24)
+    solid = asperity.solids.spring_lattice(k0=1, k1=1)
+    for take in (asperity.surfaces.statistics, lambda taken: asperity.press(taken, solid, load=1)):
+        with pytest.raises(
+            InputError,
+            match=r"^heights: expected square pixels, got 1 between rows and 3 between columns; "
+            r"try reading the file with resample: means over 3$",
+        ):
+            take(surface)
+    # Pixels that are square, or nearly, or of unknown size, pass.
+    for size in ((2.0, 2.01), (2.0, 2.0), None):
+        asperity.surfaces.check_heights(asperity.surfaces.Surface(surface.heights, "nm", size, "nm"))
+
+
+def test_oblong_pixels_are_averaged_when_asked(oblong: Path, rough: Any) -> None:
+    surface = read(oblong, resample=True, **AS_IT_IS)
+    np.testing.assert_allclose(surface.heights, rough.T[::-1].reshape(3, 3, 12).mean(axis=1))
+    assert surface.pixel_size == pytest.approx((3, 3))
+    record = surface.provenance
+    assert (record["resampled"], record["pixel_size"], record["final_shape"]) == (True, [3, 3], [3, 12])
+    assert record["original_shape"] == [9, 12]
+    assert read(oblong, unit="rms", resample=True).heights.std() == pytest.approx(1.0)
+
+
+def test_outliers_are_counted_not_altered(tmp_path: Path) -> None:
+    heights = np.random.default_rng(3).normal(size=(50, 60))
+    calm = read(saved(tmp_path, heights))
+    assert calm.remarks == ()
+    heights[10, 7], heights[20, 30], heights[5, 5] = 8.0, 30.0, -30.0
+    surface = read(saved(tmp_path, heights), **AS_IT_IS)
+    (remark,) = surface.remarks
+    assert remark.startswith(
+        "pixels more than 6 robust standard deviations above the median height: 2, up to"
+    )
+    np.testing.assert_array_equal(surface.heights, heights)
+    assert surface.provenance["outlying_pixels"] == 2
+    assert surface.provenance["outlying_height"] == pytest.approx(30, rel=0.1)
+    # Where most heights are equal, no scale tells which are far.
+    assert read(saved(tmp_path, np.eye(9)), **AS_IT_IS).remarks == ()
+
+
+class Quantity:
+    """What a quantity of pint looks like from outside."""
+
+    magnitude = np.ones((3, 3))
+    units = "micrometer"
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
+        return self.magnitude
+
+
+def test_heights_with_a_unit_are_refused() -> None:
+    with pytest.raises(InputError, match=r"got a Quantity with a unit; try .*heights.to\('um'\).magnitude"):
+        asperity.surfaces.check_heights(Quantity())

@@ -141,15 +141,41 @@ def test_units_can_be_kept_or_become_the_rms() -> None:
 
 
 def test_units_that_cannot_be_had() -> None:
-    with pytest.raises(
-        InputError, match=r"unit: .*unit='nm', got heights without a unit; try unit=None or 'rms'"
-    ):
+    with pytest.raises(InputError, match=r"unit: .* in nm, got heights without a unit; try no unit, or rms$"):
         prepare.scale_factor(np.ones(3), "1", "nm", largest=1.0)
     with pytest.raises(InputError, match="got heights in 'V'"):
         prepare.scale_factor(np.ones(3), "V", "nm", largest=1.0)
     # What rounding leaves of a plane is no roughness to divide by.
-    with pytest.raises(InputError, match="expected a rough surface for unit='rms', got a flat one"):
+    with pytest.raises(
+        InputError, match="expected a rough surface, to divide by its rms height, got a flat one"
+    ):
         prepare.scale_factor(np.array([0.0, 1e-15, 0.0]), "nm", "rms", largest=5.0)
+
+
+@pytest.mark.parametrize(("ratio", "kept"), [(3.0, 4), (2.5, 4), (1.3, 9)])
+def test_oblong_pixels_are_averaged_along_the_finer_axis(ratio: float, kept: int) -> None:
+    heights = np.random.default_rng(1).normal(size=(5, 12))
+    slow = np.zeros((5, kept))
+    for pixel in range(kept):
+        for place in range(12):
+            overlap = min(place + 1, (pixel + 1) * ratio) - max(place, pixel * ratio)
+            slow[:, pixel] += max(overlap, 0) / ratio * heights[:, place]
+    coarse, size = prepare.square(heights, (ratio * 0.1, 0.1))
+    np.testing.assert_allclose(coarse, slow, atol=1e-13)
+    assert size == pytest.approx((ratio * 0.1, ratio * 0.1))
+    turned, _ = prepare.square(heights.T, (0.1, ratio * 0.1))
+    np.testing.assert_array_equal(turned, coarse.T)
+
+
+def test_square_and_unknown_pixels_stay() -> None:
+    heights = np.ones((4, 5))
+    sizes: list[Any] = [None, (2.0, 2.0), (2.0, 2.01)]
+    for size in sizes:
+        left, kept = prepare.square(heights, size)
+        assert left is heights
+        assert kept == size
+    with pytest.raises(InputError, match="resample: expected two pixels of 3 or more, got 5 along an axis"):
+        prepare.square(heights, (3.0, 1.0))
 
 
 @pytest.mark.parametrize("shape", [(5, 4), (7,), (1, 3)])

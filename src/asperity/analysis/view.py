@@ -97,10 +97,9 @@ def surface_view(surface: Surface) -> SurfaceView:
 
 
 def _measured_part(surface: Surface) -> Field:
-    original = surface.provenance.get("original_shape")
-    if surface.provenance.get("periodic_rule") != "mirror" or not isinstance(original, list):
+    if surface.provenance.get("periodic_rule") != "mirror":
         return surface.heights
-    return surface.heights[tuple(slice(0, int(n)) for n in original)]
+    return surface.heights[tuple(slice(n // 2) for n in surface.shape)]
 
 
 def _axes(surface: Surface, shape: tuple[int, ...]) -> tuple[tuple[float, ...], str]:

@@ -74,6 +74,8 @@ class FileFlags(Flags):
     """Unit of the heights; rms divides by the rms height. [default: the file's]"""
     channel: str | None = None
     """Name or number of the channel. [default: the file's]"""
+    resample: Annotated[bool | None, Parameter(negative=())] = None
+    """Average pixels that are not square to the larger spacing; without, a run refuses them."""
 
 
 @Parameter(name="*", group=_SOLID)

@@ -13,6 +13,7 @@ from asperity.config.models import MeasuredSurface
 from asperity.figures import surface_figure
 from asperity.runs import measured_surface
 from asperity.surfaces import Statistics, Surface
+from asperity.surfaces.prepare import is_square
 
 
 def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> None:
@@ -36,17 +37,17 @@ def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> Non
     target = Path(f"{file.stem}.png") if out is None else out
     check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
-    as_found = {"tilt": "none", "periodic": "wrap", "unit": None}
+    as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False}
     found = measured_surface(settings.model_copy(update=as_found))
     prepared = measured_surface(settings)
     figure = surface_figure(surface_view(prepared), title=file.name, note=_note(prepared, settings))
     write_figure(figure, target)
-    sys.stdout.write(f"{aligned(_origin(found))}\n\n")
+    sys.stdout.write(f"{aligned(_origin(found, prepared))}\n\n")
     sys.stdout.write(f"{aligned(_comparison(found.describe(), prepared.describe()))}\n\n")
     sys.stdout.write(f"{aligned(_preparation(prepared))}\n\nfigure written: {target}\n")
 
 
-def _origin(found: Surface) -> list[tuple[str, str]]:
+def _origin(found: Surface, prepared: Surface) -> list[tuple[str, str]]:
     """Say what the file holds."""
     facts = found.provenance
     shape, size = _listed(facts["original_shape"]), _listed(facts["physical_size"])
@@ -66,7 +67,10 @@ def _origin(found: Surface) -> list[tuple[str, str]]:
     ]
     if channels:
         rows.append(("channels", f"{channels}; shown: {facts['channel']}"))
-    return rows + [("remark", str(remark)) for remark in _listed(facts["reader_remarks"])]
+    remarks = list(prepared.remarks)
+    if prepared.pixel_size and not is_square(prepared.pixel_size):
+        remarks.append(f"pixels of {_sides(prepared)} are not square, and a run refuses them; try --resample")
+    return rows + [("remark", remark) for remark in remarks]
 
 
 def _comparison(before: Statistics, after: Statistics) -> list[tuple[str, ...]]:
@@ -87,11 +91,15 @@ def _comparison(before: Statistics, after: Statistics) -> list[tuple[str, ...]]:
 def _preparation(prepared: Surface) -> list[tuple[str, str]]:
     """Say what a run would do."""
     facts = prepared.provenance
-    tilt = ", ".join(f"{value:.4g}" for value in _listed(facts["tilt_coefficients"]))
-    removed = "" if facts["tilt_rule"] == "none" else f": removed height and slopes per pixel {tilt}"
+    unit = _of(str(facts["original_unit"]))
+    height, *slopes = (f"{value:.4g}{unit}" for value in _listed(facts["tilt_coefficients"]))
+    directions = ("downward", "to the right") if len(slopes) == 2 else ("along it",)
+    tilt = ", ".join(f"{slope} {where}" for slope, where in zip(slopes, directions, strict=True))
+    removed = "" if facts["tilt_rule"] == "none" else f": removed height {height}, and per pixel {tilt}"
     return [
         ("undefined pixels", f"{facts['undefined_rule']} ({facts['undefined_pixels']})"),
         ("tilt", f"{facts['tilt_rule']}{removed}"),
+        *([("pixels", f"averaged to {_sides(prepared)}")] if facts["resampled"] else []),
         (
             "unit",
             "as in the file"
@@ -108,6 +116,8 @@ def _note(prepared: Surface, settings: MeasuredSurface) -> str:
     parts = [f"{shape} pixels"]
     if facts["undefined_pixels"]:
         parts.append(f"{facts['undefined_pixels']} undefined pixels filled")
+    if facts["resampled"]:
+        parts.append(f"averaged to {_sides(prepared).replace(' x ', ' × ')}")
     parts.append({"plane": "plane removed", "mean": "mean removed", "none": "tilt kept"}[settings.tilt])
     if settings.periodic == "mirror":
         final = " × ".join(map(str, prepared.shape))
@@ -115,6 +125,11 @@ def _note(prepared: Surface, settings: MeasuredSurface) -> str:
     elif settings.periodic == "taper":
         parts.append("border tapered")
     return ", ".join(parts)
+
+
+def _sides(surface: Surface) -> str:
+    unit = surface.length_unit or "(no unit)"
+    return f"{' x '.join(f'{side:.4g}' for side in surface.pixel_size or ())} {unit}"
 
 
 def _listed(value: object) -> list[object]:

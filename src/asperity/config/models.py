@@ -87,6 +87,7 @@ class MeasuredSurface(Section):
     periodic: Literal["mirror", "taper", "wrap"] = "mirror"
     unit: Literal["m", "mm", "um", "nm", "pm", "rms"] | None = None
     channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = None
+    resample: bool = False
 
 
 SURFACES: dict[str, type[Gaussian | Exponential | SelfAffine | MeasuredSurface]] = {

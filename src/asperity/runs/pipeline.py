@@ -136,15 +136,7 @@ def _press(rough: Surface, config: RunConfig, progress: Progress) -> Contact:
 
 def measured_surface(chosen: MeasuredSurface) -> Surface:
     """Read a surface file as it is to be prepared."""
-    return read(
-        chosen.path,
-        undefined=chosen.undefined,
-        max_undefined=chosen.max_undefined,
-        tilt=chosen.tilt,
-        periodic=chosen.periodic,
-        unit=chosen.unit,
-        channel=chosen.channel,
-    )
+    return read(**chosen.model_dump(exclude={"kind"}))
 
 
 def _surface(config: RunConfig) -> Surface:
@@ -176,7 +168,7 @@ def _law(config: RunConfig) -> HeightLaw | None:
 def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
     """Decide what the configuration leaves open: the load, the maps; make the path absolute."""
     chosen = config.surface
-    remarks: tuple[str, ...] = ()
+    remarks = rough.remarks
     if isinstance(chosen, MeasuredSurface):
         chosen = chosen.model_copy(update={"path": str(Path(chosen.path).resolve())})
     contact = config.contact
@@ -187,7 +179,7 @@ def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str,
         load = modest_load(k0=config.solid.k0, k1=config.solid.k1, rms=rms, sites=rough.heights.size)
         contact = contact.model_copy(update={"load": load})
         which = "" if nominal else ", measured"
-        remarks = (f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}",)
+        remarks += (f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}",)
     if isinstance(chosen, MeasuredSurface) and (cliff := rough.describe().seam_ratio) > _CLIFF:
         remarks += (
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "

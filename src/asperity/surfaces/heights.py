@@ -61,8 +61,16 @@ def check_heights(heights: object) -> Field:
 def _as_real_array(heights: object) -> np.ndarray:
     """Turn anything into an array of a real numeric type."""
     expected = "an array of real numbers"
+    # The array of a quantity of pint (magnitude), astropy or unyt (to_value) has lost its unit.
+    if hasattr(heights, "magnitude") or hasattr(heights, "to_value"):
+        advice = "its numbers in one unit, such as heights.to('um').magnitude or heights.to_value('um')"
+        raise InputError(
+            "heights", expected=expected, got=f"a {type(heights).__name__} with a unit", advice=advice
+        )
     try:
         array = np.asarray(heights)
+    except InputError:  # of a Surface whose pixels are not square
+        raise
     except (TypeError, ValueError) as error:
         raise InputError("heights", expected=expected, got=f"{type(heights).__name__} ({error})") from error
     if array.dtype.kind not in "iuf":

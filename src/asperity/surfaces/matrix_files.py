@@ -1,26 +1,31 @@
-"""Plain matrices of heights in files: numpy's ``.npy``, and text.
+"""Plain matrices of heights in files: numpy's ``.npy`` and ``.npz``, and text.
 
 A matrix carries no unit and no pixel size. Its first axis is the rows, its second the columns.
 """
 
 from __future__ import annotations
 
+import contextlib
+import math
 import warnings
+import zipfile
+from collections.abc import Iterator
 from pathlib import Path
-from tokenize import TokenError
+from typing import IO
 
 import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
 
 from asperity._version import __version__
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 from asperity.surfaces.raw import RawSurface
+from asperity.tables import read_table
 
-_NPY_MAGIC = b"\x93NUMPY"
-# What numpy raises for damaged headers, which it parses as Python.
-_NPY_ERRORS = (ValueError, TypeError, EOFError, OSError, SyntaxError, OverflowError, MemoryError, TokenError)
-# The order matters: a comma may be a decimal sign where semicolons or tabs separate, never the reverse.
-_DELIMITERS: tuple[str | None, ...] = (";", "\t", ",", None)
+_READER = f"asperity {__version__}"
+_LABELS = 5
+"""Columns from which a line 0, 1, 2, ... above heights with decimals is taken for their numbers."""
 
 
 def read_npy(path: Path) -> RawSurface:
@@ -32,40 +37,107 @@ def read_npy(path: Path) -> RawSurface:
         If the file is of another kind, truncated, or holds anything but real numbers in one or two
         dimensions.
     """
+    with _one_error(path, ".npy", npy.MAGIC_PREFIX), path.open("rb") as file:
+        if fault := _fault(file, path.stat().st_size):
+            advice = "numpy.save of an array of floats" if "objects" in fault else ""
+            expected = "real numbers in one or two dimensions"
+            raise SurfaceFileError(str(path), expected=expected, got=fault, advice=advice)
+        file.seek(0)
+        return RawSurface(_heights(npy.read_array(file)), format="npy", reader=_READER)
+
+
+def read_npz(path: Path, channel: str | int | None) -> RawSurface:
+    """Read one array of a ``.npz`` file like a ``.npy`` file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    channel
+        Name, or number from 0, of one of its arrays of real numbers in one or two dimensions; may be None
+        where there is a single one.
+
+    Raises
+    ------
+    SurfaceFileError
+        As `read_npy`; or if there is no such array, or several and no channel.
+    """
+    with _one_error(path, ".npz", b"PK"), zipfile.ZipFile(path) as archive:
+        members = {}
+        for info in archive.infolist():
+            with archive.open(info) as file:
+                if info.filename.endswith(".npy") and not _fault(file, info.file_size):
+                    members[info.filename.removesuffix(".npy")] = info
+        chosen = dict(enumerate(members)).get(channel, "") if isinstance(channel, int) else channel
+        if chosen is None and len(members) == 1:
+            (chosen,) = members
+        if chosen not in members:
+            known = ", ".join(f"{name!r} (number {i})" for i, name in enumerate(members))
+            expected = f"as the channel one of its arrays of real numbers: {known}"
+            if not members:
+                expected = "an array of real numbers in one or two dimensions"
+            got = "none" if channel is None or not members else repr(channel)
+            raise SurfaceFileError(str(path), expected=expected, got=got)
+        with archive.open(members[chosen]) as file:
+            heights = _heights(npy.read_array(file))
+    return RawSurface(heights, format="npz", reader=_READER, channel=chosen, channels=tuple(members))
+
+
+@contextlib.contextmanager
+def _one_error(path: Path, kind: str, magic: bytes) -> Iterator[None]:
+    """Check how a file begins; turn whatever numpy and zipfile raise for damaged ones into one error."""
     with path.open("rb") as file:
-        magic = file.read(len(_NPY_MAGIC))
-    if magic != _NPY_MAGIC[: len(magic)]:
-        raise SurfaceFileError(
-            str(path), expected="a .npy file", got="a file of another kind", advice="its true extension"
-        )
+        begin = file.read(len(magic))
+    if begin != magic[: len(begin)]:
+        got, advice = "a file of another kind", "its true extension"
+        raise SurfaceFileError(str(path), expected=f"a {kind} file", got=got, advice=advice)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about headers that numpy mends, of Python 2 or damaged
-            # A memory map compares the size of the file with its header before anything is allocated.
-            array = np.load(path, mmap_mode="r", allow_pickle=False)
-    except _NPY_ERRORS as error:
-        is_pickle = "Python objects" in str(error)
-        got = "pickled Python objects" if is_pickle else f"a damaged or truncated file ({_one_line(error)})"
-        advice = "numpy.save of an array of floats" if is_pickle else ""
-        raise SurfaceFileError(
-            str(path), expected="a .npy file of numbers", got=got, advice=advice
-        ) from error
-    if array.dtype.kind not in "iuf" or array.ndim not in (1, 2) or array.size == 0:
-        raise SurfaceFileError(
-            str(path),
-            expected="real numbers in one or two dimensions",
-            got=f"an array of type {array.dtype} and shape {array.shape}",
-        )
-    heights = np.array(array, dtype=np.float64, order="C", subok=False)
-    return RawSurface(heights, format="npy", reader=f"asperity {__version__}")
+            yield
+    except (SurfaceFileError, MemoryError):
+        raise
+    # Headers are parsed as Python, members decompressed in four ways: a damaged byte leads anywhere.
+    except Exception as error:
+        reason = " ".join(str(error).split())[:120]
+        got = f"a damaged or truncated file ({reason})"
+        raise SurfaceFileError(str(path), expected=f"a {kind} file of numbers", got=got) from error
+
+
+def _fault(file: IO[bytes], size: int) -> str:
+    """Say what is wrong with an array of which nothing but the header is read; "" if it may be heights.
+
+    Raises
+    ------
+    ValueError
+        If the header is damaged, or promises more than the `size` bytes of the file.
+    """
+    try:
+        header = npy.read_array_header_1_0 if npy.read_magic(file) == (1, 0) else npy.read_array_header_2_0
+        shape, _, dtype = header(file)
+    except (MemoryError, RecursionError) as error:  # of the parser
+        raise ValueError("a damaged header") from error
+    if dtype.hasobject:
+        return "pickled Python objects"
+    if dtype.kind not in "iuf" or len(shape) not in (1, 2) or min(shape) == 0:
+        return f"an array of type {dtype} and shape {shape}"
+    promised, there = math.prod(shape) * dtype.itemsize, size - file.tell()
+    if min(shape) < 0 or promised > there:
+        raise ValueError(f"the header promises {promised} bytes, there are {there}")
+    return ""
+
+
+def _heights(array: NDArray[np.generic]) -> Field:
+    return np.array(array, dtype=np.float64, order="C")
 
 
 def read_text(path: Path) -> RawSurface:
-    """Read a matrix of heights from text in UTF-8.
+    """Read a matrix of heights from text.
 
-    Numbers are separated by semicolons, tabs, commas or blanks: whatever splits the first line into
-    numbers. ``#`` starts a comment; empty lines are skipped; ``NaN`` and, between delimiters, nothing
-    at all stand for an undefined pixel. One row or one column is a profile.
+    Numbers are separated by semicolons, tabs, commas or blanks; they may have decimal commas where no comma
+    separates. ``#`` starts a comment; empty lines are skipped; ``NaN`` and, between delimiters, nothing
+    at all stand for an undefined pixel. The numbers 0, 1, 2, ... of lines and columns that pandas writes
+    are left out. One row or one column is a profile.
 
     Raises
     ------
@@ -73,69 +145,33 @@ def read_text(path: Path) -> RawSurface:
         If a line holds anything but numbers or has another count of them than the first, with the
         number of that line; if there is no number; or if the columns look like coordinates.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise SurfaceFileError(str(path), expected="text in UTF-8", got="a file of another kind") from error
-    if "\0" in text:
-        raise SurfaceFileError(str(path), expected="text in UTF-8", got="binary data")
-    matrix = _parse(str(path), text)
+    matrix = read_table(path, matrix=True, failure=SurfaceFileError).values
+    matrix, remarks = _without_labels(matrix)
     if 1 not in matrix.shape:
         _refuse_coordinates(str(path), matrix)
-    heights = matrix.ravel() if 1 in matrix.shape else matrix
-    return RawSurface(heights, format="text", reader=f"asperity {__version__}")
+    heights = _heights(matrix.ravel() if 1 in matrix.shape else matrix)
+    return RawSurface(heights, format="text", reader=_READER, remarks=remarks)
 
 
-def _parse(name: str, text: str) -> Field:
-    rows: list[list[float]] = []
-    delimiter: str | None = None
-    trailing = True  # whether every line so far ends with a delimiter, as some programs write it
-    for number, line in enumerate(text.split("\n"), 1):
-        content = line.partition("#")[0]
-        # A line of nothing but tabs or commas is a row of undefined pixels; of nothing but blanks, no row.
-        if not content.strip() and not (delimiter and delimiter in content):
-            continue
-        if not rows:
-            delimiter = _guess_delimiter(content)
-        row = _numbers(name, number, content, delimiter)
-        if rows and len(row) != len(rows[0]):
-            expected = f"{len(rows[0])} numbers in line {number}, as in the first row"
-            raise SurfaceFileError(name, expected=expected, got=str(len(row)))
-        trailing = trailing and delimiter is not None and content.rstrip("\r ").endswith(delimiter)
-        rows.append(row)
-    matrix = np.array(rows)
-    matrix = matrix[:, :-1] if rows and trailing else matrix
-    if matrix.size == 0:
-        raise SurfaceFileError(name, expected="a matrix of numbers", got="no number at all")
-    return matrix
+def _without_labels(matrix: Field) -> tuple[Field, tuple[str, ...]]:
+    """Leave out the numbers of lines and columns that pandas writes, and say so."""
+    if (
+        min(matrix.shape) > 1
+        and math.isnan(matrix[0, 0])
+        and _counts(matrix[0, 1:])
+        and _counts(matrix[1:, 0])
+    ):
+        return matrix[1:, 1:], ("left out the numbers 0, 1, 2, ... of the columns and lines",)
+    for turned, what in ((matrix, "columns"), (matrix.T, "lines")):
+        labels, heights = turned[0], turned[1:]
+        if labels.size >= _LABELS and _counts(labels) and (heights % 1 > 0).any():
+            left = heights if turned is matrix else heights.T
+            return left, (f"left out the numbers 0, 1, 2, ... of the {what}",)
+    return matrix, ()
 
 
-def _guess_delimiter(content: str) -> str | None:
-    """Delimiter that splits the line into numbers and blanks; None for blanks and as a last resort."""
-    for delimiter in _DELIMITERS:
-        if delimiter is not None and delimiter in content:
-            try:
-                cells = content.split(delimiter)
-                _ = [float(cell) for cell in cells if cell.strip()]
-            except ValueError:
-                continue
-            return delimiter
-    return None
-
-
-def _numbers(name: str, number: int, content: str, delimiter: str | None) -> list[float]:
-    row = []
-    for cell in content.split(delimiter):
-        try:
-            row.append(float(cell) if cell.strip() else np.nan)
-        except ValueError:
-            raise SurfaceFileError(
-                name,
-                expected=f"only numbers in line {number}",
-                got=repr(cell.strip()[:40]),
-                advice="a # before header lines, points as decimal signs, and NaN for undefined pixels",
-            ) from None
-    return row
+def _counts(labels: Field) -> bool:
+    return np.array_equal(labels, np.arange(labels.size))
 
 
 def _refuse_coordinates(name: str, matrix: Field) -> None:
@@ -156,7 +192,3 @@ def _refuse_coordinates(name: str, matrix: Field) -> None:
             got=f"{columns} columns that look like coordinates and a height",
             advice="a file of the heights alone, one row of pixels a line",
         )
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())[:120]

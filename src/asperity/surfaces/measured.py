@@ -17,7 +17,7 @@ from asperity.surfaces import prepare
 from asperity.surfaces.arguments import checked_number
 from asperity.surfaces.heights import check_heights
 from asperity.surfaces.instruments import read_instrument
-from asperity.surfaces.matrix_files import read_npy, read_text
+from asperity.surfaces.matrix_files import read_npy, read_npz, read_text
 from asperity.surfaces.raw import RawSurface
 from asperity.surfaces.statistics import Statistics, statistics
 
@@ -31,11 +31,14 @@ TAPER_BORDER = 0.1
 # Beyond it, moments of the heights would overflow; only damage or a wrong byte order leads there.
 _LARGEST = 1e60
 _TEXT_SUFFIXES = (".txt", ".csv", ".dat")
+_OUTLYING = 6.0
+"""Robust standard deviations above the median beyond which a height is counted as an outlier; no Gaussian
+surface of less than a thousand million pixels has any."""
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A surface with its unit and its history; it can be given wherever heights are.
+    """A surface with its unit and its history; if its pixels are square, it can be given for heights.
 
     Parameters
     ----------
@@ -63,12 +66,35 @@ class Surface:
         object.__setattr__(self, "heights", heights)
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        """Heights for those who take the pixels as square; `heights` are the same without this check."""
+        if self.pixel_size is not None and not prepare.is_square(self.pixel_size):
+            unit = f" {self.length_unit}" if self.length_unit else ""
+            between_rows, between_columns = (f"{size:.4g}{unit}" for size in self.pixel_size)
+            raise InputError(
+                "heights",
+                expected="square pixels",
+                got=f"{between_rows} between rows and {between_columns} between columns",
+                advice=f"reading the file with resample: means over {max(self.pixel_size):.4g}{unit}",
+            )
         return np.array(self.heights, dtype=dtype, copy=copy)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Sites along each axis."""
         return self.heights.shape
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What whoever presses it should know: what its reader remarked, and heights that may be none."""
+        facts = self.provenance
+        told, count = facts.get("reader_remarks", []), facts.get("outlying_pixels", 0)
+        remarks = tuple(map(str, told)) if isinstance(told, list) else ()
+        if count:
+            remarks += (
+                f"pixels more than {_OUTLYING:g} robust standard deviations above the median height: "
+                f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load",
+            )
+        return remarks
 
     def describe(self) -> Statistics:
         """Measure the surface.
@@ -107,12 +133,14 @@ def read(
     periodic: Periodic = "mirror",
     unit: Unit | None = None,
     channel: str | int | None = None,
+    resample: bool = False,
 ) -> Surface:
     """Read a measured surface and make it ready for the solver.
 
-    ``.npy`` files and text (``.txt``, ``.csv``, ``.dat``: a matrix of numbers) are read directly,
-    everything else by the optional library SurfaceTopography; rows run downward, as the surface is
-    seen in a picture. The rules below are applied in their order.
+    ``.npy`` and ``.npz`` files and text (``.txt``, ``.csv``, ``.dat``: a matrix of numbers) are read
+    directly, everything else by the optional library SurfaceTopography; rows run downward, as the surface
+    is seen in a picture. Undefined pixels are filled, then the tilt is removed, then pixels are made square,
+    units converted, and the surface made periodic.
 
     Parameters
     ----------
@@ -136,7 +164,12 @@ def read(
         under a heavy load or after long creep the flat border touches too, and counts as contact.
         "wrap" takes it as it is: the seam keeps its step.
     channel
-        Name or number of the channel, for instrument files with several; None for the file's default.
+        Name or number of the channel, for instrument files with several, or of the array in a ``.npz``
+        file; None for the file's default.
+    resample
+        Make pixels that are not square, to 1 %, square: along the axis of the shorter spacing, means over the
+        larger one take the place of the heights, and what is left of the last pixel is dropped. Without,
+        a surface of such pixels can be described, but not pressed.
 
     Returns
     -------
@@ -151,7 +184,8 @@ def read(
     MissingExtraError
         If the format needs SurfaceTopography and it is not installed.
     InputError
-        If an option is none of the above, or the unit cannot be converted.
+        If an option is none of the above, or the unit cannot be converted; or if there are not two
+        of the larger pixels along the other axis.
     """
     for option, value, choices in (
         ("undefined", undefined, get_args(Undefined)),
@@ -171,6 +205,8 @@ def read(
 
     filled = prepare.fill(raw.heights)
     level, plane = prepare.remove_tilt(filled, ~missing, tilt)
+    outlying, highest = _outliers(level[~missing])
+    level, pixel_size = prepare.square(level, raw.pixel_size) if resample else (level, raw.pixel_size)
     factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=float(np.abs(filled).max()))
     heights = prepare.make_periodic(level * factor, periodic, border=TAPER_BORDER)
     done: Provenance = {
@@ -179,6 +215,10 @@ def read(
         "undefined_fraction": float(missing.mean()),
         "tilt_rule": tilt,
         "tilt_coefficients": plane,
+        "outlying_pixels": outlying,
+        "outlying_height": highest,
+        "resampled": pixel_size != raw.pixel_size,
+        "pixel_size": list(pixel_size or ()),
         "unit": final_unit,
         "scale_factor": factor,
         "periodic_rule": periodic,
@@ -187,7 +227,17 @@ def read(
         "rms_after": float(heights.std()),
     }
     origin: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
-    return Surface(heights, final_unit, raw.pixel_size, raw.length_unit, {**origin, **done})
+    return Surface(heights, final_unit, pixel_size, raw.length_unit, {**origin, **done})
+
+
+def _outliers(heights: Field) -> tuple[int, float]:
+    """Count the heights far above all others, and give the highest in robust standard deviations."""
+    median = np.median(heights)
+    deviation = 1.4826 * float(np.median(np.abs(heights - median)))  # that of a Gaussian
+    if deviation == 0:  # most heights are equal: no measure of what is far
+        return 0, 0.0
+    above = (heights - median) / deviation
+    return int((above > _OUTLYING).sum()), float(above.max())
 
 
 def _origin(raw: RawSurface) -> Provenance:
@@ -211,12 +261,13 @@ def _read_raw(file: Path, channel: str | int | None) -> RawSurface:
     suffix = file.suffix.lower()
     # The MetroPro format of interferometers shares the extension .dat with text.
     is_text = suffix in _TEXT_SUFFIXES and not (suffix == ".dat" and _is_binary(file))
+    if suffix == ".npz":
+        return read_npz(file, channel)
     if suffix != ".npy" and not is_text:
         return read_instrument(file, channel)
     if channel is not None:
-        raise SurfaceFileError(
-            str(file), expected="no channel: this format has a single one", got=f"channel={channel!r}"
-        )
+        expected = "no channel: this format has a single one"
+        raise SurfaceFileError(str(file), expected=expected, got=f"channel {channel!r}")
     return read_text(file) if is_text else read_npy(file)
 
 
@@ -274,9 +325,8 @@ def _checked_missing(file: Path, heights: Field, limit: float) -> NDArray[np.boo
     if count and fraction > limit:
         first = np.argwhere(missing)[0].tolist()
         allowed = f"at most {limit:.3g} of the pixels undefined" if limit else "no undefined pixel"
-        advice = (
-            "" if fraction == 1 else "undefined='fill' with a larger max_undefined, or another measurement"
-        )
+        choice = "a larger max_undefined" if limit else "undefined = 'fill'"
+        advice = "" if fraction == 1 else f"{choice}, or another measurement"
         raise SurfaceFileError(
             str(file),
             expected=allowed,

@@ -1,12 +1,13 @@
-r"""From measured heights to heights that a periodic lattice can bear: four rules, in this order.
+r"""From measured heights to heights that a periodic lattice can bear: five rules, in this order.
 
 1. Undefined pixels are filled by the discrete harmonic function: each gets the mean of its neighbors on
    the pixel grid (three at an edge, two at a corner), which is the solution of the Laplace equation with
    the defined pixels as boundary values. By its maximum principle no filled pixel is above the highest
    defined pixel around its hole: filling creates no summit, so it creates no contact of its own.
 2. The tilt of the sample in the instrument is removed.
-3. The heights are converted to the wanted unit.
-4. The surface is made periodic.
+3. Pixels that are not square are averaged to square ones, if asked.
+4. The heights are converted to the wanted unit.
+5. The surface is made periodic.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ from asperity.lattice import Field, Mask
 _EXPONENTS = {"km": 3, "m": 0, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
 # What is left of a flat surface after its tilt is removed is rounding: this part of its largest height.
 _ROUNDING = 1e-12
+_SQUARE = 0.01
+"""Pixels are square if their sides differ by no more than this part."""
 
 
 def is_length(unit: str | None) -> bool:
@@ -137,6 +140,50 @@ def remove_tilt(heights: Field, defined: Mask, rule: str) -> tuple[Field, list[f
     return left, [mean + offset - sum(slopes), *per_pixel]
 
 
+def is_square(pixel_size: tuple[float, ...]) -> bool:
+    """Whether the sides of a pixel are equal, to 1 %."""
+    return max(pixel_size) <= (1 + _SQUARE) * min(pixel_size)
+
+
+def square(heights: Field, pixel_size: tuple[float, ...] | None) -> tuple[Field, tuple[float, ...] | None]:
+    """Average heights along the axis of the shorter spacing, so that the pixels become square.
+
+    Parameters
+    ----------
+    heights
+        Finite heights, shape ``(n,)`` or ``(n, m)``.
+    pixel_size
+        Distance between pixels along each axis, or None if unknown.
+
+    Returns
+    -------
+    heights, pixel_size
+        Each new height is the mean of the old ones over the larger spacing, of which the pixels at both
+        ends may give parts; what is left at the end of the axis is dropped. Square pixels, and unknown
+        ones, stay as they are.
+
+    Raises
+    ------
+    InputError
+        If the axis is shorter than two of the new pixels.
+    """
+    if pixel_size is None or is_square(pixel_size):
+        return heights, pixel_size
+    side, axis = max(pixel_size), int(np.argmin(pixel_size))
+    ratio, n = side / pixel_size[axis], heights.shape[axis]
+    count = int(n / ratio * (1 + 1e-9))  # sides that are multiples may be rounded
+    if count < 2:
+        got = f"{n * pixel_size[axis]:.4g} along an axis"
+        raise InputError("resample", expected=f"two pixels of {side:.4g} or more", got=got)
+    fine = np.moveaxis(heights, axis, -1)
+    start = np.zeros((*fine.shape[:-1], 1))
+    integral = np.concatenate([start, np.cumsum(fine, axis=-1)], axis=-1)
+    edges = np.minimum(ratio * np.arange(count + 1), n)
+    whole = np.minimum(edges.astype(int), n - 1)
+    at_edges = integral[..., whole] + (edges - whole) * fine[..., whole]
+    return np.moveaxis(np.diff(at_edges, axis=-1) / ratio, -1, axis), (side,) * heights.ndim
+
+
 def scale_factor(heights: Field, unit: str, target: str | None, *, largest: float) -> tuple[float, str]:
     """Find the factor to the wanted unit, and that unit's name.
 
@@ -160,16 +207,16 @@ def scale_factor(heights: Field, unit: str, target: str | None, *, largest: floa
         rms = float(heights.std())
         if rms <= _ROUNDING * largest:
             raise InputError(
-                "unit", expected="a rough surface for unit='rms'", got="a flat one", advice="unit=None"
+                "unit", expected="a rough surface, to divide by its rms height", got="a flat one"
             )
         return 1 / rms, "rms"
     if not is_length(unit):
         got = "heights without a unit" if unit == "1" else f"heights in {unit!r}"
         raise InputError(
             "unit",
-            expected=f"heights with a unit of length, for unit={target!r}",
+            expected=f"heights with a unit of length, to give them in {target}",
             got=got,
-            advice="unit=None or 'rms'",
+            advice="no unit, or rms",
         )
     return length_factor(unit, target), target
 
