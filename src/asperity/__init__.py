@@ -15,23 +15,32 @@ do thousands of them.
 from __future__ import annotations
 
 import importlib
+import importlib.util
 from typing import TYPE_CHECKING
 
 from asperity._version import __version__
 
 if TYPE_CHECKING:
-    from asperity import campaign, errors, fits, results, solids, surfaces, theory
-    from asperity.aging import relax
-    from asperity.contact import Contact, press
-    from asperity.results import History, age
+    from asperity import analysis, campaign, errors, figures, fits, results, solids, surfaces, theory
+    from asperity.aging import Frame, relax
+    from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation, press
+    from asperity.results import Checkpoint, History, age
 
 __all__ = [
+    "ActiveSet",
+    "Checkpoint",
     "Contact",
+    "Frame",
     "History",
+    "Load",
+    "Multigrid",
+    "Separation",
     "__version__",
     "age",
+    "analysis",
     "campaign",
     "errors",
+    "figures",
     "fits",
     "press",
     "relax",
@@ -42,21 +51,21 @@ __all__ = [
 ]
 
 _HOME = {
-    "Contact": "asperity.contact",
-    "History": "asperity.results",
-    "age": "asperity.results",
-    "press": "asperity.contact",
-    "relax": "asperity.aging",
+    "asperity.aging": ("Frame", "relax"),
+    "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation", "press"),
+    "asperity.results": ("Checkpoint", "History", "age"),
 }
 
+if not TYPE_CHECKING:  # for a type checker, a name that is not above does not exist
 
-def __getattr__(name: str) -> object:
-    """Import a public name when it is first used, so that the command line starts at once."""
-    if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
-    if name in __all__:
+    def __getattr__(name):
+        """Import a public name, or any room, when it is first used: the command line starts at once."""
+        for home, names in _HOME.items():
+            if name in names:
+                return getattr(importlib.import_module(home), name)
+        if name.startswith("_") or importlib.util.find_spec(f"asperity.{name}") is None:
+            raise AttributeError(f"module 'asperity' has no attribute {name!r}")
         return importlib.import_module(f"asperity.{name}")
-    raise AttributeError(f"module 'asperity' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -12,8 +12,21 @@ AsperityError
 
 from __future__ import annotations
 
-import math
-from numbers import Real
+__all__ = [
+    "AsperityError",
+    "CheckpointError",
+    "ConfigError",
+    "ConvergenceError",
+    "InputError",
+    "MissingExtraError",
+    "OutputError",
+    "SurfaceFileError",
+]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__
 
 
 class AsperityError(Exception):
@@ -31,11 +44,30 @@ class InputError(AsperityError, ValueError):
         What was expected, and what came instead.
     advice
         What to write or do instead; may be empty.
+
+    Attributes
+    ----------
+    name, expected, got, advice
+        As given; `got` as text.
     """
 
     def __init__(self, name: str, *, expected: str, got: object, advice: str = "") -> None:
+        self.name, self.expected, self.got, self.advice = name, expected, str(got), advice
         message = f"{name}: expected {expected}, got {got}"
         super().__init__(f"{message}; try {advice}" if advice else message)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # By default a copy would be made by calling the class with the message alone.
+        return _copied, (type(self), self.args, vars(self))
+
+
+def _copied(
+    kind: type[InputError], arguments: tuple[object, ...], attributes: dict[str, object]
+) -> InputError:
+    """Make an error again as it was, in another process too."""
+    error = kind.__new__(kind, *arguments)
+    vars(error).update(attributes)
+    return error
 
 
 class SurfaceFileError(InputError):
@@ -52,8 +84,9 @@ class ConfigError(InputError):
     """
 
     def __init__(self, problems: list[str]) -> None:
+        super().__init__("configuration", expected="no mistakes", got="; ".join(problems))
         self.problems = problems
-        ValueError.__init__(self, "; ".join(problems))
+        self.args = (self.got,)
 
 
 class CheckpointError(InputError):
@@ -74,8 +107,3 @@ class OutputError(AsperityError, OSError):
 
 LARGEST = 1e100
 """Numbers beyond it, or below its inverse, would overflow or vanish when energies are computed."""
-
-
-def is_finite_number(value: object) -> bool:
-    """Whether a value is one real number (and not a truth value) that can be computed with."""
-    return not isinstance(value, bool) and isinstance(value, Real) and math.fabs(value) <= LARGEST

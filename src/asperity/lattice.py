@@ -21,7 +21,7 @@ import scipy.fft
 from array_api_compat import array_namespace
 from numpy.typing import NDArray
 
-from asperity.errors import InputError
+import asperity.checks as checks
 
 Field = NDArray[np.float64]
 Spectrum = NDArray[np.float64]
@@ -43,13 +43,7 @@ class Lattice:
     shape: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        if len(self.shape) not in (1, 2) or any(n < 1 for n in self.shape):
-            raise InputError(
-                "shape",
-                expected="one or two positive lengths",
-                got=self.shape,
-                advice="(200, 200), or (4096,) for a line contact",
-            )
+        object.__setattr__(self, "shape", checks.lattice_shape(self.shape))
 
     @property
     def dimension(self) -> int:

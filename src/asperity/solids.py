@@ -10,18 +10,46 @@ load passes through C. On a half-space C vanishes there too, and the load is app
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from asperity.errors import InputError, is_finite_number
+import asperity.checks as checks
+from asperity.errors import LARGEST, InputError
 from asperity.lattice import Lattice, Spectrum
+
+__all__ = [
+    "CreepBranch",
+    "FixedRate",
+    "LaplacianSpectrum",
+    "Solid",
+    "Spectra",
+    "SpringConstants",
+    "WaveNumberSpectrum",
+    "half_space",
+    "spring_lattice",
+]
 
 SpectrumOf = Callable[[Lattice], Spectrum]
 
 
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__
+
+
+class _Numbers:
+    """A dataclass whose fields that are called numbers become Python floats."""
+
+    def __post_init__(self) -> None:
+        for field_ in fields(self):  # type: ignore[arg-type]
+            if field_.type == "float":
+                value = checks.number(field_.name, getattr(self, field_.name))
+                object.__setattr__(self, field_.name, value)
+
+
 @dataclass(frozen=True)
-class LaplacianSpectrum:
+class LaplacianSpectrum(_Numbers):
     """The spectrum ``laplacian * lam(q) + uniform``: springs to the neighbors and to the bulk."""
 
     laplacian: float = 0.0
@@ -33,7 +61,7 @@ class LaplacianSpectrum:
 
 
 @dataclass(frozen=True)
-class WaveNumberSpectrum:
+class WaveNumberSpectrum(_Numbers):
     """The spectrum ``slope * abs(q)``: a half-space under normal load."""
 
     slope: float
@@ -44,7 +72,7 @@ class WaveNumberSpectrum:
 
 
 @dataclass(frozen=True)
-class FixedRate:
+class FixedRate(_Numbers):
     """The mobility with which a branch relaxes at one rate at every wave vector: ``rate / C``, or 0."""
 
     rate: float
@@ -82,7 +110,7 @@ class Spectra:
 
 
 @dataclass(frozen=True)
-class SpringConstants:
+class SpringConstants(_Numbers):
     """The lattice of springs: H = k0 lam, C = k1, M = R lam + R_viscous."""
 
     k0: float
@@ -106,18 +134,28 @@ class Solid:
     loaded_from_afar
         Whether the normal load is applied evenly from far away rather than through C at wave vector 0,
         which may then vanish.
+    kind
+        Name of the function that built it.
     """
 
     permanent: SpectrumOf
     branches: tuple[CreepBranch, ...]
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
     loaded_from_afar: bool = False
+    kind: str = "of own spectra"
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "branches", tuple(self.branches))
+        parameters = {name: checks.number(name, value) for name, value in self.parameters.items()}
+        object.__setattr__(self, "parameters", parameters)
         if len(self.branches) != 1:
             raise InputError(
                 "branches", expected="exactly one creeping branch", got=f"{len(self.branches)} branches"
             )
+
+    def __repr__(self) -> str:
+        parameters = ", ".join(f"{name} {value:g}" for name, value in self.parameters.items())
+        return f"<Solid: {self.kind}{', ' * bool(parameters)}{parameters}>"
 
     @property
     def springs(self) -> SpringConstants | None:
@@ -143,10 +181,14 @@ class Solid:
             load can be carried, unless from afar), or H + C vanishes elsewhere.
         """
         (branch,) = self.branches
+        laws = {
+            "permanent stiffness": self.permanent,
+            "creeping stiffness": branch.stiffness,
+            "mobility": branch.mobility,
+        }
         spectra = {
-            "permanent stiffness": self.permanent(lattice),
-            "creeping stiffness": branch.stiffness(lattice),
-            "mobility": branch.mobility(lattice),
+            name: checks.floats(name, law(lattice), expected="a finite spectrum >= 0")
+            for name, law in laws.items()
         }
         for name, values in spectra.items():
             if values.shape != lattice.spectral_shape:
@@ -199,21 +241,23 @@ def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0
     ----------
     E. A. Jagla, "Towards a modeling of the time dependence of contact area between solid bodies".
     """
-    parameters = {"k0": k0, "k1": k1, "R": R, "R_viscous": R_viscous}
-    for name, value in parameters.items():
-        if not (is_finite_number(value) and value >= 0):
-            raise InputError(name, expected="a finite number >= 0", got=repr(value))
+    parameters = {
+        name: checks.number(name, value, least=0)
+        for name, value in {"k0": k0, "k1": k1, "R": R, "R_viscous": R_viscous}.items()
+    }
+    k0, k1, R, R_viscous = parameters.values()
     if k0 == 0 and k1 == 0:
         raise InputError("k0 and k1", expected="a stiffness above 0", got="both 0", advice="k0=1.0, k1=3.0")
     return Solid(
-        permanent=LaplacianSpectrum(laplacian=float(k0)),
+        permanent=LaplacianSpectrum(laplacian=k0),
         branches=(
             CreepBranch(
-                stiffness=LaplacianSpectrum(uniform=float(k1)),
-                mobility=LaplacianSpectrum(laplacian=float(R), uniform=float(R_viscous)),
+                stiffness=LaplacianSpectrum(uniform=k1),
+                mobility=LaplacianSpectrum(laplacian=R, uniform=R_viscous),
             ),
         ),
-        parameters={name: float(value) for name, value in parameters.items()},
+        parameters=parameters,
+        kind="spring_lattice",
     )
 
 
@@ -250,21 +294,16 @@ def half_space(*, modulus: float, creeping: float = 0.0, relaxation_time: float 
     ----------
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 13.2, DOI 10.1017/CBO9781139171731.
     """
-    for name, value in {"modulus": modulus, "relaxation_time": relaxation_time}.items():
-        if not (is_finite_number(value) and value > 0):
-            raise InputError(name, expected="a finite number > 0", got=repr(value))
-    if not (is_finite_number(creeping) and 0 <= creeping <= 1):
-        raise InputError("creeping", expected="a number from 0 to 1", got=repr(creeping))
-    stiffness = WaveNumberSpectrum(float(creeping * modulus / 2))
+    modulus = checks.number("modulus", modulus, above=0)
+    creeping = checks.number("creeping", creeping, least=0, most=1, expected="a number from 0 to 1")
+    relaxation_time = checks.number(
+        "relaxation_time", relaxation_time, least=1 / LARGEST, expected="a finite number > 0"
+    )
+    stiffness = WaveNumberSpectrum(creeping * modulus / 2)
     return Solid(
-        permanent=WaveNumberSpectrum(float((1 - creeping) * modulus / 2)),
-        branches=(
-            CreepBranch(stiffness=stiffness, mobility=FixedRate(1 / float(relaxation_time), stiffness)),
-        ),
-        parameters={
-            "modulus": float(modulus),
-            "creeping": float(creeping),
-            "relaxation_time": float(relaxation_time),
-        },
+        permanent=WaveNumberSpectrum((1 - creeping) * modulus / 2),
+        branches=(CreepBranch(stiffness=stiffness, mobility=FixedRate(1 / relaxation_time, stiffness)),),
+        parameters={"modulus": modulus, "creeping": creeping, "relaxation_time": relaxation_time},
         loaded_from_afar=True,
+        kind="half_space",
     )

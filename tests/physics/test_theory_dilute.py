@@ -258,8 +258,11 @@ def test_full_contact_of_a_cosine() -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: GaussianHeights(rms=0.0), "rms: expected finite numbers above 0"),
-        (lambda: ExponentialHeights(rms=cast(Any, [1.0, 2.0])), "rms: expected one number"),
+        (lambda: GaussianHeights(rms=0.0), "rms: expected a finite number > 0, got 0"),
+        (
+            lambda: ExponentialHeights(rms=cast(Any, [1.0, 2.0])),
+            r"rms: expected a finite number > 0, got \[1\.0, 2\.0\]",
+        ),
         (lambda: EmpiricalHeights([]), "heights: expected finite heights, at least one"),
         (lambda: EmpiricalHeights([1.0, np.inf]), "heights: expected finite heights, at least one"),
         (lambda: GaussianHeights().separation_for(0.0), "mean_excess: expected finite numbers above 0"),
@@ -284,11 +287,17 @@ def test_full_contact_of_a_cosine() -> None:
         (lambda: dilute_horizon(1.5), r"area_fraction: expected at most 1, got 1\.5; try A/N0"),
         (
             lambda: full_contact_load(np.zeros((2, 2, 2)), k0=1.0, k1=1.0),
-            "heights: expected an array of one or two",
+            r"heights: expected one or two dimensions, .* try one layer of it",
         ),
-        (lambda: full_contact_load([0.0, np.inf], k0=1.0, k1=1.0), "heights: expected finite heights"),
-        (lambda: full_contact_load([0.0, 1.0], k0=-1.0, k1=1.0), "k0: expected numbers not below 0"),
-        (lambda: full_contact_load_relaxed([0.0, 1.0], k0=cast(Any, np.ones(2))), "k0: expected one number"),
+        (
+            lambda: full_contact_load([0.0, np.inf], k0=1.0, k1=1.0),
+            "heights: expected finite numbers, got 0 NaN and 1 inf",
+        ),
+        (lambda: full_contact_load([0.0, 1.0], k0=-1.0, k1=1.0), "k0: expected a finite number >= 0, got -1"),
+        (
+            lambda: full_contact_load_relaxed([0.0, 1.0], k0=cast(Any, np.ones(2))),
+            r"k0: expected .*, got ndarray of type float64, shape \(2,\)",
+        ),
     ],
 )
 def test_bad_input_is_named(call: Callable[[], object], message: str) -> None:

@@ -186,9 +186,9 @@ def test_scaling_of_lengths_forces_and_times() -> None:
     [
         ({"load_per_site": [1.0, -1.0]}, r"load_per_site: expected numbers not below 0, got -1\.0"),
         ({"load_per_site": [1.0]}, r"load_per_site: expected a value a time, shape \(2,\)"),
-        ({"x2": [1.0, 0.0]}, "x2: expected times that do not decrease"),
-        ({"k0": 0.0}, "k0: expected finite numbers above 0"),
-        ({"x1": -1.0}, "x1: expected finite numbers above 0"),
+        ({"x2": [1.0, 0.0]}, r"x2: expected times that do not decrease, got 1\.0 before 0\.0"),
+        ({"k0": 0.0}, "k0: expected a finite number > 0"),
+        ({"x1": -1.0}, "x1: expected a finite number > 0"),
         ({"dimension": 0}, "dimension: expected 1"),
     ],
 )

@@ -131,9 +131,12 @@ def test_one_time_alone_is_the_elastic_answer() -> None:
         (lambda: response([0, 2, 1], [0, 1, 2], 1.0), "x2: expected times that do not decrease"),
         (lambda: response([0, np.inf], [0, 1], 1.0), "x2: expected finite numbers, got inf"),
         (lambda: response([0, 1], [0, np.nan], 1.0), "force: expected real numbers, got NaN"),
-        (lambda: response([0, 1], [0, 1], cast(Any, [1.0, 2.0])), "x1: expected one number"),
-        (lambda: response([0, 1], [0, 1], 0.0), "x1: expected finite numbers above 0"),
-        (lambda: response_rate([0, 1], [0, 1], 1.0, -1.0), "viscous: expected numbers not below 0"),
+        (
+            lambda: response([0, 1], [0, 1], cast(Any, [1.0, 2.0])),
+            r"x1: expected a finite number > 0, got \[1\.0, 2\.0\]",
+        ),
+        (lambda: response([0, 1], [0, 1], 0.0), "x1: expected a finite number > 0"),
+        (lambda: response_rate([0, 1], [0, 1], 1.0, -1.0), "viscous: expected a finite number >= 0"),
         (lambda: response_rate([0, 1], [0, 1], 1.0, dimension=3), "dimension: expected 1"),
     ],
 )

@@ -219,7 +219,7 @@ GROWING = np.linspace(1.0, 2.0, 8)
             GROWING,
             r"time: expected an array of one dimension, got shape \(2, 4\)",
         ),
-        ("late", GROWING, "time: expected real numbers, got str"),
+        ("late", GROWING, "time: expected real numbers, got 'late'"),
         (np.arange(3), GROWING[:3], r"time: expected at least \d values to fit.*got 2 besides the one at"),
         (np.arange(1, 4), GROWING[:3], r"time: expected at least \d values to fit.*got 3;"),
         (
@@ -235,7 +235,7 @@ def test_bad_data_are_named(law: Callable[..., Any], time: ArrayLike, area: Arra
 
 
 def test_predictions_ask_for_times_after_contact() -> None:
-    with pytest.raises(InputError, match="time: expected times not below 0"):
+    with pytest.raises(InputError, match="time: expected numbers not below 0, got -1"):
         logarithm(TIME, noisy()).predict([1.0, -1.0])
 
 

@@ -4,6 +4,9 @@ import ast
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
+
+import pytest
 
 import asperity
 
@@ -12,6 +15,7 @@ SOURCE = Path(asperity.__file__).parent
 # Each room may import the rooms before it, and itself.
 ROOMS = [
     {"errors", "_version"},
+    {"checks"},
     {"tables"},
     {"lattice"},
     {"surfaces", "solids"},
@@ -61,18 +65,26 @@ def test_imports_point_upstream():
 
 def test_theory_imports_nothing_of_the_simulation():
     for file in (SOURCE / "theory").rglob("*.py"):
-        assert set(rooms_imported(file)) <= {"theory", "errors"}
+        assert set(rooms_imported(file)) <= {"theory", "checks", "errors"}
 
 
 def test_public_names():
     assert sorted(asperity.__all__) == dir(asperity)
     assert set(asperity.__all__) == {
+        "ActiveSet",
+        "Checkpoint",
         "Contact",
+        "Frame",
         "History",
+        "Load",
+        "Multigrid",
+        "Separation",
         "__version__",
         "age",
+        "analysis",
         "campaign",
         "errors",
+        "figures",
         "fits",
         "press",
         "relax",
@@ -81,8 +93,43 @@ def test_public_names():
         "surfaces",
         "theory",
     }
+
+
+def test_public_rooms_show_public_names():
     for name in asperity.__all__:
-        assert getattr(asperity, name) is not None
+        member = getattr(asperity, name)
+        if isinstance(member, ModuleType):
+            assert sorted(member.__all__) == dir(member)
+
+
+@pytest.mark.parametrize("room", sorted(set(LEVEL) - {"_version", "__main__"}))
+def test_every_room_is_reached(room):
+    assert asperity.__getattr__(room) is sys.modules[f"asperity.{room}"]
+
+
+def test_a_room_is_reached_whatever_was_imported_before():
+    code = "import asperity; asperity.analysis.patches"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_type_checkers_know_the_public_names_and_no_others():
+    root = ast.parse((SOURCE / "__init__.py").read_text()).body
+    (seen,) = (
+        node for node in root if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    )
+    imports = [node for node in seen.body if isinstance(node, ast.ImportFrom)]
+    known = {alias.name for node in imports for alias in node.names}
+    assert known | {"__version__"} == set(asperity.__all__)
+    functions = {node.name for node in root if isinstance(node, ast.FunctionDef)}
+    assert functions == {
+        "__dir__"
+    }  # __getattr__, which would allow any name, stands under "not TYPE_CHECKING"
+
+
+def test_other_names_do_not_exist():
+    for name in ("nope", "__main__", "_nope", "press_"):
+        with pytest.raises(AttributeError, match=f"module 'asperity' has no attribute '{name}'"):
+            getattr(asperity, name)
 
 
 def test_a_bare_import_is_light():

@@ -1,7 +1,10 @@
 """Bad input at the doors of press, age and relax: one clear line, and nothing computed."""
 
+from datetime import timedelta
+
 import numpy as np
 import pytest
+import xarray as xr
 
 import asperity as asp
 from asperity.errors import ConvergenceError, InputError
@@ -10,6 +13,18 @@ from tests.surfaces import uncorrelated
 ROUGH = uncorrelated(8)
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 CONTACT = asp.press(ROUGH, SOLID, load=5.0)
+
+
+class Quantity(float):
+    """As those of pint: a number with a unit, and an array without."""
+
+    magnitude = 3.0
+
+    def __str__(self):
+        return f"{self.magnitude} newton"
+
+    def __array__(self, *_, **__):
+        raise AssertionError("the unit was dropped")
 
 
 @pytest.mark.parametrize(
@@ -48,6 +63,52 @@ def test_both_or_neither_of_load_and_separation():
         asp.press(ROUGH, SOLID)
 
 
+@pytest.mark.parametrize(
+    ("load", "shown"),
+    [
+        (xr.DataArray([1.0, 2.0], dims="time"), r"DataArray of type float64, shape \(2,\)$"),
+        (xr.Dataset({"load": 1.0}).load, "the method Dataset.load$"),
+        (np.timedelta64(3, "s"), r"3 seconds; try load / np\.timedelta64\(1, \"s\"\)$"),
+        (np.float32("nan"), "nan$"),
+        (10**400, r"10{17}\.\.\.0+$"),
+        (10**5000, "a huge int$"),
+        ([1.0] * 1000, r"\[1\.0, 1\.0, 1\.0, 1\.0, 1\.0, 1\.0, \.\.\.\]$"),
+        (Quantity(3.0), r"3\.0 newton, which has a unit; try load\.magnitude, in the unit of"),
+    ],
+    ids=range(8),
+)
+def test_what_was_given_is_shown_in_few_characters(load, shown):
+    with pytest.raises(InputError, match=rf"^load: expected a finite number > 0 \(.*\), got {shown}"):
+        asp.press(ROUGH, SOLID, load=load)
+
+
+def test_quantities_are_no_arrays():
+    with pytest.raises(InputError, match=r"heights: .*, got 3\.0 newton, which has a unit; try heights\.mag"):
+        asp.press(Quantity(3.0), SOLID, load=1.0)
+
+
+@pytest.mark.parametrize(
+    ("solid", "got"),
+    [(None, "NoneType"), ({}, "dict"), (ROUGH, "ndarray"), (asp.solids.Solid, "the class Solid")],
+)
+def test_solids_that_are_none(solid, got):
+    with pytest.raises(
+        InputError, match=rf"^solid: expected a Solid, got {got}; try asperity\.solids\.spring_l"
+    ):
+        asp.press(ROUGH, solid, load=1.0)
+
+
+@pytest.mark.parametrize("solver", ["fast", asp.Multigrid, object()])
+def test_solvers_that_solve_nothing(solver):
+    for call in (
+        lambda: asp.press(ROUGH, SOLID, load=1.0, solver=solver),
+        lambda: asp.age(CONTACT, [1.0], solver=solver),
+        lambda: asp.relax(CONTACT, solver=solver),
+    ):
+        with pytest.raises(InputError, match=r"^solver: expected an object that solves, got .*; try solver="):
+            call()
+
+
 def test_a_load_that_no_state_can_carry():
     membrane = asp.solids.spring_lattice(k0=1.0, k1=0.0)
     with pytest.raises(InputError, match="no load can be carried; try k1 > 0"):
@@ -75,6 +136,8 @@ def test_heights_too_large_to_compute_with():
         ([np.nan], "finite times"),
         ([], "a list of times"),
         (["soon"], "a list of times"),
+        (np.array([1, 2], "timedelta64[s]"), r'try times / np\.timedelta64\(1, "s"\)$'),
+        ([timedelta(hours=1)], r'try times / np\.timedelta64\(1, "s"\)$'),
     ],
 )
 def test_times(times, message):
@@ -101,6 +164,8 @@ def test_other_arguments():
         asp.age(asp.age(CONTACT, [1.0]), [1.0])  # type: ignore[arg-type]
     with pytest.raises(InputError, match="fields_at: expected finite times >= 0"):
         asp.age(CONTACT, [1.0], fields_at=[-1.0])
+    with pytest.raises(InputError, match=r"start: expected a Contact, got ndarray"):
+        asp.press(ROUGH, SOLID, load=1.0, start=ROUGH)
     with pytest.raises(InputError, match=r"start: expected a contact of shape \(4, 4\), got \(8, 8\)"):
         asp.press(uncorrelated(4), SOLID, load=1.0, start=CONTACT)
 

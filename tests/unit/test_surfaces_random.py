@@ -163,9 +163,9 @@ def test_self_affine_refuses_other_exponents(hurst: Any) -> None:
 @pytest.mark.parametrize("value", [0, -1.0, math.nan, math.inf, "1", None, 1j, True])
 def test_widths_must_be_positive(value: Any) -> None:
     for name, make in (("rms", gaussian), ("rms", exponential)):
-        with pytest.raises(InputError, match=f"{name}: expected a positive, finite number"):
+        with pytest.raises(InputError, match=f"{name}: expected a finite number > 0"):
             make(8, rms=value)
-    with pytest.raises(InputError, match="delta: expected a positive, finite number"):
+    with pytest.raises(InputError, match="delta: expected a finite number > 0"):
         self_affine(8, delta=value)
 
 

@@ -4,3 +4,8 @@ from asperity.aging.limit import relax
 from asperity.aging.march import Frame, creep
 
 __all__ = ["Frame", "creep", "relax"]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.contact.choice import usual_solver
+from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Hold, Load
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
 from asperity.contact.state import Contact, contact_from, hold_contact
@@ -69,7 +69,7 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
     else:
         before = start.u0 - system.datum
         guess = Guess(start.u - system.datum, start.in_contact, disposable=True)
-        solution = (solver or usual_solver(system)).solve(step.problem(before), guess, TOLERANCE)
+        solution = chosen_solver(solver, system).solve(step.problem(before), guess, TOLERANCE)
         stretch = step.stretch(solution.u, before) if solution.stretch is None else solution.stretch
         shape = solution.u - stretch
     return contact_from(

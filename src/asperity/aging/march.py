@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import asperity.checks as checks
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import FieldSteps, Point, Steps
-from asperity.contact.choice import usual_solver
+from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Hold, Load
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver, Solution
 from asperity.contact.state import Contact, contact_from, hold_contact
 from asperity.contact.system import System
-from asperity.errors import LARGEST, ConvergenceError, InputError, is_finite_number
+from asperity.errors import ConvergenceError
 from asperity.lattice import Field
 
 DEFAULT_RTOL = 2e-3
@@ -124,14 +125,10 @@ def creep(
     ConvergenceError
         A contact problem was not solved, or steps shrank to nothing.
     """
-    stops = check_times(times)
-    if not (is_finite_number(rtol) and SMALLEST_RTOL <= rtol <= LARGEST_RTOL):
-        expected = f"a number from {SMALLEST_RTOL:g} to {LARGEST_RTOL:g}"
-        raise InputError("rtol", expected=expected, got=repr(rtol), advice=f"rtol={DEFAULT_RTOL:g}")
+    stops, tolerance = checks.times("times", times), check_rtol(rtol)
     start = hold_contact(contact, hold)
-    march = _March(start, solver or usual_solver(start.system), rtol, midway, after_step)
-    if midway is not None:
-        stops = stops[stops >= midway.time]
+    march = _March(start, chosen_solver(solver, start.system), tolerance, midway, after_step)
+    stops = stops[stops > 0 if midway is None else stops >= midway.time]
     return _frames(start, stops, march, from_start=midway is None)
 
 
@@ -141,28 +138,13 @@ def _kind_of_steps(system: System, solver: ContactSolver) -> type[FieldSteps] | 
     return SpringSteps if suited and creeps else FieldSteps
 
 
-def check_times(times: ArrayLike, name: str = "times") -> Field:
-    """Strictly increasing, finite times >= 0, as an array without the time 0."""
-    advice = "np.geomspace(1e-3, 1e6, 37)"
-    try:
-        stops = np.atleast_1d(np.asarray(times, dtype=np.float64))
-    except (TypeError, ValueError):
-        raise InputError(name, expected="a list of times", got=repr(times), advice=advice) from None
-    if stops.ndim != 1 or stops.size == 0:
-        raise InputError(name, expected="a list of times", got=f"shape {stops.shape}", advice=advice)
-    wrong = ~((stops == 0) | ((stops >= 1 / LARGEST) & (stops <= LARGEST)))
-    if wrong.any():
-        expected = f"finite times >= 0 (0, or from {1 / LARGEST:g} to {LARGEST:g})"
-        raise InputError(name, expected=expected, got=float(stops[wrong][0]), advice=advice)
-    if not (np.diff(stops) > 0).all():
-        at = int(np.argmin(np.diff(stops)))
-        raise InputError(
-            name,
-            expected="strictly increasing times",
-            got=f"{stops[at]} before {stops[at + 1]}",
-            advice="np.unique(times)",
-        )
-    return stops[stops > 0]
+def check_rtol(rtol: float) -> float:
+    """Check the tolerance; see `creep`."""
+    expected = f"a number from {SMALLEST_RTOL:g} to {LARGEST_RTOL:g}"
+    advice = f"rtol={DEFAULT_RTOL:g}"
+    return checks.number(
+        "rtol", rtol, least=SMALLEST_RTOL, most=LARGEST_RTOL, expected=expected, advice=advice
+    )
 
 
 def _frames(start: Contact, stops: Field, march: _March, *, from_start: bool) -> Iterator[Frame]:

@@ -34,3 +34,8 @@ __all__ = [
     "turnover",
     "with_limit",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

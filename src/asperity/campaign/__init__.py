@@ -18,3 +18,8 @@ __all__ = [
     "table",
     "tally",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

@@ -7,3 +7,8 @@ from asperity.contact.multigrid import Multigrid
 from asperity.contact.state import Contact
 
 __all__ = ["ActiveSet", "Contact", "Control", "Load", "Multigrid", "Separation", "press"]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

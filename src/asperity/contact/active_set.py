@@ -21,11 +21,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import asperity.checks as checks
 from asperity.contact.arrays import largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.free_sites import FreeSites
 from asperity.contact.problem import ContactProblem, Guess, Solution, residual
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
 
 _ASTRAY = 0.002
@@ -81,11 +82,10 @@ class ActiveSet:
     arrays: str = "numpy"
 
     def __post_init__(self) -> None:
-        if not 0 < self.reduction < 1:
-            raise InputError("reduction", expected="a number between 0 and 1", got=self.reduction)
+        reduction = checks.number("reduction", self.reduction, above=0, below=1)
+        object.__setattr__(self, "reduction", reduction)
         for name in ("max_iterations", "patience", "careful_after", "max_revisions"):
-            if not getattr(self, name) >= 0:
-                raise InputError(name, expected="a whole number >= 0", got=getattr(self, name))
+            object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=0))
 
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
         """Solve the problem from a guess, or without one through coarser lattices.

@@ -1,14 +1,28 @@
-"""Which solver a system gets when none is asked for."""
+"""Which solver a system gets: the one asked for, or the usual one."""
 
 from __future__ import annotations
 
+import asperity.checks as checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.system import System
+from asperity.errors import InputError
 
 
 def usual_solver(system: System) -> ContactSolver:
     """`Multigrid` where neighbors say all there is to say, else `ActiveSet`."""
     suits = Multigrid.suits(system.springs, system.lattice.shape)
     return Multigrid() if suits else ActiveSet()
+
+
+def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:
+    """The solver asked for, or `usual_solver`; `InputError` for what is no solver."""
+    if solver is None:
+        return usual_solver(system)
+    if isinstance(solver, type) or not callable(getattr(solver, "solve", None)):
+        got = checks.kind_of(solver)
+        raise InputError(
+            "solver", expected="an object that solves", got=got, advice="solver=asperity.Multigrid()"
+        )
+    return solver

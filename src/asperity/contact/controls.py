@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from asperity.errors import LARGEST, InputError, is_finite_number
+import asperity.checks as checks
+from asperity.errors import LARGEST, InputError
 
 
 @dataclass(frozen=True)
@@ -15,12 +16,9 @@ class Load:
     value: float
 
     def __post_init__(self) -> None:
-        if not is_finite_number(self.value) or self.value < 1 / LARGEST:
-            raise InputError(
-                "load",
-                expected=f"a finite number > 0 (from {1 / LARGEST:g} to {LARGEST:g})",
-                got=repr(self.value),
-            )
+        expected = f"a finite number > 0 (from {1 / LARGEST:g} to {LARGEST:g})"
+        load = checks.number("load", self.value, least=1 / LARGEST, expected=expected)
+        object.__setattr__(self, "value", load)
 
 
 @dataclass(frozen=True)
@@ -30,8 +28,7 @@ class Separation:
     value: float
 
     def __post_init__(self) -> None:
-        if not is_finite_number(self.value):
-            raise InputError("separation", expected="a finite number", got=repr(self.value))
+        object.__setattr__(self, "value", checks.number("separation", self.value))
 
 
 Control = Load | Separation

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from asperity.contact.choice import usual_solver
+import asperity.checks as checks
+from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Load, control_from
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess
 from asperity.contact.state import Contact, contact_from
@@ -58,15 +59,17 @@ def press(
     u minimizes Jagla's energy, Eq. (e), under u >= heights, with u0 flat.
     """
     rough = check_heights(heights)
+    checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
     control = control_from(load, separation)
     system = System.of(rough, solid, control)
     guess = None
     if start is not None:
+        checks.instance("start", start, Contact, "asperity.press(...), or leave it out")
         if start.heights.shape != rough.shape:
             raise InputError("start", expected=f"a contact of shape {rough.shape}", got=start.heights.shape)
         guess = Guess(start.u - system.datum, start.in_contact)
     problem = system.implicit_step(0.0).problem(system.virgin_shape)
-    solution = (solver or usual_solver(system)).solve(problem, guess, TOLERANCE)
+    solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
     level = system.virgin_shape
     if isinstance(control, Load):
         level = float(solution.u.mean()) - system.mean_stretch

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+import asperity.checks as checks
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.problem import Solution, residual
 from asperity.contact.system import System
@@ -68,6 +69,14 @@ class Contact:
     iterations: int
     surface: Mapping[str, object]
 
+    def __post_init__(self) -> None:
+        for field in (self.heights, self.u, self.u0, self.force, self.in_contact):
+            field.flags.writeable = False  # the residual vouches for exactly these numbers
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        vars(self).update(state)
+        self.__post_init__()
+
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.heights.shape))
         return (
@@ -106,13 +115,7 @@ def hold_contact(contact: Contact, hold: Hold | None) -> Contact:
     InputError
         ``hold`` is something else, the contact is no contact, or its load is to be held and it has none.
     """
-    if not isinstance(contact, Contact):
-        raise InputError(
-            "contact",
-            expected="a Contact",
-            got=type(contact).__name__,
-            advice="asperity.press(...), or the `final` of a history",
-        )
+    checks.instance("contact", contact, Contact, "asperity.press(...), or the `final` of a history")
     if hold not in (None, "load", "separation"):
         raise InputError("hold", expected="'load' or 'separation'", got=repr(hold))
     if hold is None or (hold == "load") == isinstance(contact.control, Load):
@@ -175,8 +178,6 @@ def contact_from(
         )
     np.maximum(force, 0.0, out=force)
     force *= in_contact
-    for field in (heights, u, u0, force, in_contact):
-        field.flags.writeable = False  # the residual vouches for exactly these numbers
     return Contact(
         heights=heights,
         solid=solid,

@@ -9,3 +9,8 @@ from asperity.figures.fit import fit_figure
 from asperity.figures.surface import surface_figure
 
 __all__ = ["aging_curve", "contact_figure", "fit_figure", "surface_figure"]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

@@ -29,3 +29,8 @@ __all__ = [
     "read_measurements",
     "saturation",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

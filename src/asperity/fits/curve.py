@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import spearmanr
 
+from asperity.checks import line, not_negative
 from asperity.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -42,8 +43,8 @@ class Series:
     ) -> Series:
         """Check and sort; x not below 0, y and stderr above 0. The names are for the error messages."""
         of_x, of_y = names
-        xs, ys = numbers(of_x, x), numbers(of_y, y)
-        sigmas = None if stderr is None else numbers("stderr", stderr)
+        xs, ys = line(of_x, x), line(of_y, y)
+        sigmas = None if stderr is None else line("stderr", stderr)
         for name, values in ((of_y, ys), ("stderr", sigmas)):
             if values is not None and values.size != xs.size:
                 expected = f"one for each of the {xs.size} values of {of_x}"
@@ -140,27 +141,9 @@ def refuse_decline(series: Series, name: str = "area") -> None:
         raise InputError(name, expected=f"{kind} with time", got=f"{got}{detail}")
 
 
-def numbers(name: str, value: ArrayLike) -> Floats:
-    """A line of finite numbers; `InputError` for anything else."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(name, expected="real numbers", got=type(value).__name__) from error
-    if array.ndim != 1:
-        raise InputError(name, expected="an array of one dimension", got=f"shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError(
-            name, expected="finite numbers", got="NaN or infinity", advice="dropping the relaxed state"
-        )
-    return array
-
-
 def checked_times(time: ArrayLike) -> Floats:
     """Times not below 0, of any shape; `InputError` for others."""
-    array = np.asarray(time, dtype=np.float64)
-    if not (array >= 0).all():
-        raise InputError("time", expected="times not below 0", got=sketch(array.ravel()))
-    return array
+    return not_negative("time", time, infinity="welcome")
 
 
 def sketch(values: Floats) -> str:

@@ -9,8 +9,8 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.checks import Floats, floats, line
 from asperity.errors import InputError
-from asperity.fits.curve import Floats, numbers
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.fits.result import parameters_of
 
@@ -64,7 +64,7 @@ def ensemble(fit: Callable[[Floats, Floats], Fit], time: ArrayLike, areas: Array
     ConvergenceError
         If `fit` does not find a minimum.
     """
-    times, runs = numbers("time", time), np.asarray(areas, dtype=np.float64)
+    times, runs = line("time", time), floats("areas", areas)
     if runs.ndim != 2 or runs.shape[0] == 0 or runs.shape[1] != times.size:
         raise InputError("areas", expected=f"shape (runs, {times.size})", got=f"shape {runs.shape}")
     mean = fit(times, runs.mean(axis=0))

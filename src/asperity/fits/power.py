@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.checks import positive
 from asperity.errors import InputError
 from asperity.fits.curve import Floats, Series, sketch
 from asperity.fits.line import polynomial
@@ -43,7 +44,7 @@ class PowerLawFit(FitResult):
 
     def predict(self, x: ArrayLike) -> Floats:
         """Y at x above 0, of any shape."""
-        return np.asarray(self.prefactor * np.asarray(x, dtype=np.float64) ** self.exponent)[()]
+        return np.asarray(self.prefactor * positive("x", x) ** self.exponent)[()]
 
     def __call__(self, x: ArrayLike) -> Floats:
         """Return `predict(x)`."""

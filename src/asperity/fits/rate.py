@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.errors import InputError, is_finite_number
+import asperity.checks as checks
+from asperity.errors import InputError
 from asperity.fits.curve import Floats, Series
 from asperity.fits.line import polynomial
 from asperity.fits.result import FitResult, student
@@ -70,9 +71,7 @@ class GrowthRate(FitResult):
 
     def predict(self, time: ArrayLike) -> Floats:
         """Area on the straight line at times above 0, of any shape."""
-        from_middle = np.log(
-            np.asarray(time, dtype=np.float64) / (math.sqrt(self.first) * math.sqrt(self.last))
-        )
+        from_middle = np.log(checks.positive("time", time) / (math.sqrt(self.first) * math.sqrt(self.last)))
         return np.asarray(self.middle + self.slope * from_middle)[()]
 
     def interval(self, name: str) -> tuple[float, float]:
@@ -122,7 +121,8 @@ def growth_rate(
     """
     series = Series.checked(time, area, stderr)
     A0, A0_stderr = _initial(series, initial, initial_stderr)
-    low, high = 0.0 if first is None else first, math.inf if last is None else last
+    low = 0.0 if first is None else checks.number("first", first)
+    high = math.inf if last is None else checks.number("last", last)
     window = series.where((series.x > 0) & (series.x >= low) & (series.x <= high))
     if window.x.size < 3:
         expected = f"at least 3 points at times above 0 from {low:g} to {high:g}"
@@ -157,10 +157,10 @@ def growth_rate(
 
 def _initial(series: Series, initial: float | None, initial_stderr: float) -> tuple[float, float]:
     if initial is not None:
-        for name, value in (("initial", initial), ("initial_stderr", initial_stderr)):
-            if not is_finite_number(value) or value < 0 or (name == "initial" and value == 0):
-                raise InputError(name, expected="a finite number above 0", got=value)
-        return float(initial), float(initial_stderr)
+        return (
+            checks.number("initial", initial, above=0, expected="a finite number above 0"),
+            checks.number("initial_stderr", initial_stderr, least=0),
+        )
     zeros = series.where(series.x == 0)
     if zeros.y.size == 0:
         raise InputError(

@@ -5,3 +5,8 @@ from asperity.results.history import History, age
 from asperity.results.store import load, save
 
 __all__ = ["Checkpoint", "History", "age", "load", "save"]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

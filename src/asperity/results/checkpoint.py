@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import asperity.checks as checks
 from asperity._version import __version__
 from asperity.aging.march import Midway
 from asperity.contact.problem import ContactSolver
@@ -38,6 +39,9 @@ class Checkpoint:
 
     path: str | Path
     every: float = 10.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "every", checks.number("every", self.every, least=0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.aging.march import DEFAULT_RTOL, Frame, Midway, check_times, creep
-from asperity.contact.choice import usual_solver
+import asperity.checks as checks
+from asperity.aging.march import DEFAULT_RTOL, Frame, Midway, check_rtol, creep
+from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Hold
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, hold_contact
@@ -66,7 +67,8 @@ def age(
     contact
         Where to start: from `press`, or the ``final`` of an earlier history.
     times
-        Strictly increasing hold times >= 0, shape ``(n,)``; the unit is 1 / (stiffness * R).
+        Strictly increasing hold times >= 0, shape ``(n,)``; the unit is 1 / (stiffness * R). They count
+        from this call: for the ``final`` of an earlier history from 0 again.
     hold
         What is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by default what
         the contact was pressed by.
@@ -104,18 +106,18 @@ def age(
     Integrates Jagla's Eq. (dosrs), du0/dt = M C (u - u0), by TR-BDF2, second order and L-stable,
     with adaptive steps; see `asperity.aging.tr_bdf2`.
     """
-    recorded = check_times(times)
-    kept = check_times(fields_at, "fields_at") if np.size(fields_at) else np.empty(0)
-    keep_start = bool(np.any(np.asarray(fields_at) == 0))
-    start = hold_contact(contact, hold)
-    method = solver or usual_solver(start.system)
+    start, tolerance = hold_contact(contact, hold), check_rtol(rtol)
+    recorded = checks.times("times", times)
+    wanted = checks.times("fields_at", fields_at, at_least=0)
+    recorded, kept, keep_start = recorded[recorded > 0], wanted[wanted > 0], bool((wanted == 0).any())
+    method = chosen_solver(solver, start.system)
     rows: list[Row] = []
     snapshots: list[Snapshot] = []
     keeper, midway = None, None
     if checkpoint is not None:
         settings = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
         fields = np.append(kept, 0.0) if keep_start else kept
-        keeper = Keeper(settings, fingerprint_of(start, recorded, fields, rtol, method))
+        keeper = Keeper(settings, fingerprint_of(start, recorded, fields, tolerance, method))
         place = keeper.read()
         if place is not None:
             midway, rows, snapshots = place.midway, place.rows, place.snapshots
@@ -126,7 +128,7 @@ def age(
 
     final = start
     stops = np.union1d(np.union1d(recorded, kept), [0.0])
-    for frame in creep(start, stops, rtol=rtol, solver=method, midway=midway, after_step=keep_place):
+    for frame in creep(start, stops, rtol=tolerance, solver=method, midway=midway, after_step=keep_place):
         if progress is not None:
             progress(frame)
         final = frame.contact
@@ -134,4 +136,4 @@ def age(
             snapshots.append(snapshot_of(frame))
         if frame.time in recorded or frame.time == 0:
             rows.append(row_of(frame))
-    return History(dataset_of(start, rows, snapshots, rtol=rtol), final)
+    return History(dataset_of(start, rows, snapshots, rtol=tolerance), final)

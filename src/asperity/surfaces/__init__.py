@@ -16,3 +16,8 @@ __all__ = [
     "self_affine",
     "statistics",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

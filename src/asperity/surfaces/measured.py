@@ -11,10 +11,10 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from asperity.checks import number as checked_number
 from asperity.errors import InputError, SurfaceFileError
 from asperity.lattice import Field
 from asperity.surfaces import prepare
-from asperity.surfaces.arguments import checked_number
 from asperity.surfaces.heights import check_heights
 from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.matrix_files import read_npy, read_npz, read_text

@@ -22,9 +22,9 @@ import math
 
 import numpy as np
 
+import asperity.checks as checks
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.surfaces.arguments import checked_integer, checked_number, checked_positive, checked_seed
 
 
 def self_affine(size: int, *, hurst: float = 0.5, delta: float = 0.01, seed: int = 0) -> Field:
@@ -53,9 +53,11 @@ def self_affine(size: int, *, hurst: float = 0.5, delta: float = 0.01, seed: int
         If the size is not a power of two, `hurst` is outside (0, 1], `delta` is not positive and
         finite, or the seed is not an integer of 0 or more.
     """
-    length, exponent = _checked_size(size), _checked_hurst(hurst)
-    width = checked_positive("delta", delta)
-    rng = np.random.default_rng(checked_seed(seed))
+    length = _checked_size(size)
+    expected = "a number above 0 and up to 1"
+    exponent = checks.number("hurst", hurst, above=0, most=1, expected=expected, advice="0.5")
+    width = checks.number("delta", delta, above=0)
+    rng = np.random.default_rng(checks.seed(seed))
 
     xi = np.zeros((length, length))
     step = length  # side of the squares whose corners are known
@@ -87,18 +89,10 @@ def _noise(
 
 
 def _checked_size(size: int) -> int:
-    length = checked_integer("size", size, expected="a power of two, 2 or more", least=2, advice="256")
+    length = checks.integer("size", size, least=2, expected="a power of two, 2 or more", advice="256")
     if length & (length - 1):
         below = 1 << (length.bit_length() - 1)
         raise InputError(
             "size", expected="a power of two, 2 or more", got=length, advice=f"{below} or {2 * below}"
         )
     return length
-
-
-def _checked_hurst(hurst: float) -> float:
-    expected = "a number above 0 and up to 1"
-    number = checked_number("hurst", hurst, expected=expected)
-    if not 0 < number <= 1:
-        raise InputError("hurst", expected=expected, got=repr(hurst), advice="0.5")
-    return number

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import asperity.checks as checks
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.surfaces.arguments import checked_positive
 from asperity.surfaces.heights import check_heights
 
 
@@ -92,13 +92,10 @@ def statistics(heights: object, pixel_size: tuple[float, ...] | None = None) -> 
         number for each axis.
     """
     xi = check_heights(heights)
-    if pixel_size is not None and len(pixel_size) != xi.ndim:
-        raise InputError("pixel_size", expected=f"{xi.ndim} numbers, one an axis", got=pixel_size)
-    sizes = (
-        (1.0,) * xi.ndim
-        if pixel_size is None
-        else tuple(checked_positive("pixel_size", s) for s in pixel_size)
-    )
+    sizes = np.ones(xi.ndim) if pixel_size is None else checks.positive("pixel_size", pixel_size)
+    if sizes.shape != (xi.ndim,):
+        got = checks.shown(pixel_size)
+        raise InputError("pixel_size", expected=f"{xi.ndim} numbers, one an axis", got=got)
 
     steps = [np.diff(xi, axis=axis) for axis in range(xi.ndim)]
     seams = [np.take(xi, 0, axis=axis) - np.take(xi, -1, axis=axis) for axis in range(xi.ndim)]

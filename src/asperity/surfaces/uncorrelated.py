@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+import asperity.checks as checks
 from asperity.lattice import Field
-from asperity.surfaces.arguments import checked_positive, checked_seed, checked_shape
 
 
 def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
@@ -36,8 +36,8 @@ def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -
         If the shape is not one or two positive integers, `rms` is not positive and finite, or the
         seed is not an integer of 0 or more.
     """
-    lengths, width, number = checked_shape(shape), checked_positive("rms", rms), checked_seed(seed)
-    return np.random.default_rng(number).normal(scale=width, size=lengths)
+    lengths, width = checks.lattice_shape(shape), checks.number("rms", rms, above=0)
+    return np.random.default_rng(checks.seed(seed)).normal(scale=width, size=lengths)
 
 
 def exponential(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
@@ -63,5 +63,5 @@ def exponential(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0
     InputError
         As for `gaussian`.
     """
-    lengths, width, number = checked_shape(shape), checked_positive("rms", rms), checked_seed(seed)
-    return np.random.default_rng(number).exponential(scale=width, size=lengths)
+    lengths, width = checks.lattice_shape(shape), checks.number("rms", rms, above=0)
+    return np.random.default_rng(checks.seed(seed)).exponential(scale=width, size=lengths)

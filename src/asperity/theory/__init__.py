@@ -63,3 +63,8 @@ __all__ = [
     "torus_compliance",
     "winkler_area",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

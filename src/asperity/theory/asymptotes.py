@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import gamma
 
+from asperity.checks import Floats, broadcast, line_or_plane, not_negative, positive
 from asperity.errors import InputError
-from asperity.theory._checks import Floats, broadcast, line_or_plane, non_negative, positive
 from asperity.theory.indentation import site_stiffness
 
 #: Slope of G in ln(k0 R t) at late times on the square lattice, without R_tilde; the paper's a0 = 0.04.
@@ -72,12 +72,12 @@ def compliance_asymptote(
     Expand the integrand at small lam at fixed x2 lam^2 (r = 0) or r x2 lam (r > 0). The terms of the paper
     are the first and third line of the first list (Fig. of G; Summary, "t^(1/4)").
     """
-    line_or_plane(dimension)
+    dimension = line_or_plane(dimension)
     first = np.asarray(1.0) if x1 is None else positive("x1", x1)
     first, time, r = broadcast(
         x1=first,
         x2=positive("x2", x2),
-        viscous=non_negative("viscous", viscous, infinity="a large number"),
+        viscous=not_negative("viscous", viscous, infinity="a large number"),
     )
     s = np.where(r > 0, r * time, 1.0)  # 1: not read where r = 0
     per_r = 1 / np.where(r > 0, r, 1.0)
@@ -150,7 +150,7 @@ def late_slope(x1: ArrayLike, viscous: ArrayLike = 0.0, dimension: int = 2) -> F
             "dimension", expected="2", got=1, advice="compliance_asymptote: on a line the growth is a power"
         )
     first, r = broadcast(
-        x1=positive("x1", x1), viscous=non_negative("viscous", viscous, infinity="a large number")
+        x1=positive("x1", x1), viscous=not_negative("viscous", viscous, infinity="a large number")
     )
     return np.asarray(site_stiffness(first) * np.where(r > 0, 2 * LATE_SLOPE, LATE_SLOPE))[()]
 

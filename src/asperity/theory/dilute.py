@@ -29,8 +29,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.checks import Floats, broadcast, line_or_plane, positive
 from asperity.errors import InputError
-from asperity.theory._checks import Floats, broadcast, line_or_plane, positive
 from asperity.theory.heights import HeightLaw
 from asperity.theory.indentation import compliance, site_stiffness
 
@@ -153,7 +153,6 @@ def contacts_at_start(
     InputError
         For a number out of range, and for shapes that do not broadcast.
     """
-    line_or_plane(dimension)
     force, length, first, lateral = _start_numbers(load, rms, x1, k0)
     return np.asarray(force / (length * lateral * site_stiffness(first, dimension)))[()]
 
@@ -192,7 +191,7 @@ def exponential_growth_paper(
     Arguments, result and errors are those of `compliance`.
     """
     grown = compliance(x1, x2, viscous, dimension) - 1 / site_stiffness(x1, dimension)
-    return np.asarray(1 + np.asarray(x1, dtype=np.float64) * grown)[()]
+    return np.asarray(1 + positive("x1", x1) * grown)[()]
 
 
 def _start_numbers(load: ArrayLike, rms: ArrayLike, x1: ArrayLike, k0: ArrayLike) -> list[Floats]:

@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.checks import Floats, broadcast, floats, line_or_plane
 from asperity.errors import InputError
-from asperity.theory._checks import Floats, broadcast, creep_numbers, line_or_plane
-from asperity.theory.modes import depth, log_scale
+from asperity.theory.modes import creep_numbers, depth, log_scale
 from asperity.theory.panels import Panel, graded_panels, lattice
 
 Integers = NDArray[np.int64]
@@ -56,7 +56,8 @@ def displacement(
         For offsets that are not integers, of another shape or too far, for a number out of range, and for
         shapes that do not broadcast.
     """
-    sites = _sites(offset, line_or_plane(dimension))
+    dimension = line_or_plane(dimension)
+    sites = _sites(offset, dimension)
     first, time, r = creep_numbers(x1, x2, viscous)
     index = np.arange(sites[..., 0].size, dtype=np.float64).reshape(sites.shape[:-1])
     first, time, r, index = broadcast(x1=first, x2=time, viscous=r, offset=index)
@@ -87,6 +88,7 @@ def _transform(panel: Panel, cosines: list[Floats], point: Floats) -> Floats:
 
 def _sites(offset: ArrayLike, dimension: int) -> Integers:
     """Absolute values, shape (..., dimension): depths are even in each component."""
+    floats("offset", offset)  # what cannot be an array of numbers is refused there
     array = np.asarray(offset)
     if dimension == 1 and array.ndim == 0:
         array = array[None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.theory._checks import Floats, broadcast, non_negative, positive
+from asperity.checks import Floats, broadcast, not_negative, positive
 
 
 def static_friction(area: ArrayLike, load: ArrayLike, shear_strength: ArrayLike) -> Floats:
@@ -34,8 +34,8 @@ def static_friction(area: ArrayLike, load: ArrayLike, shear_strength: ArrayLike)
         For a number out of range, and for shapes that do not broadcast.
     """
     touching, force, strength = broadcast(
-        area=non_negative("area", area),
+        area=not_negative("area", area),
         load=positive("load", load),
-        shear_strength=non_negative("shear_strength", shear_strength),
+        shear_strength=not_negative("shear_strength", shear_strength),
     )
     return np.asarray(strength * touching / force)[()]

@@ -14,7 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.theory._checks import Floats, non_negative, one, positive, rough_surface
+import asperity.checks as checks
+from asperity.checks import Floats
 
 
 def full_contact_load(heights: ArrayLike, *, k0: float, k1: float) -> float:
@@ -39,8 +40,8 @@ def full_contact_load(heights: ArrayLike, *, k0: float, k1: float) -> float:
     InputError
         For heights that are not a finite array of one or two dimensions, or a stiffness out of range.
     """
-    xi = rough_surface("heights", heights)
-    lateral, vertical = one("k0", non_negative("k0", k0)), one("k1", positive("k1", k1))
+    xi = checks.heights("heights", heights)
+    lateral, vertical = checks.number("k0", k0, least=0), checks.number("k1", k1, above=0)
     return xi.size * float(np.max(vertical * (np.mean(xi) - xi) + lateral * _laplacian(xi)))
 
 
@@ -64,8 +65,8 @@ def full_contact_load_relaxed(heights: ArrayLike, *, k0: float) -> float:
     InputError
         For heights that are not a finite array of one or two dimensions, or a stiffness out of range.
     """
-    xi = rough_surface("heights", heights)
-    return xi.size * one("k0", non_negative("k0", k0)) * float(np.max(_laplacian(xi)))
+    xi = checks.heights("heights", heights)
+    return xi.size * checks.number("k0", k0, least=0) * float(np.max(_laplacian(xi)))
 
 
 def _laplacian(xi: Floats) -> Floats:

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import elementwise
 from scipy.special import erfcx, log_ndtr, ndtr
 
+from asperity.checks import Floats, floats, number, positive
 from asperity.errors import ConvergenceError, InputError
-from asperity.theory._checks import Floats, numbers, positive
 
 _LOG_ROOT_TWO_PI = 0.5 * np.log(2 * np.pi)
 
@@ -56,15 +56,15 @@ class GaussianHeights:
     rms: float = 1.0
 
     def __post_init__(self) -> None:
-        _check_rms(self.rms)
+        object.__setattr__(self, "rms", number("rms", self.rms, above=0))
 
     def exceedance(self, separation: ArrayLike) -> Floats:
         """Q(d/rms), the upper tail of the normal law."""
-        return np.asarray(ndtr(-numbers("separation", separation) / self.rms))[()]
+        return np.asarray(ndtr(-floats("separation", separation) / self.rms))[()]
 
     def mean_excess(self, separation: ArrayLike) -> Floats:
         """Rms [phi(x) - x Q(x)], x = d/rms, without the cancellation in the tail."""
-        x = numbers("separation", separation) / self.rms
+        x = floats("separation", separation) / self.rms
         return (self.rms * np.exp(_log_normal_excess(x)))[()]
 
     def separation_for(self, mean_excess: ArrayLike) -> Floats:
@@ -99,16 +99,16 @@ class ExponentialHeights:
     rms: float = 1.0
 
     def __post_init__(self) -> None:
-        _check_rms(self.rms)
+        object.__setattr__(self, "rms", number("rms", self.rms, above=0))
 
     def exceedance(self, separation: ArrayLike) -> Floats:
         """Exp(-d/rms), and 1 below the lowest asperity."""
-        x = numbers("separation", separation) / self.rms
+        x = floats("separation", separation) / self.rms
         return np.exp(-np.maximum(x, 0))[()]
 
     def mean_excess(self, separation: ArrayLike) -> Floats:
         """Rms exp(-d/rms), and rms - d below the lowest asperity."""
-        x = numbers("separation", separation) / self.rms
+        x = floats("separation", separation) / self.rms
         return (self.rms * (np.exp(-np.maximum(x, 0)) - np.minimum(x, 0)))[()]
 
     def separation_for(self, mean_excess: ArrayLike) -> Floats:
@@ -135,12 +135,15 @@ class EmpiricalHeights:
     heights: ArrayLike
 
     def __post_init__(self) -> None:
-        array = numbers("heights", self.heights)
+        array = floats("heights", self.heights)
         if array.size == 0 or not np.isfinite(array).all():
             raise InputError("heights", expected="finite heights, at least one", got=f"shape {array.shape}")
         copied = array.copy()
         copied.flags.writeable = False
         object.__setattr__(self, "heights", copied)
+
+    def __repr__(self) -> str:
+        return f"EmpiricalHeights({self._descending.size} heights)"
 
     @cached_property
     def _descending(self) -> Floats:
@@ -155,12 +158,12 @@ class EmpiricalHeights:
 
     def exceedance(self, separation: ArrayLike) -> Floats:
         """Fraction of the heights above d."""
-        d = numbers("separation", separation)
+        d = floats("separation", separation)
         return np.asarray(self._count_above(d) / self._descending.size)[()]
 
     def mean_excess(self, separation: ArrayLike) -> Floats:
         """Exact: piecewise linear in d, with a knot at each height."""
-        d = numbers("separation", separation)
+        d = floats("separation", separation)
         above = self._count_above(d)
         knot = np.maximum(above, 1) - 1  # the lowest height above d
         fall = np.maximum(self._descending[knot] - d, 0)
@@ -178,11 +181,6 @@ class EmpiricalHeights:
     def _count_above(self, d: Floats) -> Floats:
         ascending = self._descending[::-1]
         return np.asarray(ascending.size - np.searchsorted(ascending, d, side="right"), dtype=np.int64)
-
-
-def _check_rms(rms: float) -> None:
-    if positive("rms", rms).ndim != 0:
-        raise InputError("rms", expected="one number", got=repr(rms))
 
 
 def _log_normal_excess(x: Floats) -> Floats:

@@ -19,15 +19,20 @@ Where this differs from the letter of the paper:
 from __future__ import annotations
 
 import math
-import operator
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipkm1
 
-from asperity.errors import InputError
-from asperity.theory._checks import Floats, broadcast, creep_numbers, line_or_plane, non_negative, positive
-from asperity.theory.modes import Integrand, depth, log_scale, sinking, weighted_sum
+from asperity.checks import (
+    Floats,
+    broadcast,
+    lattice_shape,
+    line_or_plane,
+    not_negative,
+    positive,
+)
+from asperity.theory.modes import Integrand, creep_numbers, depth, log_scale, sinking, weighted_sum
 from asperity.theory.panels import Dispersion, mean_nodes
 from asperity.theory.zone import torus_modes
 
@@ -118,13 +123,13 @@ def torus_compliance(
         For a number out of range, a shape that is not one or two positive lengths, and arguments that do
         not broadcast.
     """
-    lengths = _lengths(shape)
+    lengths = lattice_shape(shape)
     lam, count = torus_modes(lengths)
     sites = math.prod(lengths)
     first, time, r = broadcast(
         x1=positive("x1", x1),
-        x2=non_negative("x2", x2, infinity="welcome"),
-        viscous=non_negative("viscous", viscous, infinity="a large number"),
+        x2=not_negative("x2", x2, infinity="welcome"),
+        viscous=not_negative("viscous", viscous, infinity="a large number"),
     )
     waves = weighted_sum(depth, lam, count / sites, first, time, r)
     return np.asarray(1 / (first * sites) + waves)[()]
@@ -170,20 +175,8 @@ def _zone_mean(
     dispersion: Dispersion,
 ) -> Floats:
     first, time, r = creep_numbers(x1, x2, viscous)
-    line_or_plane(dimension)
+    dimension = line_or_plane(dimension)
     if first.size == 0:
         return np.zeros(first.shape)
     lam, weight = mean_nodes(dispersion, dimension, log_scale(first, time, r))
     return weighted_sum(integrand, lam, weight, first, time, r)[()]
-
-
-def _lengths(shape: tuple[int, ...]) -> tuple[int, ...]:
-    try:
-        lengths = tuple(operator.index(n) for n in shape)
-    except TypeError:
-        lengths = ()
-    if len(lengths) not in (1, 2) or min(lengths) < 1:
-        raise InputError(
-            "shape", expected="one or two positive lengths", got=repr(shape), advice="(200, 200)"
-        )
-    return lengths

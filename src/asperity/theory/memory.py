@@ -19,7 +19,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import exprel
 
-from asperity.theory._checks import Floats, history, line_or_plane, non_negative, one, positive
+import asperity.checks as checks
+from asperity.checks import Floats
+from asperity.errors import InputError
 from asperity.theory.modes import decay, log_scale
 from asperity.theory.zone import zone_nodes
 
@@ -79,6 +81,29 @@ def response_rate(
     """
     _, rate, slope, at_once = _march(x2, force, x1, viscous, dimension)
     return rate + slope * at_once if instantaneous else rate
+
+
+def history(x2: ArrayLike, **values: ArrayLike) -> list[Floats]:
+    """Check times that never decrease, and finite values at each of them: shape (n,), n at least 1."""
+    arrays = {name: checks.floats(name, value) for name, value in {"x2": x2, **values}.items()}
+    times = arrays["x2"]
+    if times.ndim != 1 or times.size == 0:
+        raise InputError("x2", expected="times, shape (n,), n at least 1", got=f"shape {times.shape}")
+    for name, array in arrays.items():
+        if array.shape != times.shape:
+            expected = f"a value a time, shape {times.shape}"
+            raise InputError(name, expected=expected, got=f"shape {array.shape}")
+        if not np.isfinite(array).all():
+            raise InputError(name, expected="finite numbers", got="inf among them")
+    if (np.diff(times) < 0).any():
+        at = int(np.argmin(np.diff(times)))
+        raise InputError(
+            "x2",
+            expected="times that do not decrease",
+            got=f"{times[at]} before {times[at + 1]}",
+            advice="the same time twice for a jump",
+        )
+    return list(arrays.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +173,10 @@ def _march(
     """Depth, delayed speed and slope of the force at every time, and G(0)."""
     times, forces = history(x2, force=force)
     memory = site_memory(
-        one("x1", positive("x1", x1)),
+        checks.number("x1", x1, above=0),
         float(times[-1] - times[0]),
-        one("viscous", non_negative("viscous", viscous, infinity="a large number")),
-        line_or_plane(dimension),
+        checks.number("viscous", viscous, least=0),
+        checks.line_or_plane(dimension),
     )
     lag = np.zeros_like(memory.rate)
     speed = memory.slow * memory.rate

@@ -12,13 +12,23 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from asperity.theory._checks import Floats
+from asperity.checks import Floats, broadcast, not_negative, positive
 
 #: A function of lam, x1, x2, r.
 Integrand = Callable[[Floats, Floats, Floats, Floats], Floats]
 # Points times nodes held at once: 16 MB an array.
 _BLOCK = 2_000_000
+
+
+def creep_numbers(x1: ArrayLike, x2: ArrayLike, viscous: ArrayLike) -> list[Floats]:
+    """Check k1/k0, k0 R t and R_tilde/R, broadcast against each other."""
+    return broadcast(
+        x1=positive("x1", x1),
+        x2=not_negative("x2", x2, infinity="torus_compliance, which has a relaxed state"),
+        viscous=not_negative("viscous", viscous, infinity="a large number"),
+    )
 
 
 def decay(lam: Floats, x1: Floats, r: Floats) -> Floats:

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import roots_legendre
 
+from asperity.checks import Floats
 from asperity.errors import InputError
-from asperity.theory._checks import Floats
 from asperity.theory.zone import zone_nodes
 
 #: ``"lattice"``, ``"continuum"`` or a function lam(qx, qy) (on the line, lam(q)) of arrays of one shape.

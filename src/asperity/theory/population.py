@@ -25,9 +25,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.theory._checks import Floats, history, non_negative, one, positive
+import asperity.checks as checks
+from asperity.checks import Floats
 from asperity.theory.heights import HeightLaw
-from asperity.theory.memory import SiteMemory, response, site_memory
+from asperity.theory.memory import SiteMemory, history, response, site_memory
 
 # The accuracy that these give was measured: see `dilute_history`.
 _ERROR = 1e-6  # of the sum over modes
@@ -87,8 +88,9 @@ def dilute_history(
     plane and 1e-3 on the line, over 60 cases (steps, ramps and cycles of the load, with and without R_tilde,
     k1/k0 from 0.05 to 100). It takes tenths of a second, and seconds for a hundred changes of slope.
     """
-    times, loads = history(x2, load_per_site=non_negative("load_per_site", load_per_site))
-    lateral = one("k0", positive("k0", k0))
+    times, loads = history(x2, load_per_site=checks.not_negative("load_per_site", load_per_site))
+    lateral, x1 = checks.number("k0", k0, above=0), checks.number("x1", x1, above=0)
+    viscous, dimension = checks.number("viscous", viscous, least=0), checks.line_or_plane(dimension)
     compression = response(times, loads, x1, viscous, dimension) / lateral
     touching = compression > 0
     area = np.zeros(times.size)

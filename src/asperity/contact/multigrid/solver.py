@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+import asperity.checks as checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.cascade import interpolated
@@ -57,13 +58,15 @@ class Multigrid:
 
     threads: int | None = field(default=None, repr=False)
     max_cycles: int = 40
-    _work: dict[str, object] = field(default_factory=dict, repr=False, compare=False)
+    _work: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        for name, least in (("threads", 1), ("max_cycles", 0)):
-            value = getattr(self, name)
-            if value is not None and not value >= least:
-                raise InputError(name, expected=f"a whole number >= {least}", got=value)
+        if self.threads is not None:
+            object.__setattr__(self, "threads", checks.integer("threads", self.threads, least=1))
+        object.__setattr__(self, "max_cycles", checks.integer("max_cycles", self.max_cycles, least=0))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Multigrid, (self.threads, self.max_cycles)  # a copy has threads and work arrays of its own
 
     @staticmethod
     def suits(springs: SpringConstants | None, shape: tuple[int, ...]) -> bool:

@@ -1,0 +1,322 @@
+"""The door: what comes from outside is checked here, number by number and array by array.
+
+A number becomes a Python float, an array one of float64, whatever they were. In NumPy 2 a ``float32`` stays
+one beside Python floats, and solvers that need double precision would not converge.
+"""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from datetime import timedelta
+from decimal import Decimal
+from numbers import Real
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.errors import LARGEST, InputError
+
+Floats = NDArray[np.float64]
+T = TypeVar("T")
+
+_FILLING = "filling them: asperity.surfaces.read(path, undefined='fill') does for files"
+
+
+def number(
+    name: str,
+    value: object,
+    *,
+    least: float = -LARGEST,
+    above: float = -math.inf,
+    most: float = LARGEST,
+    below: float = math.inf,
+    expected: str = "",
+    advice: str = "",
+) -> float:
+    """One real number: of Python, NumPy or xarray, or an array without axes.
+
+    Parameters
+    ----------
+    name
+        What it is, for the message.
+    value
+        What was given.
+    least, above, most, below
+        Bounds; at most 1e100 in magnitude in any case.
+    expected, advice
+        Words for the message; by default the bounds.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        It is a truth value, a text, complex, an array, a quantity with a unit, NaN, or out of bounds.
+    """
+    found = _real(value)
+    if found is None or not (least <= found <= most and above < found < below):
+        signs = (
+            (">=", least, -LARGEST),
+            (">", above, -math.inf),
+            ("<=", most, LARGEST),
+            ("<", below, math.inf),
+        )
+        bounds = " and ".join(f"{sign} {bound:g}" for sign, bound, none in signs if bound != none)
+        wanted = expected or f"a finite number {bounds}".rstrip()
+        raise InputError(name, expected=wanted, got=shown(value), advice=advice or _hint(name, value))
+    return found
+
+
+def integer(
+    name: str, value: object, *, least: int, most: int | None = None, expected: str = "", advice: str = ""
+) -> int:
+    """One integer, as a Python int; `InputError` for anything else.
+
+    A float is refused even if it is whole: it mostly comes of a division that was meant to be exact.
+    """
+    item: Any = value if isinstance(value, int) else _scalar(value, kinds="iu")
+    if item is None or isinstance(item, bool) or item < least or (most is not None and item > most):
+        wanted = expected or (
+            f"a whole number >= {least}" if most is None else f"a whole number from {least} to {most}"
+        )
+        raise InputError(name, expected=wanted, got=shown(value), advice=advice)
+    return int(item)
+
+
+def seed(value: object) -> int:
+    """Seed of random numbers. None is refused: nobody could make the same surface again."""
+    return integer("seed", value, least=0, expected="an integer, 0 or more")
+
+
+def lattice_shape(
+    value: object, advice: str = "(200, 200), or (4096,) for a line contact"
+) -> tuple[int, ...]:
+    """Lengths of a lattice of one or two axes; one integer is the length of a profile."""
+    expected = "one or two positive lengths, which are integers"
+    several = isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim == 1)
+    lengths: tuple[object, ...] = tuple(value) if several else (value,)  # type: ignore[arg-type]
+    if len(lengths) not in (1, 2):
+        raise InputError("shape", expected=expected, got=shown(value), advice=advice)
+    return tuple(integer("shape", n, least=1, expected=expected, advice=advice) for n in lengths)
+
+
+def line_or_plane(value: object) -> int:
+    """Dimension of a lattice."""
+    return integer("dimension", value, least=1, most=2, expected="1 (line contact) or 2")
+
+
+def instance(name: str, value: object, kind: type[T], advice: str) -> T:
+    """Pass on a thing that is of this class; `InputError` for anything else."""
+    if not isinstance(value, kind):
+        raise InputError(name, expected=f"a {kind.__name__}", got=kind_of(value), advice=advice)
+    return value
+
+
+def kind_of(value: object) -> str:
+    """What kind of thing it is."""
+    return f"the class {value.__name__}" if isinstance(value, type) else type(value).__name__
+
+
+def floats(name: str, value: object, *, expected: str = "real numbers", advice: str = "") -> Floats:
+    """Real numbers of any shape, without NaN, as float64: what is float64 already, itself."""
+    array = _as_floats(name, value, expected, advice)
+    if np.isnan(array).any():
+        raise InputError(name, expected=expected, got="NaN among them", advice=advice)
+    return array
+
+
+def positive(name: str, value: object) -> Floats:
+    """Finite numbers above 0, of any shape."""
+    array = floats(name, value)
+    wrong = ~(np.isfinite(array) & (array > 0))
+    if wrong.any():
+        raise InputError(name, expected="finite numbers above 0", got=float(array[wrong].flat[0]))
+    return array
+
+
+def not_negative(name: str, value: object, *, infinity: str = "") -> Floats:
+    """Numbers not below 0; infinity is refused with this advice, or welcome where it is ``"welcome"``."""
+    array = floats(name, value)
+    if (array < 0).any():
+        raise InputError(name, expected="numbers not below 0", got=float(array.min()))
+    if infinity != "welcome" and np.isinf(array).any():
+        raise InputError(name, expected="finite numbers", got="inf", advice=infinity)
+    return array
+
+
+def line(name: str, value: object) -> Floats:
+    """Finite numbers in a row, shape (n,)."""
+    array = _as_floats(name, value, "real numbers")
+    if array.ndim != 1:
+        raise InputError(name, expected="an array of one dimension", got=f"shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError(
+            name, expected="finite numbers", got="NaN or infinity", advice="dropping the relaxed state"
+        )
+    return array
+
+
+def times(name: str, value: object, *, at_least: int = 1) -> Floats:
+    """Strictly increasing times >= 0, shape (n,), n `at_least` so many."""
+    advice = "np.geomspace(1e-3, 1e6, 37)"
+    array = np.atleast_1d(_as_floats(name, value, "a list of times", advice))
+    if array.ndim != 1 or array.size < at_least:
+        raise InputError(name, expected="a list of times", got=f"shape {array.shape}", advice=advice)
+    wrong = ~((array == 0) | ((array >= 1 / LARGEST) & (array <= LARGEST)))
+    if wrong.any():
+        expected = f"finite times >= 0 (0, or from {1 / LARGEST:g} to {LARGEST:g})"
+        raise InputError(name, expected=expected, got=float(array[wrong][0]), advice=advice)
+    if not (np.diff(array) > 0).all():
+        at = int(np.argmin(np.diff(array)))
+        got = f"{array[at]} before {array[at + 1]}"
+        raise InputError(name, expected="strictly increasing times", got=got, advice="np.unique(times)")
+    return array
+
+
+def heights(name: str, value: object) -> Floats:
+    """Heights over the sites of a lattice, shape (n,) or (n, m), finite: a copy in C order."""
+    if np.ma.isMaskedArray(value):
+        masked = np.argwhere(np.ma.getmaskarray(value))
+        if len(masked):
+            raise InputError(
+                name,
+                expected="an array without masked entries",
+                got=f"{len(masked)} masked of {np.size(value)}, the first at {masked[0].tolist()}",
+                advice=_FILLING,
+            )
+    array = _as_floats(name, value, "an array of real numbers", copied=True)
+    if array.ndim not in (1, 2):
+        raise InputError(
+            name,
+            expected="one or two dimensions",
+            got=f"{array.ndim} dimensions, shape {array.shape}",
+            advice=f"one layer of it, {name}[0]" if array.ndim > 2 else "a profile or a surface",
+        )
+    if array.size == 0:
+        raise InputError(name, expected="at least one height", got=f"an empty array, shape {array.shape}")
+    wrong = ~np.isfinite(array)
+    if wrong.any():
+        nans = int(np.isnan(array).sum())
+        raise InputError(
+            name,
+            expected="finite numbers",
+            got=f"{nans} NaN and {int(wrong.sum()) - nans} infinite of {array.size}, "
+            f"the first at {np.argwhere(wrong)[0].tolist()}",
+            advice=_FILLING,
+        )
+    if max(float(array.max()), -float(array.min())) > LARGEST:
+        raise InputError(name, expected=f"heights up to {LARGEST:g}", got="larger ones")
+    return array
+
+
+def broadcast(**arrays: Floats) -> list[Floats]:
+    """Broadcast arrays against each other; `InputError` names them where their shapes do not match."""
+    try:
+        return list(np.broadcast_arrays(*arrays.values()))
+    except ValueError as error:
+        raise InputError(
+            ", ".join(arrays),
+            expected="shapes that broadcast against each other",
+            got=", ".join(str(array.shape) for array in arrays.values()),
+            advice="x1[:, None] with x2[None, :] for a table",
+        ) from error
+
+
+def shown(value: object) -> str:
+    """A value in few characters, on one line."""
+    if _has_unit(value):
+        return f"{' '.join(str(value).split())[:60]}, which has a unit"
+    scalar = _scalar(value, kinds="iufcbmM")
+    if scalar is not None:
+        return str(scalar)
+    if isinstance(value, type):
+        return kind_of(value)
+    if hasattr(value, "__qualname__"):  # such as ds.load, in place of ds["load"]
+        return f"the {type(value).__name__} {value.__qualname__}"
+    if hasattr(value, "dtype") and hasattr(value, "shape"):
+        return f"{type(value).__name__} of type {value.dtype}, shape {tuple(value.shape)}"
+    try:
+        return " ".join(_REPR.repr(value).split())
+    except ValueError:  # an integer of thousands of digits
+        return f"a huge {type(value).__name__}"
+
+
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = 60
+
+
+def _real(value: object) -> float | None:
+    """A float of one real number, infinite if it is too large for one; None of anything else."""
+    if hasattr(value, "__array__"):
+        scalar = _scalar(value, kinds="iuf")
+        return None if scalar is None else float(scalar)
+    if isinstance(value, bool) or not isinstance(value, (Real, Decimal)):
+        return None
+    try:
+        return float(value)
+    except (OverflowError, ValueError):
+        return math.inf
+
+
+def _scalar(value: object, *, kinds: str) -> Any:
+    """What an array without axes holds, or a scalar of NumPy, if it is of one of these kinds; else None."""
+    if (
+        not hasattr(value, "__array__")
+        or isinstance(value, type)
+        or _has_unit(value)
+        or value is np.ma.masked
+    ):
+        return None
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):  # such as a Dataset
+        return None
+    return array[()] if array.ndim == 0 and array.dtype.kind in kinds else None
+
+
+def _as_floats(name: str, value: object, expected: str, advice: str = "", *, copied: bool = False) -> Floats:
+    """Real numbers as float64, NaN and infinity included; a copy in C order where one is wanted."""
+    if _has_unit(value):
+        raise InputError(name, expected=expected, got=shown(value), advice=_hint(name, value))
+    try:
+        array = np.asarray(value)
+    except InputError:  # of a Surface whose pixels are not square
+        raise
+    except (TypeError, ValueError) as error:
+        got = f"{type(value).__name__} ({error})"
+        raise InputError(name, expected=expected, got=got, advice=advice) from error
+    if array.dtype.kind == "O":  # of Python's own numbers, perhaps
+        found = [_real(item) for item in array.flat]
+        if None not in found:
+            return np.array(found, dtype=np.float64).reshape(array.shape)
+    if array.dtype.kind not in "iuf":
+        got = shown(value) if array.ndim == 0 else f"{type(value).__name__} of type {array.dtype}"
+        raise InputError(name, expected=expected, got=got, advice=_hint(name, array) or advice)
+    if np.ma.is_masked(value):
+        raise InputError(name, expected=expected, got="masked entries among them", advice=advice)
+    with np.errstate(over="ignore"):  # a long double that overflows becomes infinite
+        if copied:
+            return np.array(array, dtype=np.float64, order="C")
+        return np.asarray(array, dtype=np.float64)
+
+
+def _has_unit(value: object) -> bool:
+    """Whether it is a quantity of pint or astropy."""
+    return hasattr(type(value), "magnitude") or hasattr(type(value), "to_value")
+
+
+def _hint(name: str, value: object) -> str:
+    """How to make a number of what almost is one."""
+    if hasattr(type(value), "magnitude"):
+        return f"{name}.magnitude, in the unit of the other arguments"
+    if hasattr(type(value), "to_value"):
+        return f"{name}.value, in the unit of the other arguments"
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    first = value.flat[0] if kind == "O" and isinstance(value, np.ndarray) and value.size else value
+    if kind == "m" or isinstance(first, timedelta):
+        return f'{name} / np.timedelta64(1, "s")'
+    return f"{name}.real" if kind == "c" or isinstance(value, complex) else ""
