@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+import asperity.checks as checks
 from asperity.errors import InputError
 from asperity.lattice import Mask
 
@@ -77,10 +78,8 @@ def patches(in_contact: ArrayLike, connectivity: int = 1) -> Patches:
         No boolean mask of one or two axes, or an empty one; a connectivity other than 1 or 2.
     """
     touching = _mask("in_contact", in_contact)
-    if connectivity not in (1, 2):
-        raise InputError(
-            "connectivity", expected="1 (nearest neighbors) or 2 (diagonals too)", got=connectivity
-        )
+    expected = "1 (nearest neighbors) or 2 (diagonals too)"
+    connectivity = checks.integer("connectivity", connectivity, least=1, most=2, expected=expected)
     pieces, count = _open_pieces(touching, connectivity)
     one, other = _across_the_seam(pieces, connectivity)
     joined = coo_array((np.ones(one.size, dtype=bool), (one, other)), shape=(count + 1, count + 1))
@@ -134,10 +133,8 @@ def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
     if box is None:
         side = (_CONTACTS_PER_BOX / fraction) ** (1 / touching.ndim) if fraction else 1.0
         box = max(_SMALLEST_BOX, min(round(side), shorter // _BOXES_PER_AXIS))
-    if not (isinstance(box, int | np.integer) and _SMALLEST_BOX <= box <= shorter // 2):
-        raise InputError(
-            "box", expected=f"a whole number of sites, 2 to {shorter // 2} (half an axis)", got=box
-        )
+    expected = f"a whole number of sites, 2 to {shorter // 2} (half an axis)"
+    box = checks.integer("box", box, least=_SMALLEST_BOX, most=shorter // 2, expected=expected)
     if fraction in (0.0, 1.0):
         return math.nan
     inside = touching.astype(np.int64)

@@ -14,6 +14,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+import asperity.checks as checks
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import (
     Comparison,
@@ -125,6 +126,7 @@ def measured_growth(
         The fit of the only law found no minimum.
     """
     series = Series.checked(time, value, stderr, ("time", name))
+    first, last = (None if t is None else checks.number(n, t) for n, t in (("first", first), ("last", last)))
     if series.x.size > 2:  # the fits would call the values areas
         refuse_decline(series, name)
     fits, comparison, notes = _fits(series, laws)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+import asperity.checks as checks
 from asperity.errors import InputError
 from asperity.lattice import Field
 
@@ -36,7 +37,8 @@ def modest_load(*, k0: float, k1: float, rms: float, sites: int) -> float:
     InputError
         The surface is flat, so that there is no such load.
     """
-    load = MODEST * (k0 + k1) * rms * sites
+    stiffness = checks.number("k0", k0, least=0) + checks.number("k1", k1, least=0)
+    load = MODEST * stiffness * checks.number("rms", rms, least=0) * checks.integer("sites", sites, least=1)
     if not load > 0:
         raise InputError(
             "load",
@@ -67,10 +69,10 @@ def hold_times(*, first: float, last: float, per_decade: int) -> Field:
     InputError
         ``first`` is not above 0, ``last`` not above ``first``, or ``per_decade`` below 1.
     """
-    if not 0 < first < last < math.inf:
+    first, last = checks.number("first", first), checks.number("last", last)
+    if not 0 < first < last:
         raise InputError("first and last", expected="0 < first < last", got=f"{first:g} and {last:g}")
-    if per_decade < 1:
-        raise InputError("per_decade", expected="an integer of 1 or more", got=per_decade)
+    per_decade = checks.integer("per_decade", per_decade, least=1)
     steps = max(1, round(math.log10(last / first) * per_decade))
     return np.geomspace(first, last, steps + 1)
 
@@ -91,8 +93,8 @@ def map_times(times: Sequence[float], count: int = 6) -> tuple[float, ...]:
         Members of ``times``, after 0. They are spread evenly by index: over the decades, where the
         times are.
     """
-    later = [float(t) for t in times if t > 0]
-    wanted = min(count - 1, len(later))
+    later = [float(t) for t in checks.times("times", times) if t > 0]
+    wanted = min(checks.integer("count", count, least=2) - 1, len(later))
     # The last of each of `wanted` equal parts: the early stretch, where little happens, has no extra map.
     chosen = [later[math.ceil((part + 1) * len(later) / wanted) - 1] for part in range(wanted)]
     return (0.0, *chosen)

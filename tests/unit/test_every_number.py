@@ -1,0 +1,340 @@
+"""Every number of every public function: any type gives the result of a Python float, or a refusal.
+
+`CALLS` has a valid call of each public function. A float in it stands for a real number, an integer for a
+whole one, a list for an array of either, a tuple for the shape of a lattice. All of them are exact in half
+precision, so that other types of the same numbers must lead to the same bits.
+"""
+
+import dataclasses
+import inspect
+import math
+from collections.abc import Callable, Iterator, Mapping
+from decimal import Decimal
+from fractions import Fraction
+from operator import methodcaller
+from types import FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity.errors import InputError
+
+Arguments = dict[str, Any]
+
+ROUGH = (np.round(8 * np.random.default_rng(1).normal(size=(8, 8))) / 8 + 0.0).tolist()
+LATTICE = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+CONTACT = asp.press(ROUGH, LATTICE, load=8.0)
+MASK = np.asarray(CONTACT.in_contact)
+LAW = asp.theory.GaussianHeights(2.0)
+LAWS: list[asp.theory.HeightLaw] = [
+    LAW,
+    asp.theory.ExponentialHeights(2.0),
+    asp.theory.EmpiricalHeights([0.5, 1.0, 4.0]),
+]
+TIME = (2.0 ** np.arange(9)).tolist()
+AREA = (np.round(8 * (10 + 3 * np.log1p(TIME))) / 8 + 0.0).tolist()
+ERROR = [0.25] * 9
+CURVE = {"time": TIME, "area": AREA, "stderr": ERROR}
+SATURATION, LOGARITHM = asp.fits.saturation(TIME, AREA), asp.fits.logarithm(TIME, AREA)
+CREEP = {"x1": 3.0, "x2": [0.5, 2.0], "viscous": 0.5, "dimension": 2}
+FORCES = {"x1": 3.0, "x2": [0.0, 1.0, 2.0], "viscous": 0.5, "dimension": 1}
+
+CALLS: list[tuple[Callable[..., Any], Arguments]] = [
+    (asp.press, {"heights": ROUGH, "solid": LATTICE, "load": 8.0}),
+    (asp.press, {"heights": ROUGH, "solid": LATTICE, "separation": 0.5}),
+    (asp.age, {"contact": CONTACT, "times": [1.0, 2.0], "rtol": 2.0**-5, "fields_at": [0.0, 2.0]}),
+    (asp.relax, {"contact": CONTACT}),
+    (asp.Load, {"value": 8.0}),
+    (asp.Separation, {"value": 0.5}),
+    (asp.Checkpoint, {"path": "place", "every": 2.0}),
+    (asp.Multigrid, {"threads": 1, "max_cycles": 20}),
+    (
+        asp.ActiveSet,
+        {"reduction": 0.5, "max_iterations": 9, "patience": 2, "careful_after": 3, "max_revisions": 4},
+    ),
+    (asp.solids.spring_lattice, {"k0": 1.0, "k1": 3.0, "R": 2.0, "R_viscous": 0.5}),
+    (asp.solids.half_space, {"modulus": 2.0, "creeping": 0.5, "relaxation_time": 4.0}),
+    (asp.solids.SpringConstants, {"k0": 1.0, "k1": 3.0, "R": 2.0, "R_viscous": 0.5}),
+    (asp.solids.LaplacianSpectrum, {"laplacian": 2.0, "uniform": 0.5}),
+    (asp.solids.WaveNumberSpectrum, {"slope": 2.0}),
+    (asp.solids.FixedRate, {"rate": 2.0, "stiffness": LATTICE.permanent}),
+    (asp.surfaces.gaussian, {"shape": (4, 6), "rms": 2.0, "seed": 3}),
+    (asp.surfaces.exponential, {"shape": (4, 6), "rms": 2.0, "seed": 3}),
+    (asp.surfaces.self_affine, {"size": 4, "hurst": 0.5, "delta": 0.25, "seed": 3}),
+    (asp.surfaces.check_heights, {"heights": ROUGH}),
+    (asp.surfaces.statistics, {"heights": ROUGH, "pixel_size": [0.5, 2.0]}),
+    (asp.surfaces.read, {"path": "heights.npy", "max_undefined": 0.25}),
+    (asp.fits.saturation, CURVE),
+    (asp.fits.logarithm, CURVE),
+    (asp.fits.compare, CURVE),
+    (asp.fits.growth_rate, CURVE | {"first": 1.0, "last": 64.0, "initial": 10.0, "initial_stderr": 0.5}),
+    (asp.fits.power_law, {"x": TIME, "y": AREA, "stderr": ERROR}),
+    (asp.fits.local_exponent, {"x": TIME, "y": AREA}),
+    (
+        asp.fits.ensemble,
+        {"fit": asp.fits.power_law, "time": TIME, "areas": [AREA, [2 * area for area in AREA]]},
+    ),
+    (SATURATION.predict, {"time": [0.0, 2.0]}),
+    (LOGARITHM.area_ratio, {"time": [0.0, 2.0]}),
+    (asp.fits.power_law(TIME, AREA).predict, {"x": [1.0, 2.0]}),
+    (asp.fits.growth_rate(TIME, AREA, initial=10.0).predict, {"time": [1.0, 2.0]}),
+    (asp.theory.compliance, CREEP),
+    (asp.theory.compliance_rate, CREEP),
+    (asp.theory.compliance_asymptote, CREEP),
+    (asp.theory.compliance_asymptote_paper, {"x2": 4.0}),
+    (asp.theory.exponential_growth, CREEP),
+    (asp.theory.exponential_growth_paper, CREEP),
+    (asp.theory.displacement, {"offset": [1, 2], **CREEP}),
+    (asp.theory.torus_compliance, {"x1": 3.0, "x2": [0.5, 2.0], "viscous": 0.5, "shape": (4, 6)}),
+    (asp.theory.site_stiffness, {"x1": 3.0, "dimension": 1}),
+    (asp.theory.late_slope, {"x1": [1.0, 3.0], "viscous": 0.5, "dimension": 2}),
+    (asp.theory.late_slope_paper, {"x1": 3.0}),
+    (asp.theory.response, FORCES | {"force": [1.0, 2.0, 1.0]}),
+    (asp.theory.response_rate, FORCES | {"force": [1.0, 2.0, 1.0]}),
+    (asp.theory.dilute_area, {"load_per_site": [0.25, 0.5], "compliance": 0.5, "heights": LAW}),
+    (asp.theory.winkler_area, {"load_per_site": [0.25, 0.5], "k1": 3.0, "heights": LAW}),
+    (asp.theory.dilute_horizon, {"area_fraction": 0.25, "dimension": 2}),
+    (asp.theory.dilute_history, FORCES | {"load_per_site": [0.5, 0.5, 0.5], "k0": 2.0, "heights": LAW}),
+    (asp.theory.contacts_at_start, {"load": 8.0, "rms": 2.0, "x1": 3.0, "k0": 0.5, "dimension": 2}),
+    (asp.theory.contacts_at_start_paper, {"load": 8.0, "rms": 2.0, "x1": 3.0, "k0": 0.5}),
+    (asp.theory.static_friction, {"area": [1.0, 2.0], "load": 8.0, "shear_strength": 0.5}),
+    (asp.theory.full_contact_load, {"heights": ROUGH, "k0": 2.0, "k1": 3.0}),
+    (asp.theory.full_contact_load_relaxed, {"heights": ROUGH, "k0": 2.0}),
+    (asp.theory.GaussianHeights, {"rms": 2.0}),
+    (asp.theory.ExponentialHeights, {"rms": 2.0}),
+    (asp.theory.EmpiricalHeights, {"heights": [0.5, 1.0, 4.0]}),
+    *((law.separation_for, {"mean_excess": [0.25, 0.5]}) for law in LAWS),
+    *((law.exceedance, {"separation": [0.25, 0.5]}) for law in LAWS),
+    *((law.mean_excess, {"separation": [0.25, 0.5]}) for law in LAWS),
+    (asp.analysis.hold_times, {"first": 0.5, "last": 64.0, "per_decade": 3}),
+    (asp.analysis.modest_load, {"k0": 1.0, "k1": 3.0, "rms": 2.0, "sites": 64}),
+    (asp.analysis.map_times, {"times": TIME, "count": 4}),
+    (asp.analysis.patches, {"in_contact": MASK, "connectivity": 2}),
+    (asp.analysis.clustering, {"in_contact": MASK, "box": 2}),
+    (
+        asp.analysis.measured_growth,
+        {"time": TIME, "value": AREA, "stderr": ERROR, "first": 1.0, "last": 64.0, "laws": ("logarithm",)},
+    ),
+]
+
+WITHOUT_NUMBERS: set[Callable[..., Any]] = {
+    asp.analysis.aging_summary,
+    asp.analysis.contact_maps,
+    asp.analysis.surface_view,
+    asp.analysis.turnover,
+    asp.analysis.with_limit,
+    asp.campaign.estimate,
+    asp.campaign.fields,
+    asp.campaign.load_plan,
+    asp.campaign.open,
+    asp.campaign.read_plan,
+    asp.campaign.sweep,
+    asp.campaign.table,
+    asp.campaign.tally,
+    asp.figures.aging_curve,
+    asp.figures.contact_figure,
+    asp.figures.fit_figure,
+    asp.figures.surface_figure,
+    asp.fits.jackknife,
+    asp.fits.read_measurements,
+    asp.results.load,
+    asp.results.save,
+}
+"""What takes files, datasets, masks, labels and numbers of workers or columns, or samples of any type."""
+
+FLOATS, INTEGERS = ("f2", "f4", "f8", "g", ">f4"), ("int", "i1", "u2", "i8")
+REALS: dict[str, Callable[[float], Any]] = {
+    "int": int,
+    **{kind: np.dtype(kind).type for kind in (*FLOATS[:4], *INTEGERS[1:])},
+    "array": np.array,
+    "DataArray": lambda x: xr.DataArray(x, attrs={"units": "1"}),
+    "Fraction": Fraction,
+    "Decimal": Decimal,
+}
+WHOLES: dict[str, Callable[[int], Any]] = {
+    **{kind: np.dtype(kind).type for kind in INTEGERS[1:]},
+    "array": np.array,
+    "DataArray": xr.DataArray,
+}
+ARRAYS: dict[str, Callable[[np.ndarray], Any]] = {
+    **{kind: methodcaller("astype", kind) for kind in (*FLOATS, *INTEGERS[1:])},
+    "tuple": lambda x: tuple(x.tolist()),
+    "Fortran": lambda x: np.asfortranarray(x),
+    "strided": lambda x: np.repeat(x, 2, axis=-1)[..., ::2],
+    "DataArray": xr.DataArray,
+    "DataFrame": lambda x: pd.DataFrame(x) if x.ndim == 2 else pd.Series(x),
+    "Fraction": lambda x: np.vectorize(Fraction, otypes=[object])(x) if x.dtype.kind == "f" else x,
+}
+SHAPES: dict[str, Callable[[tuple[int, ...]], Any]] = {
+    "list": list,
+    "array": np.array,
+    "i1": lambda x: tuple(map(np.int8, x)),
+}
+TYPES = sorted({*REALS, *WHOLES, *ARRAYS, *SHAPES})
+
+NO_REALS = [
+    math.nan,
+    math.inf,
+    -math.inf,
+    np.float32("nan"),
+    "8",
+    b"8",
+    True,
+    np.True_,
+    8j,
+    None,
+    {},
+    object(),
+]
+NO_REALS += [
+    np.timedelta64(8, "s"),
+    np.array(math.nan),
+    10**400,
+    Decimal("sNaN"),
+    ["8"],
+    [True],
+    [8j],
+    [None],
+]
+NO_WHOLES = [2.0, 2.5, np.float32(2), math.nan, math.inf, "2", True, np.True_, 2j, None, [2.0], object()]
+NO_SHAPES = [
+    (4, 2.5),
+    (4, 6.0),
+    (4, True),
+    (4, "6"),
+    (0, 4),
+    (4, -6),
+    (),
+    (2, 2, 2),
+    None,
+    math.nan,
+    "46",
+    {4: 6},
+]
+INFINITY_IS_WELCOME = {
+    (function, argument)
+    for function, argument in (
+        (asp.theory.torus_compliance, "x2"),
+        (SATURATION.predict, "time"),
+        (LOGARITHM.area_ratio, "time"),
+        *((law.exceedance, "separation") for law in LAWS),
+        *((law.mean_excess, "separation") for law in LAWS),
+    )
+}
+
+
+def name(function: Callable[..., Any]) -> str:
+    return f"{function.__module__.removeprefix('asperity.')}.{function.__qualname__}"
+
+
+def as_type(value: Any, kind: str) -> Any:
+    """The same number or numbers of another type; as they are, where that type cannot hold them."""
+    exact = np.array(value) if isinstance(value, (float, list)) else np.zeros(0)
+    if kind in INTEGERS and exact.size:
+        limits = np.iinfo("i8" if kind == "int" else kind)
+        if (exact != np.rint(exact)).any() or exact.min() < limits.min or exact.max() > limits.max:
+            return value
+    if isinstance(value, float):
+        return REALS[kind](value) if kind in REALS else value
+    if isinstance(value, list):
+        meant = kind in ARRAYS and (exact.dtype.kind == "f" or kind not in FLOATS)
+        return ARRAYS[kind](exact) if meant else value
+    if isinstance(value, tuple) and is_shape(value):
+        return SHAPES[kind](value) if kind in SHAPES else value
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    return WHOLES[kind](value) if whole and kind in WHOLES else value
+
+
+def is_shape(value: tuple[Any, ...]) -> bool:
+    return all(isinstance(n, int) for n in value)
+
+
+def bad_values(value: Any) -> Iterator[Any]:
+    if isinstance(value, float):
+        yield from NO_REALS
+    elif isinstance(value, int) and not isinstance(value, bool):
+        yield from NO_WHOLES
+    elif isinstance(value, tuple) and is_shape(value):
+        yield from NO_SHAPES
+    elif isinstance(value, list):
+        array = np.array(value)
+        for wrong in (math.nan, math.inf, -math.inf):
+            changed = array.astype(float)
+            changed.flat[-1] = wrong
+            yield changed
+        yield from (array.astype(kind) for kind in ("?", "U", "c16", "m8[s]", "M8[s]"))
+        yield from (None, "rough", {}, object(), [[1.0], [1.0, 2.0]])
+        holed = array.astype(object)
+        holed.flat[-1] = None
+        yield holed
+        yield np.ma.masked_array(array, mask=array == array.flat[-1])
+
+
+def is_infinite(value: Any) -> bool:
+    return isinstance(value, np.ndarray) and value.dtype == float and bool(np.isinf(value).any())
+
+
+def parts(result: Any) -> Any:
+    """A result taken to pieces that can be compared, with the types of its numbers."""
+    if dataclasses.is_dataclass(result) and not isinstance(result, type):
+        fields = dataclasses.fields(result)
+        return [
+            type(result).__name__,
+            *((f.name, parts(getattr(result, f.name))) for f in fields if f.compare),
+        ]
+    if isinstance(result, xr.Dataset):
+        return [parts(dict(result.attrs)), *((n, parts(v.values)) for n, v in result.variables.items())]
+    if isinstance(result, (np.ndarray, np.generic)):
+        return [str(result.dtype), result.shape, result.tobytes()]
+    if isinstance(result, Mapping):
+        return [(key, parts(value)) for key, value in result.items()]
+    if isinstance(result, (tuple, list)):
+        return [parts(value) for value in result]
+    return [type(result).__name__, repr(result)]
+
+
+def public_functions() -> Iterator[Callable[..., Any]]:
+    for public in asp.__all__:
+        member = getattr(asp, public)
+        inside = [getattr(member, n) for n in member.__all__] if isinstance(member, ModuleType) else [member]
+        yield from (thing for thing in inside if isinstance(thing, FunctionType))
+
+
+@pytest.fixture(autouse=True)
+def _files(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    np.save("heights.npy", ROUGH)
+
+
+def test_every_public_function_is_here():
+    called = {function for function, _ in CALLS}
+    assert set(public_functions()) <= called | WITHOUT_NUMBERS
+    assert not called & WITHOUT_NUMBERS
+
+
+@pytest.mark.parametrize(("function", "arguments"), CALLS, ids=[name(function) for function, _ in CALLS])
+def test_numbers_of_every_type(function, arguments):
+    expected = parts(function(**arguments))
+    for kind in TYPES:
+        others = {key: as_type(value, kind) for key, value in arguments.items()}
+        if any(others[key] is not value for key, value in arguments.items()):
+            assert parts(function(**others)) == expected, kind
+
+
+@pytest.mark.parametrize(("function", "arguments"), CALLS, ids=[name(function) for function, _ in CALLS])
+def test_what_is_no_number_is_refused(function, arguments):
+    optional = {p.name for p in inspect.signature(function).parameters.values() if p.default is None}
+    for key, value in arguments.items():
+        for wrong in bad_values(value):
+            if wrong is None and key in optional:
+                continue
+            if (function, key) in INFINITY_IS_WELCOME and is_infinite(wrong):
+                continue
+            with pytest.raises(InputError) as raised:
+                function(**(arguments | {key: wrong}))
+            assert "\n" not in str(raised.value)
+            assert len(str(raised.value)) < 300
