@@ -264,12 +264,9 @@ def _real(value: object) -> float | None:
 
 def _scalar(value: object, *, kinds: str) -> Any:
     """What an array without axes holds, or a scalar of NumPy, if it is of one of these kinds; else None."""
-    if (
-        not hasattr(value, "__array__")
-        or isinstance(value, type)
-        or _has_unit(value)
-        or value is np.ma.masked
-    ):
+    if not hasattr(value, "__array__") or isinstance(value, type) or _has_unit(value):
+        return None
+    if np.ma.is_masked(value):
         return None
     try:
         array = np.asarray(value)

@@ -142,7 +142,7 @@ class Solid:
     branches: tuple[CreepBranch, ...]
     parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
     loaded_from_afar: bool = False
-    kind: str = "of own spectra"
+    kind: str = field(default="of own spectra", compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "branches", tuple(self.branches))

@@ -63,6 +63,7 @@ def test_solids_survive_and_have_a_hash(way: Callable[[Any], Any], solid: asp.so
 def test_a_solid_has_a_short_repr() -> None:
     assert repr(SOLID) == "<Solid: spring_lattice, k0 1, k1 3, R 1, R_viscous 0>"
     own = asp.solids.Solid(SOLID.permanent, SOLID.branches)
+    assert asp.solids.Solid(SOLID.permanent, SOLID.branches, SOLID.parameters) == SOLID
     assert repr(own) == "<Solid: of own spectra>"
     assert repr(asp.theory.EmpiricalHeights(np.zeros(10**4))) == "EmpiricalHeights(10000 heights)"
 

@@ -193,6 +193,7 @@ NO_REALS = [
 NO_REALS += [
     np.timedelta64(8, "s"),
     np.array(math.nan),
+    np.ma.array(8.0, mask=True),
     10**400,
     Decimal("sNaN"),
     ["8"],
