@@ -468,5 +468,5 @@ class Quantity:
 
 
 def test_heights_with_a_unit_are_refused() -> None:
-    with pytest.raises(InputError, match="which has a unit; try heights.magnitude, in the unit"):
+    with pytest.raises(InputError, match=r"which has a unit; try heights\.magnitude, in the unit"):
         asperity.surfaces.check_heights(Quantity())
