@@ -6,6 +6,7 @@ AsperityError
 │   ├── ConfigError                 a run configuration is wrong; lists every mistake
 │   └── CheckpointError             a file is no checkpoint, or that of another run
 ├── MissingExtraError (ImportError) an optional library is needed; the message says how to install it
+├── TooLargeError (MemoryError)     more than the memory there is would be needed; nothing was begun
 ├── ConvergenceError (RuntimeError) a solver stopped before its tolerance; nothing is returned
 └── OutputError (OSError)           results could not be written; nothing half-written is left
 """
@@ -95,6 +96,10 @@ class CheckpointError(InputError):
 
 class MissingExtraError(AsperityError, ImportError):
     """An optional library is needed and not installed."""
+
+
+class TooLargeError(AsperityError, MemoryError):
+    """What was asked for needs more memory than there is."""
 
 
 class ConvergenceError(AsperityError, RuntimeError):

@@ -14,9 +14,9 @@ SOURCE = Path(asperity.__file__).parent
 
 # Each room may import the rooms before it, and itself.
 ROOMS = [
-    {"errors", "_version"},
+    {"errors", "_version", "words"},
     {"checks"},
-    {"tables"},
+    {"tables", "memory"},
     {"lattice"},
     {"surfaces", "solids"},
     {"contact"},

@@ -19,6 +19,7 @@ from asperity.config.models import Aging, Exponential, Gaussian, SelfAffine
 from asperity.contact import Contact, press
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
+from asperity.memory import require
 from asperity.results import Checkpoint, History, age
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, exponential, gaussian, read, self_affine
@@ -27,6 +28,13 @@ from asperity.theory.heights import HeightLaw
 
 _CLIFF = 3.0
 """Step at the periodic seam, in usual steps, that deserves a remark."""
+
+_SPRINGS, _OTHERS, _MAP = 204, 320, 40
+"""Bytes a site that a run needs by cycles and by transforms, and that each map adds.
+
+Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six.
+"""
+_USUAL_MAPS = 6
 
 _LARGE = 512**2
 """Sites from which transforms gain from a second thread."""
@@ -105,8 +113,13 @@ def execute(
     AsperityError
         As the engine does.
     """
+    made = None if isinstance(config.surface, MeasuredSurface) else _shape_of(config.surface)
+    if made is not None:
+        _require_memory(made, config)
     progress.stage("making the surface")
     rough = _surface(config)
+    if made is None:
+        _require_memory(rough.shape, config)
     config, remarks = _completed(config, rough)
     for remark in remarks:
         progress.remark(remark)
@@ -117,6 +130,18 @@ def execute(
         dataset, late_remarks = _with_limit(history, contact, config)
     dataset = dataset.assign_attrs(config=to_toml(config))
     return Outcome(config, dataset, aging_summary(dataset, law=_law(config)), remarks + late_remarks)
+
+
+def _require_memory(shape: Sequence[int], config: RunConfig) -> None:
+    """Refuse a run that would be killed for want of memory after minutes or hours."""
+    cycles = len(shape) == 2 and min(shape) >= 8 and config.solid.k0 > 0
+    maps = config.output.maps_at
+    needed = (_SPRINGS if cycles else _OTHERS) + _MAP * (_USUAL_MAPS if maps is None else len(maps))
+    require(needed, shape, power_of_two=isinstance(config.surface, SelfAffine))
+
+
+def _shape_of(chosen: Gaussian | Exponential | SelfAffine) -> tuple[int, ...]:
+    return (chosen.size, chosen.size) if isinstance(chosen, SelfAffine) else tuple(chosen.shape)
 
 
 def _press(rough: Surface, config: RunConfig, progress: Progress) -> Contact:
@@ -184,6 +209,11 @@ def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str,
         remarks += (
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
             "try periodic = 'mirror'",
+        )
+    if rough.heights.ndim == 1 and isinstance(chosen, Gaussian | Exponential):
+        n = rough.heights.size
+        remarks += (
+            f"a line contact of {n} sites; for a square: --shape {n} {n}, or shape = [{n}, {n}] in a file",
         )
     maps_at = config.output.maps_at
     if maps_at is None:

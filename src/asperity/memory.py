@@ -1,0 +1,127 @@
+"""The memory there is, and whether a lattice fits into it: too much is refused before anything is made."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from asperity.errors import TooLargeError
+
+_NO_LIMIT = 2**60
+"""Limits above it are how the system writes that there is none."""
+
+
+def available() -> int:
+    """Bytes that this process can still get.
+
+    The least of what the machine has free (caches that it would give up count as free), what the control
+    groups of the process leave (containers, batch systems), and its limit on address space.
+    """
+    return max(0, min([_machine(), *_control_groups(), *_address_space()]))
+
+
+def require(needed: float, shape: Sequence[int], *, power_of_two: bool = False) -> None:
+    """Refuse a lattice for which there is not enough memory.
+
+    Parameters
+    ----------
+    needed
+        Bytes a site.
+    shape
+        Sites along each axis.
+    power_of_two
+        Whether only powers of two are of use as an advice.
+
+    Raises
+    ------
+    TooLargeError
+        It says what is needed, what there is, and the largest lattice with equal sides that would fit.
+    """
+    there = available()
+    total = needed * math.prod(shape)
+    if total <= there:
+        return
+    side = math.floor(there / needed) if len(shape) == 1 else math.isqrt(math.floor(there / needed))
+    if power_of_two and side > 0:
+        side = 1 << (side.bit_length() - 1)
+    sites, fits = (" x ".join(map(str, sides)) for sides in (shape, [side] * len(shape)))
+    raise TooLargeError(
+        f"{sites} sites: expected a lattice that fits into the memory, got one that needs "
+        f"{_gigabytes(total)} where {_gigabytes(there)} are available; try at most {fits} sites"
+    )
+
+
+def _gigabytes(count: float) -> str:
+    return f"{count / 1e9:.3g} GB"
+
+
+def _machine() -> int:
+    for line in _lines(Path("/proc/meminfo")):
+        if line.startswith("MemAvailable:"):
+            return int(line.split()[1]) * 1024
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):  # Windows knows neither name
+        return _NO_LIMIT
+
+
+def _control_groups(
+    root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")
+) -> Iterator[int]:
+    """What each control group around the process leaves, in version 2 and in version 1."""
+    for line in _lines(own):
+        _, controllers, path = line.split(":", 2)
+        if controllers == "":
+            top, limit, used, cache = root, "memory.max", "memory.current", "inactive_file"
+        elif "memory" in controllers.split(","):
+            top, limit, used, cache = (
+                root / "memory",
+                "memory.limit_in_bytes",
+                "memory.usage_in_bytes",
+                "total_inactive_file",
+            )
+        else:
+            continue
+        group = top / path.lstrip("/")
+        for folder in [group, *group.parents]:
+            # In a container the path may be that of the outside: only what is there is read.
+            most = _number(folder / limit)
+            if most is not None and most < _NO_LIMIT:
+                given_up = next(
+                    (
+                        int(row.split()[1])
+                        for row in _lines(folder / "memory.stat")
+                        if row.split()[0] == cache
+                    ),
+                    0,
+                )
+                yield most - (_number(folder / used) or 0) + given_up
+            if folder == top:
+                break
+
+
+def _address_space() -> Iterator[int]:
+    if sys.platform == "win32":
+        return
+    import resource
+
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit != resource.RLIM_INFINITY:
+        pages = next(iter(_lines(Path("/proc/self/statm"))), "0").split()[0]
+        yield limit - int(pages) * os.sysconf("SC_PAGE_SIZE")
+
+
+def _number(path: Path) -> int | None:
+    """Read a number; None if there is none, or the word ``max``."""
+    text = next(iter(_lines(path)), "")
+    return int(text) if text.isdecimal() else None
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        return path.read_text().splitlines()
+    except OSError:
+        return []
