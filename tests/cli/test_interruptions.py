@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import signal
 import subprocess
 import sys
@@ -89,9 +91,10 @@ def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) ->
         assert place.suffix == ".checkpoint"
     assert error.splitlines()[-1] == f"asperity: interrupted; the same command goes on from {place}"
     running = process("run", *flags, "--out", tmp_path / "out", before=often)
-    _, error = running.communicate(timeout=60)
+    text, error = running.communicate(timeout=60)
     assert running.returncode == 0
     assert f"going on from {place}" in error
+    assert re.search(r"effort .* s in this session\n", text)
     assert "  t = 0.001" not in error
     assert main(["run", *flags, "--quiet", "--out", str(tmp_path / "undisturbed")]) == 0
     for name in ("aging.csv", "config.toml"):
@@ -112,10 +115,41 @@ def test_a_reader_who_goes_away(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "summary.txt").exists()
 
 
+@pytest.mark.parametrize("stream", [1, 2])
+def test_a_stream_that_is_closed(tmp_path: Path, stream: int) -> None:
+    words = [sys.executable, "-m", "asperity", "run", "--shape", "8,8", "--times", "1", "--figures", ""]
+    shell = f'exec "$@" {stream}>&-'
+    done = subprocess.run(
+        ["sh", "-c", shell, "sh", *words, "--out", str(tmp_path / "out")],
+        check=False,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0
+    assert "Traceback" not in done.stdout + done.stderr
+    assert "asperity:" not in done.stdout + done.stderr
+    assert (tmp_path / "out" / "summary.txt").exists()
+
+
+def test_a_stream_without_the_letters(finished: Path, tmp_path: Path) -> None:
+    words = [
+        sys.executable,
+        "-m",
+        "asperity",
+        "fit",
+        str(finished / "aging.csv"),
+        "--out",
+        str(tmp_path / "a.png"),
+    ]
+    done = subprocess.run(
+        words, env={**os.environ, "PYTHONIOENCODING": "ascii"}, check=False, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "value +- standard error" in done.stdout
+
+
 def test_on_a_terminal_there_is_a_bar(tmp_path: Path) -> None:
     pty = pytest.importorskip("pty")
-    import os
-
     ours, theirs = pty.openpty()
     code = "import sys; from asperity.cli import main; sys.exit(main(sys.argv[1:]))"
     words = [sys.executable, "-c", code, "run", *SMALL, "--out", str(tmp_path / "out")]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 
 from asperity import __version__
+from asperity.surfaces import gaussian
 from tests.cli.conftest import Asperity
 
 _FROM_TOP = "(see asperity --help)"
@@ -37,13 +40,20 @@ def complaint(asperity: Asperity, *words: str | Path, status: int = 2) -> str:
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("rnu",), 'Unknown command "rnu". Did you mean "run"?'),
-        (("--vesion",), 'Unknown command "--vesion"'),
-        (("run", "--lod", "3"), "Unknown option: --lod. Did you mean --load?"),
-        (("run", "--r-viscous", "3"), "Unknown option: --r-viscous. Did you mean --R-viscous?"),
+        (("rnu",), "unknown command rnu; did you mean run?"),
+        (("plot",), "unknown command plot; there are run, surface, fit, sweep, status, gather, reproduce"),
+        (("--vesion",), "unknown command --vesion"),
+        (("run", "--lod", "3"), "unknown option --lod; did you mean --load?"),
+        (("run", "--r-viscous", "3"), "unknown option --r-viscous; did you mean --R-viscous?"),
+        (("run", "--pressure=3"), "unknown option --pressure; the mean pressure is the load over the number"),
+        (("run", "--E", "3"), "unknown option --E; the elastic constants are --k0 and --k1"),
+        (("run", "--solid", "a"), "unknown option --solid; the solid is a lattice of springs: --k0"),
+        (("run", "--half-space"), "unknown option --half-space; half-spaces are for Python"),
+        (("run", "--colour", "3"), "unknown option --colour (see"),
+        (("reproduce", "--out", "a", "--seed", "1.5"), "--seed: expected a whole number, got 1.5"),
+        (("sweep", "a", "--out", "b", "--workers", "1,5"), "--workers: expected a whole number, got 1,5"),
+        (("fit", "a.csv", "--window", "0,5", "3"), 'unable to convert "0,5" into float; try 0.5'),
         (("run", "--load"), "requires an argument"),
-        (("run", "--load", "abc"), 'Invalid value for --load: unable to convert "abc" into float'),
-        (("run", "--surface", "gausian"), 'Did you mean "gaussian"?'),
         (("run", "a.toml", "b.toml"), "too many arguments: b.toml"),
         (("run", "--load", "1", "--load", "2"), "--load specified multiple times"),
         (("surface",), "requires an argument"),
@@ -60,7 +70,15 @@ def test_usage(asperity: Asperity, words: tuple[str, ...], line: str) -> None:
     [
         (("run", "none.toml"), "none.toml: No such file or directory"),
         (("run", "--load", "nan"), "--load: expected a finite number, got nan"),
-        (("run", "--k1", "-1"), "--k1: expected a number above 0.0, got -1.0"),
+        (("run", "--load", "abc"), "--load: expected a number, got 'abc'"),
+        (("run", "--load", "0,5"), "--load: expected a number, got '0,5'; try 0.5"),
+        (("run", "--times", "0,5"), "--times: expected a number, got '0,5'; try 0.5, or 0 5 for two values"),
+        (("run", "--seed", "1.5"), "--seed: expected a whole number, got 1.5"),
+        (("run", "--per-decade", "2.7"), "--per-decade: expected a whole number, got 2.7"),
+        (("run", "--surface", "gausian"), "got 'gausian'; did you mean 'gaussian'?"),
+        (("run", "--surface", "file"), "--file: expected the file of the surface, got none; try --file PATH"),
+        (("run", "--unit", "µn", "--file", "a.npy"), "--unit: expected one of 'm', 'mm', 'um', 'nm', 'pm'"),
+        (("run", "--k1", "-1"), "--k1: expected a number above 0.0, got -1"),
         (("run", "--size", "64"), "not a key of a surface of kind 'gaussian', but of 'self_affine'"),
         (
             ("run", "--shape", "8,8", "--separation", "99"),
@@ -104,9 +122,42 @@ def test_surface_files_that_cannot_be_read(
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_more_than_memory_holds(asperity: Asperity) -> None:
-    line = complaint(asperity, "run", "--shape", "10000000,100000000", status=1)
-    assert line.startswith("not enough memory")
+@pytest.mark.parametrize(
+    ("words", "fits"),
+    [
+        (("--shape", "10000000,100000000"), r"\d+ x \d+ sites"),
+        (("--surface", "self_affine", "--size", "1048576"), r"(\d+) x \1 sites"),
+        (("--shape", "2000000000"), r"\d+ sites"),
+    ],
+)
+def test_more_than_memory_holds(
+    asperity: Asperity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], fits: str
+) -> None:
+    monkeypatch.setattr("asperity.memory.available", lambda: 20_000_000_000)
+    line = complaint(asperity, "run", *words, status=1)
+    assert re.fullmatch(rf".* sites: expected .* GB where 20 GB are available; try at most {fits}", line)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_terminal_would_obey_is_written_as_it_is_spelled(asperity: Asperity) -> None:
+    Path("run.toml").write_text(
+        '["\\u001b[31mred"]\n[solid]\n"\\u001b]0;title\\u0007" = 1\n', encoding="utf-8"
+    )
+    _, _, error = asperity("run", "run.toml")
+    assert "[\\x1b[31mred]: no such section" in error
+    assert "\\x1b]0;title\\x07: no such key" in error
+    np.save("\x1b[2Jrough.npy", gaussian((8, 8)))
+    words = ("--maps-at", "", "--figures", "", "--times", "1")
+    status, out, error = asperity("run", "--file", "\x1b[2Jrough.npy", *words)
+    assert status == 0
+    assert "\\x1b[2Jrough.npy" in out
+    assert "\x1b" not in out + error
+
+
+def test_the_folder_of_a_reproduction_has_studies(asperity: Asperity) -> None:
+    Path("my paper/studies/load").mkdir(parents=True)
+    line = complaint(asperity, "status", "my paper")
+    assert "try asperity status 'my paper'/studies/NAME for one of its studies" in line
 
 
 def test_a_load_below_the_resolution_of_the_numbers_is_a_failure(asperity: Asperity, tmp_path: Path) -> None:
@@ -124,15 +175,36 @@ def test_help_and_version(asperity: Asperity) -> None:
     assert status == 0
     for word in ("Surface", "Solid", "Contact", "Aging", "--R-viscous", "--per-decade", "--file", "--rtol"):
         assert word in text
-    assert asperity("--version") == (0, f"{__version__}\n", "")
+    assert asperity("--version") == asperity("-V") == (0, f"{__version__}\n", "")
+
+
+@pytest.mark.parametrize("command", ["run", "surface", "fit", "sweep", "status", "gather", "reproduce"])
+def test_help_fills_its_lines(asperity: Asperity, command: str) -> None:
+    _, text, _ = asperity(command, "--help")
+    lines = [line.strip("│ ") for line in text.splitlines()]
+    for line, after in itertools.pairwise(lines):
+        if line and after and line[-1].isalpha() and after[0].islower() and "--" not in after[:3]:
+            assert len(line) + 1 + len(after.split()[0]) > 45, f"{line!r} ends early"
+
+
+def test_defaults_in_the_help_are_those_of_a_run(asperity: Asperity) -> None:
+    text = " ".join(asperity("run", "--help")[1].replace("│", " ").split())
+    for words in (
+        "200 200]",
+        "--rms FLOAT Rms height. For gaussian, exponential. [default: 1]",
+        "[default: 1e+06]",
+    ):
+        assert words in text
 
 
 def test_help_does_not_wait_for_the_engine() -> None:
     code = (
         "import sys\nfrom asperity.cli import main\nmain(['run', '--help'])\n"
-        "sys.exit(any(m in sys.modules for m in ('numpy', 'xarray', 'matplotlib', 'pydantic')))"
+        "sys.exit(any(m in sys.modules for m in ('numpy', 'xarray', 'matplotlib')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False, capture_output=True).returncode == 0
+    bare = code.replace("'run', ", "").replace("'numpy'", "'numpy', 'pydantic'")
+    assert subprocess.run([sys.executable, "-c", bare], check=False, capture_output=True).returncode == 0
 
 
 def test_as_a_module() -> None:
@@ -144,4 +216,4 @@ def test_as_a_module() -> None:
         [sys.executable, "-m", "asperity", "rnu"], check=False, capture_output=True, text=True
     )
     assert done.returncode == 2
-    assert done.stderr.startswith('asperity: Unknown command "rnu"')
+    assert done.stderr.startswith("asperity: unknown command rnu")

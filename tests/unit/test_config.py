@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from asperity.cli.flags import AgingFlags, FileFlags, SolidFlags, SurfaceFlags, given
-from asperity.config.mistakes import flag_of
-from asperity.config.models import Aging, MeasuredSurface, Output, RunConfig, SelfAffine
+from asperity.cli.flags import flags_for, given
+from asperity.config.mistakes import SECTIONS, flag_of
+from asperity.config.models import SURFACES, Aging, MeasuredSurface, Output, RunConfig, SelfAffine
 from asperity.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
 from asperity.errors import ConfigError
+from asperity.words import closest
 
 
 def written(folder: Path, text: str) -> Path:
@@ -25,6 +27,12 @@ def problems_of(path: Path | None, flags: dict[str, dict[str, object]] | None = 
     with pytest.raises(ConfigError) as caught:
         read_config(path, flags or {})
     return caught.value.problems
+
+
+def flags_of(section: str, **words: str | list[str]) -> dict[str, dict[str, object]]:
+    """What the flags of a section give that were written with these words."""
+    made: Any = flags_for(section)
+    return given(made(**words))
 
 
 def test_without_a_file_the_conditions_are_the_papers() -> None:
@@ -66,7 +74,7 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
         "[surface] rms: expected a number above 0.0, got -1",
         "[surface] seed: expected a whole number, got 1.5",
         "[solid] k0: expected a number, got 'one'",
-        "[aging] hold: expected one of 'load' or 'separation', got 'laod'",
+        "[aging] hold: expected one of 'load' or 'separation', got 'laod'; did you mean 'load'?",
         "[output] figures: expected one of 'png', 'pdf' or 'svg', got 'jpg'",
     ]
 
@@ -85,7 +93,7 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
         ("[surface]\nshape = [3, 3, 3]", "[surface] shape: expected at most 2 in the list, got [3, 3, 3]"),
         ("[surface]\nshape = []", "[surface] shape: expected at least 1 in the list, got []"),
         ("[surface]\nshape = [0]", "[surface] shape: expected a number of at least 1, got 0"),
-        ("[surface]\nseed = true", "[surface] seed: expected a whole number, got True"),
+        ("[surface]\nseed = true", "[surface] seed: expected a whole number, got true"),
         (
             "[surface]\nkind = 'self_affine'\nsize = 100",
             "size: expected a power of two, 2 or more, got 100; try 64",
@@ -96,10 +104,40 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
         ("[contact]\nload = 1\nseparation = 1", "[contact] expected load or separation, got both"),
         ("[aging]\nfirst = 10.0\nlast = 1.0", "[aging] expected first < last, got 10 and 1"),
         ("[aging]\ntimes = [1.0, 2.0]\nlast = 3.0", "[aging] expected times or last, got both"),
-        ("[aging]\ntimes = [2.0, 1.0]", "[aging] times: expected strictly increasing times"),
+        ("[aging]\ntimes = [2.0, 1.0]", "[aging] times: expected strictly increasing times, got 1 after 2"),
         ("[aging]\nrtol = 1.0", "[aging] rtol: expected a number of at most 0.1, got 1.0"),
         ("[output]\nmaps_at = [1e9]", "[output] maps_at: expected times up to the last, 1e+06, got 1e+09"),
         ("[output]\nfigures = 'png'", "[output] figures: expected a list, got 'png'"),
+        (
+            "[sweep]\nload = [1.0]",
+            "[sweep]: makes this the file of a campaign, not of a run; try asperity sweep",
+        ),
+        ("[surface]\nfile = 'a.npy'", "[surface] file: no such key; try path"),
+        (
+            "[contact]\npressure = 1.0",
+            "[contact] pressure: no such key; try load, the pressure times the sites",
+        ),
+        ("[solid]\nE = 1.0", "[solid] E: no such key; there are k0, k1, R, R_viscous"),
+        ("[contact]\nload = '0,5'", "[contact] load: expected a number, got '0,5'; try 0.5"),
+        ("[aging]\ntimes = ['0,5']", "expected a number, got '0,5'; try 0.5, or 0 5 for two values"),
+        (
+            f"[surface]\nshape = [1{'0' * 40}]",
+            "[surface] shape: expected a number of at most 2147483648, got 1",
+        ),
+        (f"[surface]\nkind = 'self_affine'\nsize = {2**60}", "size: expected a number of at most 2147483648"),
+        (
+            f"[surface]\nseed = {2**64}",
+            "[surface] seed: expected a number below 9223372036854775808, got 184",
+        ),
+        (f"[surface]\nseed = 1{'0' * 400}", "00..."),
+        (f"[solid]\nk0 = 1{'0' * 400}", "[solid] k0: expected a number, got 1000"),
+        (
+            f"[aging]\nper_decade = 1{'0' * 18}",
+            "[aging] per_decade: expected a number of at most 1000, got 1",
+        ),
+        ("[solid]\nR = 1e100", "[solid] R: expected a number of at most 1e+30, got 1e+100"),
+        ("[solid]\nR_viscous = 1e100", "[solid] R_viscous: expected a number of at most 1e+30, got 1e+100"),
+        ("[aging]\ntimes = [1e-100, 1e100]", "[aging] times: expected a number of at most 1e+30, got 1e+100"),
     ],
 )
 def test_a_mistake_is_named(tmp_path: Path, text: str, line: str) -> None:
@@ -115,10 +153,19 @@ def test_files_that_are_no_configuration(tmp_path: Path) -> None:
     binary = tmp_path / "binary.toml"
     binary.write_bytes(b"\xff\xfe\x00")
     assert "not text in UTF-8" in problems_of(binary)[0]
+    digits = written(tmp_path, f"[surface]\nseed = 1{'0' * 5000}")
+    assert "not a TOML file: a number has too many digits" in problems_of(digits)[0]
+    assert "too many brackets within each other" in problems_of(written(tmp_path, f"a = {'[' * 5000}"))[0]
+
+
+def test_a_mark_before_the_first_letter_is_skipped(tmp_path: Path) -> None:
+    path = tmp_path / "notepad.toml"
+    path.write_text("[solid]\nk1 = 4.0\n", encoding="utf-8-sig")
+    assert read_config(path, {}).solid.k1 == 4
 
 
 def test_a_mistake_in_a_flag_is_named_as_the_flag(tmp_path: Path) -> None:
-    flags = given(SurfaceFlags(rms=-1.0, hurst=0.5))
+    flags = flags_of("surface", rms="-1.0", hurst="0.5")
     problems = problems_of(written(tmp_path, "[solid]\nk0 = -1"), flags)
     assert problems[0] == (
         "--hurst: not a key of a surface of kind 'gaussian', but of 'self_affine'; try --surface self_affine"
@@ -132,7 +179,7 @@ def test_a_mistake_in_a_flag_is_named_as_the_flag(tmp_path: Path) -> None:
 
 def test_flags_override_the_file(tmp_path: Path) -> None:
     path = written(tmp_path, "[solid]\nk0 = 2.0\nk1 = 5.0\n[contact]\nseparation = 1.0\n[aging]\nlast = 7.0")
-    flags = given(SolidFlags(k1=4.0), AgingFlags(times=["1,2", "3"])) | {"contact": {"load": 9.0}}
+    flags = flags_of("solid", k1="4") | flags_of("aging", times=["1,2,", "3"]) | flags_of("contact", load="9")
     config = read_config(path, flags)
     assert (config.solid.k0, config.solid.k1) == (2.0, 4.0)
     assert (config.contact.load, config.contact.separation) == (9.0, None)
@@ -142,10 +189,10 @@ def test_flags_override_the_file(tmp_path: Path) -> None:
 
 def test_a_flag_for_another_kind_of_surface_takes_the_keys_of_the_old_kind_away(tmp_path: Path) -> None:
     path = written(tmp_path, "[surface]\nkind = 'self_affine'\nsize = 64\nhurst = 0.8\nseed = 5")
-    config = read_config(path, given(SurfaceFlags(surface="gaussian", shape=["32x16"])))
+    config = read_config(path, flags_of("surface", kind="gaussian", shape=["32x16"]))
     assert config.surface.kind == "gaussian"
     assert (config.surface.shape, config.surface.seed) == ([32, 16], 5)
-    (problem,) = problems_of(path, given(SurfaceFlags(surface="gaussian", hurst=0.5)))
+    (problem,) = problems_of(path, flags_of("surface", kind="gaussian", hurst="0.5"))
     assert problem.startswith("--hurst: not a key of a surface of kind 'gaussian'")
 
 
@@ -153,9 +200,10 @@ def test_a_surface_file_is_looked_for_beside_the_configuration(tmp_path: Path) -
     surface = read_config(written(tmp_path, "[surface]\npath = 'a.npy'"), {}).surface
     assert isinstance(surface, MeasuredSurface)
     assert Path(surface.path) == tmp_path / "a.npy"
-    by_flag = read_config(None, given(SurfaceFlags(file="a.npy"), FileFlags(channel="2"))).surface
+    words: Any = [flags_for("surface"), flags_for("preparation")]
+    by_flag = read_config(None, given(words[0](path="a.npy"), words[1](channel="2", unit="µm"))).surface
     assert isinstance(by_flag, MeasuredSurface)
-    assert (by_flag.path, by_flag.channel) == ("a.npy", 2)
+    assert (by_flag.path, by_flag.channel, by_flag.unit) == ("a.npy", 2, "um")
 
 
 def test_how_a_file_is_prepared_is_checked() -> None:
@@ -170,7 +218,7 @@ def test_how_a_file_is_prepared_is_checked() -> None:
         RunConfig(),
         RunConfig(surface=SelfAffine(size=64, hurst=1 / 3, delta=1e-17)),
         RunConfig(surface=MeasuredSurface(path='/a "b"\\c\tü\x7f\n.npy', channel=0, unit="rms")),
-        RunConfig(aging=Aging(times=[0.1, 1 / 3, 1e90]), output=Output(maps_at=[], figures=["svg", "pdf"])),
+        RunConfig(aging=Aging(times=[0.1, 1 / 3, 1e29]), output=Output(maps_at=[], figures=["svg", "pdf"])),
     ],
 )
 def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path, config: RunConfig) -> None:
@@ -180,6 +228,67 @@ def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path, config: Run
     assert from_tables(json.loads(json.dumps(to_tables(config)))) == config
 
 
+@pytest.mark.parametrize(
+    ("words", "times"),
+    [
+        (["0.1,1,10"], [0.1, 1.0, 10.0]),
+        (["0.1,", "1"], [0.1, 1.0]),
+        (["1,2,3"], [1.0, 2.0, 3.0]),
+        (["1e-3,1"], [1e-3, 1.0]),
+        (["0.5", "1"], [0.5, 1.0]),
+    ],
+)
+def test_commas_between_numbers(words: list[str], times: list[float]) -> None:
+    assert read_config(None, flags_of("aging", times=words)).aging.times == times
+
+
+@pytest.mark.parametrize("words", [["0,5"], ["0,5", "1,5"], ["1", "2,5e3"]])
+def test_a_comma_that_may_be_a_decimal_mark_is_refused(words: list[str]) -> None:
+    (problem, *_) = problems_of(None, flags_of("aging", times=words))
+    assert "--times: expected a number, got" in problem
+    assert "for two values" in problem
+
+
+@pytest.mark.parametrize(
+    ("section", "key"), [("surface", "seed"), ("surface", "size"), ("aging", "per_decade")]
+)
+def test_whole_numbers_are_not_rounded(section: str, key: str) -> None:
+    kind = {"kind": "self_affine"} if key == "size" else {}
+    (problem,) = problems_of(None, flags_of(section, **{key: "2.7"}, **kind))
+    assert problem == f"--{key.replace('_', '-')}: expected a whole number, got 2.7"
+
+
+def test_every_key_has_one_flag_and_its_help() -> None:
+    sections = ("surface", "preparation", "solid", "contact", "aging", "output")
+    keys = {(flags_for(name).section, key) for name in sections for key in flags_for(name).fields}
+    models = {"surface": list(SURFACES.values())} | {name: [model] for name, model in SECTIONS.items()}
+    assert keys == {
+        (section, key) for section, known in models.items() for model in known for key in model.model_fields
+    }
+    for known in models.values():
+        for model in known:
+            assert all(field.description for key, field in model.model_fields.items() if key != "kind")
+
+
+@pytest.mark.parametrize(
+    ("word", "known", "meant"),
+    [
+        ("rnu", ["run", "fit"], "run"),
+        ("shap", ["shape", "rms"], "shape"),
+        ("K1", ["k0", "k1"], "k1"),
+        ("gausian", ["gaussian"], "gaussian"),
+        ("contcat", ["contact"], "contact"),
+        ("pressure", ["surface", "load"], None),
+        ("E", ["R", "k0"], None),
+        ("solid", ["hold", "load"], None),
+        ("half-space", ["shape"], None),
+        ("", ["k0"], None),
+    ],
+)
+def test_only_what_is_close_is_suggested(word: str, known: list[str], meant: str | None) -> None:
+    assert closest(word, known) == meant
+
+
 def test_words_that_are_no_numbers_are_left_to_the_check() -> None:
-    (problem,) = problems_of(None, given(SurfaceFlags(shape=["20,twenty"])))
+    (problem,) = problems_of(None, flags_of("surface", shape=["20,twenty"]))
     assert problem == "--shape: expected a whole number, got 'twenty'"

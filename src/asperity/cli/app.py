@@ -6,51 +6,82 @@ is imported inside the commands, so that help and mistakes in the arguments appe
 
 from __future__ import annotations
 
-import os
+import inspect
+import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, ParamSpec
 
 from cyclopts import App, Parameter
-from cyclopts.exceptions import CycloptsError
+from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandError, UnknownOptionError
 
 from asperity._version import __version__
-from asperity.cli.flags import (
-    AgingFlags,
-    ContactFlags,
-    FileFlags,
-    OutputFlags,
-    SolidFlags,
-    SurfaceFlags,
-    Switch,
-    given,
-)
+from asperity.cli.flags import Flags, Out, Quiet, Switch, Whole, flags_for, given
+from asperity.cli.terminal import complain, make_streams_safe, silence_output
 from asperity.errors import AsperityError, ConfigError, InputError
+from asperity.words import closest, has_decimal_comma
+
+__all__ = ["flags_for", "main"]  # annotations that _command writes name flags_for
 
 app = App(
     name="asperity",
     help="How the real contact between rough solids grows old.",
     version=__version__,
+    version_flags=("--version", "-V"),
     help_format="plaintext",
     suppress_keyboard_interrupt=False,
 )
 
 
-@app.command
+_P = ParamSpec("_P")
+
+
+def _command(*sections: str, name: str | None = None) -> Callable[[Callable[_P, None]], Callable[_P, None]]:
+    """Add a command; parameters named after sections of the configuration take the flags of their keys."""
+
+    def add(command: Callable[_P, None]) -> Callable[_P, None]:
+        command.__doc__ = _paragraphs(command.__doc__ or "")
+        app.command(command, name=name)
+        for section in sections:  # words, which are read when the command is used
+            command.__annotations__[section] = f"flags_for({section!r}) | None"
+        return command
+
+    return add
+
+
+def _paragraphs(text: str) -> str:
+    """Join the lines of a paragraph: help breaks them where the terminal ends."""
+    lines: list[str] = []
+    for line in inspect.cleandoc(text).splitlines():
+        before = lines[-1] if lines else ""
+        indents = [len(one) - len(one.lstrip()) for one in (before, line)]
+        if (
+            before
+            and line
+            and indents[0] == indents[1]
+            and "--" not in (before.strip()[:2], line.strip()[:2])
+        ):
+            lines[-1] += f" {line.strip()}"
+        else:
+            lines.append(line)
+    return "\n".join(lines)
+
+
+@_command("surface", "preparation", "solid", "contact", "aging", "output")
 def run(
     config: Path | None = None,
     /,
     *,
-    out: Path = Path("asperity-out"),
+    out: Out = Path("asperity-out"),
     overwrite: Switch = False,
-    quiet: Switch = False,
-    surface: SurfaceFlags | None = None,
-    preparation: FileFlags | None = None,
-    solid: SolidFlags | None = None,
-    contact: ContactFlags | None = None,
-    aging: AgingFlags | None = None,
-    output: OutputFlags | None = None,
+    quiet: Quiet = False,
+    surface: Flags | None = None,
+    preparation: Flags | None = None,
+    solid: Flags | None = None,
+    contact: Flags | None = None,
+    aging: Flags | None = None,
+    output: Flags | None = None,
 ) -> None:
     """Press an elastic solid onto a rough surface and let the contact age.
 
@@ -77,14 +108,14 @@ def run(
     run_it(settings, out=out, overwrite=overwrite, quiet=quiet)
 
 
-@app.command(name="surface")
+@_command("preparation", name="surface")
 def show_surface(
     file: Path,
     /,
     *,
-    out: Path | None = None,
+    out: Out | None = None,
     overwrite: Switch = False,
-    preparation: FileFlags | None = None,
+    preparation: Flags | None = None,
 ) -> None:
     """Say what a surface file holds and what a run would make of it, and draw it.
 
@@ -105,13 +136,13 @@ def show_surface(
     show(settings, out=out, overwrite=overwrite)
 
 
-@app.command(name="fit")
+@_command(name="fit")
 def fit_table(
     file: Path,
     /,
     *,
     law: Literal["saturation", "logarithm", "both"] = "both",
-    out: Path = Path("fit.png"),
+    out: Out = Path("fit.png"),
     json: Path | None = None,
     overwrite: Switch = False,
     window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
@@ -169,17 +200,17 @@ def fit_table(
     )
 
 
-@app.command
+@_command()
 def sweep(
     plan: Path,
     /,
     *,
-    out: Path,
-    workers: int | None = None,
+    out: Out,
+    workers: Whole | None = None,
     scheduler: str | None = None,
     dry_run: Switch = False,
     retry_failed: Switch = False,
-    quiet: Switch = False,
+    quiet: Quiet = False,
 ) -> None:
     """Do a campaign: many runs from one file, in one folder. The same command again does what is missing.
 
@@ -214,7 +245,7 @@ def sweep(
         )
 
 
-@app.command
+@_command()
 def status(out: Path, /) -> None:
     """Say how many runs of a campaign are done, running, failed (and why), and left.
 
@@ -223,12 +254,21 @@ def status(out: Path, /) -> None:
     out
         Folder of the campaign.
     """
+    if (out / "studies").is_dir():
+        word = shlex.quote(str(out))
+        raise InputError(
+            "status",
+            expected="the folder of a campaign",
+            got=f"{out}, that of a reproduction",
+            advice=f"asperity status {word}/studies/NAME for one of its studies, "
+            f"or asperity reproduce --out {word} for what is missing",
+        )
     from asperity.cli import campaign
 
     campaign.status(out)
 
 
-@app.command
+@_command()
 def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -> None:
     """Gather a campaign into one Dataset with ensemble means, and a table (CSV) of its runs.
 
@@ -246,17 +286,17 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
     campaign.gather(out, to=to, overwrite=overwrite)
 
 
-@app.command
+@_command()
 def reproduce(
     *,
-    out: Path,
+    out: Out,
     quick: Switch = False,
-    seed: int = 0,
-    workers: int | None = None,
+    seed: Whole = 0,
+    workers: Whole | None = None,
     scheduler: str | None = None,
     dry_run: Switch = False,
     retry_failed: Switch = False,
-    quiet: Switch = False,
+    quiet: Quiet = False,
 ) -> None:
     """Reproduce the paper: every figure and every claim, from simulations of your own, as one report.
 
@@ -301,7 +341,7 @@ def reproduce(
         )
 
 
-def main(arguments: Annotated[Sequence[str] | None, Parameter(parse=False)] = None) -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
 
     Parameters
@@ -314,6 +354,7 @@ def main(arguments: Annotated[Sequence[str] | None, Parameter(parse=False)] = No
     int
         The exit status.
     """
+    make_streams_safe()
     try:
         app(
             sys.argv[1:] if arguments is None else list(arguments),
@@ -331,11 +372,12 @@ def main(arguments: Annotated[Sequence[str] | None, Parameter(parse=False)] = No
     except AsperityError as error:
         return _complain(1, str(error))
     except BrokenPipeError:
-        # The reader of our words has gone; let the interpreter's last flush go nowhere.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        silence_output()
         return 1
     except OSError as error:
-        return _complain(1, f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        return _complain(
+            1, f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error)
+        )
     except MemoryError as error:
         return _complain(1, f"not enough memory: {error or 'try a smaller surface'}")
     except KeyboardInterrupt as interrupt:
@@ -349,14 +391,44 @@ def _check_workers(workers: int | None) -> None:
 
 
 def _complain(status: int, *problems: str) -> int:
-    for problem in problems:
-        print("asperity:", " ".join(problem.split()), file=sys.stderr)
+    complain(*problems)
     return status
+
+
+_NO_SUCH_FLAG = {
+    "--pressure": "; the mean pressure is the load over the number of sites: --load",
+    "--E": "; the elastic constants are --k0 and --k1",
+    "--modulus": "; the elastic constants are --k0 and --k1",
+    "--solid": "; the solid is a lattice of springs: --k0, --k1, --R, --R-viscous",
+    "--half-space": "; half-spaces are for Python: asperity.solids.half_space",
+}
+"""What is said of flags that people expect, and that there are not."""
 
 
 def _usage(error: CycloptsError) -> str:
     """Spell an error of the arguments, with a way out."""
-    text = str(error)
-    if error.unused_tokens and "Unused Tokens" in text:
+    text = str(error).rstrip(".")
+    if isinstance(error, UnknownOptionError):
+        flag = (error.token.keyword or error.token.value).split("=")[0]
+        known = [name for argument in error.argument_collection if argument.parse for name in argument.names]
+        text = f"unknown option {flag}{_NO_SUCH_FLAG.get(flag) or _meant(flag, known)}"
+    elif isinstance(error, UnknownCommandError):
+        commands = [name for name in app if not name.startswith("-")]
+        word = (error.unused_tokens or [""])[0]
+        text = f"unknown command {word}{_meant(word, commands)}; there are {', '.join(commands)}"
+    elif error.unused_tokens and "Unused Tokens" in text:
         text = f"too many arguments: {' '.join(error.unused_tokens)}"
-    return f"{text.rstrip('.')} (see asperity --help)"
+    elif (
+        isinstance(error, CoercionError)
+        and error.token
+        and error.target_type is float
+        and has_decimal_comma(error.token.value)
+    ):
+        text += f"; try {error.token.value.replace(',', '.')}"
+    return f"{text} (see asperity --help)"
+
+
+def _meant(word: str, known: Sequence[str]) -> str:
+    dashes = word[: len(word) - len(word.lstrip("-"))]
+    meant = closest(word.lstrip("-"), [name.lstrip("-") for name in known if name.startswith(dashes or name)])
+    return f"; did you mean {dashes}{meant}?" if meant else ""

@@ -1,175 +1,146 @@
-"""The flags of the commands: each overrides the key of the same name in a section of the configuration.
+"""The flags of the commands, made of the configuration's models: one flag for each key.
 
-A flag that was not given is None. The flags are checked together with the configuration.
+A flag overrides its key; its help, default and choices are the key's. What was written becomes a number
+where the key may be one, and is checked together with the configuration. The models load a library, so they
+are imported only for a command that has such flags.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
 
-from cyclopts import Group, Parameter
+from cyclopts import Group, Parameter, Token
+
+from asperity.words import number, numbers
+
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
+
+def _whole(_: object, tokens: Sequence[Token]) -> int:
+    """Read a whole number; 1.5 is none, where the library would round."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"expected a whole number, got {tokens[0].value}") from None
+
 
 Switch = Annotated[bool, Parameter(negative=(), show_default=False)]
-_Words = Parameter(consume_multiple=True, negative=())
-
-_SURFACE = Group("Surface", sort_key=1)
-_SOLID = Group("Solid", sort_key=2)
-_CONTACT = Group("Contact", sort_key=3)
-_AGING = Group("Aging", sort_key=4)
-_OUTPUT = Group("Output", sort_key=5)
+Quiet = Annotated[bool, Parameter(name=("--quiet", "-q"), negative=(), show_default=False)]
+Out = Annotated[Path, Parameter(name=("--out", "-o"))]
+Whole = Annotated[int, Parameter(converter=_whole)]
+_METAVARS = {"path": "PATH", "shape": "N", "times": "T", "maps_at": "T"}
 
 
-@dataclass(frozen=True, kw_only=True)
 class Flags:
-    """Flags of one section."""
+    """What was written for the keys of one section; None for a flag that was not given."""
 
-    section: ClassVar[str] = ""
-    renamed: ClassVar[dict[str, str]] = {}
-
-
-@Parameter(name="*", group=_SURFACE)
-@dataclass(frozen=True, kw_only=True)
-class SurfaceFlags(Flags):
-    """What the surface is."""
-
-    section: ClassVar[str] = "surface"
-    renamed: ClassVar[dict[str, str]] = {"surface": "kind", "file": "path"}
-
-    surface: Literal["gaussian", "exponential", "self_affine", "file"] | None = None
-    """Kind of surface. [default: gaussian]"""
-    shape: Annotated[list[str] | None, _Words, Parameter(metavar="N")] = None
-    """Sites along each axis: 200 200, or 4096 for a line (gaussian, exponential). [default: 200 200]"""
-    rms: float | None = None
-    """Rms height (gaussian, exponential). [default: 1.0]"""
-    seed: int | None = None
-    """Seed of the random heights. [default: 0]"""
-    size: int | None = None
-    """Sites along each axis, a power of two (self_affine). [default: 256]"""
-    hurst: float | None = None
-    """Hurst exponent (self_affine). [default: 0.5]"""
-    delta: float | None = None
-    """Roughness at the scale of the lattice (self_affine). [default: 0.01]"""
-    file: Annotated[str | None, Parameter(metavar="PATH")] = None
-    """Measured surface (file); the last flags of this group prepare it."""
+    section: ClassVar[str]
+    fields: ClassVar[dict[str, Any]]
 
 
-@Parameter(name="*", group=_SURFACE)
-@dataclass(frozen=True, kw_only=True)
-class FileFlags(Flags):
-    """How a measured surface is prepared."""
+def flags_for(section: str) -> type[Flags]:
+    """Make the flags of a section; ``"preparation"`` stands for the keys that prepare a measured surface."""
+    from asperity.config.mistakes import SECTIONS
 
-    section: ClassVar[str] = "surface"
-
-    undefined: Literal["fill", "refuse"] | None = None
-    """Undefined pixels: fill (from their rims; default) or refuse."""
-    max_undefined: float | None = None
-    """Largest fraction of undefined pixels to fill. [default: 0.1]"""
-    tilt: Literal["plane", "mean", "none"] | None = None
-    """What to remove. [default: plane]"""
-    periodic: Literal["mirror", "taper", "wrap"] | None = None
-    """How to make it periodic; mirror doubles each axis. [default: mirror]"""
-    unit: Literal["m", "mm", "um", "nm", "pm", "rms"] | None = None
-    """Unit of the heights; rms divides by the rms height. [default: the file's]"""
-    channel: str | None = None
-    """Name or number of the channel. [default: the file's]"""
-    resample: Annotated[bool | None, Parameter(negative=())] = None
-    """Average pixels that are not square to the larger spacing; without, a run refuses them."""
-
-
-@Parameter(name="*", group=_SOLID)
-@dataclass(frozen=True, kw_only=True)
-class SolidFlags(Flags):
-    """What the solid is."""
-
-    section: ClassVar[str] = "solid"
-
-    k0: float | None = None
-    """Stiffness of the springs between neighbors. [default: 1.0]"""
-    k1: float | None = None
-    """Stiffness of the springs to the bulk. [default: 3.0]"""
-    R: Annotated[float | None, Parameter(name="--R")] = None
-    """Mobility of creep that conserves the mean. [default: 1.0]"""
-    R_viscous: Annotated[float | None, Parameter(name="--R-viscous")] = None
-    """Mobility of viscous creep. [default: 0.0]"""
-
-
-@Parameter(name="*", group=_CONTACT)
-@dataclass(frozen=True, kw_only=True)
-class ContactFlags(Flags):
-    """What presses."""
-
-    section: ClassVar[str] = "contact"
-
-    load: float | None = None
-    """Normal load, the sum of all contact forces. [default: 0.005 (k0 + k1) x rms height x sites]"""
-    separation: float | None = None
-    """Mean height of the undeformed solid; instead of the load."""
-
-
-@Parameter(name="*", group=_AGING)
-@dataclass(frozen=True, kw_only=True)
-class AgingFlags(Flags):
-    """How the contact ages."""
-
-    section: ClassVar[str] = "aging"
-
-    hold: Literal["load", "separation"] | None = None
-    """What is held while it ages. [default: what pressed it]"""
-    first: float | None = None
-    """First time to record. [default: 0.001]"""
-    last: float | None = None
-    """Last time to record. [default: 1e6]"""
-    per_decade: int | None = None
-    """Times to record in each decade. [default: 4]"""
-    times: Annotated[list[str] | None, _Words, Parameter(metavar="T")] = None
-    """The times to record, one by one; instead of the three above."""
-    rtol: float | None = None
-    """Relative tolerance of the time steps. [default: 0.002]"""
-
-
-@Parameter(name="*", group=_OUTPUT)
-@dataclass(frozen=True, kw_only=True)
-class OutputFlags(Flags):
-    """What is written."""
-
-    section: ClassVar[str] = "output"
-
-    maps_at: Annotated[list[str] | None, _Words, Parameter(metavar="T")] = None
-    """Times at which to keep and draw the contact. [default: 0 and five others]"""
-    figures: Annotated[list[Literal["png", "pdf", "svg"]] | None, _Words] = None
-    """Formats of the figures. [default: png]"""
+    owner = "surface" if section == "preparation" else section
+    group = Group(owner.capitalize(), sort_key=1 + ["surface", *SECTIONS].index(owner))
+    known = list(_keys(section))
+    fields = [(key, _annotation(owner, key, field, text), None) for key, field, text in known]
+    facts = {"__module__": __name__, "section": owner, "fields": {key: field for key, field, _ in known}}
+    made = dataclasses.make_dataclass(section, fields, bases=(Flags,), namespace=facts, kw_only=True)
+    return Parameter(name="*", group=group)(made)
 
 
 def given(*groups: Flags | None) -> dict[str, dict[str, object]]:
-    """Gather the flags that were given, by section and key; lists of words become lists of numbers."""
+    """Gather the flags that were given, by section and key."""
     sections: dict[str, dict[str, object]] = {}
-    for group in groups:
-        if group is None:
-            continue
-        for field in dataclasses.fields(group):
-            value = getattr(group, field.name)
-            if value is not None:
-                key = group.renamed.get(field.name, field.name)
-                sections.setdefault(group.section, {})[key] = _parsed(key, value)
+    for group in filter(None, groups):
+        for key, written in vars(group).items():
+            if written is not None:
+                kinds = set(_kinds(group.fields[key].annotation))
+                sections.setdefault(group.section, {})[key] = _read(written, kinds)
     return sections
 
 
-def _parsed(key: str, value: object) -> object:
-    if key == "channel" and isinstance(value, str) and value.isdecimal():
-        return int(value)
-    if not isinstance(value, list) or key == "figures":
-        return value
-    if key == "shape":  # 200x200 too
-        value = [item.replace("x", " ") for item in value]
-    words = [word for item in value for word in item.replace(",", " ").split()]
-    return [_number(word, whole=key == "shape") for word in words]
+def _read(written: bool | str | list[str], kinds: set[object]) -> object:
+    """Turn words into numbers, where a key's kinds of values allow one; the check refuses the rest."""
+    if isinstance(written, bool):
+        return written
+    if float not in kinds and int not in kinds:
+        return [word for item in written for word in item.split()] if isinstance(written, list) else written
+    if isinstance(written, list):
+        return numbers(written, whole=float not in kinds)
+    return (
+        int(written) if str in kinds and written.isdecimal() else written if str in kinds else number(written)
+    )
 
 
-def _number(word: str, *, whole: bool) -> object:
-    """Read a number; a word that is none is left to the check of the configuration."""
-    try:
-        return int(word) if whole else float(word)
-    except ValueError:
-        return word
+def _keys(section: str) -> Iterator[tuple[str, FieldInfo, str]]:
+    """Keys of a section, and their help."""
+    from asperity.config.mistakes import SECTIONS
+    from asperity.config.models import SURFACES, MeasuredSurface
+
+    if section != "surface":
+        model = MeasuredSurface if section == "preparation" else SECTIONS[section]
+        for key, field in model.model_fields.items():
+            if key not in ("kind", "path"):
+                yield key, field, field.description or ""
+        return
+    yield (
+        "kind",
+        SURFACES["gaussian"].model_fields["kind"],
+        f"Kind of surface. [choices: {', '.join(SURFACES)}]",
+    )
+    made = {kind: model for kind, model in SURFACES.items() if model is not MeasuredSurface}
+    for key in dict.fromkeys(key for model in made.values() for key in model.model_fields if key != "kind"):
+        kinds = [kind for kind, model in made.items() if key in model.model_fields]
+        field = made[kinds[0]].model_fields[key]
+        yield key, field, f"{field.description} For {', '.join(kinds)}."
+    path = MeasuredSurface.model_fields["path"]
+    yield "path", path, path.description or ""
+
+
+def _annotation(section: str, key: str, field: FieldInfo, text: str) -> object:
+    """Annotation of one flag: a word, or a list of words, with its help."""
+    from asperity.config.mistakes import flag_of
+
+    kinds = list(_kinds(field.annotation))
+    choices = [kind for kind in kinds if isinstance(kind, str)]
+    if choices and key != "kind":
+        text += f" [choices: {', '.join(choices)}]"
+    if bool in kinds:
+        help_only = Parameter(name=flag_of(section, key), help=text, negative=(), show_default=False)
+        return Annotated[bool | None, help_only]
+    if not field.is_required() and field.default is not None:
+        default = field.default if isinstance(field.default, list) else [field.default]
+        words = [f"{one:g}" if isinstance(one, float) else str(one) for one in default]
+        text += f" [default: {' '.join(words)}]"
+    name = "CHOICE" if choices else "FLOAT" if float in kinds else "INT" if str not in kinds else "TEXT"
+    several = list in kinds
+    parameter = Parameter(
+        name=flag_of(section, key),
+        help=text,
+        metavar=_METAVARS.get(key, name),
+        negative=(),
+        consume_multiple=several,
+        show_default=False,
+    )
+    return Annotated[(list[str] if several else str) | None, parameter]
+
+
+def _kinds(annotation: Any) -> Iterator[object]:
+    """All that a key may be: the types and the words in its annotation, and ``list`` where it may be one."""
+    parts = get_args(annotation)
+    if not parts:
+        yield annotation
+    elif annotation.__class__.__name__ == "_AnnotatedAlias":
+        yield from _kinds(parts[0])
+    else:
+        if getattr(annotation, "__origin__", None) is list:
+            yield list
+        for part in parts:
+            yield from _kinds(part)

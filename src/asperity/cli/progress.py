@@ -13,6 +13,7 @@ from rich.progress import Progress as Bar
 
 from asperity.aging import Frame
 from asperity.runs import Progress, Silent
+from asperity.words import printable
 
 
 @contextmanager
@@ -55,7 +56,7 @@ class _Lines:
             self._say(f"  t = {frame.time:<8.4g} {_state(frame)}")
 
     def _say(self, text: str) -> None:
-        print(text, file=sys.stderr, flush=True)
+        print(printable(text), file=sys.stderr, flush=True)
 
 
 class _OnTerminal:
@@ -68,10 +69,10 @@ class _OnTerminal:
 
     def stage(self, name: str, times: Sequence[float] = ()) -> None:
         self._times = times
-        self._bar.reset(self._task, description=name, total=len(times) or None, state="")
+        self._bar.reset(self._task, description=printable(name), total=len(times) or None, state="")
 
     def remark(self, text: str) -> None:
-        self._bar.console.print(f"remark: {text}", highlight=False, markup=False)
+        self._bar.console.print(f"remark: {printable(text)}", highlight=False, markup=False)
 
     def reached(self, frame: Frame) -> None:
         done = sum(time <= frame.time for time in self._times)

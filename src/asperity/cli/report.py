@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from asperity.figures.style import uncertain
+from asperity.words import printable
 
 if TYPE_CHECKING:
     from asperity.analysis import AgingSummary
@@ -22,11 +23,11 @@ def aligned(rows: Sequence[Sequence[str]]) -> str:
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
         lines.append("  ".join(cells).rstrip())
-    return "\n".join(lines)
+    return printable("\n".join(lines))
 
 
-def run_report(outcome: Outcome, *, seconds: float) -> list[Row]:
-    """Say what was run and what came out."""
+def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
+    """Say what was run and what came out; of a resumed run, the seconds are those of this session."""
     dataset, summary, config = outcome.dataset, outcome.summary, outcome.config
     attrs = dataset.attrs
     held = str(attrs["held"])
@@ -55,7 +56,7 @@ def run_report(outcome: Outcome, *, seconds: float) -> list[Row]:
         (
             "effort",
             f"{int(dataset['steps'].sum())} time steps, {int(dataset['iterations'].sum())} iterations, "
-            f"{seconds:.1f} s",
+            f"{seconds:.1f} s{' in this session' if resumed else ''}",
         ),
         *(("remark", remark) for remark in outcome.remarks),
     ]

@@ -40,13 +40,14 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
     check_free(out, overwrite=overwrite)
     started = clock.perf_counter()
     place = _place(config, out)
+    resumed = place.exists()
     try:
         with progress_shown(quiet=quiet) as progress:
-            if place.exists():
+            if resumed:
                 progress.stage(f"going on from {place}")
             checkpoint = Checkpoint(place, every=_CHECKPOINT_EVERY)
             outcome = execute(config, progress, checkpoint=checkpoint, threads=cores())
-            rows = run_report(outcome, seconds=clock.perf_counter() - started)
+            rows = run_report(outcome, seconds=clock.perf_counter() - started, resumed=resumed)
             progress.stage("writing the results")
             remarks = write_results(outcome, out, text=aligned(rows), overwrite=overwrite)
             rows += [("remark", remark) for remark in remarks]

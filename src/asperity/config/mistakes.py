@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
+import re
+import shlex
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from asperity.config.models import SURFACES, Aging, Contact, Output, Solid
+from asperity.words import closest, has_decimal_comma, shortened
 
 Sections = dict[str, dict[str, object]]
 
@@ -19,6 +22,8 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "aging": Aging,
     "output": Output,
 }
+_MEANT = {"file": "path", "pressure": "load, the pressure times the sites"}
+"""Keys that people write, and what to write."""
 
 
 def flag_of(section: str, key: str) -> str:
@@ -32,16 +37,19 @@ def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) ->
     problems = []
     for section, table in merged.items():
         if section != "surface" and section not in SECTIONS:
-            problems.append(_where(path, _no_section(section, table)))
+            problems.append(_where(path, _no_section(section, table, path)))
         elif not isinstance(table, dict):
-            problems.append(_where(path, f"{section}: expected a section [{section}], got {table!r}"))
+            problems.append(_where(path, f"{section}: expected a section [{section}], got {_shown(table)}"))
         else:
             problems += _unknown_keys(section, table, flags, path)
     return problems
 
 
-def _no_section(name: str, content: object) -> str:
+def _no_section(name: str, content: object, path: Path | None) -> str:
     """Say what is wrong with a name at the top of the file."""
+    if name == "sweep":
+        command = f"asperity sweep {shlex.quote(str(path or 'campaign.toml'))} --out FOLDER"
+        return f"[sweep]: makes this the file of a campaign, not of a run; try {command}"
     if isinstance(content, dict):
         return f"[{name}]: no such section{_suggestion(name, ['surface', *SECTIONS])}"
     homes = [section for section, model in SECTIONS.items() if name in model.model_fields]
@@ -71,7 +79,8 @@ def _unknown_keys(section: str, table: dict[str, Any], flags: Sections, path: Pa
             if key in flags.get(section, {}):
                 reason += f"; try --surface {owners[0]}"
         else:
-            reason = f"no such key{_suggestion(key, known)}"
+            hint = f"; try {_MEANT[key]}" if key in _MEANT else _suggestion(key, known)
+            reason = f"no such key{hint}"
         problems.append(_named(section, key, flags, path) + f": {reason}")
     return problems
 
@@ -87,6 +96,8 @@ def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: s
     if len(place) > 2 and place[0] == "surface" and place[1] in SURFACES:
         del place[1]
     expected = _expectation(detail)
+    if detail["type"] == "missing" and place[-1] == "path" and "kind" in flags.get("surface", {}):
+        return "--file: expected the file of the surface, got none; try --file PATH"
     if not place:
         return _where(path, expected)
     if len(place) == 1:
@@ -107,9 +118,8 @@ def _expectation(detail: ErrorDetails) -> str:
         return str(context["error"])
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         got = got.get("kind") if isinstance(got, dict) else got
-        return (
-            f"expected one of {', '.join(map(repr, SURFACES))}, got {got!r}{_suggestion(got, list(SURFACES))}"
-        )
+        kinds = ", ".join(map(repr, SURFACES))
+        return f"expected one of {kinds}, got {_shown(got)}{_meant(got, SURFACES)}"
     expected = {
         "greater_than": f"a number above {context.get('gt')}",
         "greater_than_equal": f"a number of at least {context.get('ge')}",
@@ -124,7 +134,24 @@ def _expectation(detail: ErrorDetails) -> str:
         "too_long": f"at most {context.get('max_length')} in the list",
         "literal_error": f"one of {context.get('expected')}",
     }.get(kind, detail["msg"])
-    return f"expected {expected}, got {got!r}"
+    line = f"expected {expected}, got {_shown(got)}"
+    if kind in ("float_type", "int_type") and has_decimal_comma(got):
+        line += f"; try {str(got).replace(',', '.')}"
+        if len(detail["loc"]) > 2:  # within a list
+            line += f", or {str(got).replace(',', ' ')} for two values"
+    elif kind == "literal_error" and isinstance(got, str):
+        line += _meant(got, re.findall(r"'(\w+)'", str(context.get("expected"))))
+    return line
+
+
+def _shown(value: object) -> str:
+    """Write a value as TOML does, as far as a line has room."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    try:
+        return shortened(repr(value))
+    except ValueError:  # Python refuses to write numbers of thousands of digits
+        return "a number with too many digits"
 
 
 def _named(section: str, key: str, flags: Sections, path: Path | None) -> str:
@@ -138,7 +165,11 @@ def _where(path: Path | None, text: str) -> str:
     return text if path is None else f"{path}: {text}"
 
 
-def _suggestion(word: object, known: list[str]) -> str:
-    folded = {name.casefold(): name for name in known}
-    close = get_close_matches(str(word).casefold(), folded, n=1)
-    return f"; did you mean {folded[close[0]]!r}?" if close else f"; there are {', '.join(known)}"
+def _meant(word: object, known: Iterable[str]) -> str:
+    meant = closest(word, known) if isinstance(word, str) else None
+    return f"; did you mean {meant!r}?" if meant else ""
+
+
+def _suggestion(word: str, known: list[str]) -> str:
+    """Name the one of the known names that was meant, or else all of them."""
+    return _meant(word, known) or f"; there are {', '.join(known)}"

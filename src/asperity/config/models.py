@@ -1,7 +1,7 @@
 """What a run needs to know: the sections of its configuration, and what each key may be.
 
 Every key has a default, except the path of a measured surface, and the contact's load, which follows
-from the surface and the solid.
+from the surface and the solid. The flags of the command line are made of these models.
 """
 
 from __future__ import annotations
@@ -15,6 +15,9 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from asperity.errors import LARGEST
 
 Figure = Literal["png", "pdf", "svg"]
+
+_LONGEST = 2**31
+"""Sites along an axis: far beyond any memory, far below what numpy cannot count."""
 
 
 def _listed(value: object) -> object:
@@ -34,12 +37,25 @@ def _power_of_two(value: int) -> int:
     return value
 
 
+def _micro(value: object) -> object:
+    """Take the micro sign and the Greek letter for the u of um."""
+    return "um" if value in ("\u00b5m", "\u03bcm") else value
+
+
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
-NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
-Seed = Annotated[int, Field(ge=0)]
+Constant = Annotated[float, Field(ge=0, le=1e30)]
+"""A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
+Time = Annotated[float, Field(ge=0, le=1e30)]
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
 Shape = Annotated[
-    list[Annotated[int, Field(ge=1)]], Field(min_length=1, max_length=2), BeforeValidator(_listed)
+    list[Annotated[int, Field(ge=1, le=_LONGEST)]],
+    Field(min_length=1, max_length=2),
+    BeforeValidator(_listed),
 ]
+
+_SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
+_RMS = "Rms height."
+_SEED = "Seed of the random heights."
 
 
 class Section(BaseModel):
@@ -52,42 +68,58 @@ class Gaussian(Section):
     """Independent Gaussian heights."""
 
     kind: Literal["gaussian"] = "gaussian"
-    shape: Shape = [200, 200]
-    rms: Positive = 1.0
-    seed: Seed = 0
+    shape: Shape = Field(default=[200, 200], description=_SHAPE)
+    rms: Positive = Field(default=1.0, description=_RMS)
+    seed: Seed = Field(default=0, description=_SEED)
 
 
 class Exponential(Section):
     """Independent exponential heights."""
 
     kind: Literal["exponential"] = "exponential"
-    shape: Shape = [200, 200]
-    rms: Positive = 1.0
-    seed: Seed = 0
+    shape: Shape = Field(default=[200, 200], description=_SHAPE)
+    rms: Positive = Field(default=1.0, description=_RMS)
+    seed: Seed = Field(default=0, description=_SEED)
 
 
 class SelfAffine(Section):
     """Self-affine heights."""
 
     kind: Literal["self_affine"] = "self_affine"
-    size: Annotated[int, AfterValidator(_power_of_two)] = 256
-    hurst: Annotated[float, Field(gt=0, le=1)] = 0.5
-    delta: Positive = 0.01
-    seed: Seed = 0
+    size: Annotated[int, Field(le=_LONGEST), AfterValidator(_power_of_two)] = Field(
+        default=256, description="Sites along each axis, a power of two."
+    )
+    hurst: Annotated[float, Field(gt=0, le=1)] = Field(default=0.5, description="Hurst exponent.")
+    delta: Positive = Field(default=0.01, description="Roughness at the scale of the lattice.")
+    seed: Seed = Field(default=0, description=_SEED)
 
 
 class MeasuredSurface(Section):
     """Heights from a file; see `asperity.surfaces.read`."""
 
     kind: Literal["file"] = "file"
-    path: str
-    undefined: Literal["fill", "refuse"] = "fill"
-    max_undefined: Annotated[float, Field(ge=0, lt=1)] = 0.1
-    tilt: Literal["plane", "mean", "none"] = "plane"
-    periodic: Literal["mirror", "taper", "wrap"] = "mirror"
-    unit: Literal["m", "mm", "um", "nm", "pm", "rms"] | None = None
-    channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = None
-    resample: bool = False
+    path: str = Field(description="Measured surface; the last flags of this group prepare it.")
+    undefined: Literal["fill", "refuse"] = Field(
+        default="fill", description="Undefined pixels: fill (from their rims) or refuse."
+    )
+    max_undefined: Annotated[float, Field(ge=0, lt=1)] = Field(
+        default=0.1, description="Largest fraction of undefined pixels to fill."
+    )
+    tilt: Literal["plane", "mean", "none"] = Field(default="plane", description="What to remove.")
+    periodic: Literal["mirror", "taper", "wrap"] = Field(
+        default="mirror", description="How to make it periodic; mirror doubles each axis."
+    )
+    unit: Annotated[Literal["m", "mm", "um", "nm", "pm", "rms"] | None, BeforeValidator(_micro)] = Field(
+        default=None,
+        description="Unit of the heights; rms divides by the rms height. By default the file's.",
+    )
+    channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = Field(
+        default=None, description="Name or number of the channel. By default the file's."
+    )
+    resample: bool = Field(
+        default=False,
+        description="Average pixels that are not square to the larger spacing; without, a run refuses them.",
+    )
 
 
 SURFACES: dict[str, type[Gaussian | Exponential | SelfAffine | MeasuredSurface]] = {
@@ -102,17 +134,25 @@ AnySurface = Annotated[Gaussian | Exponential | SelfAffine | MeasuredSurface, Fi
 class Solid(Section):
     """The spring lattice."""
 
-    k0: NotNegative = 1.0
-    k1: Positive = 3.0
-    R: NotNegative = 1.0
-    R_viscous: NotNegative = 0.0
+    k0: Constant = Field(default=1.0, description="Stiffness of the springs between neighbors.")
+    k1: Annotated[float, Field(gt=0, le=1e30)] = Field(
+        default=3.0, description="Stiffness of the springs to the bulk."
+    )
+    R: Constant = Field(default=1.0, description="Mobility of creep that conserves the mean.")
+    R_viscous: Constant = Field(default=0.0, description="Mobility of viscous creep.")
 
 
 class Contact(Section):
     """What presses: a load or a separation; by default a load that gives about 1 % contact."""
 
-    load: Positive | None = None
-    separation: float | None = None
+    load: Positive | None = Field(
+        default=None,
+        description="Normal load, the sum of all contact forces. "
+        "By default 0.005 (k0 + k1) x rms height x sites.",
+    )
+    separation: Annotated[float, Field(ge=-LARGEST, le=LARGEST)] | None = Field(
+        default=None, description="Mean height of the undeformed solid; instead of the load."
+    )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
@@ -124,12 +164,20 @@ class Contact(Section):
 class Aging(Section):
     """The times to record ([0.0]: only the start and the limit), what is held, and the tolerance."""
 
-    first: Positive = 1e-3
-    last: Positive = 1e6
-    per_decade: Annotated[int, Field(ge=1)] = 4
-    times: Annotated[list[NotNegative], Field(min_length=1)] | None = None
-    hold: Literal["load", "separation"] | None = None
-    rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = 2e-3
+    first: Annotated[float, Field(gt=0, le=1e30)] = Field(default=1e-3, description="First time to record.")
+    last: Annotated[float, Field(gt=0, le=1e30)] = Field(default=1e6, description="Last time to record.")
+    per_decade: Annotated[int, Field(ge=1, le=1000)] = Field(
+        default=4, description="Times to record in each decade."
+    )
+    times: Annotated[list[Time], Field(min_length=1)] | None = Field(
+        default=None, description="The times to record, one by one; instead of the three above."
+    )
+    hold: Literal["load", "separation"] | None = Field(
+        default=None, description="What is held while it ages. By default what pressed it."
+    )
+    rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = Field(
+        default=2e-3, description="Relative tolerance of the time steps."
+    )
 
     @model_validator(mode="after")
     def _check_times(self) -> Self:
@@ -139,8 +187,11 @@ class Aging(Section):
             return self
         if rivals := self.model_fields_set & {"first", "last", "per_decade"}:
             raise ValueError(f"expected times or {', '.join(sorted(rivals))}, got both")
-        if any(later <= earlier for earlier, later in pairwise(self.times)):
-            raise ValueError("times: expected strictly increasing times")
+        for earlier, later in pairwise(self.times):
+            if later <= earlier:
+                raise ValueError(
+                    f"times: expected strictly increasing times, got {later:g} after {earlier:g}"
+                )
         return self
 
     @property
@@ -152,8 +203,11 @@ class Aging(Section):
 class Output(Section):
     """What is written."""
 
-    maps_at: list[NotNegative] | None = None
-    figures: Annotated[list[Figure], Field(min_length=1)] = ["png"]
+    maps_at: list[Time] | None = Field(
+        default=None,
+        description="Times at which to keep and draw the contact. By default 0 and five others.",
+    )
+    figures: list[Figure] = Field(default=["png"], description='Formats of the figures; "" for none.')
 
 
 class RunConfig(Section):

@@ -116,11 +116,15 @@ def read_tables(path: Path) -> dict[str, Any]:
         It cannot be read, or is no TOML.
     """
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError([f"{path}: not a TOML file: {error}"]) from None
+        # Editors on Windows write a mark before the first letter.
+        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError:
         raise ConfigError([f"{path}: not a TOML file: not text in UTF-8"]) from None
+    except ValueError as error:  # TOML's own, or a number of thousands of digits
+        reason = str(error) if isinstance(error, tomllib.TOMLDecodeError) else "a number has too many digits"
+        raise ConfigError([f"{path}: not a TOML file: {reason}"]) from None
+    except RecursionError:
+        raise ConfigError([f"{path}: not a TOML file: too many brackets within each other"]) from None
     except OSError as error:
         raise ConfigError([f"{path}: {error.strerror}"]) from None
     surface = tables.get("surface")

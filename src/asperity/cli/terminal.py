@@ -1,0 +1,40 @@
+"""What reaches the terminal: every word can be written, and none is obeyed."""
+
+from __future__ import annotations
+
+import codecs
+import io
+import os
+import sys
+
+from asperity.words import printable
+
+_PLAIN = {"±": "+-", "×": "x", "²": "^2", "µ": "u"}
+
+
+def complain(*problems: str) -> None:
+    """Write a line for each problem."""
+    for problem in problems:
+        print("asperity:", printable(" ".join(problem.split())), file=sys.stderr)
+
+
+def make_streams_safe() -> None:
+    """Let words go nowhere where a stream was closed, and be spelled plainly where it cannot hold them."""
+    codecs.register_error("asperity", _plainly)
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None or stream.closed:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, PTH123
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="asperity")
+
+
+def silence_output() -> None:
+    """Let the interpreter's last flush go nowhere, after whoever read our words has gone."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(_PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end

@@ -1,0 +1,73 @@
+"""Words that people write and read: numbers, misspelled names, text for a terminal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+_ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
+
+
+def number(word: str) -> object:
+    """Read a number; a word that is none stays as it is."""
+    for kind in (int, float):
+        try:
+            return kind(word)
+        except ValueError:
+            pass
+    return word
+
+
+def numbers(words: Iterable[str], *, whole: bool) -> list[object]:
+    """Read a list of numbers, separated by spaces or commas.
+
+    ``0,5`` may be one number with a decimal comma, or two: it stays a word, unless the numbers are whole.
+    ``0.1,1`` and ``1,2,3`` can be read in one way only. An x separates whole numbers too: ``200x200``.
+    """
+    found: list[object] = []
+    for word in " ".join(words).split():
+        if not whole and has_decimal_comma(word):
+            found.append(word)
+        else:
+            separated = word.replace("x", ",") if whole else word
+            found += [number(part) for part in separated.split(",") if part]
+    return found
+
+
+def has_decimal_comma(word: object) -> bool:
+    """Whether a word may be a number with a decimal comma."""
+    return isinstance(word, str) and _ONE_COMMA.fullmatch(word) is not None
+
+
+def closest(word: str, known: Iterable[str]) -> str | None:
+    """Find the name that was probably meant: at most one letter in three is wrong, missing, or swapped.
+
+    Capital letters count as small ones. None if no name is that close.
+    """
+    wanted = word.casefold()
+    by_distance = [(_distance(wanted, name.casefold()), name) for name in known]
+    nearest, name = min(by_distance, default=(len(word), ""))
+    return name if nearest <= len(word) // 3 else None
+
+
+def _distance(one: str, other: str) -> int:
+    """Count the letters to change, add, remove, or swap with their neighbors."""
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, a in enumerate(one):
+        before, last, row = row, before, [i + 1]
+        for j, b in enumerate(other):
+            row.append(min(before[j + 1] + 1, row[j] + 1, before[j] + (a != b)))
+            if i and j and a == other[j - 1] and one[i - 1] == b:
+                row[-1] = min(row[-1], last[j - 1] + 1)
+    return row[-1]
+
+
+def printable(text: str) -> str:
+    """Write what a terminal would obey, or not show, as escapes; lines and tabs stay what they are."""
+    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
+
+
+def shortened(text: str, length: int = 80) -> str:
+    """Cut what is too long for a line of a message."""
+    return text if len(text) <= length else f"{text[: length - 3]}..."
