@@ -33,6 +33,7 @@ def test_all_files_are_there(finished: Path) -> None:
 
 def test_the_history_is_that_of_the_verbs(finished: Path) -> None:
     dataset = results.load(finished / "history.zarr")
+    assert dataset.identical(results.load(finished))
     contact = press(gaussian((32, 32), seed=7), spring_lattice(k0=1.0, k1=3.0), load=20.5)
     times = hold_times(first=1e-3, last=10.0, per_decade=2)
     history = age(contact, times, rtol=2e-3, fields_at=dataset["field_time"].values.tolist())
@@ -51,8 +52,9 @@ def test_the_table_holds_the_history(finished: Path) -> None:
     dataset = results.load(finished / "history.zarr")
     with (finished / "aging.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert list(rows[0]) == ["time", "area", "area_ratio", "load", "separation", "energy"]
-    for name in ("time", "area", "load", "separation", "energy"):
+    assert list(rows[0])[:6] == ["time", "area", "area_ratio", "load", "separation", "energy"]
+    assert list(rows[0])[6:] == ["approach", "contact_fraction", "residual"]
+    for name in set(rows[0]) - {"area_ratio"}:
         np.testing.assert_array_equal([float(row[name]) for row in rows], dataset[name])
     ratio = dataset["area"] / dataset["area"][0]
     np.testing.assert_array_equal([float(row["area_ratio"]) for row in rows], ratio)
@@ -142,6 +144,35 @@ def test_without_maps_there_is_no_map(tmp_path: Path, asperity: Asperity) -> Non
     out = tmp_path / "out"
     assert asperity("run", config, "--shape", "8,8", "--times", "1", "--quiet", "--out", out)[0] == 0
     assert not (out / "contacts.png").exists()
+
+
+def test_figures_can_be_turned_off(tmp_path: Path, asperity: Asperity) -> None:
+    config = tmp_path / "run.toml"
+    config.write_text("[output]\nfigures = []")
+    words = ("run", "--shape", "8,8", "--times", "1", "-q")
+    assert asperity(*words, config, "-o", tmp_path / "file")[0] == 0
+    assert asperity(*words, "--figures", "", "-o", tmp_path / "flag")[0] == 0
+    for out in (tmp_path / "file", tmp_path / "flag"):
+        assert not list(out.glob("*.png"))
+        assert "figures = []" in (out / "config.toml").read_text()
+
+
+def test_many_maps_are_kept_and_some_are_drawn(tmp_path: Path, asperity: Asperity) -> None:
+    times = [f"{0.01 * n:g}" for n in range(100)]
+    words = ("--shape", "8,8", "--times", "1", "--maps-at", *times)
+    status, text, _ = asperity("run", *words, "--out", tmp_path / "out")
+    assert status == 0
+    assert "contacts shows 24 of 100 maps; history.zarr holds all" in text
+    assert results.load(tmp_path / "out").sizes["field_time"] == 100
+    assert (tmp_path / "out" / "contacts.png").exists()
+
+
+def test_a_line_is_said_to_be_one(tmp_path: Path, asperity: Asperity) -> None:
+    words = ("--times", "1", "--maps-at", "", "--figures", "")
+    _, text, _ = asperity("run", "--shape", "32", *words, "--out", tmp_path / "line")
+    assert "a line contact of 32 sites; for a square: --shape 32 32, or shape = [32, 32] in a file" in text
+    _, text, _ = asperity("run", "--shape", "8", "8", *words, "--out", tmp_path / "square")
+    assert "a line contact" not in text
 
 
 def test_a_state_that_depends_on_the_path_is_left_out_with_a_remark(

@@ -23,7 +23,12 @@ if TYPE_CHECKING:
 
 _SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
-_COLUMNS = ("area", "load", "separation", "energy")
+_COLUMNS = (
+    *("time", "area", "area_ratio", "load", "separation", "energy"),
+    *("approach", "contact_fraction", "residual"),
+)
+_MOST_MAPS = 24
+"""Maps that one figure shows."""
 
 
 def check_free(out: Path, *, overwrite: bool) -> None:
@@ -150,12 +155,18 @@ def write_figure(figure: Figure, path: Path) -> None:
 
 def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
     """Draw; numbers that cannot be drawn are no reason to lose them."""
+    if not outcome.config.output.figures:
+        return ()
+    remarks = []
     drawings: dict[str, Callable[[], Figure]] = {}
     if outcome.summary.time.size:
         drawings["aging"] = lambda: aging_curve(outcome.dataset, outcome.summary)
-    if outcome.config.output.maps_at:
-        drawings["contacts"] = lambda: contact_figure(contact_maps(outcome.dataset))
-    remarks = []
+    if maps := outcome.dataset.sizes.get("field_time", 0):
+        shown = outcome.dataset
+        if maps > _MOST_MAPS:
+            shown = shown.isel(field_time=[n * (maps - 1) // (_MOST_MAPS - 1) for n in range(_MOST_MAPS)])
+            remarks.append(f"contacts shows {_MOST_MAPS} of {maps} maps; history.zarr holds all")
+        drawings["contacts"] = lambda: contact_figure(contact_maps(shown))
     for name, draw in drawings.items():
         try:
             for kind in outcome.config.output.figures:
@@ -167,21 +178,9 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
 
 def _write_table(outcome: Outcome, path: Path) -> None:
     """One row a time, from 0 on; numbers to the last digit."""
-    summary, dataset = outcome.summary, outcome.dataset
-    series = {name: dataset[name].values.tolist() for name in _COLUMNS}
-    ratios = [1.0, *summary.area_ratio.tolist()]
+    dataset = outcome.dataset.assign(area_ratio=("time", [1.0, *outcome.summary.area_ratio]))
+    columns = [dataset[name].values.tolist() for name in _COLUMNS]
     with path.open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
-        table.writerow(["time", "area", "area_ratio", "load", "separation", "energy"])
-        times = dataset["time"].values.tolist()
-        table.writerows(
-            zip(
-                times,
-                series["area"],
-                ratios,
-                series["load"],
-                series["separation"],
-                series["energy"],
-                strict=True,
-            )
-        )
+        table.writerow(_COLUMNS)
+        table.writerows(zip(*columns, strict=True))

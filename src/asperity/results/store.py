@@ -51,15 +51,23 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
 def load(path: str | Path) -> xr.Dataset:
     """Open a Dataset that `save` wrote, and read it into memory.
 
+    Parameters
+    ----------
+    path
+        The zarr folder; or the folder of a run of the command line, whose ``history.zarr`` is opened.
+
     Raises
     ------
     InputError
         There is no such folder, or it holds no Dataset.
     """
-    if not Path(path).exists():
+    folder = Path(path)
+    if (folder / "history.zarr").is_dir():
+        folder = folder / "history.zarr"
+    if not folder.exists():
         raise InputError("path", expected="a folder that asperity wrote", got=f"{path}, which does not exist")
     try:
-        with xr.open_dataset(path, engine="zarr", consolidated=False, decode_times=False) as dataset:
+        with xr.open_dataset(folder, engine="zarr", consolidated=False, decode_times=False) as dataset:
             return dataset.load()
     except (OSError, ValueError, KeyError) as error:
         raise InputError("path", expected="a folder that asperity wrote", got=f"{path}: {error}") from error
