@@ -153,9 +153,17 @@ def line(name: str, value: object) -> Floats:
     array = _as_floats(name, value, "real numbers")
     if array.ndim != 1:
         raise InputError(name, expected="an array of one dimension", got=f"shape {array.shape}")
-    if not np.isfinite(array).all():
+    if not (finite := np.isfinite(array)).all():
+        nans, first = int(np.isnan(array).sum()), int(np.argmin(finite))
+        infinite = array.size - int(finite.sum()) - nans
         raise InputError(
-            name, expected="finite numbers", got="NaN or infinity", advice="dropping the relaxed state"
+            name,
+            expected="finite numbers",
+            got=f"{nans} NaN and {infinite} infinite of {array.size}, the first at {first}",
+            # The relaxed state of a history is at an infinite time.
+            advice="dropping the relaxed state"
+            if infinite and name == "time"
+            else "leaving these points out",
         )
     return array
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import least_squares
 
 from asperity.errors import InputError
 from asperity.fits import LogarithmFit, SaturationFit, logarithm, saturation
@@ -207,7 +208,11 @@ GROWING = np.linspace(1.0, 2.0, 8)
         ),
         (np.arange(8), GROWING[:7], "area: expected one for each of the 8 values of time, got 7"),
         (np.arange(8), GROWING - 1, r"area: expected values of area above 0, got 0\.0"),
-        (np.arange(8), np.where(GROWING > 1.5, np.nan, GROWING), "area: expected finite numbers, got NaN or"),
+        (
+            np.arange(8),
+            np.where(GROWING > 1.5, np.nan, GROWING),
+            "area: expected finite numbers, got 4 NaN and",
+        ),
         (np.append(np.arange(7), np.inf), GROWING, "time: expected finite numbers.*relaxed state"),
         (np.arange(8)[::-1], GROWING, r"area: expected an area that grows.* got 2 \.\.\. 1"),
         (np.arange(8) - 1, GROWING, r"time: expected values of time not below 0, got -1 \.\.\. 6"),
@@ -245,3 +250,49 @@ def test_areas_that_grow_at_once_and_stay_have_no_variation_to_explain() -> None
         fit = law([0.0, 1.0, 2.0, 4.0, 8.0, 16.0], [3.0, 4.0, 4.0, 4.0, 4.0, 4.0])
         assert np.isnan(fit.r_squared)
         np.testing.assert_allclose(fit.area_ratio(np.array([2.0, 16.0])), 4 / 3, rtol=0.1)
+
+
+@pytest.mark.parametrize(("a", "q", "t0"), LAWS)
+def test_a_known_limit_is_kept(a: float, q: float, t0: float) -> None:
+    fit = saturation(TIME, 7 * saturating(TIME, a, q, t0), limit=7 * a)
+    assert (fit.a, fit.q, fit.t0) == pytest.approx((a, q, t0), rel=1e-8)
+    assert (fit.a_stderr, fit.degrees_of_freedom) == (0, TIME.size - 3)
+    # Another limit: the search of scipy, in t0 and q alone, finds the same.
+    other = saturation(TIME, saturating(TIME, a, q, t0), limit=1.1 * a)
+
+    def misfit(logs: Floats) -> Floats:
+        return saturating(TIME, 1.1 * a, *np.exp(logs)) - saturating(TIME, a, q, t0)
+
+    found = least_squares(misfit, np.log([q, t0]), xtol=1e-14, ftol=1e-14)
+    assert (other.q, other.t0) == pytest.approx(np.exp(found.x), rel=1e-5)
+    assert other.a == pytest.approx(1.1 * a, rel=1e-14)
+
+
+def test_errors_beside_a_known_limit_are_standard_errors() -> None:
+    def law(time: Floats, area: Floats) -> SaturationFit:
+        return saturation(time, area, limit=3.0)
+
+    pull = pulls(law, saturating(TIME, 3.0, 0.4, 10.0), ["q", "t0"], [0.4, 10.0], TIME, initial_free=False)
+    assert pull.std(axis=0) == pytest.approx(np.ones(2), abs=0.15)
+    assert pull.mean(axis=0) == pytest.approx(np.zeros(2), abs=0.22)
+
+
+@pytest.mark.parametrize(("first", "limit"), [(0, 0.9), (0, math.nan), (1, 3.0)])
+def test_a_limit_that_is_none_is_refused(first: int, limit: float) -> None:
+    with pytest.raises(InputError, match="limit: expected a final area above the one area at time 0"):
+        saturation(TIME[first:], noisy()[first:], limit=limit)
+
+
+def test_fits_are_short_in_words() -> None:
+    text = repr(saturation(TIME, noisy()))
+    assert text.startswith("<SaturationFit: C = 0.6")
+    assert "60 points, misfit 0.0" in text
+    assert len(text) < 250
+
+
+def test_a_number_that_is_none_is_found() -> None:
+    area = noisy()
+    area[[5, 9]] = np.nan
+    area[7] = np.inf
+    with pytest.raises(InputError, match="got 2 NaN and 1 infinite of 61, the first at 5; try leaving these"):
+        saturation(TIME, area)

@@ -11,7 +11,8 @@ the first is fitted as
 
 in ln K, ln t0, ln q, which is regular there; C = K/A(0) and a = 1 + C/q come after, by the delta method. A(0)
 is fitted as it is, not as a logarithm: where no time lies below t0 it can be traded against t0, and along
-dA(0) = K d ln t0 that valley is straight. The q of these laws is an exponent of time; the paper has the same
+dA(0) = K d ln t0 that valley is straight. Where A(0) and the final area are known, K = (a - 1) q A(0) and
+ln t0 and ln q are left. The q of these laws is an exponent of time; the paper has the same
 letter for a wave vector and for an exponent of the area.
 
 What to hold C against: the dilute theory of exponential heights has the late slope dA/A(0)/d ln t =
@@ -29,19 +30,20 @@ order, any number of values at a time.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import gammainc
 
+from asperity.errors import InputError
 from asperity.fits.curve import Curve, Floats, checked_times
 from asperity.fits.result import FitResult
 from asperity.fits.search import EXPONENT_RANGE, Optimum, fit_law
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class GrowthFit(FitResult):
     """What the two laws share; see `LogarithmFit` for the meaning of each field."""
 
@@ -69,7 +71,7 @@ class GrowthFit(FitResult):
         return self.predict(time)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class LogarithmFit(GrowthFit):
     """Eq. (log) with fitted parameters: A(t)/A(0) = 1 + C ln(1 + t/t0).
 
@@ -94,7 +96,7 @@ class LogarithmFit(GrowthFit):
         return np.asarray(1 + self.C * np.log1p(checked_times(time) / self.t0))[()]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class SaturationFit(GrowthFit):
     """Eq. (a) with fitted parameters: A(t)/A(0) = a - (a - 1)/(1 + t/t0)^q.
 
@@ -124,7 +126,9 @@ class SaturationFit(GrowthFit):
         return np.asarray(1 + growth)[()]
 
 
-def saturation(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -> SaturationFit:
+def saturation(
+    time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None, *, limit: float | None = None
+) -> SaturationFit:
     """Fit Eq. (a), a power law toward a final area, to a curve A(t).
 
     Parameters
@@ -136,6 +140,10 @@ def saturation(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None
         the contact, such as the coefficient of static friction. An xarray DataArray serves for both.
     stderr
         Standard errors of the areas, shape (n,), above 0, if they are known.
+    limit
+        A(infinity), in the unit of the areas, where it is known, as from `asperity.relax`: a is
+        limit/A(0) then, without an error, and q and t0 are fitted. It takes one area at time 0, below it, and
+        no standard errors.
 
     Returns
     -------
@@ -152,19 +160,39 @@ def saturation(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None
     ConvergenceError
         If no starting point led to a minimum.
     """
-    curve = Curve.checked(time, area, stderr, parameters=3)
+    curve = Curve.checked(time, area, stderr, parameters=3 if limit is None else 2)
     exponents = (1e-3, 0.03, 0.1, 0.3, 1.0, 3.0)
     starts = [np.log([1.0, t0, q]) for q in exponents for t0 in curve.time_scales()]
-    best = fit_law(_saturating, curve, starts, [EXPONENT_RANGE])
+    if limit is None:
+        best = fit_law(_saturating, curve, starts, [EXPONENT_RANGE])
+    else:
+        best = _fit_below(limit, curve, [start[1:] for start in starts])
     C, q = best.C, float(np.exp(best.theta[2]))
     at_edge = q < 10 * EXPONENT_RANGE[0]
     return SaturationFit(
         a=1 + C / q,
-        a_stderr=float("inf") if at_edge else C / q * best.log_stderr(1, 0, -1),
+        a_stderr=float("inf") if at_edge else 0.0 if limit is not None else C / q * best.log_stderr(1, 0, -1),
         q=q,
         q_stderr=q * best.log_stderr(0, 0, 1),
         **_shared(best),
     )
+
+
+def _fit_below(limit: float, curve: Curve, starts: list[Floats]) -> Optimum:
+    """Fit t0 and q toward a known final area, with ln K = ln(a - 1) + ln q."""
+    growth = limit / curve.area_unit - 1
+    if not (curve.initial_known and 0 < growth < np.inf):
+        got = f"{limit:g}" if curve.initial_known else "areas of which A(0) must be fitted too"
+        raise InputError("limit", expected="a final area above the one area at time 0", got=got)
+    whole = np.array([[0.0, 1.0], [1.0, 0.0], [0.0, 1.0]])  # (ln K, ln t0, ln q) of (ln t0, ln q)
+    known = np.array([np.log(growth), 0.0, 0.0])
+
+    def law(theta: Floats, time: Floats) -> tuple[Floats, Floats]:
+        value, slopes = _saturating(known + whole @ theta, time)
+        return value, slopes @ whole
+
+    best = fit_law(law, curve, starts, [EXPONENT_RANGE], K_known=True)
+    return replace(best, theta=known + whole @ best.theta, covariance=whole @ best.covariance @ whole.T)
 
 
 def logarithm(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -> LogarithmFit:

@@ -19,7 +19,7 @@ from asperity.fits.line import polynomial
 from asperity.fits.result import FitResult
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class PowerLawFit(FitResult):
     """A power law y = prefactor x^exponent with fitted parameters.
 

@@ -26,7 +26,7 @@ STRAIGHT = 0.25
 """Change of the slope over a window, in units of the slope, up to which the window is called straight."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class GrowthRate(FitResult):
     """Slopes in ln t over a window.
 

@@ -21,7 +21,7 @@ def student(degrees_of_freedom: float) -> float:
     return float(stdtrit(min(degrees_of_freedom, 1e9), (1 + SURE) / 2))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class FitResult:
     """Base of the fits.
 
@@ -50,6 +50,14 @@ class FitResult:
 
     scales: ClassVar[frozenset[str]] = frozenset()
     """Parameters that may be wrong by a factor rather than a difference."""
+
+    def __repr__(self) -> str:
+        said = []
+        for name in parameters_of(self):
+            error = getattr(self, f"{name}_stderr")
+            said.append(f"{name} = {getattr(self, name):.4g}" + (f" ± {error:.2g}" if error != 0 else ""))
+        said += [f"{self.points} points", f"misfit {100 * self.rms_residual:.2g} % rms"]
+        return f"<{type(self).__name__}: {', '.join(said)}>"
 
     def interval(self, name: str) -> tuple[float, float]:
         """95 % interval of a parameter, by Student's t, if the errors of the values are independent.

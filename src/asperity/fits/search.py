@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -12,7 +13,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits.curve import MANY, Curve, Floats, Series
 
 # A law takes the logarithms of its parameters (K first) and times, and gives A(t) - A(0) and its
-# derivatives in those logarithms, one column each.
+# derivatives in those logarithms, one column each. K is left out where the final area gives it.
 Law = Callable[[Floats, Floats], tuple[Floats, Floats]]
 
 # Reach of the search, in units of the data. Data that lead to its edge leave a parameter undetermined.
@@ -40,6 +41,7 @@ class Misfit:
     law: Law
     series: Series
     initial_known: bool
+    K_known: bool = False
 
     @property
     def weight(self) -> Floats | float:
@@ -64,6 +66,8 @@ class Misfit:
 
     def completed(self, shape: Floats) -> Floats | None:
         """Complete a start, with K = 1, by the K and A(0) that suit it best; None where not above 0."""
+        if self.K_known:
+            return shape
         growth = self.law(shape, self.series.x)[0] * self.weight
         ones = np.ones_like(self.series.x) * self.weight
         y = self.series.y * self.weight
@@ -142,20 +146,27 @@ class Optimum:
         gradient[: len(powers)] = powers
         if per_initial and not self.curve.initial_known:  # C = K/A(0)
             gradient[-1] = -powers[0] / self.initial
-        return float(np.sqrt(gradient @ self.covariance @ gradient))
+        return math.sqrt(max(0.0, float(gradient @ self.covariance @ gradient)))
 
 
 def fit_law(
-    law: Law, curve: Curve, shapes: Iterable[Floats], more_ranges: list[tuple[float, float]]
+    law: Law,
+    curve: Curve,
+    shapes: Iterable[Floats],
+    more_ranges: list[tuple[float, float]],
+    *,
+    K_known: bool = False,
 ) -> Optimum:
     """Polish the best starting points and keep the best minimum."""
-    logs = [SLOPE_RANGE, (1 / TIME_REACH, curve.points.x[-1] * TIME_REACH), *more_ranges]
+    logs = [(1 / TIME_REACH, curve.points.x[-1] * TIME_REACH), *more_ranges]
+    if not K_known:
+        logs = [SLOPE_RANGE, *logs]
     bounds = np.concatenate([np.log(logs), [INITIAL_RANGE] if not curve.initial_known else np.empty((0, 2))])
-    whole = Misfit(law, curve.points, curve.initial_known)
+    whole = Misfit(law, curve.points, curve.initial_known, K_known)
     # A law is smooth: where many points lie, means over bins lead to the same minimum, all but the last
     # digits.
     many = curve.points.x.size > MANY
-    rough = Misfit(law, curve.points.binned(), curve.initial_known) if many else whole
+    rough = Misfit(law, curve.points.binned(), curve.initial_known, K_known) if many else whole
     starts = [start for shape in shapes if (start := rough.completed(shape)) is not None]
     if not starts:
         raise InputError("area", expected="an area that grows with time", got="no growing law near the data")
