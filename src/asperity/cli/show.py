@@ -93,9 +93,14 @@ def _preparation(prepared: Surface) -> list[tuple[str, str]]:
     facts = prepared.provenance
     unit = _of(str(facts["original_unit"]))
     height, *slopes = (f"{value:.4g}{unit}" for value in _listed(facts["tilt_coefficients"]))
-    directions = ("downward", "to the right") if len(slopes) == 2 else ("along it",)
-    tilt = ", ".join(f"{slope} {where}" for slope, where in zip(slopes, directions, strict=True))
-    removed = "" if facts["tilt_rule"] == "none" else f": removed height {height}, and per pixel {tilt}"
+    removed = f": removed {height} at the first pixel"
+    if facts["tilt_rule"] == "mean":
+        removed = f": removed {height}"
+    elif len(slopes) == 2:
+        removed += f", {slopes[0]} per pixel downward and {slopes[1]} per pixel to the right"
+    else:
+        removed += f", {slopes[0]} per pixel"
+    removed = "" if facts["tilt_rule"] == "none" else removed
     return [
         ("undefined pixels", f"{facts['undefined_rule']} ({facts['undefined_pixels']})"),
         ("tilt", f"{facts['tilt_rule']}{removed}"),
