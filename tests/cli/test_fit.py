@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.collections import LineCollection
 
 from asperity.analysis import measured_growth
 from asperity.figures import fit_figure
@@ -62,6 +63,16 @@ def test_friction_in_words_figure_and_numbers(asperity: Asperity, friction: np.n
     assert found["fits"]["logarithm"]["C"]["interval"] == pytest.approx(fit.interval("C"), rel=1e-9)
     assert found["fits"]["saturation"]["q"]["stderr"] > 0
     assert found["straight_line"]["points"] == rate.points
+    # The names of the screen, and slopes both ways.
+    assert found["fits"]["logarithm"]["A0"]["value"] == pytest.approx(fit.initial_area, rel=1e-9)
+    slopes = found["fits"]["logarithm"]
+    assert slopes["slope_per_efold"]["value"] == pytest.approx(fit.slope, rel=1e-9)
+    assert slopes["slope_per_decade"]["stderr"] == pytest.approx(np.log(10) * fit.slope_stderr, rel=1e-9)
+    assert "slope A0 C per decade" in text
+    assert (
+        found["straight_line"]["B_per_decade"]["interval"][0]
+        < found["straight_line"]["B_per_decade"]["value"]
+    )
     assert found["comparison"]["verdict"] == compare(time, mu).verdict
 
 
@@ -135,7 +146,7 @@ def test_a_late_piece_does_not_tell_its_beginning(asperity: Asperity) -> None:
     assert text.index("straight line in ln t") < text.index("saturation: A0") < text.index("logarithm: A0")
     assert line(text[text.index("logarithm: A0") :], "t0").strip() == "not determined by these times"
     growth = measured_growth(hold, mu)
-    legend = fit_figure(growth, title="", quantity="mu", unit_time="s", window=False).axes[0].get_legend()
+    legend = fit_figure(growth, quantity="mu", unit_time="s", window=False).axes[0].get_legend()
     assert legend is not None
     words = [text.get_text() for text in legend.get_texts()]
     assert any(word.startswith("straight line, 0.0") for word in words)
@@ -153,19 +164,19 @@ def test_any_name_is_drawn_as_it_stands(asperity: Asperity, friction: np.ndarray
 
 def test_dollars_are_no_formulas() -> None:
     growth = measured_growth(HOLD, 0.6 + 0.01 * np.log(HOLD), laws=("logarithm",))
-    figure = fit_figure(growth, title="$a", quantity="$b$", unit_time=r"$\foo$", window=False)
+    figure = fit_figure(growth, quantity="$b$", unit_time=r"$\foo$", window=False)
     upper, lower = figure.axes
     # matplotlib draws an escaped dollar as it stands.
-    assert (upper.get_title(), upper.get_ylabel()) == (r"\$a", r"\$b\$")
+    assert upper.get_ylabel() == r"\$b\$"
     assert lower.get_xlabel() == r"hold time $t$ [\$\foo\$]"
 
 
 def test_labels_stay_on_the_canvas() -> None:
     growth = measured_growth(HOLD, 0.6 + 0.01 * np.log(HOLD), laws=("logarithm",))
     long = "W" * 300
-    figure = fit_figure(growth, title=long, quantity=long, unit_time=long, window=True)
+    figure = fit_figure(growth, quantity=long, unit_time=long, window=True)
     figure.draw_without_rendering()
-    for text in (figure.axes[0].title, figure.axes[0].yaxis.label, figure.axes[1].xaxis.label):
+    for text in (figure.axes[0].yaxis.label, figure.axes[1].xaxis.label):
         box = text.get_window_extent()
         assert text.get_text().rstrip("]").endswith("…")
         assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
@@ -226,7 +237,7 @@ def test_the_figure_draws_the_numbers() -> None:
     time = np.concatenate([np.zeros(3), HOLD])
     value = 0.6 + 0.01 * np.log1p(time) + 1e-3 * rng.normal(size=time.size)
     growth = measured_growth(time, value, first=10)
-    figure = fit_figure(growth, title="mu", quantity="static friction", unit_time="s", window=True)
+    figure = fit_figure(growth, quantity="static friction", unit_time="s", window=True)
     upper, lower = figure.axes
     assert upper.get_ylabel() == "static friction"
     assert lower.get_xlabel() == "hold time $t$ [s]"
@@ -238,7 +249,13 @@ def test_the_figure_draws_the_numbers() -> None:
     words = "\n".join(text.get_text() for text in legend.get_texts())
     for piece in ("at time 0:", "mean of 3", "saturation", "straight line", "per decade", "$t_0$"):
         assert piece in words
-    strip = next(artist for artist in lower.lines if artist.get_marker() == "s")
+    strips = {artist.get_marker(): artist for artist in lower.lines}
+    strip, straight = strips["s"], strips["x"]
+    assert growth.rate is not None
+    window = time >= 10
+    np.testing.assert_allclose(
+        np.asarray(straight.get_ydata()), 100 * (value[window] / growth.rate.predict(time[window]) - 1)
+    )
     later = time > 0
     np.testing.assert_allclose(
         np.asarray(strip.get_ydata()), 100 * (value[later] / fit.predict(time[later]) - 1)
@@ -253,3 +270,24 @@ def test_many_values_are_shown_as_means() -> None:
     np.testing.assert_allclose(growth.shown_time, time[::40])
     np.testing.assert_allclose(growth.shown_value, value.reshape(50, 40).mean(axis=1))
     assert growth.comparison is None
+
+
+def test_error_bars_are_in_both_panels() -> None:
+    value = 0.6 + 0.01 * np.log(HOLD)
+    growth = measured_growth(HOLD, value, stderr=0.006 + 0 * HOLD, laws=("logarithm",))
+    for axes, half in zip(
+        fit_figure(growth, quantity="mu", unit_time="s", window=False).axes,
+        (0.006 + 0 * HOLD, 0.6 / value),
+        strict=True,
+    ):
+        bars = next(artist for artist in axes.collections if isinstance(artist, LineCollection))
+        heights = [float(np.ptp(segment[:, 1])) for segment in bars.get_segments()]
+        np.testing.assert_allclose(heights, 2 * half)
+
+
+def test_residuals_that_are_no_scatter_are_said(asperity: Asperity, finished: Path) -> None:
+    time = np.geomspace(1e-2, 1e4, 40)
+    np.savetxt("curve.txt", np.column_stack([time, 4 - 3 * np.exp(-((time / 10) ** 0.3))]))
+    status, text, _ = asperity("fit", "curve.txt")
+    assert status == 0
+    assert "what the laws miss is no random scatter: the standard errors take it for that" in text

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +81,10 @@ def test_the_summary_says_what_was_found(tmp_path: Path, asperity: Asperity) -> 
     assert f"{initial} of 1024 sites = {100 * initial / 1024:.4g} %" in text
     assert f"{last} of 1024 sites" in text
     assert f"{dataset.attrs['relaxed_area']} of 1024 sites" in text
+    limit = dataset.attrs["relaxed_area"] / initial
+    assert re.search(rf"^  a +{limit:.5g}, A\(relaxed\)/A\(0\), exact$", text, re.MULTILINE)
+    assert "±" not in text
+    assert "per decade of time, near t = " in text
     assert "k1 = 3" in text
     assert "no load was given: took 20.5 = 0.005 (k0 + k1) x rms height x sites" in text
     assert f"{int(dataset['steps'].sum())} time steps" in text
@@ -132,6 +137,11 @@ def test_held_separation_and_chosen_maps_and_formats(tmp_path: Path, asperity: A
     assert "no fit: " in text
     dataset = results.load(out / "history.zarr")
     np.testing.assert_allclose(dataset["separation"], 1.5)
+    loads = dataset["load"].values
+    assert f"load at t = 1            {loads[-1]:.8g}, load/load(0) = {loads[-1] / loads[0]:.4g}\n" in text
+    assert f"load relaxed             {dataset.attrs['relaxed_load']:.8g}, load/load(0)" in text
+    slopes = np.diff(loads[1:]) / loads[0]
+    assert f"steepest change of load  {slopes[0]:+.3g} load(0) per decade of time, near t = 0.32\n" in text
     assert dataset["field_time"].values.tolist() == [0.0, 0.5]
     assert dataset["time"].values.tolist() == [0.0, 0.1, 1.0]
     assert (out / "aging.svg").exists()

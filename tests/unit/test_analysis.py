@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from asperity import age, press, relax
 from asperity.analysis import (
+    ContactMaps,
     SiteState,
     aging_summary,
     contact_maps,
     hold_times,
     map_times,
+    measured_growth,
     modest_load,
     surface_view,
     with_limit,
@@ -86,9 +90,22 @@ def test_maps_are_of_recorded_times_from_0_to_the_last() -> None:
     assert len(chosen) == 6
     assert (chosen[0], chosen[-1]) == (0.0, times[-1])
     assert set(chosen) <= set(times)
-    np.testing.assert_allclose(np.diff(np.log(chosen[1:])), np.log(chosen[2] / chosen[1]))
     assert map_times([1.0]) == (0.0, 1.0)
     assert map_times([0.0]) == (0.0,)
+
+
+@pytest.mark.parametrize(
+    ("times", "maps"),
+    [
+        (hold_times(first=1e-3, last=1e6, per_decade=4), [1e-2, 1, 1e2, 1e4, 1e6]),  # the default of a run
+        (TIMES, [1, 10, 100, 1e3, 1e4]),
+        ([*hold_times(first=1e-3, last=1e4, per_decade=2), 4e4], [1e-3, 0.1, 10, 1e3, 4e4]),
+        ([2.0, 4.0, 8.0, 16.0, 32.0, 64.0], [4.0, 8.0, 16.0, 32.0, 64.0]),
+        ([3.0, 7.0], [3.0, 7.0]),
+    ],
+)
+def test_maps_are_at_round_times_where_there_are_some(times: np.ndarray, maps: list[float]) -> None:
+    np.testing.assert_allclose(map_times(list(times))[1:], maps, rtol=1e-9)
 
 
 def test_maps_account_for_every_site(aged: xr.Dataset) -> None:
@@ -146,6 +163,110 @@ def test_a_known_law_is_found_again() -> None:
 def test_the_steepest_growth_is_that_of_a_logarithm() -> None:
     summary = aging_summary(synthetic(1 + 0.3 * np.arange(25.0) / 4))
     assert summary.steepest_per_decade == pytest.approx(0.3, rel=1e-12)
+
+
+def test_the_fit_ends_at_the_limit_that_is_known() -> None:
+    # Not a saturation by Eq. (a): a free fit ends above 4, with a standard error that excludes 4.
+    ratio = 4 - 3 * np.exp(-((TIMES / 10) ** 0.3))
+    free = aging_summary(synthetic(ratio)).fit
+    assert free is not None
+    assert abs(free.a - 4) > 2 * free.a_stderr
+    summary = aging_summary(synthetic(ratio, relaxed_area=40000.0))
+    assert summary.fit is not None
+    assert summary.fit.a == pytest.approx(4, rel=1e-14)
+    assert summary.fit.a_stderr == 0
+    assert summary.fit_curve is not None
+    assert summary.fit_curve.max() <= 4
+    assert summary.fit_worst == pytest.approx(np.abs(1 - summary.fit.area_ratio(TIMES) / ratio).max())
+    assert summary.fit_worst > summary.fit.rms_residual > free.rms_residual
+    assert aging_summary(synthetic(ratio, relaxed_area=5000.0)).fit_note.startswith(
+        "no fit: the relaxed area"
+    )
+
+
+def test_the_load_is_summarized_where_the_separation_is_held() -> None:
+    dataset = synthetic(saturating(TIMES, 3.0, 0.4, 2.0), held="separation", relaxed_load=250.0)
+    dataset["load"] = ("time", 1000 - 30 * np.arange(26.0))
+    summary = aging_summary(dataset)
+    assert summary.load is not None
+    np.testing.assert_array_equal(summary.load, dataset["load"][1:])
+    assert (summary.initial_load, summary.relaxed_load) == (1000.0, 250.0)
+    assert summary.load_per_decade == pytest.approx(-120)
+    held = aging_summary(synthetic(saturating(TIMES, 3.0, 0.4, 2.0)))
+    assert held.load is None
+    assert np.isnan(held.load_per_decade)
+
+
+def test_a_summary_is_short_in_words() -> None:
+    assert len(repr(aging_summary(synthetic(saturating(TIMES, 3.0, 0.4, 2.0))))) < 700
+    growth = measured_growth(TIMES, saturating(TIMES, 3.0, 0.4, 2.0))
+    assert "array" not in repr(growth)
+
+
+def mirrored(scan: np.ndarray) -> Surface:
+    """A scan of 0.5 um a pixel, as `asperity.surfaces.read` makes it periodic."""
+    heights = scan
+    for axis in range(scan.ndim):
+        heights = np.concatenate([heights, np.flip(heights, axis)], axis)
+    provenance: dict[str, Any] = {
+        "file": "scan.npy",
+        "unit": "nm",
+        "periodic_rule": "mirror",
+        "original_shape": list(scan.shape),
+        "physical_size": [0.5 * n for n in scan.shape],
+        "length_unit": "um",
+    }
+    return Surface(heights, "nm", (0.5,) * scan.ndim, "um", provenance)
+
+
+@pytest.mark.parametrize("shape", [(24, 16), (40,)])
+def test_maps_of_a_mirrored_scan_show_the_scan(shape: tuple[int, ...]) -> None:
+    scan = gaussian(shape, seed=3)
+    contact = press(mirrored(scan), spring_lattice(k0=1.0, k1=3.0), load=40.0)
+    maps = contact_maps(with_limit(age(contact, [0.0], fields_at=[0.0]).dataset, relax(contact)))
+    np.testing.assert_array_equal(maps.heights, scan)
+    assert maps.copies == 2 ** len(shape)
+    assert maps.states.shape == maps.surfaces.shape == (2, *shape)
+    assert (maps.pixel_size, maps.length_unit, maps.unit) == (0.5, "um", "nm")
+    assert maps.area(0) * maps.copies == pytest.approx(contact.area, rel=0.05)
+
+
+def some_maps(states: np.ndarray) -> ContactMaps:
+    heights = np.zeros(states.shape[1:])
+    return ContactMaps(
+        heights, np.arange(2.0), states, np.zeros(states.shape), (-1, 1), (0, 1), "nm", 1, 0.05, "um"
+    )
+
+
+def test_a_sample_of_contacts_has_their_share_and_their_places() -> None:
+    rng = np.random.default_rng(4)
+    states = np.where(rng.random((2, 301, 210)) < 0.03, SiteState.NEW, SiteState.FREE).astype(np.int8)
+    states[:, 96:200, 96:200] = SiteState.KEPT  # 52 x 52 cells of 2 x 2 sites
+    cells = some_maps(states).sampled(2)
+    assert cells.shape == (2, 151, 105)
+    np.testing.assert_array_equal(cells[:, 48:100, 48:100], SiteState.KEPT)
+    touching = states != SiteState.FREE
+    assert 4 * np.count_nonzero((cells != 0).any(axis=0)) == pytest.approx(touching.any(axis=0).sum(), abs=4)
+    for number in range(2):
+        assert 4 * np.count_nonzero(cells[number]) == pytest.approx(touching[number].sum(), rel=0.05)
+        blocks = (
+            np.pad(states[number], ((0, 1), (0, 0)))
+            .reshape(151, 2, 105, 2)
+            .swapaxes(1, 2)
+            .reshape(151, 105, 4)
+        )
+        assert (blocks == cells[number][..., None]).any(axis=-1).all()
+    np.testing.assert_array_equal(some_maps(states).sampled(1), states)
+
+
+def test_a_close_up_is_where_most_happens_and_a_scale_bar_is_round() -> None:
+    states = np.zeros((2, 300, 400), dtype=np.int8)
+    states[:, :100, :100] = SiteState.KEPT
+    states[1, 140:150, 260:300] = SiteState.NEW
+    maps = some_maps(states)
+    assert maps.close_up() == (slice(128, 256), slice(256, 384))
+    assert maps.scale_bar(400) == pytest.approx((100, 5, "um"))
+    assert maps.scale_bar(40) == pytest.approx((10, 500, "nm"))
 
 
 def test_a_fit_that_means_little_says_so() -> None:
@@ -240,6 +361,9 @@ def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
     view = surface_view(Surface(gaussian((6, 9), seed=1)))
     assert (view.unit, view.length_unit) == ("1", "pixel")
     np.testing.assert_array_equal(view.profile, view.heights[3])
+    small = surface_view(Surface(1e-6 * gaussian((6, 9), seed=1)))
+    assert small.unit == "1e-06"
+    np.testing.assert_allclose(small.heights, view.heights)
     line = surface_view(Surface(np.zeros(5)))
     assert line.profile.size == 5
     assert np.isnan(line.normal_density).all()

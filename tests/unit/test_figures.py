@@ -32,6 +32,8 @@ from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, gaussian
 from asperity.theory import GaussianHeights
 
+LONG_NAME = "after_polish_position_B2_" * 3 + "sample_7_channel_1_second_scan.opd"
+
 
 def history(shape: tuple[int, ...]) -> xr.Dataset:
     contact = press(gaussian(shape), spring_lattice(k0=1.0, k1=3.0), load=0.02 * np.prod(shape))
@@ -68,7 +70,7 @@ def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSumma
     assert axes.get_xscale() == "log"
     assert "hold time" in axes.get_xlabel()
     assert "A(t)" in axes.get_ylabel()
-    assert "load 81.92 held" in axes.get_title()
+    assert "load 81.92 held" in figure.get_suptitle()
     (right,) = axes.child_axes
     assert "% of nominal area" in right.get_ylabel()
     figure.draw_without_rendering()
@@ -77,14 +79,62 @@ def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSumma
     assert right.get_ylim() == pytest.approx((low * share, high * share))
 
 
-def test_the_legend_gives_the_fit_with_its_uncertainty(aged: xr.Dataset, summary: AgingSummary) -> None:
+def test_the_legend_gives_the_fit_and_its_misfit(aged: xr.Dataset, summary: AgingSummary) -> None:
     assert summary.fit is not None
-    fit = dataclasses.replace(summary.fit, a=3.061, a_stderr=0.023, q=0.2083, q_stderr=0.0097)
-    text = legend_of(aging_curve(aged, dataclasses.replace(summary, fit=fit)))
-    assert "3.061 ± 0.023" in text
-    assert "0.2083 ± 0.0097" in text
+    fit = dataclasses.replace(summary.fit, a=2.9283, q=0.2083, t0=0.131, rms_residual=0.0123)
+    known = dataclasses.replace(summary, fit=fit, fit_worst=0.034)
+    text = legend_of(aging_curve(aged, known))
+    assert "$a$ = 2.9283, the relaxed limit" in text
+    assert "$q$ = 0.208, $t_0$ = 0.131" in text
+    assert "misfit 1.2 % rms, 3.4 % at worst" in text
+    assert "±" not in text  # what the law misses along one curve is no scatter
     assert "dilute theory (no fit)" in text
     assert "relaxed limit" in text
+    text = legend_of(aging_curve(aged, dataclasses.replace(known, relaxed_ratio=None)))
+    assert "$a$ = 2.93, extrapolated" in text
+
+
+def test_the_fit_does_not_cross_the_limit(aged: xr.Dataset, summary: AgingSummary) -> None:
+    axes = aging_curve(aged, summary).axes[0]
+    curve = next(line for line in axes.lines if line.get_color() == style.BLUE)
+    assert summary.relaxed_ratio is not None
+    assert np.asarray(curve.get_ydata()).max() <= summary.relaxed_ratio
+
+
+@pytest.fixture(scope="module")
+def separated() -> xr.Dataset:
+    """A held separation: the load falls."""
+    solid = spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)
+    contact = press(Surface(gaussian((32, 32)), provenance={"file": LONG_NAME}), solid, separation=1.5)
+    history = age(contact, np.geomspace(1e-2, 1e3, 11), fields_at=[0.0, 1e3], rtol=1e-2)
+    return with_limit(history.dataset, relax(contact))
+
+
+def test_the_load_is_drawn_where_the_separation_is_held(separated: xr.Dataset) -> None:
+    figure = aging_curve(separated, aging_summary(separated))
+    lower = figure.axes[1]
+    assert "load" in lower.get_ylabel()
+    markers = next(line for line in lower.lines if line.get_marker() == "o")
+    load = separated["load"].values
+    np.testing.assert_array_equal(markers.get_ydata(), load[1:] / load[0])
+    limit = next(line for line in lower.lines if line.get_linestyle() == ":")
+    np.testing.assert_array_equal(limit.get_ydata(), [separated.attrs["relaxed_load"] / load[0]] * 2)
+
+
+def test_underscores_of_names_stay(separated: xr.Dataset) -> None:
+    figure = aging_curve(separated, aging_summary(separated))
+    assert "after_polish_position_B2" in figure.get_suptitle()
+    assert "R_viscous = 0.1" in figure.get_suptitle()
+
+
+def test_the_axis_ends_at_full_contact() -> None:
+    contact = press(gaussian((16, 16)), spring_lattice(k0=1.0, k1=3.0), load=6000.0)
+    dataset = age(contact, [0.1, 1.0, 10.0], rtol=1e-2).dataset
+    figure = aging_curve(dataset, aging_summary(dataset))
+    figure.draw_without_rendering()
+    assert dataset["contact_fraction"][-1] > 0.99
+    (right,) = figure.axes[0].child_axes
+    assert right.get_ylim()[1] == pytest.approx(100)
 
 
 def test_what_is_missing_is_not_drawn_and_the_legend_says_why(
@@ -147,18 +197,10 @@ def some_maps(states: np.ndarray) -> ContactMaps:
     )
 
 
-def test_few_contacts_of_a_large_surface_get_larger_marks() -> None:
-    states = np.zeros((1, 300, 200))
-    states[0, 10, 190] = SiteState.KEPT
-    figure = contact_figure(some_maps(states))
-    marks = figure.axes[1].collections[0]
-    np.testing.assert_array_equal(np.asarray(marks.get_offsets()), [[190, 10]])  # column, row downward
-    assert "marks are larger than a site" in figure.get_suptitle()
-
-
-@pytest.mark.parametrize(("sites", "fraction"), [(60, 0.3), (600, 0.4), (600, 0.02)])
-def test_the_ink_of_a_map_tells_of_the_contact_fraction(sites: int, fraction: float) -> None:
-    # Marks that are smaller than a pixel would vanish, and marks that are too large would fill the map.
+@pytest.mark.parametrize(
+    ("sites", "fraction"), [(60, 0.3), (128, 0.01), (300, 0.02), (600, 0.4), (600, 0.02), (2048, 0.01)]
+)
+def test_the_ink_of_a_map_is_the_contact_fraction(sites: int, fraction: float) -> None:
     states = (np.random.default_rng(0).random((1, sites, sites)) < fraction).astype(int)
     figure = contact_figure(some_maps(states))
     canvas = FigureCanvasAgg(figure)
@@ -167,8 +209,41 @@ def test_the_ink_of_a_map_tells_of_the_contact_fraction(sites: int, fraction: fl
     box = figure.axes[1].get_window_extent()
     pixels = np.asarray(canvas.buffer_rgba())[::-1, :, 0] / 255
     inside = pixels[int(box.y0) + 4 : int(box.y1) - 4, int(box.x0) + 4 : int(box.x1) - 4]
-    ink = 1 - float(inside.mean())
-    assert 0.9 * fraction < ink < max(1.1 * fraction, 0.35)
+    assert 1 - float(inside.mean()) == pytest.approx(fraction, rel=0.1)
+    # Marks are to be seen: colors of sites smaller than a pixel would thin to nothing.
+    assert float(inside.min()) < 0.3
+
+
+def test_a_large_lattice_has_close_ups_and_says_so() -> None:
+    states = np.zeros((2, 600, 400))
+    states[:, 300:420, 200:300] = SiteState.KEPT
+    states[1, 330:340, 310:320] = SiteState.NEW
+    maps = some_maps(states)
+    figure = contact_figure(maps)
+    assert "of 4 sites in contact one is drawn, 2 × 2 sites large" in figure.get_suptitle()
+    shown = [axes for axes in figure.axes if axes.images and axes.get_xlim() == (255.5, 383.5)]
+    assert len(shown) == 1 + len(maps.times)  # the topography too
+    colored = np.asarray(shown[-1].images[0].get_array())
+    assert colored.shape == (128, 128, 3)
+    new = np.isclose(colored, matplotlib.colors.to_rgb(style.VERMILION)).all(axis=-1)
+    np.testing.assert_array_equal(new, maps.states[1, 256:384, 256:384] == SiteState.NEW)
+
+
+def test_a_scan_has_a_scale_and_says_that_it_is_mirrored() -> None:
+    figure = contact_figure(as_scan(some_maps(np.ones((1, 40, 60)))))
+    assert "40 × 60 sites of 250 nm" in figure.get_suptitle()
+    assert "the scan is mirrored: one of 4 copies is shown" in figure.get_suptitle()
+    topography = figure.axes[0]
+    assert [text.get_text().strip() for text in topography.texts] == ["5 µm"]
+    bar = topography.lines[-1]
+    assert np.ptp(np.asarray(bar.get_xdata())) == pytest.approx(20)
+    line = dataclasses.replace(
+        some_maps(np.ones((1, 40))), copies=2, pixel_size=0.25, length_unit="um", window=(0, 40)
+    )
+    lower = contact_figure(line).axes[1]
+    assert lower.get_xlabel() == "position [µm]"
+    assert "one of 2 copies" in lower.get_title()
+    assert lower.get_xlim() == pytest.approx((-0.125, 9.875))
 
 
 def test_a_line_contact_has_profiles() -> None:
@@ -180,6 +255,10 @@ def test_a_line_contact_has_profiles() -> None:
     for number, curve in enumerate(curves):
         np.testing.assert_array_equal(curve.get_ydata(), maps.surfaces[number][first:last])
     assert len(curves) == len(maps.times) == len(lower.get_yticklabels())
+    figure.draw_without_rendering()
+    legend = upper.get_legend()
+    assert legend is not None
+    assert legend.get_window_extent().x0 > upper.get_window_extent().x1  # it hides nothing
 
 
 @pytest.mark.parametrize("heights", [gaussian((20, 12)), gaussian(64), np.zeros((4, 4))])
@@ -191,6 +270,50 @@ def test_a_surface_is_drawn_with_units(heights: np.ndarray) -> None:
     assert "position [µm]" in labels
     assert figure.get_suptitle() == "name.npy\n3 undefined pixels filled"
     figure.draw_without_rendering()
+
+
+def as_scan(maps: ContactMaps) -> ContactMaps:
+    return dataclasses.replace(maps, copies=4, pixel_size=0.25, length_unit="um")
+
+
+def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
+    """Every kind of figure, with the longest words that it may meet."""
+    many = contact_maps(separated)
+    named = Surface(1e-6 * gaussian((30, 90)), provenance={"file": LONG_NAME})
+    growth = measured_growth(np.geomspace(1, 1e4, 9), 1 + 0.1 * np.log(np.geomspace(1, 1e4, 9)))
+    note = (
+        "512 × 512 pixels, 1234567 undefined pixels filled, plane removed, mirrored to 1024 × 1024 in a run"
+    )
+    return {
+        "load held": aging_curve(aged, aging_summary(aged)),
+        "separation held": aging_curve(separated, aging_summary(separated)),
+        "maps": contact_figure(contact_maps(aged)),
+        "one map": contact_figure(as_scan(some_maps(np.full((1, 700, 600), 3)))),
+        "high map": contact_figure(as_scan(some_maps(np.full((2, 900, 30), 2)))),
+        "wide map": contact_figure(as_scan(some_maps(np.full((2, 30, 900), 2)))),
+        "maps of a scan": contact_figure(as_scan(many)),
+        "line": contact_figure(contact_maps(history((300,)))),
+        "surface": surface_figure(surface_view(named), title=LONG_NAME, note=note),
+        "profile": surface_figure(surface_view(Surface(gaussian(64), "nm")), title=LONG_NAME, note=note),
+        "fit": fit_figure(growth, quantity=LONG_NAME * 3, unit_time=LONG_NAME, window=True),
+    }
+
+
+def test_everything_is_on_the_canvas(aged: xr.Dataset, separated: xr.Dataset) -> None:
+    for name, figure in all_figures(aged, separated).items():
+        figure.draw_without_rendering()
+        box = figure.get_tightbbox()
+        width, height = figure.get_size_inches()
+        assert min(box.x0, box.y0) > 0, name
+        assert (box.x1 < width, box.y1 < height) == (True, True), name
+
+
+def test_text_in_pdf_is_not_of_type_3(aged: xr.Dataset, separated: xr.Dataset) -> None:
+    for name, figure in all_figures(aged, separated).items():
+        file = io.BytesIO()
+        figure.savefig(file, format="pdf")
+        assert b"/Subtype /Type0" in file.getvalue(), name
+        assert b"/Type3" not in file.getvalue(), name
 
 
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
@@ -248,11 +371,12 @@ def test_counts_and_units() -> None:
     assert style.count(40000) == "40\u202f000"
     assert style.with_unit("height", "1") == "height"
     assert style.with_unit("height", "um") == "height [µm]"
+    assert style.with_unit("height", "1e-06") == "height [$10^{-6}$ units]"
 
 
 def test_names_from_outside_are_not_read_as_mathematics():
     growth = measured_growth(np.geomspace(1, 1e4, 9), 1 + 0.1 * np.log(np.geomspace(1, 1e4, 9)))
-    figure = fit_figure(growth, title="$\\bad", quantity=r"$\frac{1}$", unit_time=r"$\foo$", window=False)
+    figure = fit_figure(growth, quantity=r"$\frac{1}$", unit_time=r"$\foo$", window=False)
     figure.savefig(io.BytesIO())
     assert figure.axes[0].get_ylabel() == r"\$\frac{1}\$"
 

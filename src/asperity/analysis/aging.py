@@ -1,7 +1,12 @@
 r"""The growth of the contact area: what was computed, the law that fits it, the theory that predicts it.
 
-The law is the paper's Eq. (a), fitted by `asperity.fits.saturation`. The theory is that of dilute
-contacts, `asperity.theory.dilute_area`; it is evaluated only where it is claimed to hold:
+The law is the paper's Eq. (a), fitted by `asperity.fits.saturation`. Where the relaxed state is known, a is
+not fitted: it is A(infinity)/A(0), which `asperity.relax` gives exactly. A free a would differ from it by
+more than its standard error, as what the law misses along one curve is no random scatter. For that reason the
+standard errors only tell here whether the times determine the law; the misfit says how good it is.
+
+The theory is that of dilute contacts, `asperity.theory.dilute_area`; it is evaluated only where it is claimed
+to hold:
 
 * the heights of the sites are independent (a law of heights is given) and the load is held,
 * at most a tenth of the sites touch, and at least ten sites,
@@ -12,7 +17,8 @@ contacts, `asperity.theory.dilute_area`; it is evaluated only where it is claime
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
@@ -35,8 +41,8 @@ FEWEST_CONTACTS = 10
 _POOR_FIT = 0.05
 """Relative misfit, rms, above which a fit is called poor."""
 
-_FEWEST_TIMES = 4
-"""One more than the law has parameters."""
+_FEWEST_TIMES = {False: 4, True: 3}
+"""One more than the law has parameters: where the limit is open, and where it is known."""
 
 _SMOOTH_CURVE = 200
 """Points of a curve that is drawn as a line."""
@@ -55,10 +61,20 @@ class AgingSummary:
     relaxed_ratio
         A(infinity)/A(0), or None if the history does not hold the relaxed state.
     steepest_per_decade, steepest_time
-        Largest growth of A/A(0) in a decade of time between two recorded times, and the (geometric)
-        middle of the two; NaN for fewer than two times.
+        Largest change of A/A(0) in a decade of time between two recorded times, with its sign, and the
+        (geometric) middle of the two; NaN for fewer than two times.
+    load
+        Load at `time` where the separation is held, shape ``(n,)``; None where the load is held.
+    initial_load, relaxed_load
+        Load at time 0, and of the relaxed state, or None if the history does not hold it; in the unit of the
+        history.
+    load_per_decade, load_time
+        The same of the load; NaN where it is held.
     fit, fit_note
-        The saturation law, or None; and what must be said about it, or "".
+        The saturation law, with a = `relaxed_ratio` where that is known, or None; and what must be said about
+        it, or "".
+    fit_worst
+        Largest relative residual of the law at `time`; NaN without a law.
     fit_curve
         The law at `curve_time`, or None.
     curve_time
@@ -68,19 +84,25 @@ class AgingSummary:
         empty, and why.
     """
 
-    time: Field
-    area_ratio: Field
+    time: Field = field(repr=False)
+    area_ratio: Field = field(repr=False)
     initial_area: int
     sites: int
     relaxed_ratio: float | None
     steepest_per_decade: float
     steepest_time: float
+    load: Field | None = field(repr=False)
+    initial_load: float
+    relaxed_load: float | None
+    load_per_decade: float
+    load_time: float
     fit: SaturationFit | None
     fit_note: str
-    fit_curve: Field | None
-    curve_time: Field
-    dilute_time: Field
-    dilute_ratio: Field
+    fit_worst: float
+    fit_curve: Field | None = field(repr=False)
+    curve_time: Field = field(repr=False)
+    dilute_time: Field = field(repr=False)
+    dilute_ratio: Field = field(repr=False)
     dilute_note: str
 
 
@@ -108,11 +130,15 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     if area[0] == 0:
         raise InputError("dataset", expected="contact at time 0", got="none", advice="a larger load")
     later, ratio = time[1:], area[1:] / area[0]
-    fit, fit_note = _fit(time, area)
+    relaxed = dataset.attrs.get("relaxed_area")
+    fit, fit_note = _fit(time, area, relaxed)
     curve_time = np.geomspace(later[0], later[-1], _SMOOTH_CURVE) if later.size else later
     dilute_time, dilute_ratio, dilute_note = _dilute(dataset, law, curve_time)
     steepest, when = _steepest(later, ratio)
-    relaxed = dataset.attrs.get("relaxed_area")
+    forces = np.asarray(dataset["load"], dtype=np.float64)
+    load = None if dataset.attrs["held"] == "load" else forces[1:]
+    load_per_decade, load_time = (math.nan, math.nan) if load is None else _steepest(later, load)
+    relaxed_load = dataset.attrs.get("relaxed_load")
     return AgingSummary(
         time=later,
         area_ratio=ratio,
@@ -121,8 +147,14 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
         relaxed_ratio=None if relaxed is None else float(relaxed / area[0]),
         steepest_per_decade=steepest,
         steepest_time=when,
+        load=load,
+        initial_load=float(forces[0]),
+        relaxed_load=None if relaxed_load is None else float(relaxed_load),
+        load_per_decade=load_per_decade,
+        load_time=load_time,
         fit=fit,
         fit_note=fit_note,
+        fit_worst=math.nan if fit is None else float(np.abs(1 - fit.area_ratio(later) / ratio).max()),
         fit_curve=None if fit is None else fit.area_ratio(curve_time),
         curve_time=curve_time,
         dilute_time=dilute_time,
@@ -131,16 +163,18 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     )
 
 
-def _fit(time: Field, area: Field) -> tuple[SaturationFit | None, str]:
+def _fit(time: Field, area: Field, limit: float | None) -> tuple[SaturationFit | None, str]:
     """Fit Eq. (a), and say honestly if it means little."""
     if time.size == 1:
         return None, "no fit: only time 0 was asked for"
     if area[-1] <= area[0]:
         return None, "no fit: the area does not grow"
-    if time.size - 1 < _FEWEST_TIMES:
-        return None, f"no fit: it takes {_FEWEST_TIMES} times above 0 or more"
+    if limit is not None and limit <= area[0]:
+        return None, "no fit: the relaxed area is not above that at time 0"
+    if time.size - 1 < (fewest := _FEWEST_TIMES[limit is not None]):
+        return None, f"no fit: it takes {fewest} times above 0 or more"
     try:
-        fit = saturation(time, area)
+        fit = saturation(time, area, limit=limit)
     except (InputError, ConvergenceError, ArithmeticError, np.linalg.LinAlgError) as error:
         return None, f"no fit: {error}"
     if not (fit.q_stderr < 0.5 * fit.q and np.isfinite(fit.a_stderr)):
@@ -154,11 +188,12 @@ def _fit(time: Field, area: Field) -> tuple[SaturationFit | None, str]:
     return fit, ""
 
 
-def _steepest(time: Field, ratio: Field) -> tuple[float, float]:
+def _steepest(time: Field, value: Field) -> tuple[float, float]:
+    """Largest slope per decade between two times, of either sign, and the middle of the two."""
     if time.size < 2:
-        return float("nan"), float("nan")
-    slopes = np.diff(ratio) / np.diff(np.log10(time))
-    at = int(np.argmax(slopes))
+        return math.nan, math.nan
+    slopes = np.diff(value) / np.diff(np.log10(time))
+    at = int(np.argmax(np.abs(slopes)))
     return float(slopes[at]), float(np.sqrt(time[at] * time[at + 1]))
 
 

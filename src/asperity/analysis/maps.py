@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -10,11 +11,18 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from asperity.analysis.scan import measured_part, readable
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 
 _WINDOW = 160
 """Sites of a profile that can be told apart in a figure."""
+
+_CLOSE = 128
+"""Side of a close-up, sites: few enough to be told apart in a map."""
+
+_BAR = 0.4
+"""Part of a map's width up to which a scale bar may be long."""
 
 
 class SiteState(IntEnum):
@@ -33,7 +41,7 @@ class ContactMaps:
     Attributes
     ----------
     heights
-        The rough surface, shape ``(n,)`` or ``(n, m)``; length.
+        The rough surface, shape ``(n,)`` or ``(n, m)``; length. Of a mirrored scan, the scan alone.
     times
         Hold times of the maps, shape ``(k,)``; infinite for the relaxed state, the last if it is known.
     states
@@ -46,7 +54,11 @@ class ContactMaps:
         First site and site after the last of the stretch of a profile that has most contacts and is
         short enough to draw; the whole first axis for a surface.
     unit
-        Unit of the heights; "1" if unknown.
+        Unit of all heights, chosen to be readable; as in `SurfaceView`.
+    copies
+        1; of a mirrored scan the number of copies that the surface is made of, of which one is here.
+    pixel_size, length_unit
+        Distance between sites along the last axis, or None, and its unit.
     """
 
     heights: Field
@@ -56,6 +68,9 @@ class ContactMaps:
     height_range: tuple[float, float]
     window: tuple[int, int]
     unit: str
+    copies: int = 1
+    pixel_size: float | None = None
+    length_unit: str = ""
 
     def area(self, number: int) -> int:
         """Sites in contact in one map."""
@@ -64,6 +79,49 @@ class ContactMaps:
     def count(self, number: int, state: SiteState) -> int:
         """Sites of one state in one map."""
         return int((self.states[number] == state).sum())
+
+    def sampled(self, side: int) -> NDArray[np.int8]:
+        """Sample the sites in contact onto a coarser lattice; each cell has the state of one site.
+
+        Of all sites that are in contact in some map every ``side**2``-th is taken, along a curve through the
+        cells: a cell of ``side`` x ``side`` sites gets none or one, the same in all maps. So the share of
+        cells in a state is that of the sites, but for chance, and cells full of contact are all drawn.
+
+        Returns
+        -------
+        ndarray of int8, shape ``(k, ceil(n / side), ceil(m / side))``
+        """
+        shape = tuple(-(-n // side) for n in self.heights.shape)
+        rows, columns = np.nonzero((self.states != SiteState.FREE).any(axis=0))
+        order = np.argsort(_along_a_z_curve(rows // side, columns // side), kind="stable")
+        order = order[side**2 // 2 :: side**2]
+        rows, columns = rows[order], columns[order]
+        cells = np.full((len(self.times), *shape), SiteState.FREE, dtype=np.int8)
+        cells[:, rows // side, columns // side] = self.states[:, rows, columns]
+        return cells
+
+    def close_up(self) -> tuple[slice, slice]:
+        """Find the square of at most 128 sites a side that changes most, of squares side by side."""
+        side = min(_CLOSE, *self.heights.shape)
+        rows, columns = (n // side for n in self.heights.shape)
+        seen = (self.states != self.states[0]).any(axis=0)
+        seen = (seen if seen.any() else self.states[0] == SiteState.KEPT)[: rows * side, : columns * side]
+        best = int(np.argmax(seen.reshape(rows, side, columns, side).sum(axis=(1, 3))))
+        row, column = side * (best // columns), side * (best % columns)
+        return slice(row, row + side), slice(column, column + side)
+
+    def scale_bar(self, sites: int) -> tuple[float, float, str] | None:
+        """Find a round length that suits a map of so many columns: in sites, and in a readable unit.
+
+        None where the pixel size is unknown.
+        """
+        if self.pixel_size is None:
+            return None
+        unit, factor = readable(self.length_unit, _BAR * sites * self.pixel_size)
+        longest = _BAR * sites * self.pixel_size * factor
+        power = 10.0 ** math.floor(math.log10(longest))
+        length = max(digit * power for digit in (1, 2, 5) if digit * power <= longest * (1 + 1e-9))
+        return length / (self.pixel_size * factor), length, unit
 
 
 def contact_maps(dataset: xr.Dataset) -> ContactMaps:
@@ -97,14 +155,24 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         surfaces.append(np.asarray(dataset["u_relaxed"], dtype=np.float64))
     origin = json.loads(dataset.attrs.get("surface", "{}"))
     heights = np.asarray(dataset["heights"], dtype=np.float64)
+    here = measured_part(heights.shape, origin)
+    copies = heights.size
+    touching, surfaces = ([field[here] for field in fields] for fields in (touching, surfaces))
+    heights = heights[here]
+    size = origin.get("physical_size") or None
+    low, high = color_range(heights)
+    unit, factor = readable(str(origin.get("unit", "1")), high - low)
     return ContactMaps(
-        heights=heights,
+        heights=heights * factor,
         times=np.asarray(times),
         states=np.stack([_compared(touching[0], now) for now in touching]),
-        surfaces=np.stack(surfaces),
-        height_range=color_range(heights),
+        surfaces=np.stack(surfaces) * factor,
+        height_range=(low * factor, high * factor),
         window=_busiest(touching[-1]),
-        unit=str(origin.get("unit", "1")),
+        unit=unit,
+        copies=copies // heights.size,
+        pixel_size=None if size is None else float(size[-1]) / heights.shape[-1],
+        length_unit=str(origin.get("length_unit", "")) or "unit of the file",
     )
 
 
@@ -120,6 +188,14 @@ def _compared(before: Mask, now: Mask) -> NDArray[np.int8]:
     states[~before & now] = SiteState.NEW
     states[before & ~now] = SiteState.LOST
     return states
+
+
+def _along_a_z_curve(rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number cells so that those of near numbers are near: the bits of row and column take turns."""
+    code = np.zeros_like(rows)
+    for bit in range(int(max(rows.max(initial=0), columns.max(initial=0))).bit_length()):
+        code |= (rows >> bit & 1) << (2 * bit + 1) | (columns >> bit & 1) << (2 * bit)
+    return code
 
 
 def _busiest(touching: Mask) -> tuple[int, int]:

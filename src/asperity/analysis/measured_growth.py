@@ -7,7 +7,7 @@ Contact area or static friction, of a laboratory or of a simulation: all that is
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Literal, TypeVar
 
@@ -36,6 +36,9 @@ _LAWS: dict[Law, Callable[..., SaturationFit | LogarithmFit]] = {
 }
 _FEW_ENOUGH = 1000
 """Points that are shown one by one; of more, means over bins of equal width in ln t."""
+
+_WORTH = 0.5
+"""Independent values a value, below which standard errors deserve a remark."""
 
 _SHOWN_BINS = 100
 _SMOOTH_CURVE = 200
@@ -71,6 +74,8 @@ class MeasuredGrowth:
         Relative residuals value/law - 1 at `shown_time`, by law.
     line_time, line_value
         Ends of the straight line of `rate`, shape ``(2,)``; or empty.
+    line_shown_time, line_residual
+        Relative residuals value/line - 1 within its window; or empty.
     """
 
     points: int
@@ -80,15 +85,17 @@ class MeasuredGrowth:
     rate: GrowthRate | None
     initial_from: str
     notes: tuple[str, ...]
-    shown_time: Field
-    shown_value: Field
-    shown_stderr: Field | None
+    shown_time: Field = field(repr=False)
+    shown_value: Field = field(repr=False)
+    shown_stderr: Field | None = field(repr=False)
     shown_are_means: bool
-    curve_time: Field
-    curves: Mapping[Law, Field]
-    residuals: Mapping[Law, Field]
-    line_time: Field
-    line_value: Field
+    curve_time: Field = field(repr=False)
+    curves: Mapping[Law, Field] = field(repr=False)
+    residuals: Mapping[Law, Field] = field(repr=False)
+    line_time: Field = field(repr=False)
+    line_value: Field = field(repr=False)
+    line_shown_time: Field = field(repr=False)
+    line_residual: Field = field(repr=False)
 
 
 def measured_growth(
@@ -134,10 +141,20 @@ def measured_growth(
     later = series.where(series.x > 0)
     rate, initial_from, remark = _rate(series, fits, known=zeros > 0, first=first, last=last)
     notes += [remark] if remark else []
+    if comparison is not None and (worth := comparison.effective_points / series.x.size) < _WORTH:
+        notes.append(
+            "what the laws miss is no random scatter: the standard errors take it for that, "
+            f"and are too small by a factor of about {worth**-0.5:.2g}"
+        )
     means = later.x.size > _FEW_ENOUGH
     shown = later.binned(_SHOWN_BINS) if means else later
     curve_time = np.geomspace(later.x[0], later.x[-1], _SMOOTH_CURVE)
     ends = np.empty(0) if rate is None else np.array([rate.first, rate.last])
+    window = shown.where(
+        np.zeros(shown.x.size, dtype=bool)
+        if rate is None
+        else (shown.x >= rate.first) & (shown.x <= rate.last)
+    )
     return MeasuredGrowth(
         points=series.x.size,
         initial_points=zeros,
@@ -154,7 +171,9 @@ def measured_growth(
         curves={law: fit.predict(curve_time) for law, fit in fits.items()},
         residuals={law: shown.y / fit.predict(shown.x) - 1 for law, fit in fits.items()},
         line_time=ends,
-        line_value=np.empty(0) if rate is None else rate.predict(ends),
+        line_value=ends if rate is None else rate.predict(ends),
+        line_shown_time=window.x,
+        line_residual=window.y if rate is None else window.y / rate.predict(window.x) - 1,
     )
 
 

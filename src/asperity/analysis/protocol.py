@@ -85,16 +85,25 @@ def map_times(times: Sequence[float], count: int = 6) -> tuple[float, ...]:
     times
         The recorded hold times, increasing.
     count
-        How many to pick, if there are as many; at least 2.
+        How many to pick at most; at least 2.
 
     Returns
     -------
     tuple of float
-        Members of ``times``, after 0. They are spread evenly by index: over the decades, where the
-        times are.
+        Members of ``times``, after 0: of powers of ten and the last, every one, or every second, and so on,
+        back from the last. Where these are too few, times are spread evenly by index.
     """
     later = [float(t) for t in checks.times("times", times) if t > 0]
+    round_ones = [t for t in later if _is_power_of_ten(t) or t == later[-1]]
     wanted = min(checks.integer("count", count, least=2) - 1, len(later))
+    if wanted and len(round_ones) >= wanted:
+        stride = max(1, round(len(round_ones) / wanted))
+        return (0.0, *round_ones[::-stride][:wanted][::-1])
     # The last of each of `wanted` equal parts: the early stretch, where little happens, has no extra map.
     chosen = [later[math.ceil((part + 1) * len(later) / wanted) - 1] for part in range(wanted)]
     return (0.0, *chosen)
+
+
+def _is_power_of_ten(time: float) -> bool:
+    exponent = math.log10(time)
+    return abs(exponent - round(exponent)) < 1e-9

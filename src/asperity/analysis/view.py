@@ -7,12 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.analysis.maps import color_range
+from asperity.analysis.scan import measured_part, readable
 from asperity.lattice import Field
 from asperity.surfaces import Surface
-from asperity.surfaces.prepare import is_length, length_factor
-
-_DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")
-"""Units of length in which figures count, rising by thousands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +21,9 @@ class SurfaceView:
     heights
         The measured part of the surface: not its mirror images. Shape ``(n,)`` or ``(n, m)``.
     unit, length_unit
-        Units of the heights ("1" if unknown) and of the axes ("pixel" if unknown). Lengths are given in
-        the unit that makes the numbers readable, which need not be the surface's.
+        Units of the heights ("1" or a power of ten, such as "1e-06", if unknown) and of the axes ("pixel" if
+        unknown). Lengths are given in the unit that makes the numbers readable, which need not be the
+        surface's.
     pixel_size
         Distance between sites along each axis in `length_unit`.
     height_range
@@ -65,9 +63,9 @@ def surface_view(surface: Surface) -> SurfaceView:
     -------
     SurfaceView
     """
-    heights = _measured_part(surface)
-    unit = _readable(surface.unit, float(np.ptp(heights)))
-    heights = heights * _factor(surface.unit, unit)
+    heights = surface.heights[measured_part(surface.shape, surface.provenance)]
+    unit, factor = readable(surface.unit, float(np.ptp(heights)))
+    heights = heights * factor
     size, length_unit = _axes(surface, heights.shape)
     middle = heights.shape[0] // 2
     profile = heights if heights.ndim == 1 else heights[middle]
@@ -96,29 +94,11 @@ def surface_view(surface: Surface) -> SurfaceView:
     )
 
 
-def _measured_part(surface: Surface) -> Field:
-    if surface.provenance.get("periodic_rule") != "mirror":
-        return surface.heights
-    return surface.heights[tuple(slice(n // 2) for n in surface.shape)]
-
-
 def _axes(surface: Surface, shape: tuple[int, ...]) -> tuple[tuple[float, ...], str]:
     """Pixel size and its unit."""
     if surface.pixel_size is None:
         return (1.0,) * len(shape), "pixel"
     unit = surface.length_unit or "unit of the file"
     longest = max(n * s for n, s in zip(shape, surface.pixel_size, strict=True))
-    readable = _readable(unit, longest)
-    return tuple(s * _factor(unit, readable) for s in surface.pixel_size), readable
-
-
-def _readable(unit: str, span: float) -> str:
-    """Choose the unit in which a span is a number from 1 to 1000."""
-    if not is_length(unit) or span == 0:
-        return unit
-    fitting = [name for name in _DISPLAY_UNITS if 1 <= span * length_factor(unit, name) < 1000]
-    return fitting[0] if fitting else unit
-
-
-def _factor(unit: str, target: str) -> float:
-    return 1.0 if unit == target else length_factor(unit, target)
+    shown, factor = readable(unit, longest)
+    return tuple(s * factor for s in surface.pixel_size), shown

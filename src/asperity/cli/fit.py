@@ -23,6 +23,7 @@ from asperity.fits.result import parameters_of
 from asperity.results.store import whole_file
 
 _PER_DECADE = math.log(10)
+_SLOPES = ("slope", "B", "relative")
 _FORMULAS: dict[Law, tuple[str, tuple[str, ...]]] = {
     "saturation": ("A0 [a - (a - 1)/(1 + t/t0)^q]", ("a", "q", "t0", "C")),
     "logarithm": ("A0 [1 + C ln(1 + t/t0)]", ("C", "t0")),
@@ -89,7 +90,10 @@ def fit(
         error.args = (f"{file}: {error}",)  # what computes does not know where the numbers came from
         raise
     figure = fit_figure(
-        growth, title=file.name, quantity=named, unit_time=unit_time, window=window is not None
+        growth,
+        quantity=quantity or f"{named}  [unit of the table]",
+        unit_time=unit_time,
+        window=window is not None,
     )
     write_figure(figure, out)
     written = [f"figure written: {out}"]
@@ -137,7 +141,7 @@ def _law(law: Law, fit: SaturationFit | LogarithmFit, unit: str) -> list[tuple[s
     else:
         rows.append(_shape("A0", fit, "initial_area"))
     rows += [_shape(name, fit, name, unit=unit if name == "t0" else "") for name in names]
-    rows.append(_row("A0 C per decade", fit, "slope", factor=_PER_DECADE))
+    rows.append(_row("slope A0 C per decade", fit, "slope", factor=_PER_DECADE))
     return [*rows, _goodness(fit)]
 
 
@@ -224,16 +228,21 @@ def _facts(growth: MeasuredGrowth) -> dict[str, object]:
 
 
 def _numbers(fit: FitResult) -> dict[str, object]:
+    """Every number of a fit under the name that the screen has for it; slopes also per decade."""
     names = parameters_of(fit)
     numbers: dict[str, object] = {}
     for field in dataclasses.fields(fit):
         if field.name in names:
-            ends = fit.interval(field.name)
-            numbers[field.name] = {
-                "value": _finite(getattr(fit, field.name)),
-                "stderr": _finite(getattr(fit, f"{field.name}_stderr")),
-                "interval": [_finite(end) for end in ends],
-            }
+            shown = "A0" if field.name == "initial_area" else field.name
+            facts = (
+                getattr(fit, field.name),
+                getattr(fit, f"{field.name}_stderr"),
+                *fit.interval(field.name),
+            )
+            scales = {"_per_efold": 1.0, "_per_decade": _PER_DECADE} if field.name in _SLOPES else {"": 1.0}
+            for suffix, factor in scales.items():
+                value, stderr, *ends = (_finite(factor * fact) for fact in facts)
+                numbers[shown + suffix] = {"value": value, "stderr": stderr, "interval": ends}
         elif field.name.removesuffix("_stderr") not in names:
             numbers[field.name] = _finite(getattr(fit, field.name))
     return numbers

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from asperity.figures.style import uncertain
 from asperity.words import printable
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
         ("surface", _surface(outcome)),
         ("solid", solid),
         ("held", f"{held} {float(attrs[f'held_{held}']):.8g}"),
-        ("load at t = 0", f"{float(dataset['load'][0]):.8g}"),
+        *_loads(summary),
         ("contact at t = 0", _contact(summary.initial_area, summary)),
     ]
     if summary.time.size:
@@ -45,9 +44,10 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
     if summary.relaxed_ratio is not None:
         rows.append(("contact relaxed", _contact(int(attrs["relaxed_area"]), summary)))
     rows += _fit(summary)
-    if summary.steepest_per_decade > 0:
-        steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade, near t = {summary.steepest_time:.2g}"
-        rows.append(("steepest growth", steepest))
+    if abs(summary.steepest_per_decade) > 0:
+        when = _rounded(summary.steepest_time)
+        steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = {when}"
+        rows.append(("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
     rows += [
         (
             "worst residual",
@@ -63,6 +63,31 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
     return rows
 
 
+def _loads(summary: AgingSummary) -> list[Row]:
+    """Load at the beginning; where the separation is held, how it changes."""
+    rows = [("load at t = 0", f"{summary.initial_load:.8g}")]
+    loads = {"load relaxed": summary.relaxed_load}
+    if summary.load is None:
+        return rows
+    if summary.time.size:
+        loads = {f"load at t = {summary.time[-1]:g}": float(summary.load[-1]), **loads}
+    rows += [
+        (name, f"{load:.8g}, load/load(0) = {load / summary.initial_load:.4g}")
+        for name, load in loads.items()
+        if load is not None
+    ]
+    if abs(summary.load_per_decade) > 0:
+        slope = summary.load_per_decade / summary.initial_load
+        said = f"{slope:+.3g} load(0) per decade of time, near t = {_rounded(summary.load_time)}"
+        rows.append(("steepest change of load", said))
+    return rows
+
+
+def _rounded(time: float) -> str:
+    """Two digits of a time, without a power of ten where it is short without."""
+    return f"{float(f'{time:.2g}'):g}"
+
+
 def _surface(outcome: Outcome) -> str:
     chosen = outcome.config.surface.model_dump(exclude_none=True)
     if chosen["kind"] == "file":
@@ -70,7 +95,9 @@ def _surface(outcome: Outcome) -> str:
         rules = ", ".join(
             f"{k} = {chosen[k]}" for k in ("undefined", "tilt", "periodic", "unit") if k in chosen
         )
-        return f"{chosen['path']}: {lattice} sites ({rules})"
+        copies = 2 ** outcome.dataset["heights"].ndim if chosen["periodic"] == "mirror" else 1
+        mirrored = f"; loads and areas are those of {copies} mirrored copies" if copies > 1 else ""
+        return f"{chosen['path']}: {lattice} sites ({rules}){mirrored}"
     described = []
     for name, value in chosen.items():
         if name != "kind":
@@ -88,12 +115,14 @@ def _fit(summary: AgingSummary) -> list[Row]:
     fit = summary.fit
     if fit is None:
         return [("fit", summary.fit_note)]
+    known = summary.relaxed_ratio is not None
+    a = "A(relaxed)/A(0), exact" if known else "extrapolated: no relaxed state is known"
     rows = [
-        ("fit", "A/A(0) = a - (a - 1) / (1 + t/t0)^q, with standard errors as if scatter were random:"),
-        ("  a", uncertain(fit.a, fit.a_stderr)),
-        ("  q", uncertain(fit.q, fit.q_stderr)),
-        ("  t0", uncertain(fit.t0, fit.t0_stderr)),
-        ("  (a - 1) q", uncertain(fit.C, fit.C_stderr)),
-        ("  misfit", f"{100 * fit.rms_residual:.2g} % rms"),
+        ("fit", "A/A(0) = a - (a - 1) / (1 + t/t0)^q"),
+        ("  a", f"{fit.a:.{5 if known else 3}g}, {a}"),
+        ("  q", f"{fit.q:.3g}"),
+        ("  t0", f"{fit.t0:.3g}"),
+        ("  (a - 1) q", f"{fit.C:.3g}"),
+        ("  misfit", f"{100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst"),
     ]
     return [*rows, ("  note", summary.fit_note)] if summary.fit_note else rows

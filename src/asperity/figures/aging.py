@@ -1,4 +1,4 @@
-"""The aging curve: contact area against the logarithm of the hold time."""
+"""The aging curve: contact area against the logarithm of the hold time, and the load where it changes."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ _IN_SIGHT = 3.0
 def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     """Draw A(t)/A(0), the saturation law, the dilute theory where it holds, and the relaxed limit.
 
+    Where the separation is held, a second panel shows the load.
+
     Parameters
     ----------
     dataset
@@ -43,26 +45,47 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
         raise InputError(
             "summary", expected="a history with times above 0", got="none", advice="age(contact, times)"
         )
-    figure = Figure(figsize=(6.4, 4.6), layout="constrained")
-    axes = figure.add_subplot()
+    panels = 1 if summary.load is None else 2
+    figure = style.Drawing(figsize=(6.4, 4.6 + 2.4 * (panels - 1)), layout="constrained")
+    grid = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 2)[:panels], squeeze=False)[:, 0]
+    axes = grid[0]
     axes.set_xscale("log")
+    _draw_computed(axes, summary.time, summary.area_ratio)
+    _draw_law(axes, summary)
+    _draw_theory(axes, summary)
+    _draw_limit(axes, summary.area_ratio, summary.relaxed_ratio)
+    _frame(axes, summary)
+    if summary.load is not None:
+        _draw_load(grid[1], summary, summary.load)
+    for one in grid:
+        one.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        one.legend(loc="best", fontsize=8, framealpha=0.95)
+    grid[-1].set_xlabel(r"hold time $t$  [1 / (stiffness $\times$ mobility)]")
+    conditions = style.lines(_conditions(dataset), figure.room)
+    figure.suptitle(f"Real contact area against hold time\n{conditions}", fontsize=10)
+    return figure
+
+
+def _draw_computed(axes: Axes, time: Field, ratio: Field) -> None:
     axes.plot(
-        summary.time,
-        summary.area_ratio,
+        time,
+        ratio,
         "o",
         color=style.INK,
         markersize=4.5,
         markerfacecolor="white",
         label="computed",
         zorder=4,
+        clip_on=False,  # the axis ends at full contact
     )
-    _draw_law(axes, summary)
-    _draw_theory(axes, summary)
-    _draw_limit(axes, summary)
-    _frame(axes, summary)
-    axes.set_title(f"Real contact area against hold time\n{_conditions(dataset)}", fontsize=10)
-    axes.legend(loc="best", fontsize=8, framealpha=0.95)
-    return figure
+
+
+def _draw_load(axes: Axes, summary: AgingSummary, load: Field) -> None:
+    ratio = load / summary.initial_load
+    _draw_computed(axes, summary.time, ratio)
+    limit = None if summary.relaxed_load is None else summary.relaxed_load / summary.initial_load
+    _draw_limit(axes, ratio, limit)
+    axes.set_ylabel(r"load $F(t)\,/\,F(0)$")
 
 
 def _draw_law(axes: Axes, summary: AgingSummary) -> None:
@@ -70,27 +93,26 @@ def _draw_law(axes: Axes, summary: AgingSummary) -> None:
     if fit is None or summary.fit_curve is None:
         axes.plot([], [], " ", label=_wrapped(summary.fit_note))
         return
-    label = "\n".join(
+    known = summary.relaxed_ratio is not None
+    label = "\n   ".join(
         [
             r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
-            f"   $a$ = {style.uncertain(fit.a, fit.a_stderr)}",
-            f"   $q$ = {style.uncertain(fit.q, fit.q_stderr)}",
-            f"   $t_0$ = {style.uncertain(fit.t0, fit.t0_stderr)}",
-            r"   ($\pm$: as if scatter were random)",
+            f"$a$ = {fit.a:.5g}, the relaxed limit" if known else f"$a$ = {fit.a:.3g}, extrapolated",
+            f"$q$ = {fit.q:.3g}, $t_0$ = {fit.t0:.3g}",
+            f"misfit {100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst",
         ]
-        + ([f"   {_wrapped(summary.fit_note)}"] if summary.fit_note else [])
+        + ([_wrapped(summary.fit_note)] if summary.fit_note else [])
     )
     axes.plot(summary.curve_time, summary.fit_curve, "-", color=style.BLUE, linewidth=1.6, label=label)
 
 
-def _draw_limit(axes: Axes, summary: AgingSummary) -> None:
+def _draw_limit(axes: Axes, ratio: Field, limit: float | None) -> None:
     """Draw the relaxed limit, unless it is so far off that the curve would be flat beside it."""
-    limit = summary.relaxed_ratio
     if limit is None:
         return
-    label = rf"relaxed limit $t \to \infty$: {limit:.4g}"
-    low, high = float(summary.area_ratio.min()), float(summary.area_ratio.max())
-    if abs(limit - high) <= _IN_SIGHT * max(high - low, 0.05):
+    label = rf"relaxed limit $t \to \infty$: {limit:.5g}"
+    low, high = float(ratio.min()), float(ratio.max())
+    if min(abs(limit - low), abs(limit - high)) <= _IN_SIGHT * max(high - low, 0.05):
         axes.axhline(limit, color=style.GRAY, linestyle=":", linewidth=1.6, label=label, zorder=1)
     else:
         axes.plot([], [], " ", label=f"{label} (off the axis)")
@@ -115,10 +137,8 @@ def _draw_theory(axes: Axes, summary: AgingSummary) -> None:
 
 
 def _frame(axes: Axes, summary: AgingSummary) -> None:
-    """Label the axes; the right one counts the nominal area."""
-    axes.set_xlabel(r"hold time $t$  [1 / (stiffness $\times$ mobility)]")
+    """Label the axes; the right one counts the nominal area, and ends where all of it touches."""
     axes.set_ylabel(r"contact area $A(t)\,/\,A(0)$")
-    axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
     percent = 100.0 * summary.initial_area / summary.sites
 
     def to_percent(ratio: ArrayLike) -> Field:
@@ -131,20 +151,22 @@ def _frame(axes: Axes, summary: AgingSummary) -> None:
     right.set_ylabel("real contact [% of nominal area]")
     right.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.margins(x=0.03)
+    axes.set_ylim(top=min(axes.get_ylim()[1], 100.0 / percent))
 
 
-def _conditions(dataset: xr.Dataset) -> str:
-    """Say on one line what the surface was, what was held and what the solid was."""
+def _conditions(dataset: xr.Dataset) -> list[str]:
+    """Say what the surface was, what was held and what the solid was."""
     attrs = dataset.attrs
     origin = json.loads(attrs.get("surface", "{}"))
-    source = style.verbatim(str(origin.get("file", origin.get("kind", "")))).replace("_", "-")
+    source = str(origin.get("file") or str(origin.get("kind", "")).replace("_", "-"))
     lattice = " × ".join(str(n) for n in dataset["heights"].shape)
     held = str(attrs["held"])
-    parts = [f"{source} {lattice} sites".strip(), f"{held} {float(attrs[f'held_{held}']):.6g} held"]
+    parts = [source] if source else []
+    parts += [f"{lattice} sites", f"{held} {float(attrs[f'held_{held}']):.6g} held"]
     parts += [f"{name} = {float(attrs[name]):g}" for name in ("k0", "k1", "R") if name in attrs]
     if float(attrs.get("R_viscous", 0)) > 0:
         parts.append(f"R_viscous = {float(attrs['R_viscous']):g}")
-    return ", ".join(parts)
+    return parts
 
 
 def _wrapped(text: str) -> str:

@@ -8,21 +8,28 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
 
 from asperity.analysis import ContactMaps, SiteState
+from asperity.analysis.scan import readable
 from asperity.figures import style
-from asperity.figures.marks import COLORS, SMALLEST, draw_marks
+from asperity.figures.marks import COLORS
 
 _COLUMNS = 4
 _PANEL = 2.45
-"""Side of a map, inches."""
+"""Side of a map with its surroundings, inches."""
 
-_READABLE = 1.8
-"""Side of a mark that is easily seen, points."""
+_FILLED = 0.93
+"""Part of it that the map takes."""
 
-_INK_LIMIT = 0.3
-"""Marks are not enlarged beyond this part of the map."""
+_SMALLEST = 1.5
+"""Smallest side of a mark that is easily seen, pixels of `style.RESOLUTION`."""
+
+_STRIP, _TICK = 5.5, 0.4
+"""Width of a whole profile, inches; least width of a tick, points."""
 
 _WORDS = {
     SiteState.KEPT: "in contact then and at {first}",
@@ -49,58 +56,144 @@ def contact_figure(maps: ContactMaps) -> Figure:
 
 
 def _map_figure(maps: ContactMaps) -> Figure:
+    """Topography and maps; where sites are too small to be seen, a coarser sample above close-ups."""
+    shape = maps.heights.shape
     panels = 1 + len(maps.times)
     columns = min(_COLUMNS, panels)
     rows = math.ceil(panels / columns)
-    tall = min(3.0, max(0.4, maps.heights.shape[0] / maps.heights.shape[1]))
-    figure = Figure(
-        figsize=(_PANEL * columns + 0.8, (_PANEL * tall + 0.4) * rows + 0.7), layout="constrained"
+    tall = min(3.0, max(0.4, shape[0] / shape[1]))
+    side = math.ceil(
+        _SMALLEST / (style.RESOLUTION * _PANEL * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]) / shape[1])
     )
-    grid = figure.subplots(rows, columns, squeeze=False).ravel()
-    for unused in grid[panels:]:
-        unused.set_axis_off()
-    image = grid[0].imshow(
-        maps.heights,
-        cmap=style.HEIGHT_MAP,
-        clim=maps.height_range,
-        interpolation="antialiased",
-        rasterized=True,
+    heights = [tall, 1.0] * rows if side > 1 else [tall] * rows
+    figure = style.Drawing(
+        figsize=(_PANEL * columns + 0.8, sum(_PANEL * height + 0.4 for height in heights) + 0.9),
+        layout="constrained",
     )
-    grid[0].set_title("rough surface", fontsize=9)
+    grid = figure.subplots(len(heights), columns, squeeze=False, height_ratios=heights)
+    for axes in grid.ravel():
+        axes.set_axis_off()
+    whole = (grid[::2] if side > 1 else grid).ravel()
+    everything = (slice(0, shape[0]), slice(0, shape[1]))
+    image = _draw_heights(whole[0], maps, everything)
+    whole[0].set_title("rough surface", fontsize=9)
     figure.colorbar(
         image,
-        ax=grid[0],
+        ax=whole[0],
         location="left",
         shrink=0.9,
         label=style.with_unit("height", maps.unit),
         pad=0.02,
         extend="both",
     )
-    enlarged = _enlarged_side(maps, maps.heights.shape)
-    for number, axes in enumerate(grid[1:panels]):
-        if enlarged is None:
-            _draw_sites(axes, maps, number)
-        else:
-            draw_marks(axes, maps.states[number], enlarged)
+    states = maps.sampled(side) if side > 1 else maps.states
+    for number, axes in enumerate(whole[1:panels]):
+        _draw_states(axes, states[number], everything, side)
         axes.set_title(_caption(maps, number), fontsize=8.5)
-    for axes in grid[:panels]:
-        axes.set_xticks([])
-        axes.set_yticks([])
-    note = f"each panel: {maps.heights.shape[0]} × {maps.heights.shape[1]} sites"
-    if enlarged is not None:
-        note += "; marks are larger than a site"
-    figure.suptitle(f"Where the solids touch as the contact ages  ({note})", fontsize=11)
+    if side > 1:
+        _draw_close_ups(maps, whole[0], grid[1::2].ravel())
+    figure.suptitle(_title(maps, side, figure), fontsize=10)
     _legend(figure, maps)
     return figure
 
 
-def _draw_sites(axes: Axes, maps: ContactMaps, number: int) -> None:
-    """Color each site; where sites are smaller than the pixels of the figure, shades show their density."""
-    states = maps.states[number]
+def _title(maps: ContactMaps, side: int, figure: style.Drawing) -> str:
+    """Say what the maps show, and at which scale."""
+    sites = " × ".join(map(str, maps.heights.shape))
+    size = ""
+    if maps.pixel_size is not None:
+        unit, factor = readable(maps.length_unit, maps.pixel_size)
+        size = f" of {maps.pixel_size * factor:.4g} {style.spelled(unit)}"
+    parts = [f"each map: {sites} sites{size}"]
+    if maps.copies > 1:
+        parts.append(f"the scan is mirrored: one of {maps.copies} copies is shown")
+    if side > 1:
+        parts.append(
+            f"of {side**2} sites in contact one is drawn, {side} × {side} sites large, so that areas are true"
+        )
+        parts.append("below each map: the framed square, site by site")
+    said = style.lines(parts, figure.room)
+    return f"Where the solids touch as the contact ages\n{said}"
+
+
+def _draw_close_ups(maps: ContactMaps, topography: Axes, below: NDArray[np.object_]) -> None:
+    rows, columns = region = maps.close_up()
+    topography.add_patch(
+        Rectangle(
+            (columns.start - 0.5, rows.start - 0.5),
+            columns.stop - columns.start,
+            rows.stop - rows.start,
+            fill=False,
+            edgecolor="white",
+            linewidth=1.2,
+        )
+    )
+    _draw_heights(below[0], maps, region)
+    for number, axes in enumerate(below[1 : 1 + len(maps.times)]):
+        _draw_states(axes, maps.states[number, rows, columns], region, 1)
+
+
+def _draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) -> AxesImage:
+    """Topography of a region, with a scale bar below where the size of a pixel is known."""
+    columns = region[1]
+    image = axes.imshow(
+        maps.heights[region],
+        cmap=style.HEIGHT_MAP,
+        clim=maps.height_range,
+        extent=_extent(region),
+        interpolation="antialiased",
+        rasterized=True,
+    )
+    _frame(axes, region)
+    if bar := maps.scale_bar(columns.stop - columns.start):
+        sites, length, unit = bar
+        start = columns.start - 0.5
+        mixed = axes.get_xaxis_transform()  # sites along, parts of the axes across
+        axes.plot(
+            [start, start + sites],
+            [-0.04, -0.04],
+            color=style.INK,
+            linewidth=2.5,
+            transform=mixed,
+            clip_on=False,
+        )
+        axes.text(
+            start + sites,
+            -0.04,
+            f"  {length:g} {style.spelled(unit)}",
+            transform=mixed,
+            va="center",
+            fontsize=8.5,
+        )
+    return image
+
+
+def _frame(axes: Axes, region: tuple[slice, slice]) -> None:
+    left, right, bottom, top = _extent(region)
+    axes.set_axis_on()
+    axes.set(xticks=[], yticks=[], xlim=(left, right), ylim=(bottom, top))
+
+
+def _extent(region: tuple[slice, slice]) -> tuple[float, float, float, float]:
+    """Left, right, lower and upper end; the first axis runs downward."""
+    rows, columns = region
+    return columns.start - 0.5, columns.stop - 0.5, rows.stop - 0.5, rows.start - 0.5
+
+
+def _draw_states(axes: Axes, states: NDArray[np.int8], region: tuple[slice, slice], side: int) -> None:
+    """Color each cell of side x side sites."""
     palette = np.ones((len(SiteState), 3))
     for state, color in COLORS.items():
         palette[state] = to_rgb(color)
-    axes.imshow(palette[states], interpolation="antialiased", interpolation_stage="rgba", rasterized=True)
+    top, left = (part.start - 0.5 for part in region)
+    axes.imshow(
+        palette[states],
+        extent=(left, left + side * states.shape[1], top + side * states.shape[0], top),
+        interpolation="antialiased",
+        interpolation_stage="rgba",
+        rasterized=True,
+    )
+    _frame(axes, region)
 
 
 def _caption(maps: ContactMaps, number: int) -> str:
@@ -125,19 +218,6 @@ def _legend(figure: Figure, maps: ContactMaps) -> None:
     )
 
 
-def _enlarged_side(maps: ContactMaps, shape: tuple[int, ...]) -> float | None:
-    """Side of a mark in points, where contacts are so few and small that they must be enlarged to be seen.
-
-    None where sites are large enough as they are, or contacts too many for larger marks.
-    """
-    site = 72 * _PANEL * 0.93 / shape[1]
-    fullest = max(maps.area(number) for number in range(len(maps.times))) / maps.heights.size
-    if site >= _READABLE or fullest == 0:
-        return None
-    bearable = min(_READABLE, site * math.sqrt(_INK_LIMIT / fullest))
-    return bearable if bearable >= max(SMALLEST, 1.2 * site) else None
-
-
 def _moment(time: float) -> str:
     if math.isinf(time):
         return r"relaxed, $t \to \infty$"
@@ -145,10 +225,11 @@ def _moment(time: float) -> str:
 
 
 def _profile_figure(maps: ContactMaps) -> Figure:
-    figure = Figure(figsize=(8.0, 5.6), layout="constrained")
+    figure = style.Drawing(figsize=(8.0, 5.6), layout="constrained")
     upper, lower = figure.subplots(2, 1, height_ratios=(3, 2))
     first, last = maps.window
-    here = np.arange(first, last)
+    step, label = _positions(maps)
+    here = step * np.arange(first, last)
     heights = maps.heights[first:last]
     surfaces = maps.surfaces[:, first:last]
     floor = float(heights.min()) - 0.08 * float(np.ptp(surfaces) + np.ptp(heights) or 1.0)
@@ -172,31 +253,45 @@ def _profile_figure(maps: ContactMaps) -> Figure:
         zorder=5,
         label="contact at the end",
     )
-    upper.set_xlim(first - 0.5, last - 0.5)
+    upper.set_xlim(step * (first - 0.5), step * (last - 0.5))
     upper.set_ylim(floor, None)
     upper.set_ylabel(style.with_unit("height", maps.unit))
     stretch = "the whole profile" if last - first == maps.heights.size else "the stretch with most contacts"
     upper.set_title(f"The elastic surface sinks onto the rough one as it ages ({stretch})", fontsize=10)
-    upper.legend(fontsize=7.5, ncols=2, loc="best", framealpha=0.95)
-    _draw_strips(lower, maps)
+    upper.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False)
+    _draw_strips(lower, maps, step)
+    lower.set_xlabel(label)
     _legend(figure, maps)
     return figure
 
 
-def _draw_strips(axes: Axes, maps: ContactMaps) -> None:
-    """One row of ticks a time, over the whole profile."""
+def _positions(maps: ContactMaps) -> tuple[float, str]:
+    """Distance between sites along a profile, and the name of its axis."""
+    if maps.pixel_size is None:
+        return 1.0, "site"
+    unit, factor = readable(maps.length_unit, maps.heights.size * maps.pixel_size)
+    return maps.pixel_size * factor, style.with_unit("position", unit)
+
+
+def _draw_strips(axes: Axes, maps: ContactMaps, step: float) -> None:
+    """One row of ticks a time, over the whole profile; contacts that were there first are drawn last."""
+    tick = max(_TICK, 72 * _STRIP / maps.heights.size)
     labels = []
     for number, time in enumerate(maps.times):
-        for state, color in COLORS.items():
+        for state in (SiteState.NEW, SiteState.LOST, SiteState.KEPT):
             (at,) = np.nonzero(maps.states[number] == state)
-            axes.vlines(at, number - 0.38, number + 0.38, color=color, linewidth=0.9, rasterized=True)
+            axes.vlines(
+                step * at, number - 0.38, number + 0.38, color=COLORS[state], linewidth=tick, rasterized=True
+            )
         percent = 100.0 * maps.area(number) / maps.heights.size
         labels.append(f"{_moment(float(time))}:  {percent:.3g} %")
     axes.set_yticks(range(len(labels)), labels, fontsize=8)
     axes.set_ylim(len(labels) - 0.5, -0.5)
-    axes.set_xlim(-0.5, maps.heights.size - 0.5)
-    axes.set_xlabel("site")
-    axes.set_title("Contacts along the whole profile", fontsize=10)
+    axes.set_xlim(-0.5 * step, (maps.heights.size - 0.5) * step)
+    title = "Contacts along the whole profile"
+    title += ", which is mirrored: one of 2 copies is shown" if maps.copies > 1 else ""
+    title += "; ticks are wider than sites" if tick == _TICK else ""
+    axes.set_title(title, fontsize=10)
 
 
 def _shade(part: float) -> tuple[float, float, float]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -19,6 +18,9 @@ _LINES: dict[Law, tuple[str, str, str]] = {
 }
 
 
+_BAR_WIDTH, _CAP = 1.2, 2.5
+"""Line width, and half width of the ends, of error bars; points."""
+
 UNDETERMINED = "not determined by these times"
 
 
@@ -27,17 +29,15 @@ def determined(value: float, stderr: float) -> bool:
     return stderr < abs(value)
 
 
-def fit_figure(growth: MeasuredGrowth, *, title: str, quantity: str, unit_time: str, window: bool) -> Figure:
+def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window: bool) -> Figure:
     """Draw data and laws, with their numbers in the legend, and a strip of residuals.
 
     Parameters
     ----------
     growth
         From `asperity.analysis.measured_growth`.
-    title
-        What the data are.
     quantity, unit_time
-        Names for the axes; the unit may be "".
+        Names for the axes; the unit may be "", of a table that does not tell.
     window
         Whether to draw the straight line of `growth.rate`; where the times do not determine the laws
         it is drawn anyway.
@@ -46,54 +46,30 @@ def fit_figure(growth: MeasuredGrowth, *, title: str, quantity: str, unit_time: 
     -------
     Figure
     """
-    figure = Figure(figsize=(6.8, 6.0), layout="constrained")
+    figure = style.Drawing(figsize=(6.8, 6.0), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3.2, 1])
     upper.set_xscale("log")
     _draw_data(upper, growth)
-    unit = style.spelled(_drawable(unit_time, width=150))
-    first = not growth.initial_from
-    if first:
-        _draw_line(upper, growth)
+    unit = style.spelled(style.fitted(unit_time, 150))
+    line = window or not growth.initial_from
     for law, fit in growth.fits.items():
         color, dashes, _ = _LINES[law]
         label = _legend(law, fit, unit)
-        upper.plot(growth.curve_time, growth.curves[law], dashes, color=color, linewidth=1.8, label=label)
-    if window and not first:
+        upper.plot(growth.curve_time, growth.curves[law], dashes, color=color, linewidth=1.6, label=label)
+    if line:
         _draw_line(upper, growth)
-    _draw_residuals(lower, growth)
-    upper.set_ylabel(style.verbatim(_drawable(quantity, width=280)))
-    lower.set_xlabel(f"hold time $t$ [{unit}]" if unit else "hold time $t$")
+    _draw_residuals(lower, growth, line=line)
+    upper.set_ylabel(style.verbatim(style.fitted(quantity, 280)))
+    lower.set_xlabel(f"hold time $t$ [{unit or 'unit of the table'}]")
     for axes in (upper, lower):
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
     upper.margins(x=0.03)
-    upper.set_title(style.verbatim(_drawable(title, width=400)), fontsize=10)
     upper.legend(loc="best", fontsize=8, framealpha=0.95)
     return figure
 
 
-def _drawable(text: str, *, width: float) -> str:
-    """Reduce a text from outside to what can be drawn: glyphs that the font has, and as many as fit.
-
-    The width is in points (1/72 inch), at the font size of labels.
-    """
-    size = font_manager.FontProperties(size=10)
-    font = font_manager.get_font(font_manager.findfont(size))
-    known = "".join(c if font.get_char_index(ord(c)) else "?" for c in " ".join(text.split()))
-    font.set_size(size.get_size_in_points(), 72)
-
-    def wide(piece: str) -> bool:
-        font.set_text(piece)
-        return font.get_width_height()[0] / 64 > width
-
-    if wide(known):
-        while wide(f"{known}…"):
-            known = known[:-1]
-        known = f"{known.rstrip()}…"
-    return known
-
-
 def _draw_line(axes: Axes, growth: MeasuredGrowth) -> None:
-    """Straight line; boldest where it is all that the data determine."""
+    """Straight line in ln t, over its window."""
     rate, per_decade = growth.rate, math.log(10)
     if rate is None:
         return
@@ -101,9 +77,9 @@ def _draw_line(axes: Axes, growth: MeasuredGrowth) -> None:
     axes.plot(
         growth.line_time,
         growth.line_value,
-        ":" if growth.initial_from else "-",
+        ":",
         color=style.INK,
-        linewidth=2.2 if growth.initial_from else 3,
+        linewidth=1.6,
         label=f"straight line, {slope} per decade",
     )
 
@@ -117,7 +93,8 @@ def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
         fmt="o",
         color=style.INK,
         ecolor=style.GRAY,
-        elinewidth=1,
+        elinewidth=_BAR_WIDTH,
+        capsize=_CAP,
         markersize=4.5 if growth.shown_time.size < 100 else 3,
         markerfacecolor="white",
         label=label,
@@ -130,23 +107,31 @@ def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
         axes.axhline(initial, color=style.GRAY, linestyle="-.", linewidth=1.2, label=label, zorder=0)
 
 
-def _draw_residuals(axes: Axes, growth: MeasuredGrowth) -> None:
+def _draw_residuals(axes: Axes, growth: MeasuredGrowth, *, line: bool) -> None:
     axes.axhline(0, color=style.INK, linewidth=0.8)
-    for law, residual in growth.residuals.items():
-        color, _, marker = _LINES[law]
-        axes.plot(
-            growth.shown_time,
+    errors = np.zeros_like(growth.shown_value) if growth.shown_stderr is None else growth.shown_stderr
+    errors = 100 * errors / growth.shown_value
+    strips = [(_LINES[law], growth.shown_time, residual) for law, residual in growth.residuals.items()]
+    if line and growth.rate is not None:
+        strips.append(((style.INK, ":", "x"), growth.line_shown_time, growth.line_residual))
+    reach = 1e-3  # an exact fit leaves rounding errors, which are no news
+    for (color, _, marker), time, residual in strips:
+        error = errors[np.isin(growth.shown_time, time)]
+        axes.errorbar(
+            time,
             100 * residual,
-            marker,
+            yerr=None if growth.shown_stderr is None else error,
+            fmt=marker,
             color=color,
             markersize=3.5,
-            markerfacecolor=color if law == "saturation" else "none",
+            markerfacecolor=color if marker == "o" else "none",
+            ecolor=style.GRAY,
+            elinewidth=_BAR_WIDTH,
+            capsize=_CAP,
         )
-    largest = max((float(np.abs(100 * residual).max()) for residual in growth.residuals.values()), default=0)
-    # An exact fit leaves rounding errors, which are no news.
-    reach = max(1.15 * largest, 1e-3)
+        reach = max(reach, 1.15 * float(np.max(np.abs(100 * residual) + error, initial=0)))
     axes.set_ylim(-reach, reach)
-    axes.set_ylabel("data / law − 1 [%]")
+    axes.set_ylabel("data / fit − 1 [%]")
 
 
 def _number(name: str, value: float, stderr: float, unit: str = "") -> str:

@@ -7,6 +7,11 @@ luminances differ too. Styles are set on each artist: no global state is touched
 from __future__ import annotations
 
 import math
+import re
+from typing import Any
+
+from matplotlib import font_manager, rc_context
+from matplotlib.figure import Figure
 
 INK = "#000000"
 BLUE = "#0072B2"
@@ -19,6 +24,69 @@ HEIGHT_MAP = "cividis"
 
 RESOLUTION = 200
 """Dots per inch of figures that are written as pixels."""
+
+
+_MARGIN = 12.0
+"""Kept free beside a text that is as wide as its figure, points."""
+
+
+class Drawing(Figure):
+    """A figure that is written at `RESOLUTION`, with the fonts that journals ask for.
+
+    Text in PDF is of TrueType fonts, which can be searched and edited, in place of the Type 3 fonts that
+    matplotlib embeds by default. In SVG it stays outlines: it looks the same where the font is missing.
+    """
+
+    def savefig(self, fname: Any, *, transparent: bool | None = None, **kwargs: Any) -> None:
+        """Write the figure, as matplotlib does."""
+        with rc_context({"pdf.fonttype": 42, "ps.fonttype": 42}):
+            super().savefig(fname, transparent=transparent, **{"dpi": RESOLUTION, **kwargs})
+
+    @property
+    def room(self) -> float:
+        """Widest text that fits, points."""
+        return 72 * float(self.get_figwidth()) - 2 * _MARGIN
+
+
+def fitted(text: str, width: float, size: float = 10) -> str:
+    """Reduce a text from outside to what can be drawn: glyphs that the font has, and as many as fit.
+
+    Parameters
+    ----------
+    text
+        As it was found. Write the result with `verbatim`.
+    width
+        Points (1/72 inch).
+    size
+        Font size, points.
+    """
+    font = font_manager.get_font(font_manager.findfont(font_manager.FontProperties()))
+    known = "".join(c if font.get_char_index(ord(c)) else "?" for c in " ".join(text.split()))
+    if _width(known, size) > width:
+        while known and _width(f"{known}…", size) > width:
+            known = known[:-1]
+        known = f"{known.rstrip()}…"
+    return known
+
+
+def lines(parts: list[str], width: float, size: float = 10) -> str:
+    """Lay parts out, with commas between, on lines that fit; a part that is too long alone is cut."""
+    laid: list[str] = []
+    for part in parts:
+        longer = f"{laid[-1]}, {part}" if laid else ""
+        if longer and _width(longer, size) <= width:
+            laid[-1] = longer
+        else:
+            laid.append(part)
+    return "\n".join(verbatim(fitted(line, width, size)) for line in laid)
+
+
+def _width(text: str, size: float) -> float:
+    """Width of a line, points."""
+    font = font_manager.get_font(font_manager.findfont(font_manager.FontProperties()))
+    font.set_size(size, 72)
+    font.set_text(text)
+    return float(font.get_width_height()[0]) / 64
 
 
 def verbatim(text: str) -> str:
@@ -64,5 +132,7 @@ def with_unit(quantity: str, unit: str) -> str:
 
 
 def spelled(unit: str) -> str:
-    """Spell a unit as it is printed."""
+    """Spell a unit as it is printed; a power of ten stands for numbers that have none."""
+    if re.fullmatch(r"1e[+-]\d+", unit):
+        return rf"$10^{{{int(unit[2:])}}}$ units"
     return {"um": "µm", "angstrom": "Å", "rms": "rms height"}.get(unit, verbatim(unit))

@@ -9,6 +9,9 @@ from matplotlib.figure import Figure
 from asperity.analysis import SurfaceView
 from asperity.figures import style
 
+_PAD = 0.15
+"""Room around each panel, inches: tick labels reach beyond their axes."""
+
 
 def surface_figure(view: SurfaceView, *, title: str, note: str = "") -> Figure:
     """Draw a surface: map (if it has two axes), histogram of the heights, and profile.
@@ -26,7 +29,10 @@ def surface_figure(view: SurfaceView, *, title: str, note: str = "") -> Figure:
     -------
     Figure
     """
-    figure = Figure(figsize=(9.0, 4.4) if view.heights.ndim == 2 else (7.6, 4.6), layout="constrained")
+    figure = style.Drawing(figsize=(9.0, 4.4) if view.heights.ndim == 2 else (7.6, 4.6), layout="constrained")
+    engine = figure.get_layout_engine()
+    assert engine is not None
+    engine.set(w_pad=_PAD, h_pad=_PAD / 2)  # type: ignore[call-arg]
     if view.heights.ndim == 2:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.35, 1))
         _draw_map(figure, figure.add_subplot(grid[:, 0]), view)
@@ -40,8 +46,9 @@ def surface_figure(view: SurfaceView, *, title: str, note: str = "") -> Figure:
     profile.set_ylabel(style.with_unit("height", view.unit))
     profile.margins(x=0)
     _draw_histogram(histogram, view)
-    name = style.verbatim(title)
-    figure.suptitle(f"{name}\n{note}" if note else name, fontsize=10)
+    about = [title, *(style.lines(note.split(", "), figure.room).split("\n") if note else [])]
+    about[0] = style.lines([title], figure.room)
+    figure.suptitle("\n".join(about), fontsize=10)
     return figure
 
 
@@ -71,7 +78,8 @@ def _draw_histogram(axes: Axes, view: SurfaceView) -> None:
         )
         axes.margins(y=0.45)  # room for the legend
         axes.legend(fontsize=7, loc="upper left", framealpha=0.9)
-    per = "1" if view.unit == "1" else f"1/{style.spelled(view.unit)}"
+    unit = style.spelled(view.unit)
+    per = f"1/({unit})" if " " in unit else f"1/{unit}"
     axes.set_xlabel(style.with_unit("height", view.unit))
-    axes.set_ylabel(style.with_unit("density", per))
+    axes.set_ylabel("density" if view.unit == "1" else f"density [{per}]")
     axes.set_title("heights", fontsize=9)
