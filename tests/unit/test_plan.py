@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
-from asperity.campaign import read_plan
+from asperity.campaign import load_plan, read_plan
+from asperity.campaign.plan import name_of
+from asperity.campaign.sweep import plan_to_json
+from asperity.config import read_config
 from asperity.errors import ConfigError
 
 BASE = """
@@ -123,7 +126,8 @@ def test_every_mistake_is_named_before_anything_starts(tmp_path):
         "[sweep] laod: no such key; did you mean 'load'?",
         "[sweep] k1: expected a list of values, got 3.0",
         "[sweep] seed: cannot be swept; try seeds",
-        "[sweep] times: cannot be swept",
+        "[sweep] times: cannot be swept; these can: shape, rms, k0, k1, R, R_viscous, load, separation, "
+        "hold, rtol",
         "[sweep] R: expected different values, got [1.0, 1.0]",
         "[surface] shap: no such key; did you mean 'shape'?",
     ]
@@ -150,7 +154,46 @@ def test_mistakes_in_any_run_are_named_once(tmp_path):
         ("[surface]\npath='x.npy'\n[sweep]\nseeds = 3", "[sweep] seeds: a measured surface has no seed"),
         ("[surface]\npath='none.npy'", "none.npy: No such file"),
         ("[contact]\nseparation=1.0\n[sweep]\nload=[1.0]", "expected load or separation, got both"),
+        ("[sweep]\nseeds = [1, -1]", "[surface] seed: expected a number of at least 0, got -1"),
+        ("[sweep]\nload=[1.0]\nseeds = [1, 2.5]", "[surface] seed: expected a whole number, got 2.5"),
+        (
+            "[sweep]\nseeds = 20241121",
+            "[sweep] seeds: expected how many surfaces, at most 100,000, got 20,241,121; for one surface of "
+            "your choice, try seed in [surface]",
+        ),
+        ("[sweep]\nseeds = 18446744073709551616", "at most 100,000, got 18,446,744,073,709,551,616"),
+        (
+            "[sweep]\nload = [1.0, 2.0]\nk1 = [1.0, 2.0]\nseeds = 25001",
+            "[sweep]: expected at most 100,000 runs, got 100,004 (load 2 x k1 2 x seeds 25001); "
+            "try several campaigns",
+        ),
     ],
 )
 def test_single_mistakes(tmp_path, text, problem):
     assert any(problem in line for line in problems_of(tmp_path, text))
+
+
+def test_a_large_campaign_is_planned(tmp_path):
+    plan = plan_of(tmp_path, "load = [1.0, 2.0]\nseeds = 5000")
+    assert len({run.identity for run in plan.runs}) == 10_000
+    last = plan.runs[-1]
+    assert (last.config.contact.load, last.seed, last.config.surface.seed) == (2.0, 5002, 5002)
+    (tmp_path / "plan.json").write_text(plan_to_json(plan), encoding="utf-8")
+    assert load_plan(tmp_path) == plan
+
+
+def test_the_name_of_the_file_may_be_text(tmp_path):
+    path = written(tmp_path, BASE)
+    assert read_plan(str(path)) == read_plan(path)
+    assert read_config(str(path), {}) == read_config(path, {})
+
+
+def test_a_run_is_named_by_what_distinguishes_it(tmp_path):
+    plan = plan_of(tmp_path, "load = [1.0, 2.0]\nk1 = [3.0]\nseeds = 2")
+    assert [name_of(plan, run) for run in plan.runs[:3]] == [
+        "load = 1.0, seed = 3",
+        "load = 1.0, seed = 4",
+        "load = 2.0, seed = 3",
+    ]
+    alone = read_plan(written(tmp_path, BASE))
+    assert name_of(alone, alone.runs[0]) == "the run"

@@ -11,9 +11,9 @@ import pandas as pd
 import xarray as xr
 
 from asperity._version import __version__
-from asperity.campaign.plan import Axis, Plan, Run
+from asperity.campaign.plan import Axis, Plan, Run, seeded
 from asperity.campaign.store import FITTED, Store
-from asperity.config import from_tables
+from asperity.config import RunConfig, from_tables
 from asperity.errors import InputError
 from asperity.results.dataset import SERIES, TIME_UNIT
 
@@ -154,11 +154,16 @@ def load_plan(directory: str | Path) -> Plan:
     try:
         facts = json.loads(path.read_text(encoding="utf-8"))
         axes = tuple(Axis(section, name, tuple(values)) for section, name, values in facts["axes"])
-        runs = tuple(
-            Run(identity, tuple(point), seed, from_tables(config), content)
-            for identity, point, seed, config, content in facts["runs"]
-        )
-        return Plan(axes, tuple(facts["seeds"]), facts["zipped"], runs)
+        configs: dict[tuple[int, ...], RunConfig] = {}
+        runs = []
+        for identity, place, seed, tables, content in facts["runs"]:
+            # The runs of one point differ by their seed only, and checking is what takes the time.
+            point = tuple(place)
+            if point not in configs:
+                configs[point] = from_tables(tables)
+            config = configs[point] if seed is None else seeded(configs[point], seed)
+            runs.append(Run(identity, point, seed, config, content))
+        return Plan(axes, tuple(facts["seeds"]), facts["zipped"], tuple(runs))
     except (OSError, ValueError, KeyError, TypeError) as error:
         reason = "no such campaign" if isinstance(error, FileNotFoundError) else str(error)
         raise InputError(

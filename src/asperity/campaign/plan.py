@@ -14,7 +14,8 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -29,6 +30,9 @@ from asperity.errors import ConfigError
 Value = float | int | str
 _NOT_SWEPT = ("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures")
 _STORE_FORMAT = 2
+
+MOST_RUNS = 100_000
+"""Runs of one campaign: each is a folder of files, and its plan is held in memory whole."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ class Plan:
     runs: tuple[Run, ...]
 
 
-def read_plan(path: Path) -> Plan:
+def read_plan(path: str | Path) -> Plan:
     """Read and check a campaign.
 
     Parameters
@@ -96,8 +100,10 @@ def read_plan(path: Path) -> Plan:
     Raises
     ------
     ConfigError
-        With one line for each mistake in any of the runs; nothing has been started.
+        With one line for each mistake in any of the runs, or for more than 100,000 runs; nothing has
+        been started.
     """
+    path = Path(path)
     tables = read_tables(path)
     swept = tables.pop("sweep", {})
     if not isinstance(swept, dict):
@@ -111,10 +117,16 @@ def read_plan(path: Path) -> Plan:
     if combine not in ("grid", "zip"):
         problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
     seeds = _seeds(swept.pop("seeds", None), surface, kind, problems)
-    lists = dict(_lists(swept, problems))
-    if combine == "zip" and len({len(values) for values in lists.values()}) > 1:
-        lengths = ", ".join(f"{name} {len(values)}" for (_, name), values in lists.items())
-        problems.append(f"[sweep]: expected lists of one length for combine = 'zip', got {lengths}")
+    lists = dict(_lists(swept, kind, problems))
+    lengths = {name: len(values) for (_, name), values in lists.items()}
+    if combine == "zip" and len(set(lengths.values())) > 1:
+        got = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        problems.append(f"[sweep]: expected lists of one length for combine = 'zip', got {got}")
+    elif combine == "grid" and (total := math.prod(lengths.values()) * max(1, len(seeds))) > MOST_RUNS:
+        got = " x ".join(f"{name} {length}" for name, length in (lengths | {"seeds": len(seeds)}).items())
+        problems.append(
+            f"[sweep]: expected at most {MOST_RUNS:,} runs, got {total:,} ({got}); try several campaigns"
+        )
     output = tables.setdefault("output", {})
     if isinstance(output, dict):
         output.setdefault("maps_at", [])
@@ -130,7 +142,18 @@ def read_plan(path: Path) -> Plan:
     return Plan(axes, seeds, combine == "zip", runs)
 
 
-def _lists(swept: dict[str, Any], problems: list[str]) -> Iterator[tuple[tuple[str, str], list[Any]]]:
+def name_of(plan: Plan, run: Run) -> str:
+    """Name a run by what distinguishes it from the others: ``load = 4.0, seed = 2``."""
+    places = zip(plan.axes, run.point, strict=True)
+    parts = [f"{axis.name} = {axis.values[at]}" for axis, at in places if len(axis.values) > 1]
+    if len(plan.seeds) > 1:
+        parts.append(f"seed = {run.seed}")
+    return ", ".join(parts) or "the run"
+
+
+def _lists(
+    swept: dict[str, Any], kind: object, problems: list[str]
+) -> Iterator[tuple[tuple[str, str], list[Any]]]:
     """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
     homes = {name: "surface" for model in SURFACES.values() for name in model.model_fields}
     homes |= {name: section for section, model in SECTIONS.items() for name in model.model_fields}
@@ -148,14 +171,21 @@ def _lists(swept: dict[str, Any], problems: list[str]) -> Iterator[tuple[tuple[s
             hint = f"; did you mean {close[0]!r}?" if close else ""
             problems.append(f"{where}: no such key{hint}")
         elif name in _NOT_SWEPT:
-            advice = "; try seeds" if name == "seed" else ""
-            problems.append(f"{where}: cannot be swept{advice}")
+            advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kind))}"
+            problems.append(f"{where}: cannot be swept; {advice}")
         elif not isinstance(values, list) or not values:
             problems.append(f"{where}: expected a list of values, got {values!r}")
         elif len({_label(value) for value in values}) < len(values):
             problems.append(f"{where}: expected different values, got {values!r}")
         else:
             yield (homes[name], name), values
+
+
+def _swept_keys(kind: object) -> list[str]:
+    """Keys that may be swept, on a surface of this kind."""
+    surfaces = [SURFACES[kind]] if isinstance(kind, str) and kind in SURFACES else [*SURFACES.values()]
+    names = [name for model in (*surfaces, *SECTIONS.values()) for name in model.model_fields]
+    return [name for name in dict.fromkeys(names) if name not in _NOT_SWEPT]
 
 
 def _seeds(given: object, surface: object, kind: str, problems: list[str]) -> tuple[int, ...]:
@@ -168,6 +198,12 @@ def _seeds(given: object, surface: object, kind: str, problems: list[str]) -> tu
     if given is None:
         given = [first]
     if isinstance(given, int) and not isinstance(given, bool) and given >= 1 and isinstance(first, int):
+        if given > MOST_RUNS:
+            problems.append(
+                f"[sweep] seeds: expected how many surfaces, at most {MOST_RUNS:,}, got {given:,}; "
+                "for one surface of your choice, try seed in [surface]"
+            )
+            return ()
         given = list(range(first, first + given))
     if not isinstance(given, list) or not given or len(set(map(str, given))) < len(given):
         expected = "a number of seeds or a list of different ones"
@@ -184,35 +220,62 @@ def _runs(
     *,
     zipped: bool,
 ) -> tuple[Run, ...]:
-    """Spread out; check every run, and name every mistake once."""
+    """Spread out; check every seed and every point, and name every mistake once."""
     lengths = [range(len(values)) for values in lists.values()]
     points = list(zip(*lengths, strict=True)) if zipped and lists else list(itertools.product(*lengths))
     problems: dict[str, None] = {}
     contents: dict[str, str] = {}
-    runs = []
-    for point, seed in itertools.product(points, seeds or (None,)):
+    runs: list[Run] = []
+    for seed in seeds:  # what a seed may be does not depend on the point
+        if type(seed) is not int or seed < 0:
+            try:
+                config_from(_laid_over(tables, {}, seed), {}, path)
+            except ConfigError as error:
+                problems |= dict.fromkeys(error.problems)
+    for point in points:
         flags: Sections = {}
         for ((section, name), values), index in zip(lists.items(), point, strict=True):
             value = values[index]
             if name == "path" and isinstance(value, str):
                 value = str(path.parent / value)
             flags.setdefault(section, {})[name] = value
-        if seed is not None:
-            flags.setdefault("surface", {})["seed"] = seed
-        merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
-        for section, keys in flags.items():
-            table = merged.setdefault(section, {})
-            if isinstance(table, dict):  # otherwise a mistake, which is reported below
-                table.update(keys)
         try:
-            config = _anywhere(config_from(merged, {}, path))
-            content = _content(config, contents)
-            runs.append(Run(_identity(config, content), point, seed, config, content))
+            config = _anywhere(config_from(_laid_over(tables, flags, *seeds[:1]), {}, path))
+            runs += _with_seeds(config, point, seeds, _content(config, contents))
         except ConfigError as error:
             problems |= dict.fromkeys(error.problems)
     if problems:
         raise ConfigError(list(problems))
     return tuple(runs)
+
+
+def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None) -> dict[str, Any]:
+    """The tables of the file with the values of one run in them."""
+    merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
+    seeded: Sections = {} if seed is None else {"surface": {"seed": seed}}
+    for section, keys in itertools.chain(flags.items(), seeded.items()):
+        table = merged.setdefault(section, {})
+        if isinstance(table, dict):  # otherwise a mistake, which is reported
+            table.update(keys)
+    return merged
+
+
+def _with_seeds(
+    config: RunConfig, point: tuple[int, ...], seeds: Sequence[int], content: str
+) -> Iterator[Run]:
+    """The runs of one point."""
+    facts = _facts(config, content)
+    if not seeds:
+        yield Run(_identity(facts), point, None, config, content)
+    for seed in seeds:
+        facts["surface"]["seed"] = seed
+        yield Run(_identity(facts), point, seed, seeded(config, seed), content)
+
+
+def seeded(config: RunConfig, seed: int) -> RunConfig:
+    """A configuration with another seed, which is a whole number >= 0."""
+    surface = config.surface.model_copy(update={"seed": seed})
+    return config.model_copy(update={"surface": surface})
 
 
 def _anywhere(config: RunConfig) -> RunConfig:
@@ -236,14 +299,18 @@ def _content(config: RunConfig, known: dict[str, str]) -> str:
     return known[name]
 
 
-def _identity(config: RunConfig, content: str) -> str:
-    """Hash all that the numbers of a run depend on; a measured surface counts by its content."""
+def _facts(config: RunConfig, content: str) -> dict[str, Any]:
+    """All that the numbers of a run depend on; a measured surface counts by its content."""
     facts = config.model_dump()
     facts["output"].pop("figures")
     if isinstance(config.surface, MeasuredSurface):
         # The suffix decides how the content is read.
         facts["surface"]["path"] = [Path(config.surface.path).suffix.lower(), content]
     facts["version"] = [__version__, _STORE_FORMAT]
+    return facts
+
+
+def _identity(facts: dict[str, Any]) -> str:
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
 
 

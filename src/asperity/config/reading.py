@@ -25,7 +25,7 @@ _RIVALS = {
 }
 
 
-def read_config(path: Path | None, flags: Sections) -> RunConfig:
+def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
     """Read a configuration, lay the flags over it, and check the whole.
 
     Parameters
@@ -40,6 +40,7 @@ def read_config(path: Path | None, flags: Sections) -> RunConfig:
     ConfigError
         With one line for each mistake.
     """
+    path = None if path is None else Path(path)
     return config_from({} if path is None else read_tables(path), flags, path)
 
 
@@ -107,7 +108,7 @@ def tables_to_toml(tables: Mapping[str, Mapping[str, object]]) -> str:
     return "\n".join(lines)
 
 
-def read_tables(path: Path) -> dict[str, Any]:
+def read_tables(path: str | Path) -> dict[str, Any]:
     """Read the tables of a TOML file; a relative path of a surface becomes relative to the file.
 
     Raises
@@ -115,6 +116,7 @@ def read_tables(path: Path) -> dict[str, Any]:
     ConfigError
         It cannot be read, or is no TOML.
     """
+    path = Path(path)
     try:
         # Editors on Windows write a mark before the first letter.
         tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
