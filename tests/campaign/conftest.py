@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -10,6 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import zarr
+
+from asperity.campaign.store import Store
+from asperity.campaign.sweep import plan_to_json
+from asperity.campaign.worker import run_task
+from asperity.config import to_tables
 
 SMALL = """
 [surface]
@@ -29,6 +35,18 @@ def written(folder: Path, text: str = SMALL) -> Path:
     path = folder / "campaign.toml"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def do_here(plan, directory):
+    """Do a plan without a cluster, in this process."""
+    store = Store(directory)
+    directory.mkdir(exist_ok=True)
+    store.prepare()
+    (directory / "plan.json").write_text(plan_to_json(plan))
+    return [
+        run_task(str(directory), run.identity, json.dumps(to_tables(run.config)), run.content)
+        for run in plan.runs
+    ]
 
 
 def start(*words: str | Path, before: str = "") -> subprocess.Popen[str]:

@@ -105,7 +105,7 @@ def test_the_dry_run_starts_nothing(done, tmp_path, capsys):
     text = capsys.readouterr().out
     assert "12, of which 12 are to do" in text
     assert "load (2) x k1 (2) x seed (3)" in text
-    assert "on 2 workers, judged by trial runs of 64 x 64 sites" in text
+    assert "on 2 workers, judged by trial runs at 4 points" in text
     assert not (tmp_path / "out").exists()
     assert main(["sweep", str(path), "--out", str(done / "out"), "--dry-run"]) == 0
     assert "12, of which 0 are to do" in capsys.readouterr().out

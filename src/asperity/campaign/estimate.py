@@ -1,30 +1,56 @@
-"""How long a campaign will take, and how much it will write: a rough answer before it starts."""
+"""How long a campaign will take, and how much it will write: a rough answer before it starts.
+
+The time of a run depends on its lattice, load, stiffness and surface in ways that no simple formula knows.
+So it is measured. Where the campaign has finished runs, they say it. Elsewhere runs at a few points of the
+plan, evenly spread, are tried, with the same load per site, on lattices as large as the time for trials
+allows, at most the run's own. At the first of these points a small lattice is tried too: the straight line
+through both times says how the time goes with the sites. All other points take the mean of the nearest,
+along the axes of the plan.
+"""
 
 from __future__ import annotations
 
 import math
+import tempfile
 import time as clock
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from asperity.campaign.plan import Plan
+from asperity.campaign.plan import Plan, Run
 from asperity.campaign.store import QUANTITIES, Store
 from asperity.config import MeasuredSurface, RunConfig
-from asperity.config.models import Gaussian, SelfAffine
-from asperity.runs import Silent, execute, hold_times_of
-from asperity.surfaces import read
+from asperity.config.models import SelfAffine
+from asperity.errors import AsperityError
+from asperity.lattice import Field
+from asperity.runs import Silent, execute, hold_times_of, measured_surface
 
-_TRIAL = 64
-"""Sites along each axis of the lattice on which a trial run is timed."""
+_PATIENCE = 3.0
+"""Seconds of computing after which no further trial run is begun."""
 
-_OVERHEAD = 16_384
-"""Bytes on disk of a run without its arrays: metadata, and the rest of the last blocks."""
+_POINTS = 8
+"""Points of a plan that are tried, if time allows."""
+
+_WARM, _SMALL, _LARGE = 16**2, 32**2, 512**2
+"""Sites of the trial run that is not timed (it may compile), of the small ones, and of the largest."""
+
+_GROWTH = 0.5, 0.75
+"""Powers of the sites with which the time grows: to choose the large trial, and where there is none."""
+
+_READ = 100
+"""Finished runs that are read."""
+
+_BLOCK, _PLANNED = 4096, 600
+"""Bytes that files and folders are rounded up to on disk, and those of a run in the plan."""
 
 _START, _BESIDE = 4.0, 0.025
 """Seconds to start the workers, and beside the computing of a run; see ``docs/campaigns.md``."""
+
+Point = tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -36,7 +62,7 @@ class Estimate:
     runs
         Runs to do.
     seconds
-        Time they take one after the other; divide by the workers.
+        Time they take one after the other.
     bytes
         Space they take.
     basis
@@ -48,6 +74,18 @@ class Estimate:
     bytes: int
     basis: str
 
+    def wall(self, workers: int) -> float:
+        """Seconds until all are done, the start of the workers included."""
+        return _START + self.seconds / min(workers, self.runs) if self.runs else 0.0
+
+
+@dataclass(frozen=True)
+class _Cost:
+    """Seconds of a run with its parameters: some, and some for each site."""
+
+    fixed: float
+    per_site: float
+
 
 def estimate(plan: Plan, directory: str | Path) -> Estimate:
     """Judge what is left of a campaign.
@@ -57,63 +95,174 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
     plan
         From `read_plan`.
     directory
-        Its folder, which need not exist; finished runs there tell how fast this machine is.
+        Its folder, which need not exist; finished runs there tell how long such runs take.
+
+    Raises
+    ------
+    AsperityError
+        A surface file cannot be read.
 
     Notes
     -----
-    The time of a run is taken to grow like N log N with its sites N. It also depends on the load, the
-    stiffness and the surface, which this does not know: expect it to be off by a factor of two.
+    Takes some seconds of trial runs, in this process. Expect it to be off by up to a factor of two, on the
+    machine that it was asked on.
     """
     store = Store(Path(directory))
     done = store.done()
-    todo = {run.identity: run.config for run in plan.runs if run.identity not in done}
+    todo = {run.identity: run for run in plan.runs if run.identity not in done}
     if not todo:
         return Estimate(0, 0.0, 0, "nothing is left")
-    sites = {name: _sites(config) for name, config in todo.items()}
-    known = [store.read(run.identity).scalars for run in plan.runs if run.identity in done][:100]
-    if known:
-        rate = float(np.median([scalars["seconds"] / _work(scalars["sites"]) for scalars in known]))
-        basis = f"{len(known)} finished runs"
-    else:
-        configs = list(todo.values())
-        rate = (_trial(configs[0]) + _trial(configs[-1])) / 2 / _work(_TRIAL**2)
-        basis = f"trial runs of {_TRIAL} x {_TRIAL} sites"
-    space = sum(_bytes(config, sites[name]) for name, config in todo.items())
-    computing = rate * sum(map(_work, sites.values()))
-    return Estimate(len(todo), computing + _START + _BESIDE * len(todo), space, basis)
-
-
-def _work(sites: float) -> float:
-    return sites * math.log2(max(sites, 2.0))
-
-
-def _trial(config: RunConfig) -> float:
-    """Time a small run of the same solid and the same times."""
-    small = config.model_copy(
-        update={
-            "surface": Gaussian(shape=[_TRIAL, _TRIAL]),
-            "contact": type(config.contact)(),
-            "output": config.output.model_copy(update={"maps_at": []}),
-        }
+    counts: dict[Point, int] = {}
+    configs: dict[Point, RunConfig] = {}
+    for run in todo.values():
+        counts[run.point] = counts.get(run.point, 0) + 1
+        configs[run.point] = run.config
+    sites = {point: math.prod(_shape(config)) for point, config in configs.items()}
+    known = _finished(store, [run for run in plan.runs if run.identity in done])
+    tried = dict(_tried({point: config for point, config in configs.items() if point not in known}))
+    costs = _nearest(plan, known | tried, list(counts))
+    computing = sum(
+        count * (cost.fixed + cost.per_site * sites[point])
+        for (point, count), cost in zip(counts.items(), costs, strict=True)
     )
-    begin = clock.perf_counter()
-    execute(small, Silent())
-    return clock.perf_counter() - begin
+    space = sum(count * _bytes(configs[point]) for point, count in counts.items())
+    basis = [f"finished runs at {_points(len(known))}"] * bool(known)
+    basis += [f"trial runs at {_points(len(tried))}"] * bool(tried)
+    return Estimate(len(todo), computing + _BESIDE * len(todo), space, " and ".join(basis))
 
 
-def _bytes(config: RunConfig, sites: int) -> int:
-    times = 1 + len(hold_times_of(config.aging))
-    return _OVERHEAD + 8 * len(QUANTITIES) * times + 17 * sites * len(config.output.maps_at or ())
+def _points(count: int) -> str:
+    return "1 point" if count == 1 else f"{count} points"
 
 
-def _sites(config: RunConfig) -> int:
+def _finished(store: Store, runs: Sequence[Run]) -> dict[Point, _Cost]:
+    """What finished runs cost: at each point the median of some of them."""
+    rates: dict[Point, list[float]] = {}
+    for run in runs[:: 1 + len(runs) // _READ]:
+        scalars = store.read(run.identity).scalars
+        rates.setdefault(run.point, []).append(scalars["seconds"] / scalars["sites"])
+    return {point: _Cost(0.0, float(np.median(some))) for point, some in rates.items()}
+
+
+def _nearest(plan: Plan, known: Mapping[Point, _Cost], wanted: Sequence[Point]) -> Iterator[_Cost]:
+    """The cost at each point: that of the nearest known ones, each axis taken as of length 1."""
+    lengths = np.array([max(1, len(axis.values) - 1) for axis in plan.axes])
+    places = np.array(list(known), dtype=np.float64) / lengths
+    costs = np.array([(cost.fixed, cost.per_site) for cost in known.values()])
+    for point in wanted:
+        distance = np.abs(places - np.array(point) / lengths).sum(axis=1)
+        yield _Cost(*costs[distance <= distance.min() + 1e-9].mean(axis=0).tolist())
+
+
+def _tried(configs: Mapping[Point, RunConfig]) -> Iterator[tuple[Point, _Cost]]:
+    """Try runs at a few points, as many as the time allows, and at least one."""
+    points = list(configs)
+    begin = clock.process_time()
+    most, shape = 0, _Cost(0.0, 1.0)
+    for number in _spread(len(points)):
+        config = configs[points[number]]
+        if most == 0:
+            _seconds(config, _WARM)
+            most, shape = _line(config)
+            yield points[number], shape
+        elif clock.process_time() - begin < _PATIENCE:
+            sites, seconds = _seconds(config, most)
+            level = seconds / (shape.fixed + shape.per_site * sites)
+            yield points[number], _Cost(level * shape.fixed, level * shape.per_site)
+
+
+def _spread(count: int) -> list[int]:
+    """Some numbers below ``count``: the middle, then the middles of what is left."""
+    order = [(int(f"{i:08b}"[::-1], 2) / 256 + 0.5) % 1 for i in range(256)]
+    return list(dict.fromkeys(int(part * count) for part in order))[:_POINTS]
+
+
+def _line(config: RunConfig) -> tuple[int, _Cost]:
+    """Sites of a trial that takes about a sixth of the time there is; how the time goes with the sites."""
+    whole = math.prod(_shape(config))
+    sites, seconds = _seconds(config, min(_SMALL, whole))
+    affordable = sites * (_PATIENCE / 6 / seconds) ** (1 / _GROWTH[0])
+    most = math.prod(_lattice(config, min(_LARGE, whole, int(max(affordable, sites)))))
+    if most > sites:
+        larger, longer = _seconds(config, most)
+    else:
+        larger, longer = whole, seconds * (whole / sites) ** _GROWTH[1]
+    per_site = max(0.0, longer - seconds) / max(1, larger - sites)
+    return most, _Cost(max(0.0, longer - per_site * larger), per_site)
+
+
+def _seconds(config: RunConfig, most: int) -> tuple[int, float]:
+    """Sites and computing time of a run on at most so many sites, with the same load per site."""
+    with tempfile.TemporaryDirectory() as folder:
+        small, sites = _shrunk(config, most, Path(folder))
+        begin = clock.process_time()
+        with suppress(AsperityError):  # it would fail in the campaign too, after as long a time
+            execute(small, Silent())
+        return sites, clock.process_time() - begin
+
+
+def _shrunk(config: RunConfig, most: int, folder: Path) -> tuple[RunConfig, int]:
+    """The same run on a smaller lattice, without maps; and its sites."""
+    chosen, contact = config.surface, config.contact
+    shape = _lattice(config, most)
+    if isinstance(chosen, SelfAffine):
+        chosen = chosen.model_copy(update={"size": shape[0]})
+    elif not isinstance(chosen, MeasuredSurface):
+        chosen = chosen.model_copy(update={"shape": shape})
+    elif shape != _shape(config):
+        part = folder / "part.npy"
+        np.save(part, _measured(chosen)[1][tuple(slice(n // 2) for n in shape)])
+        chosen = MeasuredSurface(path=str(part), tilt="none", periodic="mirror")
+    sites = math.prod(shape)
+    if contact.load is not None:
+        load = contact.load * sites / math.prod(_shape(config))
+        contact = contact.model_copy(update={"load": load})
+    output = config.output.model_copy(update={"maps_at": []})
+    return config.model_copy(update={"surface": chosen, "contact": contact, "output": output}), sites
+
+
+def _lattice(config: RunConfig, most: int) -> list[int]:
+    """The lattice of a run, its longest axis halved until there are few enough sites."""
+    shape = _shape(config)
+    if math.prod(shape) <= most:
+        return shape
+    halved = _halved(shape, most)
+    if isinstance(config.surface, SelfAffine):
+        return [min(halved)] * 2
+    # A part of a measured surface is mirrored.
+    return [n + n % 2 for n in halved] if isinstance(config.surface, MeasuredSurface) else halved
+
+
+def _halved(shape: Sequence[int], most: int) -> list[int]:
+    halved = list(shape)
+    while math.prod(halved) > most:
+        halved[halved.index(max(halved))] //= 2
+    return halved
+
+
+def _bytes(config: RunConfig) -> int:
+    """Space of a run on disk. Numbers hardly compress, but for what is true or false."""
+    times, maps = 1 + len(hold_times_of(config.aging)), len(config.output.maps_at or ())
+    axes, sites = len(_shape(config)), math.prod(_shape(config))
+    arrays = [(8 * len(QUANTITIES) * times, 2)]
+    if maps:
+        arrays += [(8 * maps, 1), *[(8 * sites * maps, axes + 1)] * 2, (sites * maps // 8, axes + 1)]
+        arrays += [*[(8 * sites, axes)] * 2, (sites // 8, axes)]
+    # An array is a description, and a file so many folders deep.
+    blocks = 2 + sum(2 + depth + math.ceil(size / _BLOCK) for size, depth in arrays)
+    return blocks * _BLOCK + _PLANNED
+
+
+def _shape(config: RunConfig) -> list[int]:
+    """The lattice of a run."""
     chosen = config.surface
     if isinstance(chosen, MeasuredSurface):
-        return _measured_sites(chosen.path, chosen.periodic, chosen.channel, chosen.max_undefined)
-    return chosen.size**2 if isinstance(chosen, SelfAffine) else math.prod(chosen.shape)
+        return list(_measured(chosen)[0])
+    return [chosen.size] * 2 if isinstance(chosen, SelfAffine) else chosen.shape
 
 
-@lru_cache(maxsize=64)
-def _measured_sites(path: str, periodic: str, channel: int | str | None, most_undefined: float) -> int:
-    found = read(path, periodic="wrap", channel=channel, max_undefined=most_undefined).heights
-    return found.size * (2**found.ndim if periodic == "mirror" else 1)
+@lru_cache(maxsize=8)
+def _measured(chosen: MeasuredSurface) -> tuple[tuple[int, ...], Field]:
+    """The lattice of a measured surface, and a corner of its heights."""
+    heights = measured_surface(chosen).heights
+    return heights.shape, heights[tuple(map(slice, _halved(heights.shape, _LARGE)))].copy()

@@ -31,7 +31,7 @@ def dry_run(plan: Plan, out: Path, *, workers: int) -> None:
     rows = [
         ("runs", f"{len({run.identity for run in plan.runs})}, of which {judged.runs} are to do"),
         ("dimensions", _dimensions(plan)),
-        ("time", f"about {spell(judged.seconds / workers)} on {workers} workers, judged by {judged.basis}"),
+        ("time", f"about {spell(judged.wall(workers))} on {workers} workers, judged by {judged.basis}"),
         ("disk", f"about {size(judged.bytes)}"),
     ]
     sys.stdout.write(f"{aligned(rows)}\n")

@@ -28,7 +28,7 @@ def say_what_it_takes(out: Path, *, quick: bool, seed: int, workers: int) -> Non
     with tempfile.TemporaryDirectory() as nowhere, prepared_in(nowhere, effort, seed=seed) as prepared:
         judged = [campaign.estimate(one.plan, out / STUDIES / one.study.name) for one in prepared]
     rows = [
-        (one.study.name, f"{it.runs} runs", f"about {spell(it.seconds / workers)}", one.study.purpose)
+        (one.study.name, f"{it.runs} runs", f"about {spell(it.wall(workers))}", one.study.purpose)
         for one, it in zip(prepared, judged, strict=True)
     ]
     rows.append(("all", *_total(judged, workers)))
@@ -107,7 +107,7 @@ class _Voice:
 
 
 def _total(judged: Sequence[Estimate], workers: int) -> tuple[str, str, str]:
-    seconds = sum(one.seconds for one in judged) / workers
+    seconds = sum(one.wall(workers) for one in judged)
     return (
         f"{sum(one.runs for one in judged)} runs",
         f"about {spell(seconds)} on {workers} workers",
