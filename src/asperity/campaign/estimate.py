@@ -159,11 +159,12 @@ def _tried(configs: Mapping[Point, RunConfig]) -> Iterator[tuple[Point, _Cost]]:
     points = list(configs)
     begin = clock.process_time()
     most, shape = 0, _Cost(0.0, 1.0)
-    for number in _spread(len(points)):
+    chosen = _spread(len(points))
+    for number in chosen:
         config = configs[points[number]]
         if most == 0:
             _seconds(config, _WARM)
-            most, shape = _line(config)
+            most, shape = _line(config, _PATIENCE / min(2 * len(chosen), 6))
             yield points[number], shape
         elif clock.process_time() - begin < _PATIENCE:
             sites, seconds = _seconds(config, most)
@@ -177,11 +178,11 @@ def _spread(count: int) -> list[int]:
     return list(dict.fromkeys(int(part * count) for part in order))[:_POINTS]
 
 
-def _line(config: RunConfig) -> tuple[int, _Cost]:
-    """Sites of a trial that takes about a sixth of the time there is; how the time goes with the sites."""
+def _line(config: RunConfig, allowed: float) -> tuple[int, _Cost]:
+    """Sites of a trial that takes about as long as is allowed; how the time goes with the sites."""
     whole = math.prod(_shape(config))
     sites, seconds = _seconds(config, min(_SMALL, whole))
-    affordable = sites * (_PATIENCE / 6 / seconds) ** (1 / _GROWTH[0])
+    affordable = sites * (allowed / seconds) ** (1 / _GROWTH[0])
     most = math.prod(_lattice(config, min(_LARGE, whole, int(max(affordable, sites)))))
     if most > sites:
         larger, longer = _seconds(config, most)
