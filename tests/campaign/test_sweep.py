@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -14,15 +15,19 @@ import xarray as xr
 import asperity.campaign as campaign
 from asperity import age, press
 from asperity.campaign.cluster import connect
+from asperity.campaign.gather import SWEPT
+from asperity.campaign.plan import _NOT_SWEPT
 from asperity.campaign.store import Store
+from asperity.campaign.sweep import plan_to_json
 from asperity.campaign.worker import run_task
 from asperity.cli import main
-from asperity.config import to_tables
+from asperity.config.mistakes import SECTIONS
+from asperity.config.models import SURFACES
 from asperity.errors import InputError
 from asperity.results import load as load_results
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
-from tests.campaign.conftest import SMALL, finish, numbers, start, written
+from tests.campaign.conftest import SMALL, do_here, finish, numbers, start, written
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals"),
@@ -39,20 +44,6 @@ def done(tmp_path_factory):
     assert out.split() == ["runs", "12", "done", "12", "running", "0", "failed", "0", "left", "0"]
     assert error.startswith("runs: 0 of 12")
     return folder
-
-
-def do_here(plan, directory):
-    """Do a plan without a cluster, in this process."""
-    store = Store(directory)
-    directory.mkdir(exist_ok=True)
-    store.prepare()
-    from asperity.campaign.sweep import plan_to_json
-
-    (directory / "plan.json").write_text(plan_to_json(plan))
-    return [
-        run_task(str(directory), run.identity, json.dumps(to_tables(run.config)), run.content)
-        for run in plan.runs
-    ]
 
 
 def test_the_dataset_holds_what_single_runs_give(done):
@@ -77,7 +68,34 @@ def test_the_ensemble(done):
     assert (data["count"] == 3).all()
     assert data["relaxed_area_mean"].dims == ("load", "k1")
     for variable in data.variables.values():
-        assert "long_name" in variable.attrs or variable.dims in (("load",), ("k1",), ("seed",))
+        assert {"long_name", "units"} <= set(variable.attrs)
+
+
+def test_the_dataset_says_what_the_runs_have_in_common(done, tmp_path):
+    data = campaign.open(done / "out")
+    stated = {name: data.attrs[name] for name in ("kind", "shape", "rms", "k0", "R", "last", "rtol")}
+    assert stated == {
+        "kind": "gaussian",
+        "shape": [16, 16],
+        "rms": 1.0,
+        "k0": 1.0,
+        "R": 1.0,
+        "last": 10.0,
+        "rtol": 2e-3,
+    }
+    assert not {"load", "k1", "seed"} & set(data.attrs)
+    assert data["load"].attrs == {
+        "long_name": "normal load, the sum of the contact forces",
+        "units": "stiffness unit * height unit",
+    }
+    # The file of the campaign, written from its results, plans the same runs.
+    again = campaign.read_plan(written(tmp_path, data.attrs["config"]))
+    assert again == campaign.load_plan(done / "out")
+
+
+def test_every_coordinate_has_a_name_and_a_unit():
+    keys = {name for model in (*SURFACES.values(), *SECTIONS.values()) for name in model.model_fields}
+    assert keys - set(_NOT_SWEPT) <= set(SWEPT)
 
 
 def test_the_numbers_do_not_depend_on_the_number_of_workers(done, tmp_path):
@@ -118,9 +136,11 @@ def test_status_and_gather(done, tmp_path, capsys):
     assert main(["gather", str(done / "out"), "--to", str(target)]) == 0
     assert "one row a run, 12 rows" in capsys.readouterr().out
     xr.testing.assert_identical(load_results(target), campaign.open(done / "out"))
-    table = (tmp_path / "all.csv").read_text().splitlines()
+    table = [line.split(",") for line in (tmp_path / "all.csv").read_text().splitlines()]
     assert len(table) == 13
-    assert table[0].startswith("load,k1,seed,")
+    assert table[0][:3] == ["load", "k1", "seed"]
+    counts = [table[0].index(name) for name in ("sites", "initial_area", "final_area", "relaxed_area")]
+    assert all(row[column].isdecimal() for row in table[1:] for column in counts)
     assert main(["gather", str(done / "out"), "--to", str(target)]) == 2
     assert "all.csv exists; try --overwrite" in capsys.readouterr().err
     assert main(["gather", str(done / "out"), "--to", str(target), "--overwrite"]) == 0
@@ -133,8 +153,6 @@ def test_what_is_not_finished_is_nan(tmp_path):
         campaign.open(out)
     some = campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:4])
     do_here(some, out)
-    from asperity.campaign.sweep import plan_to_json
-
     (out / "plan.json").write_text(plan_to_json(plan))
     data = campaign.open(out)
     assert int(data["count"].sum()) == 4
@@ -160,7 +178,12 @@ def test_a_failed_run_does_not_stop_the_others_and_is_tried_again_when_asked(tmp
     assert status == 1
     assert error.splitlines()[-1].startswith("asperity: 6 of 12 runs failed: asperity status")
     assert out.split()[:8] == ["runs", "12", "done", "6", "running", "0", "failed", "6"]
-    assert "expected one at which the solids touch" in out
+    told = out.splitlines()[5:]
+    assert len(told) == 3  # both k1 fail alike
+    begin = (
+        r"separation = 50.0, seed = 0 \(2 runs, the first [0-9a-f]{24}\): separation: expected one at which"
+    )
+    assert re.match(begin, told[0])
     plan = campaign.read_plan(tmp_path / "campaign.toml")
     counted = campaign.tally(plan, tmp_path / "out")
     assert (counted.done, counted.failed, counted.left) == (6, 6, 0)
@@ -171,6 +194,38 @@ def test_a_failed_run_does_not_stop_the_others_and_is_tried_again_when_asked(tmp
     # ... but when asked.
     assert campaign.sweep(plan, tmp_path / "out", workers=1, retry_failed=True).failed == 6
     assert all(path.stat().st_mtime_ns > then for path, then in before.items())
+
+
+def test_equal_failures_are_merged(tmp_path, capsys):
+    plan = campaign.read_plan(written(tmp_path))
+    out = tmp_path / "st ü x"
+    do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:1]), out)
+    for run in plan.runs[1:]:
+        Store(out).fail(run.identity, "no memory" if run.seed else "no luck")
+    (out / "plan.json").write_text(plan_to_json(plan))
+    assert main(["status", str(out)]) == 0
+    assert capsys.readouterr().out.splitlines()[5:] == [
+        f"several (8 runs, the first {plan.runs[1].identity}): no memory",
+        f"seed = 0 (3 runs, the first {plan.runs[3].identity}): no luck",
+    ]
+    assert main(["sweep", str(tmp_path / "campaign.toml"), "--out", str(out), "--scheduler", "bogus"]) == 1
+    said = capsys.readouterr()
+    assert "scheduler bogus was not asked: there was nothing to do" in re.sub(" +", " ", said.out)
+    assert f"asperity status '{out}' says why" in said.err
+
+
+def test_a_script_without_a_guard_ends_in_one_line(tmp_path):
+    script = tmp_path / "script.py"
+    plan, out = str(written(tmp_path)), str(tmp_path / "out")
+    script.write_text(
+        f"import asperity as asp\nasp.campaign.sweep(asp.campaign.read_plan({plan!r}), {out!r})\n"
+    )
+    ended = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False, timeout=300)
+    assert ended.returncode == 1
+    assert ended.stderr.count("Traceback") == 1
+    assert ended.stderr.splitlines()[-1].endswith(
+        "call sweep under if __name__ == '__main__':, as they import it"
+    )
 
 
 def test_a_folder_with_something_else_is_kept(tmp_path, capsys):

@@ -195,5 +195,7 @@ def test_a_run_is_named_by_what_distinguishes_it(tmp_path):
         "load = 1.0, seed = 4",
         "load = 2.0, seed = 3",
     ]
+    assert name_of(plan, *plan.runs[:2]) == "load = 1.0"
+    assert name_of(plan, *plan.runs) == "several"
     alone = read_plan(written(tmp_path, BASE))
     assert name_of(alone, alone.runs[0]) == "the run"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
+import multiprocessing
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
-from asperity.errors import InputError
+from asperity.errors import AsperityError, InputError
 from asperity.runs import cores
 
 if TYPE_CHECKING:
@@ -43,8 +44,8 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
             client = stack.enter_context(_connected(scheduler))
         else:
             with _deaf_to_interrupts():
-                cluster = stack.enter_context(
-                    LocalCluster(
+                try:
+                    cluster = LocalCluster(
                         n_workers=min(workers or cores(), runs),
                         threads_per_worker=1,
                         processes=True,
@@ -52,9 +53,22 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
                         memory_limit=None,
                         silence_logs=logging.CRITICAL,
                     )
-                )
-                client = stack.enter_context(Client(cluster))
+                except RuntimeError:
+                    raise AsperityError(
+                        "the worker processes did not start; a script has to call sweep under "
+                        "if __name__ == '__main__':, as they import it"
+                    ) from None
+                client = stack.enter_context(Client(stack.enter_context(cluster)))
         yield client
+
+
+def leave_if_imported_by_worker() -> None:
+    """End a worker that imports, as it starts, a script which calls `sweep` at its top level.
+
+    It could not start workers of its own, and dozens of lines would say so. `connect` says it in one.
+    """
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        raise SystemExit(1)
 
 
 def _connected(scheduler: str) -> Client:

@@ -13,7 +13,8 @@ import xarray as xr
 from asperity._version import __version__
 from asperity.campaign.plan import Axis, Plan, Run, seeded
 from asperity.campaign.store import FITTED, Store
-from asperity.config import RunConfig, from_tables
+from asperity.config import RunConfig, from_tables, to_tables
+from asperity.config.reading import tables_to_toml
 from asperity.errors import InputError
 from asperity.results.dataset import SERIES, TIME_UNIT
 
@@ -23,6 +24,36 @@ _NO_ENSEMBLE = (
     *(f"fit_{name}_uncertainty" for name in FITTED),
 )
 """Numbers about the computation, of which no ensemble is taken."""
+
+_WHOLE = ("sites", "initial_area", "final_area", "relaxed_area")
+"""Numbers that count sites."""
+
+_HEIGHT, _STIFFNESS = "height unit", "stiffness unit"
+SWEPT = {
+    "shape": ("sites along each axis", "sites"),
+    "size": ("sites along each axis", "sites"),
+    "rms": ("rms height", _HEIGHT),
+    "hurst": ("Hurst exponent", "1"),
+    "delta": ("roughness at the scale of the lattice", _HEIGHT),
+    "path": ("surface file", ""),
+    "undefined": ("what is done about undefined pixels", ""),
+    "max_undefined": ("largest fraction of undefined pixels to fill", "1"),
+    "tilt": ("what is removed from the heights", ""),
+    "periodic": ("how the surface is made periodic", ""),
+    "unit": ("unit of the heights", ""),
+    "channel": ("channel of the surface file", ""),
+    "k0": ("stiffness between neighbors", _STIFFNESS),
+    "k1": ("stiffness to the bulk", _STIFFNESS),
+    "R": ("mobility of conserving creep", "R unit"),
+    "R_viscous": ("mobility of viscous creep", "R unit"),
+    "load": SERIES["load"],
+    "separation": SERIES["separation"],
+    "hold": ("what is held constant", ""),
+    "rtol": ("relative tolerance of the time steps", "1"),
+    "seed": ("seed of the surface", "1"),
+    "point": ("number of the point, from 0", "1"),
+}
+"""Long name and unit of the coordinates."""
 
 
 def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open, as xarray and zarr have it)
@@ -41,7 +72,8 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         is called ``load_history``. Over all but ``time``: one number a run, such as ``relaxed_area`` or
         ``fit_q``. Over all but ``seed``: the ensemble, ``area_mean``, ``area_stderr`` (standard error of
         the mean), and so on, and the ``count`` of finished seeds; ``fit_q_count`` where fewer have a fit.
-        What is not finished is NaN.
+        What is not finished is NaN. The attributes hold what all runs have in common, one by one
+        (``k0``, ``shape``, ``last``, ...), and the whole campaign file as ``config``.
 
     Raises
     ------
@@ -75,7 +107,9 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         dataset[free] = ((*dims, "time"), series[row], {"long_name": long_name, "units": unit})
     for row, name in enumerate(names):
         dataset[name] = (dims, scalars[row], {"long_name": name.replace("_", " "), "units": ""})
-    dataset["time"].attrs.update(long_name="hold time", units=TIME_UNIT)
+    for name, (long_name, unit) in (SWEPT | {"time": ("hold time", TIME_UNIT)}).items():
+        if name in dataset.coords:
+            dataset[name].attrs.update(long_name=long_name, units=unit)
     if "seed" in dims:
         dataset = _with_ensemble(dataset)
     return dataset.assign_attrs(
@@ -83,6 +117,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         asperity_version=__version__,
         runs=len({run.identity for run in plan.runs}),
         finished=len(finished),
+        **_in_common(plan),
     )
 
 
@@ -137,9 +172,11 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
     """
     whole = set(dataset.dims) - {"time"}
     numbers = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == whole]
-    if not whole:
-        return pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
-    return dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
+    if whole:
+        rows = dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
+    else:
+        rows = pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
+    return rows.astype({name: "Int64" for name in _WHOLE if name in rows})
 
 
 def load_plan(directory: str | Path) -> Plan:
@@ -169,6 +206,28 @@ def load_plan(directory: str | Path) -> Plan:
         raise InputError(
             "campaign", expected="a folder that asperity sweep wrote", got=f"{directory}: {reason}"
         ) from error
+
+
+def _in_common(plan: Plan) -> dict[str, Any]:
+    """What all runs have in common, key by key, and the file of the campaign."""
+    tables = to_tables(plan.runs[0].config)
+    tables["output"].pop("figures")
+    swept: dict[str, Any] = {}
+    for number, axis in enumerate(plan.axes):
+        at = {run.point[number]: run.config for run in reversed(plan.runs)}
+        swept[axis.name] = [getattr(getattr(at[i], axis.section), axis.name) for i in range(len(at))]
+        tables[axis.section].pop(axis.name)
+    if plan.seeds:
+        first, count = plan.seeds[0], len(plan.seeds)
+        in_a_row = list(plan.seeds) == list(range(first, first + count))
+        swept["seeds"] = count if in_a_row else list(plan.seeds)
+    if plan.zipped:
+        swept["combine"] = "zip"
+    config = tables_to_toml(tables | {"sweep": swept})
+    if len(plan.seeds) > 1:
+        tables["surface"].pop("seed")
+    facts = {key: value for name, table in tables.items() if name != "output" for key, value in table.items()}
+    return facts | {"config": config}
 
 
 def _matches(plan: Plan, run: Run, where: dict[str, float | int | str]) -> bool:

@@ -142,13 +142,12 @@ def read_plan(path: str | Path) -> Plan:
     return Plan(axes, seeds, combine == "zip", runs)
 
 
-def name_of(plan: Plan, run: Run) -> str:
-    """Name a run by what distinguishes it from the others: ``load = 4.0, seed = 2``."""
-    places = zip(plan.axes, run.point, strict=True)
-    parts = [f"{axis.name} = {axis.values[at]}" for axis, at in places if len(axis.values) > 1]
-    if len(plan.seeds) > 1:
-        parts.append(f"seed = {run.seed}")
-    return ", ".join(parts) or "the run"
+def name_of(plan: Plan, *runs: Run) -> str:
+    """Name runs by what they share and others do not: ``load = 4.0, seed = 2``."""
+    axes = [(axis.name, axis.values, {run.point[n] for run in runs}) for n, axis in enumerate(plan.axes)]
+    axes.append(("seed", plan.seeds, {plan.seeds.index(run.seed) for run in runs if run.seed is not None}))
+    shared = [f"{name} = {values[min(at)]}" for name, values, at in axes if len(values) > 1 and len(at) == 1]
+    return ", ".join(shared) or ("the run" if len(plan.runs) == 1 else "several")
 
 
 def _lists(

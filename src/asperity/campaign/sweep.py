@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asperity._version import __version__
-from asperity.campaign.cluster import ATTEMPTS, connect
+from asperity.campaign.cluster import ATTEMPTS, connect, leave_if_imported_by_worker
 from asperity.campaign.plan import Plan, Run
 from asperity.campaign.store import Store
 from asperity.campaign.worker import Report, run_task
@@ -107,6 +107,7 @@ def sweep(
     OutputError
         The disk refused; what is finished stays, and the same call goes on.
     """
+    leave_if_imported_by_worker()
     store = Store(Path(directory).resolve())
     try:
         store.directory.mkdir(parents=True, exist_ok=True)

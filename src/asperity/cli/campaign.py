@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import time as clock
 from collections.abc import Callable, Iterator
@@ -14,6 +15,7 @@ from rich.progress import Progress as Bar
 
 import asperity.campaign as campaign
 from asperity.campaign import Plan, Tally
+from asperity.campaign.plan import Run, name_of
 from asperity.cli.report import aligned
 from asperity.errors import AsperityError, InputError
 from asperity.results import save
@@ -48,6 +50,8 @@ def sweep(
         The disk or the scheduler refused; or some runs failed, after all others were done.
     """
     _check_out(out)
+    before = campaign.tally(plan, out)
+    idle = before.done + (0 if retry_failed else before.failed) == before.total
     try:
         with tally_shown(quiet=quiet) as show:
             end = campaign.sweep(
@@ -59,18 +63,20 @@ def sweep(
             f"interrupted; {done} runs are done and kept, and the same command does the rest"
         ) from None
     if not quiet:
-        sys.stdout.write(f"{aligned(_tally_rows(end))}\n")
+        unasked = ("scheduler", f"{scheduler} was not asked: there was nothing to do")
+        told = _tally_told(plan, end, *[unasked] * (idle and scheduler is not None))
+        sys.stdout.write(f"{told}\n")
     if end.failed:
+        why = shlex.join(("asperity", "status", str(out)))
         raise AsperityError(
-            f"{end.failed} of {end.total} runs failed: asperity status {out} says why; "
-            "try again with --retry-failed"
+            f"{end.failed} of {end.total} runs failed: {why} says why; try again with --retry-failed"
         )
 
 
 def status(out: Path) -> None:
     """Say how far a campaign is."""
-    end = campaign.tally(campaign.load_plan(out), out)
-    sys.stdout.write(f"{aligned(_tally_rows(end))}\n")
+    plan = campaign.load_plan(out)
+    sys.stdout.write(f"{_tally_told(plan, campaign.tally(plan, out))}\n")
 
 
 def gather(out: Path, *, to: Path | None, overwrite: bool) -> None:
@@ -122,7 +128,8 @@ def _check_out(out: Path) -> None:
         )
 
 
-def _tally_rows(end: Tally) -> list[tuple[str, str]]:
+def _tally_told(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
+    """A table of the tally, and a line for all runs that failed alike."""
     rows = [
         ("runs", str(end.total)),
         ("done", str(end.done)),
@@ -130,11 +137,16 @@ def _tally_rows(end: Tally) -> list[tuple[str, str]]:
         ("failed", str(end.failed)),
         ("left", str(end.left)),
     ]
-    reasons = list(end.reasons.items())
-    rows += [(f"  {name}", reason) for name, reason in reasons[:_SHOWN_FAILURES]]
-    if len(reasons) > _SHOWN_FAILURES:
-        rows.append(("  ...", f"and {len(reasons) - _SHOWN_FAILURES} more"))
-    return rows
+    alike: dict[str, list[Run]] = {}
+    for run in {run.identity: run for run in plan.runs if run.identity in end.reasons}.values():
+        alike.setdefault(end.reasons[run.identity], []).append(run)
+    lines = [aligned([*rows, *more])]
+    for reason, runs in list(alike.items())[:_SHOWN_FAILURES]:
+        which = runs[0].identity if len(runs) == 1 else f"{len(runs)} runs, the first {runs[0].identity}"
+        lines.append(f"{name_of(plan, *runs)} ({which}): {reason}")
+    if len(alike) > _SHOWN_FAILURES:
+        lines.append(f"... and {sum(map(len, list(alike.values())[_SHOWN_FAILURES:]))} more")
+    return "\n".join(lines)
 
 
 @contextmanager
