@@ -28,7 +28,7 @@ from asperity.config.models import SURFACES
 from asperity.errors import ConfigError
 
 Value = float | int | str
-_NOT_SWEPT = ("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures")
+_NOT_SWEPT = ("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample")
 _STORE_FORMAT = 2
 
 MOST_RUNS = 100_000
