@@ -9,6 +9,8 @@ AsperityError
 ├── TooLargeError (MemoryError)     more than the memory there is would be needed; nothing was begun
 ├── ConvergenceError (RuntimeError) a solver stopped before its tolerance; nothing is returned
 └── OutputError (OSError)           results could not be written; nothing half-written is left
+
+Remark (UserWarning)                nothing is wrong, but the user should know
 """
 
 from __future__ import annotations
@@ -32,6 +34,10 @@ def __dir__() -> list[str]:
 
 class AsperityError(Exception):
     """Base of every exception that Asperity raises on purpose."""
+
+
+class Remark(UserWarning):
+    """Nothing is wrong, but the user should know: something takes long, or lies in an unusual place."""
 
 
 class InputError(AsperityError, ValueError):

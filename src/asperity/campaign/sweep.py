@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asperity._version import __version__
+from asperity.aging import compile_loops
 from asperity.campaign.cluster import ATTEMPTS, connect, leave_if_imported_by_worker
 from asperity.campaign.plan import Plan, Run
 from asperity.campaign.store import Store
@@ -123,6 +124,7 @@ def sweep(
     counts = _Counts(start, progress)
     open_runs = _open_runs(plan, store)
     if open_runs:
+        compile_loops()  # once, rather than in every worker
         with connect(workers, scheduler, len(open_runs)) as client:
             while open_runs:
                 busy = _round(client, store, open_runs, counts)

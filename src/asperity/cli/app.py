@@ -9,9 +9,10 @@ from __future__ import annotations
 import inspect
 import shlex
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Literal, ParamSpec
+from typing import Annotated, Any, Literal, ParamSpec
 
 from cyclopts import App, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandError, UnknownOptionError
@@ -19,7 +20,7 @@ from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandErro
 from asperity._version import __version__
 from asperity.cli.flags import Flags, Out, Quiet, Switch, Whole, flags_for, given
 from asperity.cli.terminal import complain, make_streams_safe, silence_output
-from asperity.errors import AsperityError, ConfigError, InputError
+from asperity.errors import AsperityError, ConfigError, InputError, Remark
 from asperity.words import closest, has_decimal_comma
 
 __all__ = ["flags_for", "main"]  # annotations that _command writes name flags_for
@@ -355,9 +356,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit status.
     """
     make_streams_safe()
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        return _run(sys.argv[1:] if arguments is None else list(arguments))
+
+
+def _run(arguments: list[str]) -> int:
     try:
         app(
-            sys.argv[1:] if arguments is None else list(arguments),
+            arguments,
             exit_on_error=False,
             print_error=False,
             result_action="return_value",
@@ -383,6 +390,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         return _complain(130, str(interrupt) or "interrupted; nothing was written")
     return 0
+
+
+def _show_warning(message: Warning | str, category: type[Warning], *place: Any) -> None:
+    """Print a remark as one line, and any other warning as Python does."""
+    if issubclass(category, Remark):
+        print("remark:", " ".join(str(message).split()), file=sys.stderr)
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, *place[:2]))
 
 
 def _check_workers(workers: int | None) -> None:

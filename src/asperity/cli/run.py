@@ -7,6 +7,7 @@ import sys
 import time as clock
 from pathlib import Path
 
+from asperity.aging import compile_loops
 from asperity.cli.output import check_free, write_results
 from asperity.cli.progress import progress_shown
 from asperity.cli.report import aligned, run_report
@@ -38,11 +39,12 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
         As the engine does; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
-    started = clock.perf_counter()
     place = _place(config, out)
     resumed = place.exists()
     try:
         with progress_shown(quiet=quiet) as progress:
+            compile_loops(progress.stage, progress.remark)
+            started = clock.perf_counter()
             if resumed:
                 progress.stage(f"going on from {place}")
             checkpoint = Checkpoint(place, every=_CHECKPOINT_EVERY)

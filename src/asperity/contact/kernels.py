@@ -26,17 +26,24 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-_compiled = njit(
-    nogil=True, cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz", "arcp", "nnan"}
-)
+from asperity.contact.compiled import compiler
+
+_OPTIONS = {
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"contract", "reassoc", "nsz", "arcp", "nnan"},
+}
+_compiled = compiler(**_OPTIONS)
+_inlined = compiler(forceinline=True, **_OPTIONS)
+"""For what other loops call. Else each of them would hold a version of it, alike but for the order of its
+sums, and whichever was loaded first would serve all: last digits would depend on what ran before."""
 
 
 # Parted rows.
 
 
-@_compiled
+@_inlined
 def wrap(row: Any, nx: int) -> None:
     """Set the images beyond both ends of a parted row of nx columns."""
     m = (nx + 1) // 2
@@ -48,7 +55,7 @@ def wrap(row: Any, nx: int) -> None:
         row[1, 0] = row[0, m - 1]
 
 
-@_compiled
+@_inlined
 def part(line: Any, row: Any) -> None:
     """A row in order, parted."""
     nx = line.shape[0]
@@ -60,7 +67,7 @@ def part(line: Any, row: Any) -> None:
         even[nx // 2] = line[nx - 1]
 
 
-@_compiled
+@_inlined
 def join(row: Any, line: Any) -> None:
     """A parted row, in order."""
     nx = line.shape[0]
@@ -108,7 +115,7 @@ def weighted_total(field: Any, mx: Any, my: Any) -> float:
 # Between grids: bilinear interpolation, and its transpose. Every other site belongs to the coarse grid.
 
 
-@_compiled
+@_inlined
 def restrict_rows(above: Any, here: Any, below: Any, nx: int, line: Any, out: Any) -> None:
     """Three parted fine rows on a parted coarse row: coarse sites count whole, those between them half."""
     half = np.float32(0.5)
@@ -125,7 +132,7 @@ def restrict_rows(above: Any, here: Any, below: Any, nx: int, line: Any, out: An
     part(line, out)
 
 
-@_compiled
+@_inlined
 def interpolate_row(coarse: Any, i: int, ny: int, nx: int, out: Any) -> None:
     """Parted row i of a fine grid of ny rows, from a coarse grid whose rows are in order."""
     half = np.float32(0.5)
@@ -145,7 +152,7 @@ def interpolate_row(coarse: Any, i: int, ny: int, nx: int, out: Any) -> None:
     wrap(out, nx)
 
 
-@_compiled
+@_inlined
 def fine_row(coarse_row: int, offset: int, ny: int) -> int:
     """Fine row at an offset of -1, 0 or 1 from a coarse row, or -1 if the grid has none there."""
     i = 2 * coarse_row + offset
@@ -247,7 +254,7 @@ def measure_1(
         part(force, b[i])
 
 
-@_compiled
+@_inlined
 def stencil_row(a: float, x: Any, b: float, y: Any, i: int, out: Any) -> None:
     """Row i of a L x + b y, L minus the Laplacian."""
     ny, nx = x.shape
@@ -298,7 +305,7 @@ def measure_2(
         sums[i, 0] = total_stretch
 
 
-@_compiled
+@_inlined
 def settle_row(row: Any, rough: Any, move: Any, least: Any, unit: float) -> None:
     """Add a correction to a row of a surface; where it closes the gap there is contact."""
     for j in range(row.shape[0]):
@@ -317,7 +324,7 @@ def settle(u: Any, heights: Any, e: Any, gap: Any, unit: float, low: int, high: 
         settle_row(u[i], heights[i], move, least, unit)
 
 
-@_compiled
+@_inlined
 def add_row(row: Any, move: Any, unit: float, offset: float) -> None:
     """Add a correction and a constant to a row."""
     for j in range(row.shape[0]):
@@ -336,7 +343,7 @@ def add(w: Any, f: Any, unit: float, low: int, high: int) -> None:
 # A step of creep, from one state to the next.
 
 
-@_compiled
+@_inlined
 def advance_row(
     u: Any,
     w: Any,
@@ -600,7 +607,7 @@ def damped_power(
 # One field: (lap + bed) e = b - push, e >= gap; ``diagonal`` is 4 + bed.
 
 
-@_compiled
+@_inlined
 def relax_row_1(e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, i: int, color: int) -> None:
     """Projected Gauss-Seidel on the sites of one color in row i."""
     ny, _, width = e.shape
@@ -644,7 +651,7 @@ def close_sweeps_1(
             relax_row_1(e, gap, b, diagonal, push, nx, i % ny, half & 1)
 
 
-@_compiled
+@_inlined
 def defect_row_1(
     e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, i: int, defect: Any, sums: Any
 ) -> None:
@@ -698,7 +705,7 @@ def restrict_1(
         restrict_rows(defect[above], defect[here], defect[below], nx, line, out[k])
 
 
-@_compiled
+@_inlined
 def product(x: Any, y: Any, nx: int) -> Any:
     """Sum of x y over a parted row."""
     m = x.shape[1] - 1
@@ -710,7 +717,7 @@ def product(x: Any, y: Any, nx: int) -> Any:
     return value
 
 
-@_compiled
+@_inlined
 def along_bonds(x: Any, x_next: Any, y: Any, y_next: Any, nx: int) -> Any:
     """Sum of (difference of x) (difference of y) over the bonds to the right of a row and below it."""
     m = x.shape[1] - 1
@@ -724,7 +731,7 @@ def along_bonds(x: Any, x_next: Any, y: Any, y_next: Any, nx: int) -> Any:
     return value
 
 
-@_compiled
+@_inlined
 def off_contact(line: Any, e: Any, gap: Any, nx: int, out: Any) -> None:
     """A parted row where it is free, zero in contact."""
     m = e.shape[1] - 1
@@ -787,7 +794,7 @@ def products_1(
         sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6] = rd, rq, dd, dq, qq, sd, sq
 
 
-@_compiled
+@_inlined
 def move_row(line: Any, last: Any, e: Any, gap: Any, nx: int, alpha: Any, beta: Any) -> None:
     """Move the free sites of a row by ``alpha line + beta last``, which becomes the last; and project."""
     m = e.shape[1] - 1
@@ -917,7 +924,7 @@ def coarse_correct(
 #     lap e + bed f = b            spread lap f + lag f - e = c + shift
 
 
-@_compiled
+@_inlined
 def relax_row_2(
     e: Any,
     f: Any,
@@ -954,7 +961,7 @@ def relax_row_2(
     wrap(f[i], nx)
 
 
-@_compiled
+@_inlined
 def defect_row_2(
     e: Any,
     f: Any,
@@ -998,7 +1005,7 @@ def defect_row_2(
     sums[0], sums[1], sums[2], sums[3], sums[4] = squares_1, squares_2, stretch, nx - free_sites, moves
 
 
-@_compiled
+@_inlined
 def restrict_pair(balance: Any, creep: Any, k: int, nx: int, line: Any, out_1: Any, out_2: Any) -> None:
     """Row k of two coarse fields, from buffers in which fine row i has the place i modulo 3."""
     above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
@@ -1040,7 +1047,7 @@ def restrict_2(
         restrict_pair(balance, creep, k, nx, line, out_1, out_2)
 
 
-@_compiled
+@_inlined
 def correct_row_2(
     coarse_e: Any,
     coarse_f: Any,
@@ -1162,7 +1169,7 @@ def close_cycle_2(
             relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i % ny, half)
 
 
-@_compiled
+@_inlined
 def form_2(
     x: Any,
     x1: Any,

@@ -1,0 +1,40 @@
+"""Compile every loop that a run may need, before its first number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+
+from asperity.aging.limit import relax
+from asperity.aging.march import creep
+from asperity.contact import kernels, press
+from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
+from asperity.solids import half_space, spring_lattice
+
+
+def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], None] = warn) -> None:
+    """Compile all loops and keep their machine code on disk, unless that has been done.
+
+    Parameters
+    ----------
+    tell
+        Told what takes so long, before it begins, if anything has to be compiled. By default a `Remark`.
+    remark
+        Told where the machine code is kept, if that is an unusual place. By default a `Remark`.
+    """
+    stamp = stamp_of(kernels.wrap)
+    tell_of_place(remark)
+    if stamp is not None and stamp.exists():
+        return
+    watch.told = True
+    tell(COMPILING)
+    heights = np.random.default_rng(0).normal(size=(64, 64))
+    for solid in (spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1), half_space(modulus=1.0, creeping=0.5)):
+        contact = press(heights, solid, load=80.0)
+        for _ in creep(contact, [1.0, 100.0]):
+            relax(contact)
+    if stamp is not None:
+        with suppress(OSError):  # then the next process looks again
+            stamp.touch()

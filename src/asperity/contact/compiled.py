@@ -1,0 +1,110 @@
+"""How loops are compiled: the decorator, and where machine code is kept.
+
+Numba keeps it beside the source or in the user's home. Where neither can be written, as in containers, it
+is kept in a folder for temporary files that nobody else can write to, for numba runs what it finds there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import os
+import platform
+import stat
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+from llvmlite import binding
+from numba import njit
+from numba.core import event
+
+from asperity.errors import Remark
+
+COMPILING = "compiling loops (once on this machine, about half a minute)"
+
+_remarks: list[str] = []
+
+
+def compiler(**options: Any) -> Callable[[Any], Any]:
+    """A decorator that compiles a loop when it is first called, and keeps the machine code on disk."""
+
+    def compiled(function: Any) -> Any:
+        try:
+            return njit(cache=True, **options)(function)
+        except RuntimeError:  # numba finds no folder for it
+            place = _private_folder()
+        kept, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(place or "")
+        try:
+            loop = njit(cache=place is not None, **options)(function)
+        finally:
+            numba.config.CACHE_DIR = kept
+        if not _remarks:
+            where = f"in {place}" if place else "nowhere, so that every run compiles them anew"
+            _remarks.append(
+                f"compiled loops are kept {where}, as neither the package nor the home can be written to; "
+                "NUMBA_CACHE_DIR sets another folder"
+            )
+        return loop
+
+    return compiled
+
+
+def warn(text: str) -> None:
+    """Issue a remark."""
+    warnings.warn(text, Remark, stacklevel=2)
+
+
+def tell_of_place(tell: Callable[[str], None]) -> None:
+    """Tell where machine code is kept, once, if that is an unusual place."""
+    while _remarks:
+        tell(_remarks.pop())
+
+
+def stamp_of(loop: Any) -> Path | None:
+    """Name the file that says that all loops are compiled; None where machine code is not kept."""
+    folder = loop.stats.cache_path
+    if folder is None:
+        return None
+    source = Path(inspect.getfile(loop.py_func)).read_bytes()
+    machine = (binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten())
+    versions = (platform.python_version(), numba.__version__)
+    mark = hashlib.sha256(source + repr((*machine, *versions)).encode()).hexdigest()[:16]
+    return Path(folder) / f"loops-{mark}.compiled"
+
+
+def _private_folder() -> Path | None:
+    """A folder for temporary files that is this user's alone, or None if there cannot be one."""
+    user = os.getuid() if sys.platform != "win32" else os.getlogin()
+    try:
+        folder = Path(tempfile.gettempdir()) / f"asperity-numba-{user}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        return None
+    mine = sys.platform == "win32" or (found.st_uid == user and not found.st_mode & 0o077)
+    return folder if stat.S_ISDIR(found.st_mode) and mine else None
+
+
+class _Watch(event.Listener):
+    """Says so, once in a process, when a loop has to be compiled: half a minute is long."""
+
+    told = False
+
+    def on_start(self, event: Any) -> None:
+        if not self.told and event.data["dispatcher"].py_func.__module__.startswith("asperity."):
+            self.told = True
+            tell_of_place(warn)
+            warn(COMPILING)
+
+    def on_end(self, event: Any) -> None:
+        """Nothing to do."""
+
+
+watch = _Watch()
+event.register("numba:compile", watch)

@@ -1,0 +1,165 @@
+"""Compiled loops: the same machine code whatever ran before, always a place to keep it, and no silence."""
+
+import ast
+import inspect
+import os
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from asperity.aging import loops
+from asperity.cli import main
+from asperity.contact import compiled, kernels
+from asperity.errors import Remark
+
+HISTORIES = """
+import hashlib, numpy as np, asperity as asp
+def history(shape, load=80.0, hold=None, **solid):
+    heights = np.random.default_rng(1).normal(size=shape)
+    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0, **solid), load=load)
+    aged = asp.age(contact, [0.1, 1.0, 10.0], hold=hold)
+    limit = asp.relax(contact, hold=hold)
+    fields = [aged.dataset[name].values for name in sorted(aged.dataset.data_vars)]
+    fields += [aged.final.u, aged.final.u0, limit.u, limit.u0]
+    return hashlib.sha256(b"".join(field.tobytes() for field in fields)).hexdigest()
+"""
+CASES = [
+    "history((64, 64))",
+    "history((37, 50), R_viscous=0.1)",
+    "history((40, 41), R_viscous=0.1, hold='separation')",
+    "history((64,), load=8.0)",
+]
+
+
+def run_python(code, **environment):
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_loops_that_others_call_are_inlined():
+    tree = ast.parse(inspect.getsource(kernels))
+    compiled_so = {
+        node.name: ast.unparse(node.decorator_list[0])
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef)
+    }
+    called = {
+        node.func.id
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in compiled_so
+    }
+    assert len(called) > 15
+    for name in called:
+        assert compiled_so[name] == "_inlined", name
+
+
+@pytest.mark.slow
+def test_the_process_that_compiles_gets_what_others_get(tmp_path):
+    found = [
+        run_python(HISTORIES + "".join(f"print({case})\n" for case in cases), NUMBA_CACHE_DIR=str(tmp_path))
+        for cases in (CASES, CASES[::-1])
+    ]
+    first, second = (run.stdout.split() for run in found)
+    assert len(set(first)) == len(CASES), found[0].stderr
+    assert first == second[::-1]
+    assert "compiling loops" in found[0].stderr
+    assert "compiling loops" not in found[1].stderr
+
+
+def test_all_loops_are_compiled_beforehand():
+    code = (
+        HISTORIES
+        + """
+from asperity.aging import loops
+from asperity.contact import kernels
+loops.stamp_of = lambda loop: None
+loops.compile_loops(print, print)
+def known():
+    return {(n, s) for n, f in vars(kernels).items() if hasattr(f, "signatures") for s in f.signatures}
+before = known()
+"""
+        + "".join(f"{case}\n" for case in CASES)
+        + "asp.press(np.random.default_rng(0).normal(size=(32, 32)), "
+        "asp.solids.half_space(modulus=1.0), load=3.0)\n" + "print(len(before), *known() - before)"
+    )
+    *_, last = run_python(code).stdout.splitlines()
+    assert int(last) > 30  # and no name after the number
+
+
+WITHOUT_A_PLACE = """
+import sys
+from numba.core import caching
+caching.CacheImpl._locator_classes = [caching.UserProvidedCacheLocator]
+import numpy as np
+from asperity.contact import compiled, kernels
+print(kernels.wrap.stats.cache_path)
+compiled.tell_of_place(print)
+line, row = np.arange(4.0), np.zeros((2, 3))
+kernels.part(line, row)
+print(row.tolist())
+compiled.tell_of_place(print)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="owners and modes are those of POSIX")
+def test_where_nothing_can_be_written_a_folder_for_temporary_files_serves(tmp_path):
+    place = tmp_path / f"asperity-numba-{os.getuid()}"
+    for _ in range(2):
+        ran = run_python(WITHOUT_A_PLACE, TMPDIR=str(tmp_path), NUMBA_CACHE_DIR="")
+        cache, remark, row = ran.stdout.splitlines()
+        assert cache.startswith(str(place))
+        assert row == "[[0.0, 2.0, 0.0], [0.0, 1.0, 3.0]]"
+        assert f"kept in {place}, as neither" in remark
+        assert "NUMBA_CACHE_DIR sets another folder" in remark
+        assert list(place.glob("*/kernels.part*.nbc"))
+        assert place.stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="owners and modes are those of POSIX")
+@pytest.mark.parametrize("kind", ["open to all", "a link"])
+def test_a_folder_that_others_may_write_to_is_refused(tmp_path, kind):
+    place = tmp_path / f"asperity-numba-{os.getuid()}"
+    if kind == "a link":
+        (tmp_path / "elsewhere").mkdir(mode=0o700)
+        place.symlink_to(tmp_path / "elsewhere")
+    else:
+        place.mkdir()
+        place.chmod(0o777)
+    ran = run_python(WITHOUT_A_PLACE, TMPDIR=str(tmp_path), NUMBA_CACHE_DIR="")
+    cache, remark, _ = ran.stdout.splitlines()
+    assert cache == "None"
+    assert "kept nowhere, so that every run compiles them anew" in remark
+    assert not list(place.iterdir())
+
+
+def test_a_run_says_that_it_compiles(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(loops, "stamp_of", lambda _: None)
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "--shape", "16", "16", "--times", "1", "--out", "first"]) == 0
+    first, second = capsys.readouterr().err.splitlines()[:2]
+    assert first == "compiling loops (once on this machine, about half a minute)"
+    assert second == "making the surface"
+
+
+def test_a_stamp_spares_the_second_run(tmp_path, monkeypatch):
+    told = []
+    stamp = tmp_path / "stamp"
+    monkeypatch.setattr(loops, "stamp_of", lambda _: stamp)
+    loops.compile_loops(told.append)
+    loops.compile_loops(told.append)
+    assert told == [compiled.COMPILING]
+    assert stamp.exists()
+
+
+def test_compiling_on_the_way_is_remarked_once():
+    watch, event = compiled._Watch(), SimpleNamespace(data={"dispatcher": kernels.wrap})
+    with pytest.warns(Remark, match="compiling loops"):
+        watch.on_start(event)
+    watch.on_start(event)  # a second remark would be an error
