@@ -374,6 +374,14 @@ def test_a_damaged_run_is_named_and_not_used(tmp_path):
         campaign.open(tmp_path / "out")
 
 
+def test_runs_of_a_version_with_fewer_series_are_read():
+    series = np.arange(6.0).reshape(3, 2)
+    found = campaign.store._completed(series, ["time", "area", "load"])
+    for name, values in zip(campaign.store.QUANTITIES, found, strict=True):
+        wanted = {"time": series[0], "area": series[1], "load": series[2]}.get(name, [np.nan] * 2)
+        np.testing.assert_array_equal(values, wanted)
+
+
 def test_a_bad_checkpoint_costs_time_and_nothing_else(tmp_path):
     plan = campaign.read_plan(written(tmp_path))
     store = Store(tmp_path / "out")

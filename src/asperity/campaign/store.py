@@ -14,9 +14,9 @@ from __future__ import annotations
 import hashlib
 import shutil
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -161,7 +161,7 @@ class Store:
             raise self._unreadable(identity, error) from error
         if not facts["complete"] or facts["checksum"] != _checksum(finished.series):
             raise self._damaged(identity)
-        return finished
+        return replace(finished, series=_completed(finished.series, facts["quantities"]))
 
     def fields(self, identity: str) -> xr.Dataset:
         """Read the fields that a finished run kept, as its history held them.
@@ -237,6 +237,13 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
             "complete": True,
         }
     )
+
+
+def _completed(series: Field, quantities: Sequence[str]) -> Field:
+    """The series of `QUANTITIES`, undefined where an earlier version kept none."""
+    known = dict(zip(quantities, series, strict=True))
+    missing = np.full(series.shape[1:], np.nan)
+    return np.stack([known.get(name, missing) for name in QUANTITIES])
 
 
 def _scalars(outcome: Outcome) -> dict[str, float]:

@@ -17,6 +17,7 @@ arithmetic this ends for every positive definite S (J. J. Judice, F. M. Pires, C
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,6 +88,7 @@ class ActiveSet:
         for name in ("max_iterations", "patience", "careful_after", "max_revisions"):
             object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=0))
 
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
         """Solve the problem from a guess, or without one through coarser lattices.
 
@@ -155,6 +157,11 @@ class _Run:
         self.force = lattice.backward(modes, overwrite=True)
         off_contact = xp.where(self.in_contact, xp.asarray(0.0), self.force)
         self.worst = largest(off_contact, xp)
+        if not math.isfinite(self.worst):
+            raise ConvergenceError(
+                "contact solver: the forces are not finite numbers; try stiffnesses, heights and times of "
+                "less different sizes"
+            )
         astray = float(xp.sum(off_contact))
         self.astray = abs(astray)
         self.load = abs(float(xp.sum(self.force)) - astray)

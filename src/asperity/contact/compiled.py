@@ -19,9 +19,8 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from llvmlite import binding
 from numba import njit
-from numba.core import event
+from numba.core import config, event, registry
 
 from asperity.errors import Remark
 
@@ -38,11 +37,12 @@ def compiler(**options: Any) -> Callable[[Any], Any]:
             return njit(cache=True, **options)(function)
         except RuntimeError:  # numba finds no folder for it
             place = _private_folder()
-        kept, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(place or "")
+        settings: Any = config
+        kept, settings.CACHE_DIR = settings.CACHE_DIR, str(place or "")
         try:
             loop = njit(cache=place is not None, **options)(function)
         finally:
-            numba.config.CACHE_DIR = kept
+            settings.CACHE_DIR = kept
         if not _remarks:
             where = f"in {place}" if place else "nowhere, so that every run compiles them anew"
             _remarks.append(
@@ -71,9 +71,9 @@ def stamp_of(loop: Any) -> Path | None:
     if folder is None:
         return None
     source = Path(inspect.getfile(loop.py_func)).read_bytes()
-    machine = (binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten())
+    machine = registry.cpu_target.target_context.codegen().magic_tuple()
     versions = (platform.python_version(), numba.__version__)
-    mark = hashlib.sha256(source + repr((*machine, *versions)).encode()).hexdigest()[:16]
+    mark = hashlib.sha256(source + repr((machine, versions)).encode()).hexdigest()[:16]
     return Path(folder) / f"loops-{mark}.compiled"
 
 
@@ -107,4 +107,5 @@ class _Watch(event.Listener):
 
 
 watch = _Watch()
-event.register("numba:compile", watch)
+_register: Any = event.register
+_register("numba:compile", watch)

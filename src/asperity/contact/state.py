@@ -51,6 +51,8 @@ class Contact:
         mean contact force; evaluated from `u` and `u0` as they are, rounding included. Where the
         separation is held and the load has died out, relative to the smallest force that double
         precision can resolve to as many digits.
+    residual_scale
+        The force to which `residual` is relative.
     iterations
         Iterations spent: multigrid cycles, or those of conjugate gradients.
     surface
@@ -66,6 +68,7 @@ class Contact:
     in_contact: Mask
     energy: float
     residual: float
+    residual_scale: float
     iterations: int
     surface: Mapping[str, object]
 
@@ -178,6 +181,7 @@ def contact_from(
         )
     np.maximum(force, 0.0, out=force)
     force *= in_contact
+    mean_force = float(force.sum()) / max(np.count_nonzero(in_contact), 1)
     return Contact(
         heights=heights,
         solid=solid,
@@ -188,6 +192,7 @@ def contact_from(
         in_contact=in_contact,
         energy=system.energy(relative, stretch),
         residual=left,
+        residual_scale=max(mean_force, floor),
         iterations=solution.iterations,
         surface=surface,
     )

@@ -96,6 +96,13 @@ class System:
             return 8 * self.springs.k0 + self.springs.k1
         return float(np.max(self.spectra.permanent + self.spectra.creeping))
 
+    @cached_property
+    def fastest_creep(self) -> float:
+        """Largest M C, the rate at which the fastest mode creeps at a given u."""
+        if self.springs:
+            return self.springs.k1 * (8 * self.springs.R + self.springs.R_viscous)
+        return float(np.max(self.spectra.mobility * self.spectra.creeping))
+
     @property
     def mean_stretch(self) -> float:
         """Mean of u - u0 under load control."""

@@ -23,7 +23,11 @@ SERIES: dict[str, tuple[str, str]] = {
     "separation": ("separation, the mean of u0", "height unit"),
     "approach": ("rigid approach of the bodies since the start", "height unit"),
     "energy": ("elastic energy", "stiffness unit * height unit^2"),
-    "residual": ("largest force off contact over the mean contact force", "1"),
+    "residual": ("largest force off contact over the residual scale", "1"),
+    "residual_scale": (
+        "mean contact force, or where the load has died out the smallest that the heights resolve",
+        "stiffness unit * height unit",
+    ),
     "steps": ("time steps since the previous entry", "1"),
     "rejected": ("time steps repeated with a smaller length since the previous entry", "1"),
     "iterations": ("iterations of the contact solver since the previous entry", "1"),

@@ -77,6 +77,7 @@ class Multigrid:
             and _SOFTEST * springs.k0 <= springs.k1 <= _STIFFEST * springs.k0
         )
 
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
         """Solve the problem from a guess, or from a flat surface.
 

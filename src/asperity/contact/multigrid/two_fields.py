@@ -42,6 +42,9 @@ _FORCE_ERROR = 1e-3
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
 
+_ASTRAY = 30.0
+"""Rounding error of a correction, in units of the error allowed, beyond which cycles have diverged."""
+
 _AS_GOOD_AS_IT_GETS = 100 * float(np.finfo(np.float32).eps)
 """What the equations leave when a correction is added, in units of the correction."""
 
@@ -121,8 +124,10 @@ class TwoFields:
             self.descend(correcting=cycle > 0)
             contacts, missing, _, far = self.judge()
             size, rate = self.find_correction(contacts, missing, cycle, size)
-            if not math.isfinite(size):
+            if not (math.isfinite(size) and _ROUNDING * far <= _ASTRAY * allowed_error):
                 break
+            if self.wanted is not None and contacts == 0:
+                continue  # something must carry the load
             good = rate * size <= max(allowed_error, _ROUNDING * far)
             if good and rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch):
                 self.descend(correcting=True, restricting=False)
@@ -246,7 +251,10 @@ class TwoFields:
         else:
             matrix[n:-1, -1] = -cells
             matrix[-1, n:-1] = cells
-        self.coarsest = np.linalg.inv(matrix)
+        try:
+            self.coarsest = np.linalg.inv(matrix)
+        except np.linalg.LinAlgError:  # rounding has swallowed what holds the mean: no cycle converges
+            self.coarsest = np.full_like(matrix, np.nan)
 
     def correct_on_grid(self, level: int, missing: float) -> float:
         """One V-cycle from a grid up; the shift that its correction adds."""

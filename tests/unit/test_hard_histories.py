@@ -1,0 +1,126 @@
+"""Histories at the edge of what numbers can hold: an answer, or one clear line, in bounded time."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.aging import march
+from asperity.contact import ActiveSet
+from asperity.contact.multigrid.grids import Rows
+from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.problem import Guess
+from asperity.errors import ConvergenceError, InputError
+
+SOLID = {"k0": 1.0, "k1": 3.0}
+
+
+def heights(shape, seed, kind="white"):
+    rough = np.random.default_rng(seed).normal(size=shape)
+    if kind == "stepped":
+        return np.round(rough)
+    if kind == "smooth":
+        modes = np.fft.rfft2(rough)
+        qy, qx = np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1])
+        rough = np.fft.irfft2(modes / (0.01 + qy**2 + qx**2), s=shape)
+        return rough / rough.std()
+    return rough
+
+
+def spike(shape, seed):
+    rough = 1e-3 * heights(shape, seed)
+    rough[3, 4] = 5.0
+    return rough
+
+
+@pytest.mark.parametrize("rough", [2.58 * spike((24, 25), 3), 67.0 * heights((24, 25), 4, "stepped")])
+def test_a_held_load_never_loses_contact(rough):
+    solid = asp.solids.spring_lattice(k0=1.6e-3, k1=9.63, R=153.0, R_viscous=2.6e-4)
+    contact = asp.press(rough, solid, load=0.372)
+    history = asp.age(contact, [1e-3, 1.0, 1e6])
+    areas = history.dataset["area"].values
+    assert areas[0] >= 1
+    assert areas[-1] > areas[0]
+    np.testing.assert_allclose(history.dataset["load"], 0.372, rtol=1e-8)
+    assert areas[-1] == pytest.approx(asp.relax(contact).area, rel=0.02, abs=1)
+
+
+@pytest.mark.parametrize("seed", [46, 51])
+@pytest.mark.parametrize("kind", ["stepped", "smooth"])
+def test_cycles_that_diverge_warn_nobody(seed, kind):  # a warning is an error here
+    rough = heights((14, 28), seed, kind)
+    solid = asp.solids.spring_lattice(k0=2630.0, k1=0.907, R=948.0)
+    contact = asp.press(rough, solid, separation=float(rough.max()) - 0.01)
+    history = asp.age(contact, [1e4, 1e7, 1.6e13])
+    assert history.dataset["load"].values[-1] > 0
+
+
+def test_a_singular_coarsest_grid_stops_the_cycles():
+    work = TwoFields((14, 28), Rows(1))
+    work.gap.fill(-1.0)
+    inverted, singular = 0, 0
+    for spread in 10.0 ** np.arange(20.0, 30.0, 0.1):
+        work.prepare(3.0, spread, 0.0)
+        work.set_pins(392.0)
+        found = np.isfinite(work.coarsest)
+        assert found.all() or not found.any()
+        inverted += bool(found.all())
+        singular += not found.any()
+    assert inverted > 0
+    assert singular > 0
+
+
+@pytest.mark.parametrize("hold", ["load", "separation"])
+@pytest.mark.parametrize("mobility", [{"R": 1e100}, {"R_viscous": 1e100}, {"R": 1e60}])
+def test_times_beyond_all_creep_are_refused(mobility, hold):
+    contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID, **mobility), load=10.0)
+    with pytest.raises(InputError, match=r"times: expected times up to \S+, long after .* asperity.relax"):
+        asp.age(contact, [1.0, 10.0], hold=hold)
+    assert asp.relax(contact).area > contact.area
+
+
+@pytest.mark.parametrize("shape", [(16, 16), (16,)])
+def test_times_of_two_hundred_decades_are_refused(shape):
+    contact = asp.press(heights(shape, 0), asp.solids.spring_lattice(**SOLID), load=10.0)
+    with pytest.raises(InputError, match=r"times up to .*e\+28, long"):
+        asp.age(contact, [1e-10, 1e100])
+    with pytest.raises(InputError, match=r"expected 0, or times from 1e-30, got 1e-100; .* unit of time"):
+        asp.age(contact, [1e-100, 1e100])
+
+
+def test_rates_beyond_single_precision_are_refused():
+    contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID, R=1e40), load=10.0)
+    with pytest.raises(InputError, match="another unit of time"):
+        asp.age(contact, [1e-30])
+
+
+@pytest.mark.parametrize("shape", [(16, 16), (16,)])
+def test_the_widest_times_that_are_taken(shape):
+    contact = asp.press(heights(shape, 0), asp.solids.spring_lattice(**SOLID), load=10.0)
+    history = asp.age(contact, [1e-29, 1e-3, 1e28])
+    assert history.final.area == pytest.approx(asp.relax(contact).area, abs=1)
+
+
+def test_a_surface_of_no_numbers_is_no_guess():
+    contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID), load=10.0)
+    problem = contact.system.implicit_step(1.0).problem(np.full((16, 16), np.nan))
+    with pytest.raises(ConvergenceError, match="forces are not finite"):
+        ActiveSet().solve(problem, Guess(contact.u, contact.in_contact), 1e-9)
+
+
+def test_steps_that_lead_nowhere_end(monkeypatch):
+    monkeypatch.setattr(march, "_MOST_STEPS", 3)
+    contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID), load=10.0)
+    with pytest.raises(ConvergenceError, match=r"steps shrank to .* at time .* try a larger rtol"):
+        asp.age(contact, [1.0], rtol=1e-5)
+
+
+def test_the_scale_of_the_residual_is_told():
+    rough = heights((16, 16), 0)
+    contact = asp.press(rough, asp.solids.spring_lattice(**SOLID, R_viscous=0.1), load=10.0)
+    history = asp.age(contact, [1.0, 1e3, 1e6], hold="separation")
+    data = history.dataset
+    area, load, scale = (data[name].values for name in ("area", "load", "residual_scale"))
+    assert scale[0] == pytest.approx(10.0 / contact.area)
+    assert scale[1] == pytest.approx(load[1] / area[1])
+    assert scale[-1] > load[-1] / max(area[-1], 1)  # the load has died out
+    assert 0 < scale[-1] < 1e-5 * scale[0]
