@@ -108,10 +108,17 @@ def test_a_surface_of_no_numbers_is_no_guess():
 
 
 def test_steps_that_lead_nowhere_end(monkeypatch):
-    monkeypatch.setattr(march, "_MOST_STEPS", 3)
+    monkeypatch.setattr(march, "_MOST_STEPS", 0.02)
     contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID), load=10.0)
     with pytest.raises(ConvergenceError, match=r"steps shrank to .* at time .* try a larger rtol"):
         asp.age(contact, [1.0], rtol=1e-5)
+
+
+def test_steps_that_an_overrated_error_keeps_short_end():
+    solid = asp.solids.spring_lattice(k0=38.2, k1=206_000.0, R=74.2, R_viscous=0.0941)
+    contact = asp.press(spike((29, 38), 45), solid, separation=4.8)
+    with pytest.raises(ConvergenceError, match=r"steps shrank to .* at time .* try a larger rtol"):
+        asp.age(contact, [0.04, 41.0], hold="load")
 
 
 def test_the_scale_of_the_residual_is_told():

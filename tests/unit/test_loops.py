@@ -149,7 +149,7 @@ def test_a_run_says_that_it_compiles(tmp_path, monkeypatch, capsys):
 
 
 def test_a_stamp_spares_the_second_run(tmp_path, monkeypatch):
-    told = []
+    told: list[str] = []
     stamp = tmp_path / "stamp"
     monkeypatch.setattr(loops, "stamp_of", lambda _: stamp)
     loops.compile_loops(told.append)

@@ -392,12 +392,14 @@ def _run(arguments: list[str]) -> int:
     return 0
 
 
-def _show_warning(message: Warning | str, category: type[Warning], *place: Any) -> None:
+def _show_warning(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any, **__: Any
+) -> None:
     """Print a remark as one line, and any other warning as Python does."""
     if issubclass(category, Remark):
         print("remark:", " ".join(str(message).split()), file=sys.stderr)
     else:
-        sys.stderr.write(warnings.formatwarning(message, category, *place[:2]))
+        sys.stderr.write(warnings.formatwarning(message, category, filename, lineno))
 
 
 def _check_workers(workers: int | None) -> None:

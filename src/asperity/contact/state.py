@@ -181,7 +181,7 @@ def contact_from(
         )
     np.maximum(force, 0.0, out=force)
     force *= in_contact
-    mean_force = float(force.sum()) / max(np.count_nonzero(in_contact), 1)
+    mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
     return Contact(
         heights=heights,
         solid=solid,

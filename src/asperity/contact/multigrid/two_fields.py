@@ -42,9 +42,6 @@ _FORCE_ERROR = 1e-3
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
 
-_ASTRAY = 30.0
-"""Rounding error of a correction, in units of the error allowed, beyond which cycles have diverged."""
-
 _AS_GOOD_AS_IT_GETS = 100 * float(np.finfo(np.float32).eps)
 """What the equations leave when a correction is added, in units of the correction."""
 
@@ -124,7 +121,7 @@ class TwoFields:
             self.descend(correcting=cycle > 0)
             contacts, missing, _, far = self.judge()
             size, rate = self.find_correction(contacts, missing, cycle, size)
-            if not (math.isfinite(size) and _ROUNDING * far <= _ASTRAY * allowed_error):
+            if not math.isfinite(size):
                 break
             if self.wanted is not None and contacts == 0:
                 continue  # something must carry the load
