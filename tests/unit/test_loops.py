@@ -86,7 +86,7 @@ def known():
 before = known()
 """
         + "".join(f"{case}\n" for case in CASES)
-        + "asp.press(np.random.default_rng(0).normal(size=(32, 32)), "
+        + "asp.press(np.random.default_rng(0).normal(size=(68, 68)), "
         "asp.solids.half_space(modulus=1.0), load=3.0)\n" + "print(len(before), *known() - before)"
     )
     *_, last = run_python(code).stdout.splitlines()
