@@ -19,7 +19,7 @@ from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver, Solution
 from asperity.contact.state import Contact, contact_from, hold_contact
 from asperity.contact.system import System
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
 
 DEFAULT_RTOL = 2e-3
