@@ -88,7 +88,7 @@ def _transform(panel: Panel, cosines: list[Floats], point: Floats) -> Floats:
 
 def _sites(offset: ArrayLike, dimension: int) -> Integers:
     """Absolute values, shape (..., dimension): depths are even in each component."""
-    floats("offset", offset)  # what cannot be an array of numbers is refused there
+    floats("offset", offset, expected="integers")  # what cannot be an array of numbers is refused there
     array = np.asarray(offset)
     if dimension == 1 and array.ndim == 0:
         array = array[None]
