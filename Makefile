@@ -6,7 +6,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup
 
 # The first use of a loop compiles it; done once here, for every process after.
-COMPILE = $(BIN)/python -W ignore -c "from asperity.aging import compile_loops as c; c(lambda text: print(text, '...'))"
+COMPILE = $(BIN)/python -W ignore -c "from asperity.runs.loops import compile_loops as c; c(lambda text: print(text, '...'))"
 
 .PHONY: help run test test-slow check format bench clean
 

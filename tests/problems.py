@@ -1,14 +1,14 @@
 """Contact problems in Fourier modes, made by hand."""
 
-from asperity.contact.problem import ContactProblem
+from asperity.contact.problem import SpectralProblem
 
 
-def problem_of(lattice, heights, stiffness, pull):
-    """The problem of a stiffness spectrum and a pull, with the heights measured from their maximum."""
-    return ContactProblem(
+def problem_of(lattice, heights, stiffness, rhs):
+    """The problem of a stiffness spectrum and a right-hand side, heights from their maximum."""
+    return SpectralProblem(
         lattice,
         heights - heights.max(),
         stiffness=stiffness,
-        pull=pull,
+        rhs=rhs,
         load_controlled=bool(stiffness.flat[0] == 0),
     )

@@ -21,10 +21,22 @@ from typing import TYPE_CHECKING
 from asperity._version import __version__
 
 if TYPE_CHECKING:
-    from asperity import analysis, campaign, errors, figures, fits, results, solids, surfaces, theory
-    from asperity.aging import Frame, relax
-    from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation, press
-    from asperity.results import Checkpoint, History, age
+    from asperity import (
+        analysis,
+        campaign,
+        errors,
+        figures,
+        fits,
+        protocols,
+        results,
+        solids,
+        surfaces,
+        theory,
+    )
+    from asperity.aging import Frame
+    from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
+    from asperity.results import Checkpoint, History
+    from asperity.simulate import age, press, relax
 
 __all__ = [
     "ActiveSet",
@@ -43,6 +55,7 @@ __all__ = [
     "figures",
     "fits",
     "press",
+    "protocols",
     "relax",
     "results",
     "solids",
@@ -51,9 +64,10 @@ __all__ = [
 ]
 
 _HOME = {
-    "asperity.aging": ("Frame", "relax"),
-    "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation", "press"),
-    "asperity.results": ("Checkpoint", "History", "age"),
+    "asperity.aging": ("Frame",),
+    "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
+    "asperity.results": ("Checkpoint", "History"),
+    "asperity.simulate": ("age", "press", "relax"),
 }
 
 if not TYPE_CHECKING:  # for a type checker, a name that is not above does not exist

@@ -118,6 +118,11 @@ class SpringConstants(_Numbers):
     R: float
     R_viscous: float
 
+    @property
+    def creep(self) -> bool:
+        """Whether anything creeps."""
+        return self.R > 0 or self.R_viscous > 0
+
 
 @dataclass(frozen=True)
 class Solid:

@@ -1,12 +1,12 @@
 """The simulation against closed forms."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from asperity import age, press, relax
 from asperity.aging import creep
+from asperity.contact.problem import Solution
+from asperity.contact.state import contact_from, control_of
 from asperity.solids import spring_lattice
 from asperity.theory import (
     EmpiricalHeights,
@@ -111,7 +111,7 @@ def test_modes_decay_exponentially_in_full_contact(R, R_viscous, hold):
     if hold == "load":
         rate[0, 0] = 0.0
     before = np.fft.fft2(contact.u0 - rough)
-    for frame in creep(contact, times, hold=hold, rtol=1e-5):
+    for frame in creep(contact, times, control=control_of(contact, hold), rtol=1e-5):
         assert frame.contact.area == rough.size
         exact = np.fft.ifft2(before * np.exp(-rate * frame.time)).real
         error = np.sqrt(np.mean((frame.contact.u0 - rough - exact) ** 2))
@@ -128,7 +128,9 @@ def test_modes_decay_exponentially_without_contact(R_viscous):
     lam = 4 - 2 * np.cos(2 * np.pi * 3 / n) - 2 * np.cos(2 * np.pi / n)
     solid = spring_lattice(k0=k0, k1=k1, R=R, R_viscous=R_viscous)
     free = press(np.full((n, n), -50.0), solid, separation=0.0)
-    bent = replace(free, u0=waves, u=k1 / (k1 + k0 * lam) * waves)
+    system, surface = free.system(), k1 / (k1 + k0 * lam) * waves
+    solution = Solution(surface - system.datum, np.zeros((n, n), dtype=bool), 0, 0)
+    bent = contact_from(system, solution, waves - system.datum, solid=solid, heights=free.heights, surface={})
     rate = (R * lam + R_viscous) * k0 * k1 * lam / (k1 + k0 * lam)
     for frame in creep(bent, [0.1, 1.0, 5.0], rtol=1e-5):
         exact = np.exp(-rate * frame.time) * waves

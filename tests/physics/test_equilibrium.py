@@ -5,6 +5,7 @@ import pytest
 
 from asperity import age, press, relax
 from asperity.aging import creep
+from asperity.contact.state import control_of
 from asperity.errors import ConvergenceError
 from asperity.solids import spring_lattice
 from asperity.theory import full_contact_load
@@ -44,7 +45,7 @@ def test_every_frame_of_an_aging_contact(k1, hold, R_viscous):
     for p in (1e-3, 0.05, 2.0):
         load = p * rough.size
         contact = press(rough, solid, load=load)
-        for frame in creep(contact, np.geomspace(1e-3, 1e3, 7), hold=hold):
+        for frame in creep(contact, np.geomspace(1e-3, 1e3, 7), control=control_of(contact, hold)):
             held = load if hold == "load" else None
             assert_equilibrium(frame.contact, k0=1.0, k1=k1, load=held)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from asperity import press
 from asperity.aging import creep
-from asperity.contact import press
 from asperity.solids import spring_lattice
 from tests.reference import explicit_run, settle_under_load
 from tests.surfaces import uncorrelated

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from asperity import press
 from asperity.aging import creep
 from asperity.aging.march import DEFAULT_RTOL
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import FieldSteps, Point, take_step
-from asperity.contact import ActiveSet, Load, Multigrid, press
+from asperity.contact import ActiveSet, Load, Multigrid
 from asperity.contact.problem import TOLERANCE
-from asperity.contact.state import hold_contact
+from asperity.contact.state import control_of
 from asperity.solids import spring_lattice
 from tests.independent import laplacian
 from tests.surfaces import correlated, uncorrelated
@@ -25,7 +26,7 @@ def deviation(frames, reference):
     )
 
 
-def exactly(contact, end):
+def exactly(contact, control, end):
     """U0 at a time, by the exponential of a dense matrix, while the set of contacts stays what it is.
 
     Off contact k0 L u + k1 (u - u0) = 0, in contact u is the height: u - u0 is affine in u0, and so is its
@@ -41,9 +42,9 @@ def exactly(contact, end):
     system[:n, n] = np.where(touching, 0.0, -k1)
     given[:n, :n] = np.where(touching, 0.0, k1) * np.eye(n)
     given[:n, n] = np.where(touching, contact.heights.ravel(), 0.0)
-    load_held = isinstance(contact.control, Load)
+    load_held = isinstance(control, Load)
     if load_held:
-        system[n], given[n, n] = np.append(np.full(n, k1), -n * k1), contact.control.value
+        system[n], given[n, n] = np.append(np.full(n, k1), -n * k1), control.value
     else:
         system[n, n], given[n, n] = 1.0, 0.0
     solved = np.linalg.solve(system, given)
@@ -57,9 +58,9 @@ def exactly(contact, end):
     return (scipy.linalg.expm(end * rate) @ np.append(u0, 1.0))[:n]
 
 
-def end_of_steps(steps, contact, end, count):
+def end_of_steps(steps, contact, control, end, count):
     """U0 after a number of equal steps of one kind, and how many of them were left to another kind."""
-    system, others = contact.system, 0
+    system, others = contact.system(control), 0
     solver = Multigrid() if steps is SpringSteps else ActiveSet()
     state = steps.begin(system, solver, Point.of(system, contact))
     for number in range(1, count + 1):
@@ -79,12 +80,12 @@ def test_equal_steps_converge_at_second_order(steps, hold, R_viscous, end):
     rough = np.full((16, 16), -5.0)
     rough.flat[rng.choice(rough.size, 12, replace=False)] = rng.uniform(0.0, 0.1, 12)
     contact = press(rough, spring_lattice(k0=1.0, k1=3.0, R_viscous=R_viscous), load=20.0)
-    contact = hold_contact(contact, hold)
+    control = control_of(contact, hold)
     assert contact.area == 12
-    exact = exactly(contact, end)
+    exact = exactly(contact, control, end)
     errors = []
     for count in (8, 16, 32):  # with more, what single precision rounds off begins to show
-        u0, others = end_of_steps(steps, contact, end, count)
+        u0, others = end_of_steps(steps, contact, control, end, count)
         assert others == 0
         errors.append(np.linalg.norm(u0 - (u0.mean() if hold == "load" else 0.0) - exact))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -94,7 +95,7 @@ def test_equal_steps_converge_at_second_order(steps, hold, R_viscous, end):
 def test_l_stability_kills_stiff_modes_in_one_step():
     rough = 0.01 * uncorrelated(16)
     contact = press(rough, spring_lattice(k0=1.0, k1=1.0), load=10.0 * rough.size)
-    system = contact.system
+    system = contact.system()
     point = Point.of(system, contact)
     end = take_step(system, ActiveSet(), 1e9, point, None, tolerances=(TOLERANCE, TOLERANCE)).end
     before, after = (np.abs(moment.stretch - moment.stretch.mean()).max() for moment in (point, end))
@@ -116,9 +117,12 @@ def test_l_stability_kills_stiff_modes_in_one_step():
 def test_rtol_bounds_the_error(rough, k1, p, R_viscous, hold):
     contact = press(rough, spring_lattice(k0=1.0, k1=k1, R_viscous=R_viscous), load=p * rough.size)
     times = np.geomspace(1e-3, 1e6, 10)
-    reference = list(creep(contact, times, hold=hold, rtol=2e-5))
+    control = control_of(contact, hold)
+    reference = list(creep(contact, times, control=control, rtol=2e-5))
     for rtol in (1e-2, 2e-3, 2e-4):
-        achieved = deviation(list(creep(contact, times, hold=hold, rtol=rtol)), reference)
+        achieved = deviation(
+            list(creep(contact, times, control=control_of(contact, hold), rtol=rtol)), reference
+        )
         assert achieved < rtol
         assert achieved > rtol / 100  # the tolerance is used, not merely respected
 

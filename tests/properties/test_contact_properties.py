@@ -6,6 +6,7 @@ from hypothesis.extra import numpy as hnp
 
 from asperity import press, relax
 from asperity.aging import creep
+from asperity.contact.state import control_of
 from asperity.solids import spring_lattice
 from tests.independent import assert_equilibrium
 
@@ -41,7 +42,7 @@ def test_pressed_at_a_separation(rough, k1, separation):
 def test_every_frame(rough, k1, p, R_viscous, hold):
     contact = press(rough, spring_lattice(k0=1.0, k1=k1, R_viscous=R_viscous), load=p * rough.size)
     held = contact.load if hold == "load" else None
-    for frame in creep(contact, [1e-2, 1.0, 1e2], hold=hold, rtol=1e-2):
+    for frame in creep(contact, [1e-2, 1.0, 1e2], control=control_of(contact, hold), rtol=1e-2):
         assert_equilibrium(frame.contact, k0=1.0, k1=k1, load=held, load_may_vanish=True)
 
 

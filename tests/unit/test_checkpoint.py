@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 import asperity as asp
+from asperity.contact import ActiveSet
 from asperity.errors import InputError, OutputError
 from asperity.results import Checkpoint
 from tests.surfaces import uncorrelated
@@ -53,6 +54,32 @@ def test_stopped_and_resumed(tmp_path, stops):
     np.testing.assert_array_equal(resumed.final.force, UNDISTURBED.final.force)
 
 
+P = asp.protocols
+LEGS = [
+    P.Ramp(1.0, load=15.0),
+    P.Hold(3.0, hold="area"),
+    P.Step(load=6.0),
+    P.Hold(3.0, mobility=10.0),
+    P.Ramp(1.0, separation=1.2),
+    P.Hold(2.0),
+]
+
+
+@pytest.mark.parametrize("solver", [None, ActiveSet()], ids=["springs", "fields"])
+def test_stopped_and_resumed_in_any_leg(tmp_path, solver):
+    times = [0.5, 1.0, 2.0, 4.0, 6.0, 7.5, 9.0]
+    arguments = {"contact": CONTACT, "times": times, "protocol": LEGS, "fields_at": times, "solver": solver}
+    undisturbed = asp.age(**arguments)
+    checkpoint = Checkpoint(tmp_path / "place.npz", every=0.0)
+    for stop in times:
+        with pytest.raises(StopHereError):
+            asp.age(**arguments, checkpoint=checkpoint, progress=stop_at(stop))
+    resumed = asp.age(**arguments, checkpoint=checkpoint)
+    xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
+    np.testing.assert_array_equal(resumed.final.u0, undisturbed.final.u0)
+    assert resumed.dataset["leg"].values.tolist() == [0, 0, 0, 1, 1, 2, 3, 4, 5, 5]
+
+
 def test_a_finished_run_resumes_to_the_same(tmp_path):
     path = tmp_path / "place.npz"
     for _ in range(2):
@@ -68,6 +95,7 @@ def test_a_finished_run_resumes_to_the_same(tmp_path):
         {"rtol": 1e-3},
         {"fields_at": [100.0]},
         {"hold": "separation"},
+        {"protocol": [P.Hold(TIMES[-1] / 2), P.Hold(TIMES[-1] / 2)]},
         {"contact": asp.press(uncorrelated(16), SOLID, load=10.5)},
         {"contact": asp.press(uncorrelated(16), asp.solids.spring_lattice(k0=1, k1=3, R=2), load=10.0)},
     ],

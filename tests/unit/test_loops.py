@@ -9,10 +9,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from asperity.aging import loops
 from asperity.cli import main
 from asperity.contact import compiled, kernels
 from asperity.errors import Remark
+from asperity.runs import loops
 
 HISTORIES = """
 import hashlib, numpy as np, asperity as asp
@@ -77,7 +77,7 @@ def test_all_loops_are_compiled_beforehand():
     code = (
         HISTORIES
         + """
-from asperity.aging import loops
+from asperity.runs import loops
 from asperity.contact import kernels
 loops.stamp_of = lambda loop: None
 loops.compile_loops(print, print)

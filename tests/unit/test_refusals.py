@@ -152,10 +152,10 @@ def test_tolerances(rtol):
 
 
 def test_other_arguments():
-    with pytest.raises(InputError, match="hold: expected 'load' or 'separation', got 'height'"):
+    with pytest.raises(InputError, match="hold: expected 'load', 'separation' or 'area', got 'height'"):
         asp.age(CONTACT, [1.0], hold="height")  # type: ignore[arg-type]
     separated = asp.press(ROUGH, SOLID, separation=1.0)
-    with pytest.raises(InputError, match="hold: expected 'load' or 'separation', got 'Load'"):
+    with pytest.raises(InputError, match="hold: expected 'load', 'separation' or 'area', got 'Load'"):
         asp.relax(separated, hold="Load")  # type: ignore[arg-type]
     hanging = asp.press(ROUGH, SOLID, separation=ROUGH.max() + 1)
     with pytest.raises(InputError, match="hold: expected a contact that carries a load"):

@@ -31,7 +31,7 @@ def by_exhaustion(problem):
     n = problem.lattice.sites
     identity = np.eye(n)
     S = np.stack([problem.lattice.apply(problem.stiffness, row) for row in identity])
-    b = problem.lattice.backward(problem.pull)
+    b = problem.lattice.backward(problem.rhs)
     for size in range(n + 1):
         for contacts in map(np.array, itertools.combinations(range(n), size)):
             held = contacts.astype(int)

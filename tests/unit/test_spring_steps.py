@@ -7,6 +7,7 @@ import asperity as asp
 from asperity.aging.spring_steps import SpringSteps, extrapolation
 from asperity.aging.tr_bdf2 import FieldSteps, Point
 from asperity.contact import ActiveSet, Load, Multigrid, Separation, kernels
+from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid.grids import join_all, parted
 from asperity.contact.problem import TOLERANCE, residual
 from asperity.contact.stencils import damped_power
@@ -52,12 +53,13 @@ def test_power_is_damped_as_the_spectra_say(shape, tau):
         Load(1.0),
     )
     error = np.random.default_rng(1).normal(size=shape)
-    lattice, s = system.lattice, system.spectra
+    mechanics = system.mechanics
+    assert isinstance(mechanics, SpringMechanics)
+    lattice, s = mechanics.lattice, mechanics.spectral.spectra
     H, C, M = s.permanent, s.creeping, s.mobility
     modes = lattice.forward(error)
     exact = lattice.mean_over_modes(np.abs(modes / (1 + tau * M * C * H / (H + C))) ** 2)
-    assert system.springs is not None
-    found = damped_power(modes.astype(np.complex64), shape, system.springs, tau)
+    found = damped_power(modes.astype(np.complex64), shape, mechanics.springs, tau)
     assert found == pytest.approx(exact, rel=1e-4)
 
 

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import asperity.checks as checks
+from asperity.aging.constant_area import ConstantArea
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import FieldSteps, Point, Steps
 from asperity.contact.choice import chosen_solver
-from asperity.contact.controls import Hold, Load
+from asperity.contact.controls import Control, Load
+from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver, Solution
-from asperity.contact.state import Contact, contact_from, hold_contact
+from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
@@ -74,6 +76,8 @@ class Frame:
     steps, rejected, iterations
         Steps taken, steps repeated with a smaller length, and the solver's iterations, since the
         previous frame.
+    leg
+        Number of the leg of the history that it belongs to, from 0.
     """
 
     time: float
@@ -82,32 +86,53 @@ class Frame:
     steps: int
     rejected: int
     iterations: int
+    leg: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class Midway:
-    """All that is needed to go on from a time between two frames, to identical results."""
+    """All that is needed to go on from a time between two frames, to identical results.
+
+    Attributes
+    ----------
+    time
+        The time, since the start of the march.
+    separation
+        Mean of u0 at its start.
+    impulse
+        Integral of the load over time since its start, where the load is prescribed.
+    place
+        The state.
+    deformation, length, steps, rejected, iterations
+        Scale of the error, length of the next step, and counts since the last frame.
+    area
+        How the area is kept constant, if it is.
+    """
 
     time: float
+    separation: float
+    impulse: float
     place: Mapping[str, NDArray[Any]]
     deformation: float
     length: float
     steps: int
     rejected: int
     iterations: int
+    area: ConstantArea | None = None
 
 
 def creep(
     contact: Contact,
     times: ArrayLike,
     *,
-    hold: Hold | None = None,
+    control: Control | None = None,
+    keep_area: bool = False,
     rtol: float = DEFAULT_RTOL,
     solver: ContactSolver | None = None,
     midway: Midway | None = None,
     after_step: Callable[[Midway], None] | None = None,
 ) -> Iterator[Frame]:
-    """Yield a frame at time 0 and then at exactly each of the times.
+    """Yield a frame at time 0 and then at exactly each of the times, under one control.
 
     Parameters
     ----------
@@ -115,9 +140,10 @@ def creep(
         Where to start, from `press`, `relax` or an earlier frame.
     times
         Strictly increasing times >= 0.
-    hold
-        What is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by default what
-        the contact was pressed by.
+    control
+        What is prescribed, constant or linear in time; by default what the contact was pressed by.
+    keep_area
+        Whether the load changes so that the area stays what it is; ``control`` is then the load at first.
     rtol
         Bound on the error of u0 at every time, rms over the sites, relative to the largest
         deformation reached so far: the rms of u about its mean (or of u - u0, if that is larger,
@@ -125,7 +151,8 @@ def creep(
     solver
         How to solve the contact problems; by default as `asperity.press` does.
     midway
-        Go on from here, with the frames after it; all other arguments as at first.
+        Go on from here, with the frames after it; all other arguments as at first, but for the contact,
+        which may be any above the same surface.
     after_step
         Called after each step with the state from which to go on.
 
@@ -137,18 +164,22 @@ def creep(
         A contact problem was not solved, or steps shrank to nothing.
     """
     stops, tolerance = checks.times("times", times), check_rtol(rtol)
-    start = hold_contact(contact, hold)
     stops = stops[stops > 0]
-    _check_pace(start.system, stops)
-    march = _March(start, chosen_solver(solver, start.system), tolerance, midway, after_step)
+    system = contact.system(control)
+    _check_pace(system, stops)
+    area = None
+    if keep_area and midway is None and system.load is not None:
+        area = ConstantArea(float(contact.area), 0.0, system.load, float(contact.area))
+    march = _March(contact, system, chosen_solver(solver, system), tolerance, area, midway, after_step)
     if midway is not None:
         stops = stops[stops >= midway.time]
-    return _frames(start, stops, march, from_start=midway is None)
+    return _frames(contact, stops, march, from_start=midway is None)
 
 
 def _kind_of_steps(system: System, solver: ContactSolver) -> type[FieldSteps] | type[SpringSteps]:
-    suited = isinstance(solver, Multigrid) and Multigrid.suits(system.springs, system.heights.shape)
-    creeps = system.springs is not None and (system.springs.R > 0 or system.springs.R_viscous > 0)
+    mechanics = system.mechanics
+    suited = isinstance(solver, Multigrid) and Multigrid.suits(mechanics)
+    creeps = isinstance(mechanics, SpringMechanics) and mechanics.springs.creep
     return SpringSteps if suited and creeps else FieldSteps
 
 
@@ -163,7 +194,7 @@ def check_rtol(rtol: float) -> float:
 
 def _check_pace(system: System, stops: Field) -> None:
     """Refuse numbers that overflow single precision."""
-    fastest = system.fastest_creep
+    fastest = system.mechanics.fastest_creep
     if stops.size and fastest > 0 and stops[0] < 1 / _LONGEST:
         raise InputError(
             "times",
@@ -197,31 +228,26 @@ def _frames(start: Contact, stops: Field, march: _March, *, from_start: bool) ->
         march.reset_counts()
 
 
-def _approach(system: System, start: Contact, now: Contact, time: float) -> float:
-    """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
-    if not isinstance(system.control, Load):
-        return 0.0
-    creep = system.mean_mobility * system.control.value / system.lattice.sites * time
-    return start.separation - now.separation + creep
-
-
 class _March:
     """Adaptive steps from stop to stop."""
 
     def __init__(
         self,
         start: Contact,
+        system: System,
         solver: ContactSolver,
         rtol: float,
+        area: ConstantArea | None,
         midway: Midway | None,
         after_step: Callable[[Midway], None] | None,
     ) -> None:
-        self.system, self.after_step, self.streak = start.system, after_step, 0
+        self.system, self.after_step, self.streak = system, after_step, 0
         self.tolerance = (STEP_TOLERANCE * rtol) ** 1.5
         self.passing = max(TOLERANCE, rtol / 2000)
         self.reset_counts()
         kind: Any = _kind_of_steps(self.system, solver)
         if midway is None:
+            self.separation, self.impulse, self.area = start.separation, 0.0, area
             self.now: Steps = kind.begin(self.system, solver, Point.of(self.system, start))
             self.deformation = 0.0
             self.raise_deformation()
@@ -232,8 +258,12 @@ class _March:
                 self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / speed
         else:
             self.now = kind(self.system, solver, midway.place)
+            self.separation, self.impulse = midway.separation, midway.impulse
+            self.area = midway.area and replace(midway.area)
             self.deformation, self.length = midway.deformation, midway.length
             self.steps, self.rejected, self.iterations = midway.steps, midway.rejected, midway.iterations
+            if self.area is not None:
+                self.prescribe(Load(self.area.load, since=self.area.time))
 
     def reset_counts(self) -> None:
         """Count from zero."""
@@ -242,11 +272,13 @@ class _March:
     def midway(self) -> Midway:
         """From where another march can go on."""
         counts = (self.steps, self.rejected, self.iterations)
-        return Midway(self.now.time, self.now.place(), self.deformation, self.length, *counts)
+        start, place = (self.separation, self.impulse), self.now.place()
+        area = None if self.area is None else replace(self.area)
+        return Midway(self.now.time, *start, place, self.deformation, self.length, *counts, area)
 
     def frame(self, start: Contact) -> Frame:
         """Publish the present state."""
-        system, (u, stretch) = self.system, self.now.state()
+        system, (u, stretch) = self.system.at(self.now.time), self.now.state()
         stretch = system.balanced_stretch(u, stretch)
         state = contact_from(
             system,
@@ -257,15 +289,21 @@ class _March:
             surface=start.surface,
             load_may_vanish=True,
         )
-        approach = _approach(system, start, state, self.now.time)
+        approach = self.approach(state.separation)
         return Frame(self.now.time, state, approach, self.steps, self.rejected, self.iterations)
+
+    def approach(self, separation: float) -> float:
+        """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
+        if self.system.load is None:
+            return -self.system.drift * self.now.time
+        creep = self.system.mechanics.mean_mobility * self.impulse / self.system.sites
+        return self.separation - separation + creep
 
     def raise_deformation(self) -> None:
         """Let the scale of the error follow the largest deformation so far."""
         extent = self.now.extent()
         scale = extent.spread
-        free_mean = self.system.mean_mobility > 0 and not isinstance(self.system.control, Load)
-        if scale <= self.rounding() or free_mean:
+        if scale <= self.rounding() or self.system.free_mean:
             # A flat surface, or one whose mean creeps too: the stretch of the creeping springs.
             scale = max(scale, extent.stretch)
         self.deformation = max(self.deformation, scale)
@@ -282,9 +320,12 @@ class _March:
             if self.now.time > 2 * since:
                 begun, since = self.steps + self.rejected, self.now.time
             left = stop - self.now.time
-            landing = self.length >= left * (1 - 1e-9)
+            usual = self.length if self.area is None else min(self.length, self.area.longest())
+            landing = usual >= left * (1 - 1e-9)
             # Two equal steps rather than a long one and a sliver.
-            length = left if landing else left / 2 if 2 * self.length > left else self.length
+            length = left if landing else left / 2 if 2 * usual > left else usual
+            if self.area is not None:
+                self.prescribe(self.area.load_for(length))
             unnoticed = UNNOTICED * self.tolerance * self.deformation
             stuck = self.steps + self.rejected - begun > _MOST_STEPS * self.tolerance ** (-1 / 3)
             if stuck or not (landing or self.now.time + length > self.now.time):
@@ -303,14 +344,32 @@ class _March:
             change = min(4.0, max(0.2, 0.9 * error ** (-1 / 3))) if error > 0 else 4.0
             if error > 1:
                 self.reject(length, change)
+                if self.area is not None:
+                    self.area.begin_step()
+                continue
+            if self.area is not None and self.area.misses(self.now.contacts_tried()):
                 continue
             self.steps += 1
             self.streak = 0
             self.length = max(length * change, min(self.length, 4.0 * length))
-            self.now.accept(stop if landing else self.now.time + length)
+            self.take(stop if landing else self.now.time + length)
             self.raise_deformation()
             if self.after_step is not None:
                 self.after_step(self.midway())
+
+    def prescribe(self, load: Load) -> None:
+        """Let the load of the next step be another one."""
+        self.system = self.now.system = replace(self.system, control=load)
+
+    def take(self, time: float) -> None:
+        """Accept the step that ends at a time."""
+        before, control = self.now.time, self.system.control
+        contacts = self.now.contacts_tried() if self.area is not None else 0
+        self.now.accept(time)
+        if isinstance(control, Load):
+            self.impulse += control.at((before + time) / 2).value * (time - before)
+            if self.area is not None:
+                self.area.accept(time, contacts, control)
 
     def reject(self, length: float, change: float) -> None:
         """Try again with a shorter step."""

@@ -37,7 +37,7 @@ from asperity.aging.tr_bdf2 import (
 from asperity.contact import kernels
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
-from asperity.contact.controls import Load
+from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.multigrid.grids import Single, join_all, parted
 from asperity.contact.system import System
@@ -62,16 +62,17 @@ class SpringSteps:
         Rate of u0 at the end of the last step, and M C w, in units of ``unit`` by time.
     mean_shape
         Mean of u0 where the separation is held, a length.
+    total_stretch
+        Sum of w, a length.
     origin
         Time of the end of the first step.
     """
 
     def __init__(self, system: System, solver: Multigrid, place: Mapping[str, NDArray[Any]]) -> None:
-        assert system.springs is not None
-        self.system, self.solver, self.springs = system, solver, system.springs
+        assert isinstance(system.mechanics, SpringMechanics)
+        self.system, self.solver, self.springs = system, solver, system.mechanics.springs
         self.heights = np.ascontiguousarray(system.heights)
         self.work = solver.two_fields(system.heights.shape)
-        self.held = isinstance(system.control, Load)
         self.u, self.w, self.rate = place["u"], place["stretch"], place["rate"]
         self.times: list[float] = place["times"].tolist()
         self.unit, self.level, self.mean_shape, self.origin = map(float, place["scales"])
@@ -114,9 +115,17 @@ class SpringSteps:
         """Time of the state."""
         return self.times[0]
 
+    def contacts_tried(self) -> int:
+        """Number of sites in contact at the end of the step that was tried."""
+        if self.by_fields is not None:
+            return int(np.count_nonzero(self.by_fields.end.u <= self.heights))
+        return int(np.count_nonzero(self.work.correction[0] <= self.work.gap))
+
     def state(self) -> tuple[Field, Field]:
         """U and w, the mean of w exact: what creep conserves must not drift."""
-        mean = self.system.mean_stretch if self.held else float(self.u.mean()) - self.mean_shape
+        mean = self.system.at(self.time).mean_stretch
+        if mean is None:
+            mean = float(self.u.mean()) - self.mean_shape
         return self.u, self.w + (mean - float(self.w.mean()))
 
     def extent(self) -> Extent:
@@ -133,7 +142,7 @@ class SpringSteps:
         """Try a step; the tolerances are for the Fourier solver, should it have to step in."""
         cycles = 0
         self.by_fields = None
-        if self.held or self.contacts > 0:
+        if self.system.control.load_controlled or self.contacts > 0:
             done, cycles, error = self._attempt(duration, allowed_errors)
             if done:
                 return Attempt(error, cycles)
@@ -147,7 +156,6 @@ class SpringSteps:
         work, k1 = self.work, self.springs.k1
         tau, weight = DIAGONAL * duration, WEIGHT * duration
         work.prepare(k1 / self.springs.k0, tau * k1 * self.springs.R, tau * k1 * self.springs.R_viscous)
-        work.wanted = self.missing if self.held else None
         columns, (_, source) = self.u.shape[1], work.source
         # Logarithms of time, but for times that are short against the first step.
         origin = self.origin or duration
@@ -159,7 +167,7 @@ class SpringSteps:
         rates: tuple[Any, ...] = (self.rate, self.flow, np.float32(tau))
         fields: tuple[Any, ...] = (*guess, *rates, work.gap, columns, *work.correction, source, work.sums)
         work.rows(kernels.begin_stage_1, *self.u.shape, *fields)
-        done, cycles = self._improve(allowed_errors[0])
+        done, cycles = self._improve(2 * tau, tau, allowed_errors[0])
         if not done:
             return False, cycles, math.nan
 
@@ -168,7 +176,7 @@ class SpringSteps:
         numbers = (np.float32(growth), np.float32(self.offset), *rates, np.float32(weight))
         fields = (*guess, *numbers, work.gap, columns, *work.correction)
         work.rows(kernels.begin_stage_2, *self.u.shape, *fields, self.middle, source, work.sums)
-        done, more = self._improve(allowed_errors[1])
+        done, more = self._improve(duration, tau, allowed_errors[1])
         if not done:
             return False, cycles + more, math.nan
 
@@ -178,15 +186,21 @@ class SpringSteps:
         work.rows(kernels.finish_step, *self.u.shape, *fields)
         return True, cycles + more, self.unit * self.system.damped_rms(self.error, tau)
 
-    def _improve(self, allowed_error: float) -> tuple[bool, int]:
-        """Solve a stage, given the sums of the guess and of its source; whether it was, and the cycles."""
-        work = self.work
-        e, f, source = (work.sums[:, :3].sum(axis=0) / self.u.size).tolist()
-        work.shift = work.lag * f - e - source if self.held else 0.0
+    def _improve(self, ahead: float, tau: float, allowed_error: float) -> tuple[bool, int]:
+        """Solve the stage that ends a time ahead, given the sums of the guess and of its source.
+
+        Returns whether it was solved, and the cycles taken.
+        """
+        work, sites = self.work, self.u.size
+        mean = self.system.at(self.time + ahead).mean_stretch
+        work.wanted = None if mean is None else (mean * sites - self.total_stretch) / self.unit
+        e, f, source = (work.sums[:, :3].sum(axis=0) / sites).tolist()
+        moved = -tau * self.system.drift / self.unit
+        work.shift = moved if work.wanted is None else work.lag * f - e - source
         done, cycles = work.improve(allowed_error / self.unit, self.solver.max_cycles)
         # What makes the mean of w exact.
         e, f = (self._mean(field) for field in work.correction)
-        wanted = self.missing / self.u.size if self.held else (e + source) / work.lag
+        wanted = (e + source + moved) / work.lag if work.wanted is None else work.wanted / sites
         self.offset = wanted - f
         return done, cycles
 
@@ -205,7 +219,7 @@ class SpringSteps:
             self.mean_shape = float(end.u.mean()) - float(end.stretch.mean())
             self.measure()
             return
-        if self.springs.R_viscous > 0 and not self.held:
+        if self.system.free_mean or self.system.drift:
             e, f = (self._mean(field) for field in work.correction)
             self.mean_shape += unit * (e - f - self.offset)
         self._advance(unit * self.offset)
@@ -244,8 +258,7 @@ class SpringSteps:
         stretch, rise, squares_w, squares_u, _, self.contacts = sums[:, :6].sum(axis=0).tolist()
         spread = math.sqrt(max(squares_u / sites - (rise / sites) ** 2, 0.0))
         self._extent = Extent(spread, math.sqrt(squares_w / sites), float(sums[:, 4].max()))
-        work.known_stretch = stretch / self.unit
-        self.missing = (self.system.mean_stretch * sites - stretch) / self.unit
+        self.total_stretch, work.known_stretch = stretch, stretch / self.unit
 
 
 def extrapolation(known: Sequence[float], x: float) -> list[float]:

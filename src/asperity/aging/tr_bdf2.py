@@ -12,8 +12,10 @@ Stage 2 is the result (stiffly accurate). The difference to the companion of ord
 
     e = h [ (1 - 4 w)/3 f0 + 1/3 f1 - 2 d/3 f2 ] / (1 + d h z),     z = M C H / (H + C),
 
-estimates its error; the denominator, with the free surface's decay rates z, keeps stiff modes from
-being overrated. (R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985),
+estimates its error. The denominator, with the free surface's decay rates z, keeps stiff modes from
+being overrated. A load that changes in time enters at the stages' own times; a rigid body that moves
+adds its velocity V to f, and the contact problem of a stage starts from v + d h V.
+(R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985),
 DOI 10.1109/T-ED.1985.22232; M. E. Hosea, L. F. Shampine, Appl. Numer. Math. 20, 21 (1996),
 DOI 10.1016/0168-9274(95)00115-8.)
 """
@@ -29,11 +31,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
-from asperity.contact.controls import Load
+from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
 from asperity.contact.stencils import combined
-from asperity.contact.system import ImplicitStep, System
+from asperity.contact.system import System
 from asperity.lattice import Field
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
@@ -101,11 +103,13 @@ def take_step(
     ``earlier`` helps to guess where the contacts will be; ``tolerances`` are those of the two contact
     problems.
     """
-    implicit = system.implicit_step(DIAGONAL * duration)
+    implicit = system.mechanics.implicit_step(DIAGONAL * duration)
     u0, f0 = start.shape, start.rate
 
     middle, spent = _stage(
+        system,
         implicit,
+        DIAGONAL * duration,
         solver,
         time=start.time + 2 * DIAGONAL * duration,
         before=combined((1.0, u0), (DIAGONAL * duration, f0)),
@@ -113,7 +117,9 @@ def take_step(
         tolerance=tolerances[0],
     )
     end, spent_again = _stage(
+        system,
         implicit,
+        DIAGONAL * duration,
         solver,
         time=start.time + duration,
         before=combined((1.0, u0), (WEIGHT * duration, f0), (WEIGHT * duration, middle.rate)),
@@ -136,7 +142,9 @@ def rms(field: Field) -> float:
 
 
 def _stage(
+    system: System,
     implicit: ImplicitStep,
+    tau: float,
     solver: ContactSolver,
     *,
     time: float,
@@ -145,13 +153,14 @@ def _stage(
     tolerance: float,
 ) -> tuple[Point, int]:
     """Solve one implicit stage that ends at ``time``; its end and the iterations spent."""
-    system = implicit.system
+    anchors = before + tau * system.drift if system.drift else before
+    system = system.at(time)
     guess = _extrapolate(time, *known)
-    solution = solver.solve(implicit.problem(before), guess, tolerance)
-    stretch = implicit.stretch(solution.u, before) if solution.stretch is None else solution.stretch
-    pace = 1.0 / implicit.tau
+    solution = solver.solve(system.problem(implicit, anchors), guess, tolerance)
+    stretch = system.stretch(implicit, solution, anchors)
+    pace = 1.0 / tau
     rate = combined((pace, solution.u), (-pace, stretch), (-pace, before))
-    if isinstance(system.control, Load):
+    if system.control.load_controlled:
         rate -= rate.mean()
     return Point(time, solution.u, stretch, rate), solution.iterations
 
@@ -196,6 +205,11 @@ class Steps(Protocol):
     """A creeping state that takes steps; fields relative to the system's datum."""
 
     time: float
+    system: System
+
+    def contacts_tried(self) -> int:
+        """Number of sites in contact at the end of the step that was tried."""
+        ...
 
     def state(self) -> tuple[Field, Field]:
         """U and w = u - u0, not to be changed."""
@@ -245,6 +259,10 @@ class FieldSteps:
     def time(self) -> float:
         """Time of the state."""
         return self.point.time
+
+    def contacts_tried(self) -> int:
+        """Number of sites in contact at the end of the step that was tried."""
+        return int(np.count_nonzero(self.end.u <= self.system.heights))
 
     def state(self) -> tuple[Field, Field]:
         """U and w."""

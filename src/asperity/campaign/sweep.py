@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asperity._version import __version__
-from asperity.aging import compile_loops
 from asperity.campaign.cluster import ATTEMPTS, connect, leave_if_imported_by_worker
 from asperity.campaign.plan import Plan, Run
 from asperity.campaign.store import Store
@@ -20,6 +19,7 @@ from asperity.campaign.worker import Report, run_task
 from asperity.config import to_tables
 from asperity.errors import InputError, OutputError
 from asperity.results.store import whole_file
+from asperity.runs.loops import compile_loops
 
 if TYPE_CHECKING:
     from distributed import Client

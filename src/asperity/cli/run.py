@@ -7,13 +7,13 @@ import sys
 import time as clock
 from pathlib import Path
 
-from asperity.aging import compile_loops
 from asperity.cli.output import check_free, write_results
 from asperity.cli.progress import progress_shown
 from asperity.cli.report import aligned, run_report
 from asperity.config import RunConfig, to_toml
 from asperity.results import Checkpoint
 from asperity.runs import cores, execute
+from asperity.runs.loops import compile_loops
 
 _CHECKPOINT_EVERY = 20.0
 """Seconds between checkpoints: shorter runs leave none."""

@@ -2,11 +2,10 @@
 
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.controls import Control, Load, Separation
-from asperity.contact.instantaneous import press
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.state import Contact
 
-__all__ = ["ActiveSet", "Contact", "Control", "Load", "Multigrid", "Separation", "press"]
+__all__ = ["ActiveSet", "Contact", "Control", "Load", "Multigrid", "Separation"]
 
 
 def __dir__() -> list[str]:

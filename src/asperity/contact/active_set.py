@@ -1,7 +1,7 @@
 r"""Primal-dual active set (semismooth Newton) in Fourier space, for every spectrum.
 
 The sites are split into contacts, where u = xi, and free sites, where S u = b is solved by conjugate
-gradients (`asperity.contact.free_sites`). Then contacts that pull (r < 0) are released and free sites that
+gradients (`asperity.contact.free_sites`). Then contacts in tension (r < 0) are released and free sites that
 penetrate (u < xi) become contacts, until neither is left (M. Hintermueller, K. Ito, K. Kunisch, SIAM J.
 Optim. 13, 865 (2002), DOI 10.1137/S1052623401383558). The split is revised before the linear problem is
 solved: the more sites a revision moved, the less accurate a solution the next is worth.
@@ -26,7 +26,7 @@ import asperity.checks as checks
 from asperity.contact.arrays import largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.free_sites import FreeSites
-from asperity.contact.problem import ContactProblem, Guess, Solution, residual
+from asperity.contact.problem import ContactProblem, Guess, Solution, SpectralProblem, residual
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
 
@@ -99,7 +99,8 @@ class ActiveSet:
         MissingExtraError
             The array library is not installed.
         """
-        run = _Run(self, problem, guess or cold_start(problem, self), tolerance)
+        modes = problem.spectral()
+        run = _Run(self, modes, guess or cold_start(modes, self), tolerance)
         while True:
             run.reduce_residual()
             wrong = run.wrong_sites()
@@ -112,13 +113,13 @@ class ActiveSet:
 class _Run:
     """The state of one solve. Fields are arrays of the library; so are S, b and the heights."""
 
-    def __init__(self, method: ActiveSet, problem: ContactProblem, guess: Guess, tolerance: float) -> None:
+    def __init__(self, method: ActiveSet, problem: SpectralProblem, guess: Guess, tolerance: float) -> None:
         self.method = method
         self.problem = problem
         self.tolerance = tolerance
         self.xp = xp = library(method.arrays)
-        self.stiffness, self.pull, self.heights = map(
-            xp.asarray, (problem.stiffness, problem.pull, problem.heights)
+        self.stiffness, self.rhs, self.heights = map(
+            xp.asarray, (problem.stiffness, problem.rhs, problem.heights)
         )
         self.working_stiffness = xp.zeros(0, dtype=xp.int8)
         self.stiffest = float(problem.stiffness.max())
@@ -153,7 +154,7 @@ class _Run:
         xp, lattice = self.xp, self.problem.lattice
         modes = lattice.forward(self.u)
         modes *= self.stiffness
-        modes -= self.pull
+        modes -= self.rhs
         self.force = lattice.backward(modes, overwrite=True)
         off_contact = xp.where(self.in_contact, xp.asarray(0.0), self.force)
         self.worst = largest(off_contact, xp)
@@ -242,12 +243,12 @@ class _Run:
         )
 
     def wrong_sites(self) -> Mask:
-        """Contacts that pull and free sites that penetrate."""
-        pull = penetration = 0.0
+        """Contacts in tension and free sites that penetrate."""
+        tension = penetration = 0.0
         if self.is_careful():  # rounding decides their sign: exchanged, they might come back for ever
-            pull = self.rounding
+            tension = self.rounding
             penetration = self.rounding / self.stiffest
-        wrong: Mask = (self.in_contact & (self.force < -pull)) | (self.u - self.heights < -penetration)
+        wrong: Mask = (self.in_contact & (self.force < -tension)) | (self.u - self.heights < -penetration)
         return wrong
 
     def is_careful(self) -> bool:
@@ -293,9 +294,9 @@ class _Run:
         return Solution(to_numpy(self.u), to_numpy(self.in_contact), self.iterations, self.set_changes)
 
 
-def _free_surface(problem: ContactProblem) -> Field:
-    """Surface that touches nothing: one division; flat where the pull is, to the last digit."""
-    modes = problem.pull / problem.stiffness
+def _free_surface(problem: SpectralProblem) -> Field:
+    """Surface that touches nothing: one division. A flat right-hand side gives exactly one number."""
+    modes = problem.rhs / problem.stiffness
     if not modes.flat[1:].any():
         return np.full(problem.lattice.shape, modes.flat[0].real / problem.lattice.sites)
     return problem.lattice.backward(modes)

@@ -1,8 +1,8 @@
 """A start from nothing: the same contact on coarser and coarser lattices, solved from the coarsest up.
 
 A coarser lattice has every second site along each axis, with the height there, and the long waves of the
-spectrum and of the pull. Its surface, interpolated, is good at all waves but the shortest: on the next
-lattice it leaves some five revisions of the set of contacts, whatever the load and the size.
+spectrum and of the right-hand side. Its surface, interpolated, is good at all waves but the shortest: on
+the next lattice it leaves some five revisions of the set of contacts, whatever the load and the size.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.contact.asperities import level_of_overlap
-from asperity.contact.problem import ContactProblem, ContactSolver, Guess
+from asperity.contact.problem import ContactSolver, Guess, SpectralProblem
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
 
@@ -20,7 +20,7 @@ _COARSEST = 64
 _TOLERANCE = 1e-2
 
 
-def cold_start(problem: ContactProblem, solver: ContactSolver) -> Guess:
+def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
     """Guess the solution of a problem by solving it on a coarser lattice, where there is one."""
     shape = problem.lattice.shape
     if any(n % 2 for n in shape) or problem.lattice.sites <= _COARSEST ** len(shape):
@@ -34,28 +34,28 @@ def cold_start(problem: ContactProblem, solver: ContactSolver) -> Guess:
     return Guess(u, u <= problem.heights)
 
 
-def independent_asperities(problem: ContactProblem) -> Guess:
+def independent_asperities(problem: SpectralProblem) -> Guess:
     """Guess the contacts as if the asperities were independent."""
-    lattice, stiffness, pull = problem.lattice, problem.stiffness, float(problem.pull.flat[0].real)
+    lattice, stiffness, rhs = problem.lattice, problem.stiffness, float(problem.rhs.flat[0].real)
     if problem.load_controlled:
         compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
-        level = level_of_overlap(problem.heights, -pull * lattice.mean_over_modes(compliance))
+        level = level_of_overlap(problem.heights, -rhs * lattice.mean_over_modes(compliance))
     else:
-        level = pull / float(stiffness.flat[0]) / lattice.sites
+        level = rhs / float(stiffness.flat[0]) / lattice.sites
     return Guess(np.full(lattice.shape, level), problem.heights >= level)
 
 
-def _coarsen(problem: ContactProblem) -> ContactProblem:
+def _coarsen(problem: SpectralProblem) -> SpectralProblem:
     """The problem on every second site."""
     fine = problem.lattice
     heights = problem.heights[(slice(None, None, 2),) * fine.dimension]
     coarse = Lattice(heights.shape)
-    pull = fine.long_waves(problem.pull, coarse) * (coarse.sites / fine.sites)
-    return ContactProblem(
+    rhs = fine.long_waves(problem.rhs, coarse) * (coarse.sites / fine.sites)
+    return SpectralProblem(
         coarse,
         heights,
         stiffness=fine.long_waves(problem.stiffness, coarse),
-        pull=pull,
+        rhs=rhs,
         load_controlled=problem.load_controlled,
     )
 

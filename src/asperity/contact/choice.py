@@ -12,8 +12,7 @@ from asperity.errors import InputError
 
 def usual_solver(system: System) -> ContactSolver:
     """`Multigrid` where neighbors say all there is to say, else `ActiveSet`."""
-    suits = Multigrid.suits(system.springs, system.lattice.shape)
-    return Multigrid() if suits else ActiveSet()
+    return Multigrid() if Multigrid.suits(system.mechanics) else ActiveSet()
 
 
 def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:

@@ -1,19 +1,51 @@
-"""What is held while two bodies are in contact: the normal load or the separation."""
+"""What is prescribed while two bodies are in contact: the normal load or the separation."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal, Self
 
 import asperity.checks as checks
 from asperity.errors import LARGEST, InputError
 
 
 @dataclass(frozen=True)
-class Load:
-    """The normal load is held: the sum of the contact forces, in units of force."""
+class Control(ABC):
+    """A prescribed quantity, constant or linear in time.
+
+    Parameters
+    ----------
+    value
+        Its value at the time ``since``.
+    rate
+        Its change per unit of time.
+    since
+        The time at which it has that value.
+    """
 
     value: float
+    rate: float = 0.0
+    since: float = 0.0
+
+    name: ClassVar[str]
+    load_controlled: ClassVar[bool]
+    """Whether the sum of the contact forces is prescribed."""
+
+    @abstractmethod
+    def __post_init__(self) -> None: ...
+
+    def at(self, time: float) -> Self:
+        """Return what is prescribed at a time, constant from there."""
+        return type(self)(self.value + self.rate * (time - self.since)) if self.rate else self
+
+
+@dataclass(frozen=True)
+class Load(Control):
+    """The normal load is prescribed: the sum of the contact forces, in units of force."""
+
+    name = "load"
+    load_controlled = True
 
     def __post_init__(self) -> None:
         expected = f"a finite number > 0 (from {1 / LARGEST:g} to {LARGEST:g})"
@@ -22,17 +54,17 @@ class Load:
 
 
 @dataclass(frozen=True)
-class Separation:
-    """The rigid body is held: `value` is the mean of u0 when it was pressed, in units of height."""
+class Separation(Control):
+    """The rigid body is held: `value` is the mean of u0 when it was brought there, in units of height."""
 
-    value: float
+    name = "separation"
+    load_controlled = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", checks.number("separation", self.value))
 
 
-Control = Load | Separation
-Hold = Literal["load", "separation"]
+Hold = Literal["load", "separation", "area"]
 
 
 def control_from(load: float | None, separation: float | None) -> Control:

@@ -1,82 +1,77 @@
-"""Press two bodies together: the instantaneous contact, before anything has crept."""
+"""The instantaneous contact: two bodies pressed together before anything has crept, or anew at once."""
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
+from collections.abc import Mapping
 
 import asperity.checks as checks
 from asperity.contact.choice import chosen_solver
-from asperity.contact.controls import Load, control_from
+from asperity.contact.controls import Control
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess
 from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
+from asperity.lattice import Field
 from asperity.solids import Solid
-from asperity.surfaces.heights import check_heights
+
+_STRICT = 0.01
+"""Part of the tolerance to which a contact is solved whose u0 is given."""
 
 
-def press(
-    heights: ArrayLike,
+def first_contact(
+    heights: Field,
     solid: Solid,
+    control: Control,
     *,
-    load: float | None = None,
-    separation: float | None = None,
-    start: Contact | None = None,
-    solver: ContactSolver | None = None,
+    start: Contact | None,
+    solver: ContactSolver | None,
+    surface: Mapping[str, object],
 ) -> Contact:
-    """Press a flat elastic solid onto a rigid rough surface.
+    """Press a solid that has never crept, u0 flat, onto checked heights; see `asperity.press`."""
+    system = System.of(heights, solid, control)
+    guess = None
+    if start is not None:
+        checks.instance("start", start, Contact, "asperity.press(...), or leave it out")
+        if start.heights.shape != heights.shape:
+            raise InputError("start", expected=f"a contact of shape {heights.shape}", got=start.heights.shape)
+        guess = Guess(start.u - system.datum, start.in_contact)
+    step = system.mechanics.implicit_step(0.0)
+    problem = system.problem(step, system.virgin_anchors)
+    solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
+    level = system.virgin_anchors
+    if system.mean_stretch is not None:
+        level = float(solution.u.mean()) - system.mean_stretch
+    return contact_from(system, solution, level, solid=solid, heights=heights, surface=surface)
 
-    Parameters
-    ----------
-    heights
-        Heights of the rough surface, shape ``(n,)`` or ``(n, m)``, any unit of length; periodic.
-    solid
-        The elastic solid, for example `asperity.solids.spring_lattice`.
-    load
-        Normal load: the sum of all contact forces, in units of stiffness times height.
-    separation
-        Mean of u0, in the unit of the heights. Give either this or the load.
-    start
-        A contact to start the search from, such as that of a slightly smaller load; it changes the
-        time taken, not the result.
-    solver
-        How to solve: by default `Multigrid` for the lattice of springs in two dimensions, and
-        `ActiveSet` for any other solid.
 
-    Returns
-    -------
-    Contact
+def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | None = None) -> Contact:
+    """Press an aged contact under a new load or at a new separation, at once: its crept shape stays.
+
+    The anchors u0 keep their shape. They move as a whole: to the given separation, or with the load.
 
     Raises
     ------
     InputError
-        The heights, the load, the separation or the solid cannot be used; the message says why.
+        The solid cannot be used with this control.
     ConvergenceError
         The solver did not reach its tolerance.
-
-    Notes
-    -----
-    u minimizes Jagla's energy, Eq. (e), under u >= heights, with u0 flat.
     """
-    rough = check_heights(heights)
-    checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
-    control = control_from(load, separation)
-    system = System.of(rough, solid, control)
-    guess = None
-    if start is not None:
-        checks.instance("start", start, Contact, "asperity.press(...), or leave it out")
-        if start.heights.shape != rough.shape:
-            raise InputError("start", expected=f"a contact of shape {rough.shape}", got=start.heights.shape)
-        guess = Guess(start.u - system.datum, start.in_contact)
-    problem = system.implicit_step(0.0).problem(system.virgin_shape)
-    solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
-    level = system.virgin_shape
-    if isinstance(control, Load):
-        level = float(solution.u.mean()) - system.mean_stretch
-    return contact_from(system, solution, level, solid=solid, heights=rough, surface=_origin(heights))
-
-
-def _origin(heights: object) -> dict[str, object]:
-    """What a measured surface says of itself; nothing for a plain array."""
-    provenance = getattr(heights, "provenance", None)
-    return dict(provenance) if isinstance(provenance, dict) else {}
+    system = contact.system(control)
+    anchors = contact.u0 - system.datum
+    if system.mean_stretch is None:
+        anchors += control.value - contact.separation
+    problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
+    guess = Guess(contact.u - system.datum, contact.in_contact, disposable=True)
+    # u0 is given, so that forces left off contact cannot be balanced: their sum is to be small too.
+    solution = chosen_solver(solver, system).solve(problem, guess, _STRICT * TOLERANCE)
+    if system.mean_stretch is not None:
+        anchors += float((solution.u - anchors).mean()) - system.mean_stretch
+    return contact_from(
+        system,
+        solution,
+        anchors,
+        solid=contact.solid,
+        heights=contact.heights,
+        surface=contact.surface,
+        load_may_vanish=True,
+    )

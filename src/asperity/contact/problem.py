@@ -1,11 +1,14 @@
 r"""The contact problem that every solver solves, and the one residual by which each is judged.
 
-Given a stiffness spectrum S >= 0, a pull b and an obstacle xi, find the surface u with
+Given a stiffness S >= 0, a right-hand side b and an obstacle xi, find the surface u with
 
     r = S u - b,      0 <= r   perpendicular to   u - xi >= 0        (Signorini conditions),
 
 which minimizes 1/2 u.S u - b.u over u >= xi. r is the contact force, site by site. Where
-S vanishes at wave vector 0 the sum of r is fixed by the pull: load control without feedback.
+S vanishes at wave vector 0 the sum of r is fixed by the right-hand side: load control without feedback.
+
+A problem comes in one of two forms: `SpectralProblem`, in Fourier modes, for any solid; `SpringProblem`,
+in terms of neighbors, for the lattice of springs. The second can be turned into the first.
 """
 
 from __future__ import annotations
@@ -13,7 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Protocol
 
 from asperity.contact.stencils import extremes
@@ -21,11 +23,45 @@ from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 
 
 @dataclass(frozen=True, eq=False)
+class SpectralProblem:
+    """A contact problem in Fourier modes.
+
+    Parameters
+    ----------
+    lattice
+        The periodic lattice.
+    heights
+        The obstacle xi, a field whose maximum is 0, which keeps rounding errors relative to the
+        indentation rather than to the datum of the heights.
+    stiffness
+        S, a spectrum; positive but, under load control, zero at wave vector 0.
+    rhs
+        The right-hand side b, as Fourier modes; under load control minus the normal load at wave vector 0.
+    load_controlled
+        Whether the sum of the forces is prescribed.
+    """
+
+    lattice: Lattice
+    heights: Field
+    stiffness: Spectrum
+    rhs: Modes
+    load_controlled: bool
+
+    def spectral(self) -> SpectralProblem:
+        """Return the problem itself."""
+        return self
+
+    def force(self, u: Field) -> Field:
+        """Contact force r = S u - b at every site."""
+        return self.lattice.backward(self.stiffness * self.lattice.forward(u) - self.rhs)
+
+
+@dataclass(frozen=True, eq=False)
 class SpringStep:
-    """A contact problem on the two-dimensional lattice of springs, in terms of neighbors alone.
+    """An implicit step of creep on the two-dimensional lattice of springs, in terms of neighbors alone.
 
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
-    bulk after a step of creep from the shape v; L is minus the Laplacian. Under load control an
+    bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
     unknown constant joins the right-hand side, and the sum of k1 w is the load.
 
     Parameters
@@ -36,7 +72,7 @@ class SpringStep:
         tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite.
     relaxed
         Whether the duration tau is infinite.
-    shape
+    anchors
         v, a field or the level of a flat one, measured like the heights of the problem.
     load
         The normal load, or None where the separation is held.
@@ -47,60 +83,30 @@ class SpringStep:
     spread: float
     drag: float
     relaxed: bool
-    shape: Field | float
+    anchors: Field | float
     load: float | None
 
 
-class ContactProblem:
-    """Find u with u >= heights, r = S u - b >= 0 and r (u - heights) = 0 at every site.
+@dataclass(frozen=True, eq=False)
+class SpringProblem:
+    """A contact problem on the lattice of springs: a step above an obstacle.
 
     Parameters
     ----------
-    lattice
-        The periodic lattice.
     heights
-        The obstacle xi, a field whose maximum is 0, which keeps rounding errors relative to the
-        indentation rather than to the datum of the heights.
-    stiffness
-        S, a spectrum, or a function that computes it when it is first asked for; positive but, under
-        load control, zero at wave vector 0.
-    pull
-        b, as Fourier modes, or such a function; under load control minus the normal load at wave
-        vector 0.
-    load_controlled
-        Whether the sum of the forces is prescribed.
-    springs
-        The same problem in terms of neighbors, where there is such a form.
+        The obstacle, as in `SpectralProblem`.
+    step
+        The step.
+    spectral
+        Makes the same problem in Fourier modes.
     """
 
-    def __init__(
-        self,
-        lattice: Lattice,
-        heights: Field,
-        *,
-        stiffness: Spectrum | Callable[[], Spectrum],
-        pull: Modes | Callable[[], Modes],
-        load_controlled: bool,
-        springs: SpringStep | None = None,
-    ) -> None:
-        self.lattice, self.heights = lattice, heights
-        self._stiffness, self._pull = stiffness, pull
-        self.load_controlled = load_controlled
-        self.springs = springs
+    heights: Field
+    step: SpringStep
+    spectral: Callable[[], SpectralProblem]
 
-    @cached_property
-    def stiffness(self) -> Spectrum:
-        """S, a spectrum."""
-        return self._stiffness() if callable(self._stiffness) else self._stiffness
 
-    @cached_property
-    def pull(self) -> Modes:
-        """b, as Fourier modes."""
-        return self._pull() if callable(self._pull) else self._pull
-
-    def force(self, u: Field) -> Field:
-        """Contact force r = S u - b at every site."""
-        return self.lattice.backward(self.stiffness * self.lattice.forward(u) - self.pull)
+ContactProblem = SpectralProblem | SpringProblem
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,13 +157,13 @@ TOLERANCE = 1e-9
 def residual(force: Field, in_contact: Mask, smallest_scale: float = 0.0) -> float:
     """Largest violation of equilibrium, relative to the mean contact force.
 
-    Off contact any force is a violation; in contact a pulling (negative) one is. Penetration needs
+    Off contact any force is a violation; in contact a tensile (negative) one is. Penetration needs
     no term: solvers hold u at the heights exactly. Where the mean contact force is below
     ``smallest_scale``, or there is no contact, violations are measured against that instead.
     """
     if not math.isfinite(float(force.sum())):
         return math.inf
-    worst, pull, load, contacts = extremes(force, in_contact)
-    worst = max(worst, pull)
+    worst, tension, load, contacts = extremes(force, in_contact)
+    worst = max(worst, tension)
     scale = max(load / contacts if contacts else 0.0, smallest_scale)
     return worst / scale if scale > 0 else (0.0 if worst == 0 else math.inf)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -24,9 +24,9 @@ ACCEPTED_RESIDUAL = 1e-8
 """No state is returned whose residual, evaluated on the very fields it carries, is larger."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class Contact:
-    """Two bodies in contact at one moment.
+    """Two bodies in contact at one moment; made by `press`, `age` and `relax` alone, which judge it.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Contact:
     solid
         The elastic solid above it.
     control
-        What is held: `Load` or `Separation`.
+        What is prescribed: `Load` or `Separation`.
     u
         Height of the elastic surface, length; equal to `heights` in contact, above it elsewhere.
     u0
@@ -47,7 +47,7 @@ class Contact:
     energy
         Elastic energy, force times length (Jagla, Eq. e).
     residual
-        Largest force off contact (or pull in contact) that the fields above leave, relative to the
+        Largest force off contact (or tension in contact) that the fields above leave, relative to the
         mean contact force; evaluated from `u` and `u0` as they are, rounding included. Where the
         separation is held and the load has died out, relative to the smallest force that double
         precision can resolve to as many digits.
@@ -72,13 +72,27 @@ class Contact:
     iterations: int
     surface: Mapping[str, object]
 
-    def __post_init__(self) -> None:
-        for field in (self.heights, self.u, self.u0, self.force, self.in_contact):
-            field.flags.writeable = False  # the residual vouches for exactly these numbers
+    def __init__(self, *_: object, **__: object) -> None:
+        raise TypeError(
+            "a Contact carries the proof of its equilibrium, so only press, age and relax make one; "
+            "to change the load, try asperity.press(contact, load=...)"
+        )
+
+    @classmethod
+    def _judged(cls, **values: object) -> Contact:
+        """Make a contact of fields that were judged."""
+        contact = cls.__new__(cls)
+        contact.__dict__.update({field.name: values[field.name] for field in fields(cls)})
+        contact._close()
+        return contact
 
     def __setstate__(self, state: dict[str, object]) -> None:
         vars(self).update(state)
-        self.__post_init__()
+        self._close()
+
+    def _close(self) -> None:
+        for field in (self.heights, self.u, self.u0, self.force, self.in_contact):
+            field.flags.writeable = False  # the residual vouches for exactly these numbers
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.heights.shape))
@@ -104,14 +118,15 @@ class Contact:
         datum = self.heights.max()
         return float(datum + np.mean(self.u0 - datum))
 
-    @property
-    def system(self) -> System:
-        """The mechanical system that this contact is a state of."""
-        return System.of(self.heights, self.solid, self.control)
+    def system(self, control: Control | None = None) -> System:
+        """Set up the system that this contact is a state of, under its own control or another."""
+        return System.of(self.heights, self.solid, control or self.control)
 
 
-def hold_contact(contact: Contact, hold: Hold | None) -> Contact:
-    """Hold the load or the separation of a contact; by default what it was pressed by.
+def control_of(contact: Contact, hold: Hold | None) -> Control:
+    """Load or separation of a contact, to be held; by default what it was pressed by.
+
+    Where the area is to be held, the load with which that begins.
 
     Raises
     ------
@@ -119,21 +134,21 @@ def hold_contact(contact: Contact, hold: Hold | None) -> Contact:
         ``hold`` is something else, the contact is no contact, or its load is to be held and it has none.
     """
     checks.instance("contact", contact, Contact, "asperity.press(...), or the `final` of a history")
-    if hold not in (None, "load", "separation"):
-        raise InputError("hold", expected="'load' or 'separation'", got=repr(hold))
-    if hold is None or (hold == "load") == isinstance(contact.control, Load):
-        return contact
+    if hold not in (None, "load", "separation", "area"):
+        raise InputError("hold", expected="'load', 'separation' or 'area'", got=repr(hold))
+    if hold in (None, contact.control.name):
+        return contact.control
     if hold == "separation":
-        return replace(contact, control=Separation(contact.separation))
+        return Separation(contact.separation)
     if contact.load <= 0:
         raise InputError("hold", expected="a contact that carries a load to hold", got="one without any")
-    return replace(contact, control=Load(contact.load))
+    return Load(contact.load)
 
 
 def contact_from(
     system: System,
     solution: Solution,
-    shape: Field | float,
+    anchors: Field | float,
     *,
     solid: Solid,
     heights: Field,
@@ -148,7 +163,7 @@ def contact_from(
         The system solved.
     solution
         The solved contact problem.
-    shape
+    anchors
         u0 relative to the system's datum: a field, or the level of a flat one.
     solid, heights, surface
         As in `Contact`.
@@ -165,15 +180,16 @@ def contact_from(
     np.maximum(u, heights, out=u)
     np.copyto(u, heights, where=solution.in_contact)
     in_contact = u == heights
-    u0 = _rounded_keeping_load(shape, solution.u, u, system.datum)
+    u0 = _rounded_keeping_load(anchors, solution.u, u, system.datum)
     relative, stretch = u - system.datum, u - u0
     force = system.force(relative, stretch)
-    vanishing = load_may_vanish and not isinstance(system.control, Load)
+    vanishing = load_may_vanish and system.load is None
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
     left = residual(force, in_contact, floor)
-    if isinstance(system.control, Load) and system.mean_stiffness > 0:
-        carried = float(system.mean_stiffness * np.sum(stretch))
-        left = max(left, abs(carried / system.control.value - 1))
+    stiffness = system.mechanics.mean_stiffness
+    if system.load is not None and stiffness > 0:
+        carried = float(stiffness * np.sum(stretch))
+        left = max(left, abs(carried / system.load - 1))
     if not left <= ACCEPTED_RESIDUAL:
         raise ConvergenceError(
             f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too "
@@ -182,7 +198,7 @@ def contact_from(
     np.maximum(force, 0.0, out=force)
     force *= in_contact
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
-    return Contact(
+    return Contact._judged(
         heights=heights,
         solid=solid,
         control=system.control,
@@ -200,20 +216,20 @@ def contact_from(
 
 def _smallest_force(system: System, u: Field) -> float:
     """Force whose last trusted digit is rounding: the scale where there is no load to speak of."""
-    stiffest = system.greatest_stiffness
+    stiffest = system.mechanics.greatest_stiffness
     largest = max(float(np.abs(field).max()) for field in (u, u - system.datum, system.heights))
     return 4 * float(np.spacing(largest)) * stiffest / ACCEPTED_RESIDUAL
 
 
-def _rounded_keeping_load(shape: Field | float, surface: Field, u: Field, datum: float) -> Field:
+def _rounded_keeping_load(anchors: Field | float, surface: Field, u: Field, datum: float) -> Field:
     """Move u0 to the user's datum so that rounding leaves the sum of u - u0, and so the load, alone.
 
     Rounding errors of a smooth field are alike from site to site and add up; where they would change
     the sum by more than 1e-11 of it, as many sites as it takes are moved by their last digit.
     """
     # A flat u0 takes no memory: all its sites are one number.
-    u0 = np.asarray(np.broadcast_to(shape + datum, u.shape))
-    wanted = _sum_of_difference(surface, shape)
+    u0 = np.asarray(np.broadcast_to(anchors + datum, u.shape))
+    wanted = _sum_of_difference(surface, anchors)
     excess = _sum_of_difference(u, u0) - wanted
     last_digit = float(np.spacing(max(abs(float(u0.max())), abs(float(u0.min())))))
     if abs(excess) > 1e-11 * abs(wanted):

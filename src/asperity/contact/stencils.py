@@ -52,17 +52,17 @@ def damped_power(modes: Modes, shape: tuple[int, ...], springs: SpringConstants,
 
 
 def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:
-    """Largest force off contact, largest pull in contact, the sum of the forces there, and contacts."""
+    """Largest force off contact, largest tension in contact, the sum of the forces there, and contacts."""
     rows, touching = np.atleast_2d(force), np.atleast_2d(in_contact)
     found = np.empty((len(rows), 4))
     kernels.extremes(rows, touching, found, 0, len(rows))
-    worst, pull = found[:, 0].max(), -found[:, 1].min()
+    worst, tension = found[:, 0].max(), -found[:, 1].min()
     load, contacts = found[:, 2:].sum(axis=0)
-    return float(worst), float(pull), float(load), float(contacts)
+    return float(worst), float(tension), float(load), float(contacts)
 
 
 def balanced(u: Field, w: Field, heights: Field, k0: float, k1: float, total: float | None) -> Field:
-    """Stretch with which u is in equilibrium: w in contact, where it does not pull, or scaled to a total."""
+    """Stretch with which u is in equilibrium: w in contact, where it is no tension, or scaled to a total."""
     heights = np.ascontiguousarray(heights)
     out, rows = np.empty_like(u), np.empty(len(u))
     kernels.balance(u, w, heights, k0, k1, out, rows, 0, len(u))

@@ -1,10 +1,10 @@
 """Results: frozen states in, one self-describing Dataset out, and back from disk."""
 
 from asperity.results.checkpoint import Checkpoint
-from asperity.results.history import History, age
+from asperity.results.history import History
 from asperity.results.store import load, save
 
-__all__ = ["Checkpoint", "History", "age", "load", "save"]
+__all__ = ["Checkpoint", "History", "load", "save"]
 
 
 def __dir__() -> list[str]:

@@ -16,11 +16,15 @@ from numpy.typing import NDArray
 
 import asperity.checks as checks
 from asperity._version import __version__
+from asperity.aging.constant_area import ConstantArea
+from asperity.aging.legs import LegMidway
 from asperity.aging.march import Midway
+from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
 from asperity.errors import CheckpointError, OutputError
-from asperity.lattice import Field
+from asperity.lattice import Field, Lattice
+from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
 from asperity.results.store import remove_parts, whole_file
 
@@ -48,7 +52,7 @@ class Checkpoint:
 class Place:
     """What a checkpoint holds: the march, and what was recorded on the way."""
 
-    midway: Midway
+    midway: LegMidway
     rows: list[Row]
     snapshots: list[Snapshot]
 
@@ -116,11 +120,14 @@ class Keeper:
         return _unpacked(facts, arrays)
 
 
-def fingerprint_of(start: Contact, times: Field, fields_at: Field, rtol: float, solver: ContactSolver) -> str:
+def fingerprint_of(
+    start: Contact, schedule: Schedule, times: Field, fields_at: Field, rtol: float, solver: ContactSolver
+) -> str:
     """Hash all that a history depends on."""
     solid = start.solid
-    laws = () if solid.springs else tuple(vars(start.system.spectra).values())
-    digest = hashlib.sha256(repr((__version__, start.control, solid.springs, rtol, solver)).encode())
+    laws = () if solid.springs else tuple(vars(solid.on(Lattice(start.heights.shape))).values())
+    facts = (__version__, start.control, schedule, solid.springs, rtol, solver)
+    digest = hashlib.sha256(repr(facts).encode())
     for array in (
         start.heights,
         start.u,
@@ -135,13 +142,17 @@ def fingerprint_of(start: Contact, times: Field, fields_at: Field, rtol: float, 
 
 
 def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
-    midway = place.midway
+    here, midway = place.midway, place.midway.midway
+    control = here.control
     facts = {
         "fingerprint": fingerprint,
-        "time": midway.time,
+        "leg": [here.leg, here.approach],
+        "control": [control.name, control.value, control.rate, control.since],
+        "time": [midway.time, midway.separation, midway.impulse],
+        "area": None if midway.area is None else vars(midway.area),
         "march": [midway.deformation, midway.length, midway.steps, midway.rejected, midway.iterations],
         "rows": place.rows,
-        "snapshots": [snapshot.time for snapshot in place.snapshots],
+        "snapshots": [[snapshot.time, snapshot.leg] for snapshot in place.snapshots],
     }
     arrays = {"facts": np.array(json.dumps(facts))}
     arrays |= {f"place_{name}": array for name, array in midway.place.items()}
@@ -153,10 +164,20 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
 
 def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Place:
     snapshots = [
-        Snapshot(time, *(arrays[f"kept_{name}"][index] for name in ("u", "u0", "in_contact")))
-        for index, time in enumerate(facts["snapshots"])
+        Snapshot(
+            time, arrays["kept_u"][index], arrays["kept_u0"][index], arrays["kept_in_contact"][index], leg
+        )
+        for index, (time, leg) in enumerate(facts["snapshots"])
     ]
     place = {
         name.removeprefix("place_"): array for name, array in arrays.items() if name.startswith("place_")
     }
-    return Place(Midway(facts["time"], place, *facts["march"]), facts["rows"], snapshots)
+    kind, *numbers = facts["control"]
+    control = Load(*numbers) if kind == Load.name else Separation(*numbers)
+    leg, approach = facts["leg"]
+    time, separation, impulse = facts["time"]
+    deformation, length, *counts = facts["march"]
+    steps, rejected, iterations = counts
+    area = facts["area"] and ConstantArea(**facts["area"])
+    midway = Midway(time, separation, impulse, place, deformation, length, steps, rejected, iterations, area)
+    return Place(LegMidway(leg, control, approach, midway), facts["rows"], snapshots)

@@ -12,9 +12,10 @@ import xarray as xr
 
 from asperity._version import __version__
 from asperity.aging.march import Frame
-from asperity.contact.controls import Load
+from asperity.contact.controls import Control
 from asperity.contact.state import Contact
 from asperity.lattice import Field, Mask
+from asperity.protocols import Leg, described
 
 SERIES: dict[str, tuple[str, str]] = {
     "area": ("real contact area", "sites"),
@@ -52,21 +53,28 @@ class Snapshot:
     u: Field
     u0: Field
     in_contact: Mask
+    leg: int = 0
 
 
 def row_of(frame: Frame) -> Row:
     """Take the entry of the time series from a frame."""
-    return {"time": frame.time} | {name: _value(frame, name) for name in SERIES}
+    return {"time": frame.time, "leg": frame.leg} | {name: _value(frame, name) for name in SERIES}
 
 
 def snapshot_of(frame: Frame) -> Snapshot:
     """Take the fields from a frame."""
     contact = frame.contact
-    return Snapshot(frame.time, contact.u, contact.u0, contact.in_contact)
+    return Snapshot(frame.time, contact.u, contact.u0, contact.in_contact, frame.leg)
 
 
 def dataset_of(
-    start: Contact, rows: Sequence[Row], snapshots: Sequence[Snapshot], *, rtol: float
+    start: Contact,
+    control: Control,
+    protocol: Sequence[Leg] | None,
+    rows: Sequence[Row],
+    snapshots: Sequence[Snapshot],
+    *,
+    rtol: float,
 ) -> xr.Dataset:
     """Gather a history into a Dataset.
 
@@ -74,6 +82,10 @@ def dataset_of(
     ----------
     start
         The contact from which it started.
+    control
+        What was prescribed at the start.
+    protocol
+        The history, if it was not just one hold; then every entry says to which leg it belongs.
     rows
         The time series; the first is at time 0.
     snapshots
@@ -88,13 +100,21 @@ def dataset_of(
         | {axis: np.arange(n) for axis, n in zip(sites, start.heights.shape, strict=True)},
     )
     dataset["heights"] = (sites, start.heights)
+    if protocol is not None:
+        dataset = dataset.assign_coords(leg=("time", [int(row["leg"]) for row in rows]))
     if snapshots:
         dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
         for name in FIELDS:
             fields = np.stack([getattr(snapshot, name) for snapshot in snapshots])
             dataset[name] = (("field_time", *sites), fields)
+        if protocol is not None:
+            legs = [snapshot.leg for snapshot in snapshots]
+            dataset = dataset.assign_coords(field_leg=("field_time", legs))
     _describe(dataset)
-    return dataset.assign_attrs(_attributes(start, rtol))
+    attributes = _attributes(start, control, rtol)
+    if protocol is not None:
+        attributes["protocol"] = json.dumps([described(leg) for leg in protocol])
+    return dataset.assign_attrs(attributes)
 
 
 def _value(frame: Frame, name: str) -> float:
@@ -110,6 +130,8 @@ def _describe(dataset: xr.Dataset) -> None:
     others = {
         "time": ("hold time", TIME_UNIT),
         "field_time": ("hold time at which fields were kept", TIME_UNIT),
+        "leg": ("leg of the history, from 0", "1"),
+        "field_leg": ("leg of the history in which fields were kept, from 0", "1"),
         "x": ("site index along the last axis", "lattice spacing"),
         "y": ("site index along the first axis", "lattice spacing"),
         "heights": ("height of the rigid rough surface", "height unit"),
@@ -119,15 +141,14 @@ def _describe(dataset: xr.Dataset) -> None:
             dataset[name].attrs.update(long_name=long_name, units=unit)
 
 
-def _attributes(contact: Contact, rtol: float) -> dict[str, str | float | int]:
+def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, str | float | int]:
     """Every parameter that the results depend on."""
-    held = "load" if isinstance(contact.control, Load) else "separation"
     return {
         "title": "Aging of a rough contact",
         "asperity_version": __version__,
         **dict(contact.solid.parameters),
-        "held": held,
-        f"held_{held}": contact.control.value,
+        "held": control.name,
+        f"held_{control.name}": control.value,
         "rtol": rtol,
         "sites": contact.heights.size,
         "heights_sha256": hashlib.sha256(np.ascontiguousarray(contact.heights).tobytes()).hexdigest(),

@@ -12,15 +12,16 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from asperity.aging import Frame, relax
+from asperity.aging import Frame
 from asperity.analysis import AgingSummary, aging_summary, hold_times, map_times, modest_load, with_limit
 from asperity.config import MeasuredSurface, RunConfig, to_toml
 from asperity.config.models import Aging, Exponential, Gaussian, SelfAffine
-from asperity.contact import Contact, press
+from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
 from asperity.memory import require
-from asperity.results import Checkpoint, History, age
+from asperity.results import Checkpoint, History
+from asperity.simulate import age, press, relax
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, exponential, gaussian, read, self_affine
 from asperity.theory import ExponentialHeights, GaussianHeights

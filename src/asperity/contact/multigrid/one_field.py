@@ -59,7 +59,7 @@ class Push:
     def of(cls, springs: SpringStep, sites: int) -> Push:
         """For a flat shape, or a relaxed state."""
         if springs.load is None:
-            return cls(springs.k1, 0.0, -springs.k1 * float(np.mean(springs.shape)))
+            return cls(springs.k1, 0.0, -springs.k1 * float(np.mean(springs.anchors)))
         bed = 0.0 if springs.relaxed else springs.k1
         return cls(bed, -bed, springs.load / sites)
 

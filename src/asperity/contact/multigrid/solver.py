@@ -11,15 +11,15 @@ import asperity.checks as checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.cascade import interpolated
+from asperity.contact.mechanics import Mechanics, SpringMechanics
 from asperity.contact.multigrid.grids import Rows, usual_threads
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.two_fields import TwoFields
-from asperity.contact.problem import ContactProblem, Guess, Solution, SpringStep
+from asperity.contact.problem import ContactProblem, Guess, Solution, SpringProblem, SpringStep
 from asperity.contact.stencils import bond_energy
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.solids import SpringConstants
 
 _WORTH_COARSENING = 256
 """Least number of sites along an axis for which a start from coarser lattices pays."""
@@ -69,13 +69,12 @@ class Multigrid:
         return Multigrid, (self.threads, self.max_cycles)  # a copy has threads and work arrays of its own
 
     @staticmethod
-    def suits(springs: SpringConstants | None, shape: tuple[int, ...]) -> bool:
-        """Whether a system with these springs on a lattice of this shape can be solved so."""
-        return (
-            springs is not None
-            and min(shape) >= _FEWEST_SITES
-            and _SOFTEST * springs.k0 <= springs.k1 <= _STIFFEST * springs.k0
-        )
+    def suits(mechanics: Mechanics) -> bool:
+        """Whether this solid on this lattice can be solved so."""
+        if not isinstance(mechanics, SpringMechanics) or min(mechanics.lattice.shape) < _FEWEST_SITES:
+            return False
+        springs = mechanics.springs
+        return _SOFTEST * springs.k0 <= springs.k1 <= _STIFFEST * springs.k0
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
@@ -88,14 +87,14 @@ class Multigrid:
         ConvergenceError
             Neither cycles nor `ActiveSet` reached the tolerance.
         """
-        springs = problem.springs
-        if springs is None or len(problem.lattice.shape) != 2:
+        if not isinstance(problem, SpringProblem):
             raise InputError(
                 "solver",
                 expected="a lattice of springs in two dimensions, k0 > 0 and k1 > 0, for Multigrid",
                 got="another solid or lattice",
                 advice="solver=ActiveSet()",
             )
+        springs = problem.step
         if guess is None:
             guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
         if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
@@ -104,7 +103,7 @@ class Multigrid:
         heights = np.ascontiguousarray(problem.heights)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
         if springs.relaxed or (
-            not isinstance(springs.shape, np.ndarray) and springs.spread == springs.drag == 0
+            not isinstance(springs.anchors, np.ndarray) and springs.spread == springs.drag == 0
         ):
             done, cycles, stretch = self._one_field(springs, heights, u, tolerance)
         else:
@@ -120,7 +119,7 @@ class Multigrid:
         if not _is_smooth(heights):
             return np.full(heights.shape, _level(springs, heights))
         coarser = np.ascontiguousarray(heights[::2, ::2])
-        stiffer = replace(springs, k1=4.0 * springs.k1, shape=float(np.mean(springs.shape)))
+        stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
         u = self._cold_start(stiffer, coarser)
         np.maximum(u, coarser, out=u)
         OneField(coarser.shape, Rows(1)).solve(stiffer, coarser, u, _ROUGHLY, self.max_cycles)
@@ -141,7 +140,7 @@ class Multigrid:
         u: Field,
         tolerance: float,
     ) -> tuple[bool, int, Field | None]:
-        stretch = u - springs.shape
+        stretch = u - springs.anchors
         work = self.two_fields(heights.shape)
         done, cycles = work.solve(springs, heights, u, stretch, tolerance, self.max_cycles)
         return done, cycles, stretch
@@ -169,6 +168,6 @@ def _is_smooth(heights: Field) -> bool:
 def _level(springs: SpringStep, heights: Field) -> float:
     """Level at which independent asperities would carry the load, or of the shape they are held at."""
     if springs.load is None:
-        return float(np.mean(springs.shape))
+        return float(np.mean(springs.anchors))
     response = Response(springs.k1 / springs.k0)
     return level_of_overlap(heights, springs.load * response.compliance(0, 0.0) / springs.k0)

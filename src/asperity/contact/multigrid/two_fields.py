@@ -133,7 +133,7 @@ class TwoFields:
 
     def measure(self, springs: SpringStep, heights: Field, u: Field, w: Field, unit: float) -> None:
         """Begin a correction to the fields as they are."""
-        s, v, shift = springs, springs.shape, 0.0
+        s, v, shift = springs, springs.anchors, 0.0
         if not isinstance(v, np.ndarray):
             v = np.full(u.shape, v)
         if s.load is not None:

@@ -7,10 +7,9 @@ from contextlib import suppress
 
 import numpy as np
 
-from asperity.aging.limit import relax
-from asperity.aging.march import creep
-from asperity.contact import kernels, press
+from asperity.contact import kernels
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
+from asperity.simulate import age, press, relax
 from asperity.solids import half_space, spring_lattice
 
 
@@ -34,8 +33,7 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     heights = np.random.default_rng(0).normal(size=(66, 66))
     for solid in (spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1), half_space(modulus=1.0, creeping=0.5)):
         contact = press(heights, solid, load=80.0)
-        for _ in creep(contact, [1.0, 100.0]):
-            relax(contact)
+        relax(press(age(contact, [1.0, 100.0]).final, load=40.0))
     if stamp is not None:
         with suppress(OSError):  # then the next process looks again
             stamp.touch()

@@ -1,0 +1,93 @@
+r"""Choose the load so that the contact area stays what it was, as experiments at constant area do.
+
+Near one state the area A follows the load F and the time t since the beginning of the leg as
+
+    ln A = ln F + G ln(t + s) + constant,
+
+for it is nearly proportional to the load, and grows like the logarithm of time. The growth G is what earlier
+steps showed; the load of the next step is the one with which its end has the wanted area. A step that
+misses it is repeated with a better load. s is the end of the first step. (T. Pilvelait, S. Dillavou, S. M.
+Rubinstein, Phys. Rev.
+Research 2, 012056 (2020), measure at constant area; DOI 10.1103/PhysRevResearch.2.012056.)
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from asperity.contact.controls import Load
+
+_LARGEST_CHANGE = 0.05
+"""Largest change of ln F in one step, at first."""
+
+_ALLOWED = 0.002
+"""Part of the area that may be missing or too much, beside one site."""
+
+_MOST_REPETITIONS = 4
+"""Of a step; then the next one corrects the rest."""
+
+
+@dataclass
+class ConstantArea:
+    """The load of the next step.
+
+    Attributes
+    ----------
+    wanted
+        The area to keep, sites.
+    time, load, area
+        Where the last step ended.
+    growth, since
+        G and s.
+    correction, tries
+        What repetitions added to the change of ln F in this step, and how many they were.
+    """
+
+    wanted: float
+    time: float
+    load: float
+    area: float
+    growth: float = 0.0
+    since: float = 0.0
+    correction: float = 0.0
+    tries: int = 0
+
+    def load_for(self, length: float) -> Load:
+        """The load, linear in time, for a step of a length."""
+        change = math.log(self.wanted / max(self.area, 1.0)) - self.growth * self._lapse(length)
+        change = min(max(change, -_LARGEST_CHANGE), _LARGEST_CHANGE) + self.correction
+        return Load(self.load, self.load * math.expm1(change) / length, since=self.time)
+
+    def longest(self) -> float:
+        """Longest next step, so that the load changes little."""
+        if self.since == 0 or self.growth == 0:
+            return math.inf
+        lapse = min(_LARGEST_CHANGE / abs(self.growth), 50.0)
+        return (self.time + self.since) * math.expm1(lapse)
+
+    def misses(self, area: int) -> bool:
+        """Whether a step that ends with this area is to be repeated; then the next load is better."""
+        if abs(area - self.wanted) <= max(1.0, _ALLOWED * self.wanted) or self.tries == _MOST_REPETITIONS:
+            return False
+        self.tries += 1
+        self.correction += math.log(self.wanted / max(area, 1))
+        return True
+
+    def begin_step(self) -> None:
+        """Forget repetitions: another length."""
+        self.correction, self.tries = 0.0, 0
+
+    def accept(self, time: float, area: int, load: Load) -> None:
+        """Learn from a step that was taken."""
+        reached = load.at(time).value
+        lapse = self._lapse(time - self.time)
+        if lapse > 0:
+            shown = (math.log(max(area, 1) / max(self.area, 1.0)) - math.log(reached / self.load)) / lapse
+            self.growth = (self.growth + shown) / 2 if self.growth else shown
+        self.since = self.since or time
+        self.time, self.load, self.area = time, reached, float(area)
+        self.begin_step()
+
+    def _lapse(self, length: float) -> float:
+        return math.log1p(length / (self.time + self.since)) if self.since else 0.0

@@ -1,0 +1,228 @@
+"""Histories of load and separation: a list of legs, one after the other.
+
+    P = asp.protocols
+    protocol = [P.Hold(10.0), P.Step(load=160.0), P.Hold(100.0)]
+    protocol = [P.Repeat([P.Ramp(5.0, load=400.0), P.Ramp(5.0, load=100.0)], count=3)]
+
+Times run through the whole history. Durations are in the unit of time, loads and separations in those of
+`asperity.press`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import Literal
+
+import numpy as np
+
+import asperity.checks as checks
+from asperity.errors import LARGEST, InputError
+
+__all__ = ["Hold", "Leg", "Ramp", "Repeat", "Schedule", "Step", "described", "legs_of"]
+
+_SAME_TIME = 1e-9
+"""Relative difference of a sum of durations and a time that is meant to be it."""
+
+
+class Leg:
+    """A part of a history: `Hold`, `Ramp`, `Step` or `Repeat`."""
+
+
+@dataclass(frozen=True)
+class Hold(Leg):
+    """Nothing changes for a while.
+
+    Parameters
+    ----------
+    duration
+        How long, time > 0.
+    hold
+        What is held: ``"load"``, ``"separation"`` (the rigid body) or ``"area"`` (the load follows, so that
+        the number of sites in contact stays); by default what was prescribed last.
+    mobility
+        Factor > 0 on the mobility of creep during this leg, as a change of temperature makes it.
+    """
+
+    duration: float
+    hold: Literal["load", "separation", "area"] | None = None
+    mobility: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check(self, "duration", "mobility")
+        if self.hold not in (None, "load", "separation", "area"):
+            raise InputError("hold", expected="'load', 'separation' or 'area'", got=repr(self.hold))
+
+
+@dataclass(frozen=True)
+class Ramp(Leg):
+    """The load or the separation changes linearly in time to a new value.
+
+    Parameters
+    ----------
+    duration
+        How long, time > 0.
+    load
+        The load at the end > 0.
+    separation
+        The separation at the end: the rigid body moves by what it differs from the mean of u0 at the
+        beginning. Give either this or the load.
+    mobility
+        As in `Hold`.
+    """
+
+    duration: float
+    load: float | None = None
+    separation: float | None = None
+    mobility: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check(self, "duration", "mobility")
+        _check_target(self, "Ramp(10.0, load=400.0)")
+
+
+@dataclass(frozen=True)
+class Step(Leg):
+    """The load or the separation changes at once; the crept shape stays.
+
+    Parameters
+    ----------
+    load
+        The new load > 0.
+    separation
+        The new separation. Give either this or the load.
+    """
+
+    load: float | None = None
+    separation: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_target(self, "Step(load=400.0)")
+
+    @property
+    def duration(self) -> float:
+        """No time passes."""
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Repeat(Leg):
+    """Legs repeated.
+
+    Parameters
+    ----------
+    legs
+        The legs.
+    count
+        How many times they are done, >= 1.
+    """
+
+    legs: Sequence[Leg]
+    count: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "count", checks.integer("count", self.count, least=1))
+        object.__setattr__(self, "legs", tuple(legs_of(self.legs)))
+
+
+def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step]:
+    """Legs of a protocol one by one, repetitions written out.
+
+    Raises
+    ------
+    InputError
+        An entry is no leg, or there is none.
+    """
+    if isinstance(protocol, Leg):
+        protocol = [protocol]
+    advice = "[asperity.protocols.Hold(10.0), asperity.protocols.Step(load=160.0)]"
+    if not isinstance(protocol, Sequence) or len(protocol) == 0:
+        raise InputError("protocol", expected="a list of legs", got=repr(protocol), advice=advice)
+    for leg in protocol:
+        if isinstance(leg, Repeat):
+            for _ in range(leg.count):
+                yield from legs_of(leg.legs)
+        elif isinstance(leg, Hold | Ramp | Step):
+            yield leg
+        else:
+            raise InputError("protocol", expected="Hold, Ramp, Step or Repeat", got=repr(leg), advice=advice)
+
+
+def described(leg: Leg) -> dict[str, object]:
+    """A leg as plain numbers and words, as configuration files write it."""
+    values: dict[str, object] = {"kind": type(leg).__name__.lower()}
+    for name, value in vars(leg).items():
+        if isinstance(value, tuple):
+            value = [described(part) for part in value]
+        if value is not None and not (name == "mobility" and value == 1.0):
+            values[name] = value
+    return values
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """A protocol against the times at which it is recorded.
+
+    Attributes
+    ----------
+    legs
+        The legs, repetitions written out.
+    switches
+        Times at which they begin and end: one more than legs, the first 0.
+    """
+
+    legs: tuple[Hold | Ramp | Step, ...]
+    switches: tuple[float, ...]
+
+    @classmethod
+    def of(cls, protocol: Iterable[Hold | Ramp | Step], times: np.ndarray) -> Schedule:
+        """Lay out legs; a switch that is one of the times but for rounding is that time.
+
+        Raises
+        ------
+        InputError
+            Some time is after the end.
+        """
+        legs = tuple(protocol)
+        switches = [0.0]
+        for end in accumulate(leg.duration for leg in legs):
+            near = times[np.abs(times - end) <= _SAME_TIME * end]
+            switches.append(float(near[0]) if near.size else end)
+        if times.size and times[-1] > switches[-1]:
+            raise InputError(
+                "times",
+                expected=f"times up to {switches[-1]:g}, where the protocol ends",
+                got=f"{times[-1]:g}",
+                advice="a longer last Hold, or fewer times",
+            )
+        return cls(legs, tuple(switches))
+
+    @property
+    def jumps(self) -> set[float]:
+        """Times at which something changes at once."""
+        ends = zip(self.legs, self.switches[1:], strict=True)
+        return {end for leg, end in ends if isinstance(leg, Step)}
+
+    @property
+    def holds_separation(self) -> bool:
+        """Whether the rigid body is held or moved in some leg."""
+        return any(
+            leg.hold == "separation" if isinstance(leg, Hold) else leg.separation is not None
+            for leg in self.legs
+        )
+
+
+def _check(leg: Hold | Ramp, *names: str) -> None:
+    """Make Python floats of numbers that are to be above 0."""
+    for name in names:
+        object.__setattr__(leg, name, checks.number(name, getattr(leg, name), least=1 / LARGEST))
+
+
+def _check_target(leg: Ramp | Step, advice: str) -> None:
+    if (leg.load is None) == (leg.separation is None):
+        got = "neither" if leg.load is None else "both"
+        raise InputError("load and separation", expected="exactly one of the two", got=got, advice=advice)
+    target = "load" if leg.separation is None else "separation"
+    least = 1 / LARGEST if target == "load" else -LARGEST
+    object.__setattr__(leg, target, checks.number(target, getattr(leg, target), least=least))

@@ -1,0 +1,237 @@
+"""The three verbs: press two bodies together, let the contact age, relax it to the end of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import asperity.checks as checks
+from asperity.aging.legs import LegMidway, follow
+from asperity.aging.limit import relaxed
+from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
+from asperity.contact.choice import chosen_solver
+from asperity.contact.controls import Hold, Separation, control_from
+from asperity.contact.instantaneous import first_contact, pressed_anew
+from asperity.contact.problem import ContactSolver
+from asperity.contact.state import Contact, control_of
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.protocols import Hold as HoldLeg
+from asperity.protocols import Leg, Schedule, legs_of
+from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
+from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
+from asperity.results.history import History
+from asperity.solids import Solid
+from asperity.surfaces.heights import check_heights
+
+
+def press(
+    surface: ArrayLike | Contact,
+    solid: Solid | None = None,
+    *,
+    load: float | None = None,
+    separation: float | None = None,
+    start: Contact | None = None,
+    solver: ContactSolver | None = None,
+) -> Contact:
+    """Press a flat elastic solid onto a rigid rough surface, or press an aged contact anew.
+
+    Parameters
+    ----------
+    surface
+        Heights of the rough surface, shape ``(n,)`` or ``(n, m)``, any unit of length; periodic. Or a
+        contact, such as the ``final`` of a history: then its load or separation changes at once, and
+        what has crept stays (the shape of u0).
+    solid
+        The elastic solid, for example `asperity.solids.spring_lattice`. A contact brings its own.
+    load
+        Normal load: the sum of all contact forces, in units of stiffness times height.
+    separation
+        Mean of u0, in the unit of the heights. Give either this or the load.
+    start
+        A contact to start the search from, such as that of a slightly smaller load; it changes the
+        time taken, not the result.
+    solver
+        How to solve: by default `Multigrid` for the lattice of springs in two dimensions, and
+        `ActiveSet` for any other solid.
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    InputError
+        The heights, the load, the separation or the solid cannot be used; the message says why.
+    ConvergenceError
+        The solver did not reach its tolerance.
+
+    Notes
+    -----
+    u minimizes Jagla's energy, Eq. (e), under u >= heights, with u0 flat, or of the shape it has.
+    """
+    control = control_from(load, separation)
+    if isinstance(surface, Contact):
+        if start is not None or solid not in (None, surface.solid):
+            raise InputError(
+                "surface",
+                expected="heights, where a solid or a start is given",
+                got="a contact, which brings its solid and its shape",
+                advice="asperity.press(contact, load=...)",
+            )
+        return pressed_anew(surface, control, solver)
+    solid = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
+    provenance = getattr(surface, "provenance", None)
+    origin = dict(provenance) if isinstance(provenance, dict) else {}
+    heights = check_heights(surface)
+    return first_contact(heights, solid, control, start=start, solver=solver, surface=origin)
+
+
+def age(
+    contact: Contact,
+    times: ArrayLike,
+    *,
+    protocol: Sequence[Leg] | Leg | None = None,
+    hold: Hold | None = None,
+    rtol: float = DEFAULT_RTOL,
+    fields_at: ArrayLike = (),
+    progress: Callable[[Frame], None] | None = None,
+    checkpoint: str | Path | Checkpoint | None = None,
+    solver: ContactSolver | None = None,
+) -> History:
+    r"""Let a contact creep under what it was pressed by, and record it at exactly the given times.
+
+    Parameters
+    ----------
+    contact
+        Where to start: from `press`, or the ``final`` of an earlier history.
+    times
+        Strictly increasing hold times >= 0, shape ``(n,)``; the unit is 1 / (stiffness * R). They count
+        from this call: for the ``final`` of an earlier history from 0 again.
+    protocol
+        The history of the load or the separation: a list of legs of `asperity.protocols`. It is followed to
+        its end, which is recorded too. By default nothing changes up to the last time.
+    hold
+        Without a protocol: what is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by
+        default what the contact was pressed by.
+    rtol
+        Relative tolerance: the error of u0, rms over the sites, stays at every recorded time below
+        ``rtol`` times the largest deformation so far (the rms of u about its mean; or that of u - u0,
+        if larger, at a held separation with viscous creep); measured, not proved: see
+        ``STEP_TOLERANCE`` in ``aging/march.py``.
+    fields_at
+        Strictly increasing times >= 0 at which to keep u, u0 and in_contact; they need not be among
+        ``times``.
+    progress
+        Called with each `Frame` as it is reached.
+    checkpoint
+        File in which to keep the run's place, every ten seconds or as `Checkpoint` says. If it exists,
+        the run goes on from there, to the result that it would have had undisturbed. The file
+        stays: remove it when the results are safe. A solver of your own needs a repr that says all
+        it depends on, by which the run is recognized.
+    solver
+        How to solve the contact problems; by default as `asperity.press` does.
+
+    Returns
+    -------
+    History
+
+    Raises
+    ------
+    InputError
+        Times, tolerance or ``hold`` cannot be used; or the checkpoint is another run's.
+    ConvergenceError
+        A contact problem was not solved, or steps shrank to nothing.
+
+    Notes
+    -----
+    Integrates Jagla's Eq. (dosrs), du0/dt = M C (u - u0), by TR-BDF2, second order and L-stable,
+    with adaptive steps; see `asperity.aging.tr_bdf2`.
+    """
+    tolerance = check_rtol(rtol)
+    protocol = [protocol] if isinstance(protocol, Leg) else protocol
+    recorded = checks.times("times", times)
+    wanted = checks.times("fields_at", fields_at, at_least=0)
+    recorded, kept, keep_start = recorded[recorded > 0], wanted[wanted > 0], bool((wanted == 0).any())
+    stops = np.union1d(recorded, kept)
+    schedule = _schedule(contact, protocol, hold, stops)
+    method = chosen_solver(solver, contact.system())
+    always = {0.0} | schedule.jumps | ({schedule.switches[-1]} if protocol else set())
+    rows: list[Row] = []
+    snapshots: list[Snapshot] = []
+    keeper, resume = None, None
+    if checkpoint is not None:
+        settings = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
+        fields = np.append(kept, 0.0) if keep_start else kept
+        keeper = Keeper(settings, fingerprint_of(contact, schedule, recorded, fields, tolerance, method))
+        place = keeper.read()
+        if place is not None:
+            resume, rows, snapshots = place.midway, place.rows, place.snapshots
+
+    def keep_place(here: LegMidway) -> None:
+        if keeper is not None and keeper.is_due():
+            keeper.write(Place(here, rows, snapshots))
+
+    final = contact
+    for frame in follow(
+        contact, schedule, stops, rtol=tolerance, solver=method, resume=resume, after_step=keep_place
+    ):
+        if progress is not None:
+            progress(frame)
+        final = frame.contact
+        if frame.time in kept or (frame.time == 0 and keep_start):
+            snapshots.append(snapshot_of(frame))
+        if frame.time in recorded or frame.time in always:
+            rows.append(row_of(frame))
+    control = control_of(contact, hold) if protocol is None else contact.control
+    return History(dataset_of(contact, control, protocol, rows, snapshots, rtol=tolerance), final)
+
+
+def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:
+    """Lay out a history, or one hold up to the last time, and check that the contact can follow it."""
+    control_of(contact, hold)
+    if protocol is None:
+        schedule = Schedule.of([HoldLeg(float(times[-1]), hold)] if times.size else [], times)
+    elif hold is not None:
+        raise InputError(
+            "hold", expected="none beside a protocol", got=repr(hold), advice=f"Hold(..., hold={hold!r})"
+        )
+    else:
+        schedule = Schedule.of(legs_of(protocol), times)
+    if schedule.holds_separation:
+        contact.system(Separation(contact.separation))
+    return schedule
+
+
+def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver | None = None) -> Contact:
+    """Find the state that a contact creeps toward, without following it through time.
+
+    Parameters
+    ----------
+    contact
+        Where creep starts.
+    hold
+        What is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by default what
+        the contact was pressed by.
+    solver
+        How to solve; by default as `asperity.press` does.
+
+    Returns
+    -------
+    Contact
+        The limit. With R_viscous > 0 under load control it is the limit of the shape: the mean of
+        u0 relative to the rough surface has a limit too, but the rigid body has not.
+
+    Raises
+    ------
+    InputError
+        The limit depends on the path: k0 = 0 and a load that dies out before full contact.
+    ConvergenceError
+        The solver did not reach its tolerance.
+    """
+    if hold == "area":
+        raise InputError("hold", expected="'load' or 'separation' for the limit", got=repr(hold))
+    return relaxed(contact, control_of(contact, hold), solver)

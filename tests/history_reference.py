@@ -1,0 +1,34 @@
+"""The paper's explicit algorithm along any history: the judge of protocols. Slow and obvious."""
+
+import numpy as np
+
+from tests.independent import laplacian
+from tests.reference import settle, settle_under_load
+
+
+def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R_viscous=0.0):
+    """Return (u, u0) at each time, multiples of dt, in Euler steps from flat u0.
+
+    One of ``load_at`` and ``separation_at`` is a function of time, the other None. What is prescribed at a
+    time is what follows it: a jump at a time has happened then. The rigid body carries u0 along.
+    """
+    u0 = np.full(heights.shape, heights.max() if separation_at is None else separation_at(0.0))
+    u = np.maximum(u0, heights)
+
+    def equilibrium(u, u0, time):
+        if separation_at is None:
+            return settle_under_load(u, u0, heights, load_at(time), k0=k0, k1=k1)
+        return settle(u, u0, heights, k0=k0, k1=k1), u0
+
+    u, u0 = equilibrium(u, u0, 0.0)
+    states, step = [], 0
+    for time in times:
+        while step < round(time / dt):
+            rhs = k1 * (u0 - u)
+            u0 = u0 + dt * (R * laplacian(rhs) - R_viscous * rhs)
+            if separation_at is not None:
+                u0 = u0 + separation_at((step + 1) * dt) - separation_at(step * dt)
+            step += 1
+            u, u0 = equilibrium(u, u0, step * dt)
+        states.append((u, u0))
+    return states

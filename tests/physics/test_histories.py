@@ -1,0 +1,292 @@
+"""Histories of load and separation against slow references, closed forms and each other."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.aging.spring_steps import SpringSteps
+from asperity.aging.tr_bdf2 import FieldSteps, Point
+from asperity.contact import ActiveSet, Load, Multigrid, Separation
+from asperity.contact.problem import TOLERANCE
+from tests.history_reference import explicit_history
+from tests.independent import assert_equilibrium, laplacian
+from tests.surfaces import correlated, uncorrelated
+
+P = asp.protocols
+
+
+def springs(k1=3.0, R=1.0, R_viscous=0.0):
+    return asp.solids.spring_lattice(k0=1.0, k1=k1, R=R, R_viscous=R_viscous)
+
+
+def piecewise(*corners):
+    """A function of time, linear between corners (time, value); the later of two at one time holds there."""
+    times, values = np.array(corners).T
+
+    def at(time):
+        i = np.searchsorted(times, time + 1e-9, side="right") - 1
+        if i == len(times) - 1:
+            return values[-1]
+        return values[i] + (values[i + 1] - values[i]) * (time - times[i]) / (times[i + 1] - times[i])
+
+    return at
+
+
+@cache
+def explicit(corners, R_viscous, prescribed):
+    """States at four times; Euler's error is of first order, so two runs of it give second order."""
+    law = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": R_viscous}
+    change = piecewise(*corners)
+    functions = (change, None) if prescribed == "load" else (None, change)
+    runs = [
+        explicit_history(uncorrelated(8), *functions, (0.25, 0.5, 0.75, 1.0), 1.0 / steps, **law)
+        for steps in (100, 200)
+    ]
+    return [(2 * u_fine - u, 2 * u0_fine - u0) for (u, u0), (u_fine, u0_fine) in zip(*runs, strict=True)]
+
+
+HISTORIES = {
+    "step down": (
+        [P.Hold(0.5), P.Step(load=2.0), P.Hold(1.0)],
+        [(0, 6.0), (0.5, 6.0), (0.5, 2.0), (1.5, 2.0)],
+    ),
+    "ramp": ([P.Ramp(0.5, load=9.0), P.Hold(0.5)], [(0, 6.0), (0.5, 9.0), (1.0, 9.0)]),
+    "cycle": (
+        [P.Repeat([P.Ramp(0.25, load=1.0), P.Ramp(0.25, load=6.0)], 2)],
+        [(0, 6.0), (0.25, 1.0), (0.5, 6.0), (0.75, 1.0), (1.0, 6.0)],
+    ),
+}
+
+
+@pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])
+@pytest.mark.parametrize("R_viscous", [0.0, 0.5])
+@pytest.mark.parametrize("name", HISTORIES)
+def test_load_histories_follow_the_explicit_algorithm(name, R_viscous, solver):
+    protocol, corners = HISTORIES[name]
+    heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
+    reference = explicit(tuple(corners), R_viscous, "load")
+    contact = asp.press(heights, springs(R_viscous=R_viscous), load=corners[0][1])
+    history = asp.age(contact, times, protocol=protocol, rtol=1e-4, fields_at=times, solver=solver)
+    after = history.dataset.drop_duplicates("field_time", keep="last")
+    scale = contact.u.std()
+    for index, (u, u0) in enumerate(reference):
+        np.testing.assert_allclose(after["u"].values[index], u, atol=2e-3 * scale)
+        np.testing.assert_allclose(after["u0"].values[index], u0, atol=2e-3 * scale)
+
+
+@pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])
+@pytest.mark.parametrize("R_viscous", [0.0, 0.5])
+def test_separation_histories_follow_the_explicit_algorithm(R_viscous, solver):
+    heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
+    moves = ((0, 1.0), (0.25, 1.0), (0.25, 0.7), (0.5, 0.7), (1.0, 1.2))
+    reference = explicit(moves, R_viscous, "separation")
+    contact = asp.press(heights, springs(R_viscous=R_viscous), separation=1.0)
+    # Under viscous creep the mean of u0 differs from where the rigid body was put: moves are relative.
+    first = asp.age(contact, [0.25], rtol=1e-4).final
+    down = P.Step(separation=first.separation - 0.3)
+    second = asp.age(contact, [0.5], protocol=[P.Hold(0.25), down, P.Hold(0.25)], rtol=1e-4).final
+    protocol = [P.Hold(0.25), down, P.Hold(0.25), P.Ramp(0.5, separation=second.separation + 0.5)]
+    history = asp.age(contact, times, protocol=protocol, rtol=1e-4, fields_at=times, solver=solver)
+    after = history.dataset.drop_duplicates("field_time", keep="last")
+    scale = contact.u.std()
+    for index, (u, u0) in enumerate(reference):
+        np.testing.assert_allclose(after["u"].values[index], u, atol=2e-3 * scale)
+        np.testing.assert_allclose(after["u0"].values[index], u0, atol=2e-3 * scale)
+
+
+def test_a_line_of_four_sites_loses_a_contact_after_unloading():
+    # The smallest example of a solid that is not separable; the time from an explicit run in steps of 1e-5.
+    heights = np.array([1.0, 3.0, 4.0, 5.0]) / 9
+    contact = asp.press(heights, springs(), load=2.4)
+    history = asp.age(
+        contact,
+        [10.170, 10.172, 20.0],
+        protocol=[P.Hold(10.0), P.Step(load=0.48), P.Hold(10.0)],
+        rtol=1e-5,
+    )
+    assert history.dataset["area"].values.tolist() == [3, 3, 3, 3, 2, 2]
+
+
+def test_a_separable_solid_loses_no_contact_after_a_jump_down():
+    solid = asp.solids.half_space(modulus=2.0, creeping=0.9, relaxation_time=1.0)
+    histories = 0
+    for seed in range(20):
+        n = 512 if seed % 2 else 24
+        shape = (n,) if seed % 2 else (n, n)
+        heights = np.random.default_rng(seed).normal(size=shape)
+        contact = asp.press(heights, solid, load=0.3 * heights.size**0.5)
+        old = asp.age(contact, [1.0]).final
+        lighter = asp.press(old, load=0.1 * heights.size**0.5)
+        assert 0 < lighter.area < old.area
+        kept = asp.age(lighter, np.geomspace(1e-2, 10, 6), fields_at=[0.0, *np.geomspace(1e-2, 10, 6)])
+        touching = kept.dataset["in_contact"].values.astype(int)
+        assert (np.diff(touching, axis=0) >= 0).all()
+        histories += heights.size
+    assert histories >= 10_000
+
+
+@pytest.mark.parametrize("solver", [None, ActiveSet()], ids=["springs", "fields"])
+def test_one_call_equals_the_same_composed_by_hand(solver):
+    heights = correlated(48)
+    contact = asp.press(heights, springs(R_viscous=0.1), load=0.05 * heights.size)
+    loads = (0.02 * heights.size, 0.08 * heights.size)
+    whole = asp.age(
+        contact,
+        [3.0, 10.0, 110.0, 111.0],
+        protocol=[P.Hold(10.0), P.Step(load=loads[0]), P.Hold(100.0), P.Step(load=loads[1]), P.Hold(1.0)],
+        solver=solver,
+    )
+    first = asp.age(contact, [3.0, 10.0], solver=solver)
+    second = asp.age(asp.press(first.final, load=loads[0], solver=solver), [100.0], solver=solver)
+    third = asp.age(asp.press(second.final, load=loads[1], solver=solver), [1.0], solver=solver)
+    np.testing.assert_array_equal(whole.final.u0, third.final.u0)
+    parts = [run.dataset[["area", "load", "energy"]].to_array().values for run in (first, second, third)]
+    together = whole.dataset[["area", "load", "energy"]].to_array().values
+    np.testing.assert_allclose(np.concatenate(parts, axis=1), together, rtol=1e-9)
+    assert whole.dataset["time"].values.tolist() == [0, 3, 10, 10, 110, 110, 111]
+    assert whole.dataset["leg"].values.tolist() == [0, 0, 0, 1, 2, 3, 4]
+    for state in (whole.final, asp.press(first.final, load=loads[0])):
+        assert_equilibrium(state, k0=1.0, k1=3.0, load=state.load)
+
+
+@pytest.mark.parametrize("change", ["load", "separation"])
+def test_a_step_to_what_it_was_changes_nothing(change):
+    heights = uncorrelated(32)
+    contact = asp.press(heights, springs(), load=0.05 * heights.size)
+    old = asp.age(contact, [10.0]).final
+    again = asp.press(old, **{change: getattr(old, change)})
+    np.testing.assert_array_equal(again.in_contact, old.in_contact)
+    np.testing.assert_allclose(again.u, old.u, atol=1e-8)
+    np.testing.assert_allclose(again.u0, old.u0, atol=1e-8)
+    plain, stepped = (
+        asp.age(contact, [10.0, 1000.0], protocol=protocol).final
+        for protocol in ([P.Hold(1000.0)], [P.Hold(10.0), P.Step(load=old.load), P.Hold(990.0)])
+    )
+    assert np.abs(plain.u0 - stepped.u0).std() < 2e-3 * plain.u.std()
+
+
+def test_pressing_back_at_once_is_elastic():
+    heights = uncorrelated(32)
+    old = asp.age(asp.press(heights, springs(), load=60.0), [10.0]).final
+    back = asp.press(asp.press(old, load=10.0), load=60.0)
+    np.testing.assert_array_equal(back.in_contact, old.in_contact)
+    np.testing.assert_allclose(back.u, old.u, atol=1e-8)
+
+
+def test_a_ramp_is_the_limit_of_many_steps():
+    heights = uncorrelated(16)
+    contact = asp.press(heights, springs(), load=5.0)
+    ramp = asp.age(contact, [2.0], protocol=[P.Ramp(2.0, load=30.0)], rtol=1e-4).final
+    misses = []
+    for n in (8, 16, 32):
+        loads = 5.0 + 25.0 * (np.arange(n) + 0.5) / n
+        legs = [leg for load in loads for leg in (P.Step(load=load), P.Hold(2.0 / n))]
+        stairs = asp.age(contact, [2.0], protocol=[*legs, P.Step(load=30.0)], rtol=1e-4).final
+        misses.append(np.abs(stairs.u0 - ramp.u0).max())
+    assert misses[2] < 0.3 * misses[0]  # at least like 1/n
+    assert misses[2] < 2e-3 * ramp.u.std()
+
+
+def events_off(control):
+    """One asperity: the contact stays one site, so that nothing but the steps makes an error."""
+    heights = np.full((16, 16), -100.0)
+    heights[5, 7] = 0.0
+    contact = asp.press(heights, springs(R_viscous=0.2), load=2.0)
+    return contact, contact.system(control(contact))
+
+
+@pytest.mark.parametrize("kind", [SpringSteps, FieldSteps])
+@pytest.mark.parametrize(
+    "control",
+    [lambda contact: Load(contact.load, 6.0), lambda contact: Separation(contact.separation, -3.0)],
+    ids=["load", "separation"],
+)
+def test_ramps_converge_at_second_order(kind, control):
+    contact, system = events_off(control)
+    solver = Multigrid() if kind is SpringSteps else ActiveSet()
+
+    def shape_after(steps):
+        now = kind.begin(system, solver, Point.of(system, contact))
+        for index in range(steps):
+            now.attempt(1.0 / steps, (TOLERANCE, TOLERANCE), (1e-9, 1e-9))
+            now.accept((index + 1) / steps)
+        u, stretch = now.state()
+        return u - stretch - (u - stretch).mean()
+
+    exact = shape_after(512)
+    errors = [np.linalg.norm(shape_after(steps) - exact) for steps in (16, 32, 64)]
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("R_viscous", [0.0, 0.3])
+def test_work_is_energy_and_dissipation(R_viscous):
+    heights = uncorrelated(16)
+    contact = asp.press(heights, springs(R_viscous=R_viscous), load=10.0)
+    protocol = [P.Hold(1.0), P.Ramp(1.0, load=25.0), P.Step(load=8.0), P.Ramp(1.0, load=5.0), P.Hold(1.0)]
+    times = np.linspace(0.0, 4.0, 1601)
+    # Early creep after a switch is fast.
+    times = np.unique(
+        np.concatenate([times, *(switch + np.geomspace(1e-5, 0.1, 200) for switch in range(4))])
+    )
+    history = asp.age(contact, times, protocol=protocol, rtol=1e-4, fields_at=times)
+    data = history.dataset
+    stretch = (data["u"] - data["u0"]).values * 3.0  # force of the springs to the bulk
+    power = np.array([np.sum(s * (R_viscous * s - laplacian(s))) for s in stretch])
+    legs, time = data["leg"].values, data["time"].values
+    total, lost, worked = 0.0, 0.0, 0.0
+    for part in ([0, 1], [2, 3, 4]):
+        here = np.isin(legs, part)
+        load, approach = data["load"].values[here], data["approach"].values[here]
+        worked += np.sum((load[1:] + load[:-1]) / 2 * np.diff(approach))
+        lost += np.sum((power[here][1:] + power[here][:-1]) / 2 * np.diff(time[here]))
+        total += (
+            np.ptp(data["energy"].values[here][[0, -1]])
+            * np.sign(np.diff(data["energy"].values[here][[0, -1]]))[0]
+        )
+    assert lost > 0
+    assert worked == pytest.approx(total + lost, abs=2e-3 * (abs(worked) + lost))
+
+
+def test_the_general_path_agrees_with_that_of_springs():
+    heights = correlated(32)
+    contact = asp.press(heights, springs(R_viscous=0.05), load=0.05 * heights.size)
+    protocol = [
+        P.Ramp(1.0, load=0.1 * heights.size),
+        P.Hold(10.0, hold="separation"),
+        P.Step(load=0.03 * heights.size),
+        P.Hold(100.0),
+    ]
+    quick, general = (
+        asp.age(contact, [0.5, 2.0, 12.0], protocol=protocol, solver=solver, fields_at=[1.0, 111.0])
+        for solver in (Multigrid(), ActiveSet())
+    )
+    for name in ("u", "u0"):
+        difference = (quick.dataset[name] - general.dataset[name]).std(["x", "y"])
+        assert (difference < 2e-3 * quick.dataset["u"].std(["x", "y"])).all()
+    assert quick.dataset["area"].values == pytest.approx(general.dataset["area"].values, rel=0.01, abs=1)
+
+
+def test_mobility_is_a_factor_on_the_clock_of_a_leg():
+    heights = uncorrelated(24)
+    contact = asp.press(heights, springs(R_viscous=0.1), load=30.0)
+    quick = asp.age(contact, [0.5, 0.75], protocol=[P.Hold(0.5), P.Hold(0.5, mobility=64.0)])
+    slow = asp.age(contact, [0.5, 16.5], protocol=[P.Hold(0.5), P.Hold(32.0)])
+    np.testing.assert_array_equal(quick.final.u0, slow.final.u0)
+    assert quick.dataset["time"].values.tolist() == [0.0, 0.5, 0.75, 1.0]
+    np.testing.assert_array_equal(quick.dataset["approach"], slow.dataset["approach"])
+
+
+@pytest.mark.parametrize("solver", [None, ActiveSet()], ids=["springs", "fields"])
+def test_the_area_stays_and_the_load_follows(solver):
+    heights = correlated(64)
+    contact = asp.press(heights, springs(), load=0.05 * heights.size)
+    protocol = [P.Hold(100.0, hold="area"), P.Hold(100.0)]
+    history = asp.age(contact, [1.0, 10.0, 100.0], protocol=protocol, solver=solver)
+    area, load = (history.dataset[name].values for name in ("area", "load"))
+    assert np.abs(area[:-1] - area[0]).max() <= max(2, 0.005 * area[0])
+    assert (np.diff(load[:-1]) < 0).all()
+    assert load[-1] == pytest.approx(load[-2], rel=1e-9)
+    assert area[-1] > area[-2]
+    assert_equilibrium(history.final, k0=1.0, k1=3.0, load=load[-1])

@@ -1,0 +1,121 @@
+"""Protocols: what they take, what they refuse, and what a history says of them."""
+
+import json
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.errors import InputError
+from asperity.protocols import Hold, Ramp, Repeat, Schedule, Step, described, legs_of
+from tests.surfaces import uncorrelated
+
+SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+CONTACT = asp.press(uncorrelated(16), SOLID, load=10.0)
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: Hold(-1.0), "duration"),
+        (lambda: Hold(0.0), "duration"),
+        (lambda: Hold(NAN), "duration"),
+        (lambda: Hold("long"), "duration"),
+        (lambda: Hold(1.0, mobility=0.0), "mobility"),
+        (lambda: Hold(1.0, hold="height"), "hold"),
+        (lambda: Ramp(1.0), "load and separation"),
+        (lambda: Ramp(1.0, load=1.0, separation=1.0), "load and separation"),
+        (lambda: Ramp(-1.0, load=1.0), "duration"),
+        (lambda: Ramp(1.0, load=0.0), "load"),
+        (lambda: Ramp(1.0, load=-3.0), "load"),
+        (lambda: Ramp(1.0, separation=NAN), "separation"),
+        (lambda: Step(load=0.0), "load"),
+        (lambda: Step(), "load and separation"),
+        (lambda: Repeat([Hold(1.0)], 0), "count"),
+        (lambda: Repeat([], 2), "protocol"),
+        (lambda: Repeat([Hold(1.0), "hold"], 2), "protocol"),
+    ],
+)
+def test_legs_that_cannot_be(make, name):
+    with pytest.raises(InputError, match=f"^{name}: expected") as caught:
+        make()
+    assert "\n" not in str(caught.value)
+
+
+HALF_SPACE = asp.press(uncorrelated(16), asp.solids.half_space(modulus=2.0), load=10.0)
+LIFTED = asp.press(uncorrelated(16), SOLID, separation=50.0)
+
+
+@pytest.mark.parametrize(
+    ("contact", "arguments", "message"),
+    [
+        (CONTACT, {"times": [1.0, 3.0], "protocol": [Hold(2.0)]}, "times: expected times up to 2, where"),
+        (CONTACT, {"times": [1.0], "protocol": []}, "protocol: expected a list of legs, got"),
+        (CONTACT, {"times": [1.0], "protocol": "hold"}, "protocol: expected Hold, Ramp, Step or Repeat"),
+        (CONTACT, {"times": [1.0], "protocol": 3}, "protocol: expected a list of legs"),
+        (CONTACT, {"times": [1.0], "protocol": [Hold(1.0)], "hold": "load"}, "hold: expected none beside"),
+        (HALF_SPACE, {"times": [1.0], "protocol": [Hold(1.0), Step(separation=0.0)]}, "separation: expected"),
+        (HALF_SPACE, {"times": [1.0], "protocol": [Hold(1.0, hold="separation")]}, "separation: expected"),
+        (
+            LIFTED,
+            {"times": [1.0], "protocol": [Hold(1.0, hold="area")]},
+            "hold: expected a contact that carries",
+        ),
+        (
+            LIFTED,
+            {"times": [1.0], "protocol": [Ramp(1.0, load=3.0)]},
+            "hold: expected a contact that carries",
+        ),
+    ],
+)
+def test_histories_that_cannot_be(contact, arguments, message):
+    with pytest.raises(InputError, match=message):
+        asp.age(contact, **arguments)
+
+
+def test_a_solid_is_not_changed_under_a_contact():
+    with pytest.raises(InputError, match="a contact, which brings its solid"):
+        asp.press(CONTACT, asp.solids.spring_lattice(k0=1.0, k1=4.0), load=3.0)
+    assert asp.press(CONTACT, SOLID, load=10.0).area == CONTACT.area
+
+
+def test_nobody_else_makes_a_contact():
+    with pytest.raises(TypeError, match="only press, age and relax make one"):
+        asp.Contact(u=np.zeros((2, 2)))
+
+
+def test_repetitions_are_written_out():
+    cycle = Repeat([Ramp(1.0, load=2.0), Repeat([Hold(1.0)], 2)], 3)
+    assert list(legs_of([cycle, Hold(4.0)])) == [Ramp(1.0, load=2.0), Hold(1.0), Hold(1.0)] * 3 + [Hold(4.0)]
+    assert list(legs_of(Hold(1.0))) == [Hold(1.0)]
+
+
+def test_a_switch_is_the_time_that_is_meant():
+    legs = [Hold(0.1)] * 3
+    assert sum(leg.duration for leg in legs) != 0.3
+    assert Schedule.of(legs, np.array([0.3])).switches[-1] == 0.3
+    history = asp.age(CONTACT, [0.1, 0.3], protocol=legs)
+    assert history.dataset["time"].values.tolist() == [0.0, 0.1, 0.3]
+    assert history.dataset["leg"].values.tolist() == [0, 0, 2]
+
+
+def test_a_history_describes_itself(tmp_path):
+    protocol = [Repeat([Hold(0.5, mobility=2.0), Step(load=5.0)], 2)]
+    history = asp.age(CONTACT, [0.5], protocol=protocol, fields_at=[0.5])
+    data = history.dataset
+    assert data["time"].values.tolist() == [0.0, 0.5, 0.5, 1.0, 1.0]
+    assert data["leg"].values.tolist() == [0, 0, 1, 2, 3]
+    assert data["field_time"].values.tolist() == [0.5, 0.5]
+    assert data["field_leg"].values.tolist() == [0, 1]
+    assert json.loads(data.attrs["protocol"]) == [described(protocol[0])]
+    assert described(protocol[0])["legs"] == [
+        {"kind": "hold", "duration": 0.5, "mobility": 2.0},
+        {"kind": "step", "load": 5.0},
+    ]
+    history.save(tmp_path / "history.zarr")
+    assert asp.results.load(tmp_path / "history.zarr").identical(data)
+
+
+def test_without_a_protocol_nothing_is_new():
+    assert "leg" not in asp.age(CONTACT, [1.0]).dataset.coords
