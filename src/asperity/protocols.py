@@ -20,7 +20,13 @@ import numpy as np
 import asperity.checks as checks
 from asperity.errors import LARGEST, InputError
 
-__all__ = ["Hold", "Leg", "Ramp", "Repeat", "Schedule", "Step", "described", "legs_of"]
+__all__ = ["Hold", "Leg", "Ramp", "Repeat", "Step"]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__
+
 
 _SAME_TIME = 1e-9
 """Relative difference of a sum of durations and a time that is meant to be it."""

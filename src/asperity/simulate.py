@@ -29,7 +29,7 @@ from asperity.surfaces.heights import check_heights
 
 
 def press(
-    surface: ArrayLike | Contact,
+    heights: ArrayLike | Contact,
     solid: Solid | None = None,
     *,
     load: float | None = None,
@@ -41,7 +41,7 @@ def press(
 
     Parameters
     ----------
-    surface
+    heights
         Heights of the rough surface, shape ``(n,)`` or ``(n, m)``, any unit of length; periodic. Or a
         contact, such as the ``final`` of a history: then its load or separation changes at once, and
         what has crept stays (the shape of u0).
@@ -74,20 +74,20 @@ def press(
     u minimizes Jagla's energy, Eq. (e), under u >= heights, with u0 flat, or of the shape it has.
     """
     control = control_from(load, separation)
-    if isinstance(surface, Contact):
-        if start is not None or solid not in (None, surface.solid):
+    if isinstance(heights, Contact):
+        if start is not None or solid not in (None, heights.solid):
             raise InputError(
-                "surface",
+                "heights",
                 expected="heights, where a solid or a start is given",
                 got="a contact, which brings its solid and its shape",
                 advice="asperity.press(contact, load=...)",
             )
-        return pressed_anew(surface, control, solver)
+        return pressed_anew(heights, control, solver)
     solid = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
-    provenance = getattr(surface, "provenance", None)
+    provenance = getattr(heights, "provenance", None)
     origin = dict(provenance) if isinstance(provenance, dict) else {}
-    heights = check_heights(surface)
-    return first_contact(heights, solid, control, start=start, solver=solver, surface=origin)
+    rough = check_heights(heights)
+    return first_contact(rough, solid, control, start=start, solver=solver, surface=origin)
 
 
 def age(

@@ -39,15 +39,15 @@ def explicit(corners, R_viscous, prescribed):
     """States at four times; Euler's error is of first order, so two runs of it give second order."""
     law = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": R_viscous}
     change = piecewise(*corners)
-    functions = (change, None) if prescribed == "load" else (None, change)
+    load_at, separation_at = (change, None) if prescribed == "load" else (None, change)
     runs = [
-        explicit_history(uncorrelated(8), *functions, (0.25, 0.5, 0.75, 1.0), 1.0 / steps, **law)
+        explicit_history(uncorrelated(8), load_at, separation_at, (0.25, 0.5, 0.75, 1.0), 1 / steps, **law)
         for steps in (100, 200)
     ]
     return [(2 * u_fine - u, 2 * u0_fine - u0) for (u, u0), (u_fine, u0_fine) in zip(*runs, strict=True)]
 
 
-HISTORIES = {
+HISTORIES: dict[str, tuple[list[asp.protocols.Leg], list[tuple[float, float]]]] = {
     "step down": (
         [P.Hold(0.5), P.Step(load=2.0), P.Hold(1.0)],
         [(0, 6.0), (0.5, 6.0), (0.5, 2.0), (1.5, 2.0)],

@@ -21,9 +21,9 @@ NAN = float("nan")
         (lambda: Hold(-1.0), "duration"),
         (lambda: Hold(0.0), "duration"),
         (lambda: Hold(NAN), "duration"),
-        (lambda: Hold("long"), "duration"),
+        (lambda: Hold("long"), "duration"),  # type: ignore[arg-type]
         (lambda: Hold(1.0, mobility=0.0), "mobility"),
-        (lambda: Hold(1.0, hold="height"), "hold"),
+        (lambda: Hold(1.0, hold="height"), "hold"),  # type: ignore[arg-type]
         (lambda: Ramp(1.0), "load and separation"),
         (lambda: Ramp(1.0, load=1.0, separation=1.0), "load and separation"),
         (lambda: Ramp(-1.0, load=1.0), "duration"),
@@ -34,7 +34,7 @@ NAN = float("nan")
         (lambda: Step(), "load and separation"),
         (lambda: Repeat([Hold(1.0)], 0), "count"),
         (lambda: Repeat([], 2), "protocol"),
-        (lambda: Repeat([Hold(1.0), "hold"], 2), "protocol"),
+        (lambda: Repeat([Hold(1.0), "hold"], 2), "protocol"),  # type: ignore[list-item]
     ],
 )
 def test_legs_that_cannot_be(make, name):

@@ -32,8 +32,15 @@ class Control(ABC):
     load_controlled: ClassVar[bool]
     """Whether the sum of the contact forces is prescribed."""
 
+    def __post_init__(self) -> None:
+        for name in ("rate", "since"):
+            object.__setattr__(self, name, checks.number(name, getattr(self, name)))
+        object.__setattr__(self, "value", self.checked(self.value))
+
+    @staticmethod
     @abstractmethod
-    def __post_init__(self) -> None: ...
+    def checked(value: float) -> float:
+        """Make a float of a value that can be prescribed."""
 
     def at(self, time: float) -> Self:
         """Return what is prescribed at a time, constant from there."""
@@ -47,10 +54,11 @@ class Load(Control):
     name = "load"
     load_controlled = True
 
-    def __post_init__(self) -> None:
+    @staticmethod
+    def checked(value: float) -> float:
+        """Make a float of a load."""
         expected = f"a finite number > 0 (from {1 / LARGEST:g} to {LARGEST:g})"
-        load = checks.number("load", self.value, least=1 / LARGEST, expected=expected)
-        object.__setattr__(self, "value", load)
+        return checks.number("load", value, least=1 / LARGEST, expected=expected)
 
 
 @dataclass(frozen=True)
@@ -60,8 +68,10 @@ class Separation(Control):
     name = "separation"
     load_controlled = False
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "value", checks.number("separation", self.value))
+    @staticmethod
+    def checked(value: float) -> float:
+        """Make a float of a separation."""
+        return checks.number("separation", value)
 
 
 Hold = Literal["load", "separation", "area"]
