@@ -26,7 +26,7 @@ from asperity.config import MeasuredSurface, RunConfig
 from asperity.config.models import SelfAffine
 from asperity.errors import AsperityError
 from asperity.lattice import Field
-from asperity.runs import Silent, execute, hold_times_of, measured_surface
+from asperity.runs import Silent, execute, recorded_times, measured_surface
 
 _PATIENCE = 3.0
 """Seconds of computing after which no further trial run is begun."""
@@ -252,7 +252,7 @@ def _halved(shape: Sequence[int], most: int) -> list[int]:
 
 def _bytes(config: RunConfig) -> int:
     """Space of a run on disk. Numbers hardly compress, but for what is true or false."""
-    times, maps = 1 + len(hold_times_of(config.aging)), len(config.output.maps_at or ())
+    times, maps = 1 + len(recorded_times(config)), len(config.output.maps_at or ())
     axes, sites = len(_shape(config)), math.prod(_shape(config))
     arrays = [(8 * len(QUANTITIES) * times, 2)]
     if maps:

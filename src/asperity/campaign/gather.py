@@ -16,7 +16,7 @@ from asperity.campaign.store import FITTED, Store
 from asperity.config import RunConfig, from_tables, to_tables
 from asperity.config.reading import tables_to_toml
 from asperity.errors import InputError
-from asperity.results.dataset import SERIES, TIME_UNIT
+from asperity.results.dataset import LEG, SERIES, TIME_UNIT
 
 _NO_ENSEMBLE = (
     *("steps", "rejected", "iterations", "residual", "worst_residual", "relaxed_residual"),
@@ -95,11 +95,13 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         if run.identity in finished:
             one, place = finished[run.identity], _place(plan, run)
             everything: tuple[Any, ...] = (slice(None), *place)
-            series[everything] = one.series[1:]
+            series[everything] = one.series[1 : 1 + len(SERIES)]
             for row, name in enumerate(names):
                 scalars[row, *place] = one.scalars.get(name, np.nan)
     dims = _dims(plan)
     coordinates = _coordinates(plan)
+    if plan.runs[0].config.protocol:
+        coordinates["leg"] = ("time", some.series[-1].astype(int), {"long_name": LEG, "units": "1"})
     dataset = xr.Dataset(coords=coordinates | {"time": times})
     for row, (name, (long_name, unit)) in enumerate(SERIES.items()):
         # A swept load is a coordinate; the load as it developed needs another name then.
@@ -215,6 +217,9 @@ def _in_common(plan: Plan) -> dict[str, Any]:
     swept: dict[str, Any] = {}
     for number, axis in enumerate(plan.axes):
         at = {run.point[number]: run.config for run in reversed(plan.runs)}
+        if axis.section == "protocol":
+            swept[axis.name] = list(axis.values)
+            continue
         swept[axis.name] = [getattr(getattr(at[i], axis.section), axis.name) for i in range(len(at))]
         tables[axis.section].pop(axis.name)
     if plan.seeds:
@@ -226,7 +231,10 @@ def _in_common(plan: Plan) -> dict[str, Any]:
     config = tables_to_toml(tables | {"sweep": swept})
     if len(plan.seeds) > 1:
         tables["surface"].pop("seed")
+    legs = tables.pop("protocol", None)
     facts = {key: value for name, table in tables.items() if name != "output" for key, value in table.items()}
+    if legs is not None:
+        facts["protocol"] = json.dumps(legs)
     return facts | {"config": config}
 
 

@@ -4,6 +4,7 @@ The file is that of ``asperity run`` with one more section::
 
     [sweep]
     load = [200.0, 800.0]     # any key of [surface], [solid], [contact], or [aging] hold and rtol
+    protocol.1.load = [160.0] # or a load, separation or mobility in a leg of [[protocol]], counted from 0
     k1 = [1.0, 3.0, 10.0]
     seeds = 32                # so many from the surface's seed on, or a list
     combine = "grid"          # every load with every k1; "zip" takes them pairwise
@@ -11,6 +12,7 @@ The file is that of ``asperity run`` with one more section::
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import itertools
 import json
@@ -157,6 +159,15 @@ def _lists(
     homes = {name: "surface" for model in SURFACES.values() for name in model.model_fields}
     homes |= {name: section for section, model in SECTIONS.items() for name in model.model_fields}
     flat: dict[tuple[str | None, str], Any] = {}
+    for path, values in _paths(swept.pop("protocol", {})):
+        where, key = f"[sweep] protocol.{path}", path.split(".")[-1]
+        if key not in ("load", "separation", "mobility"):
+            advice = "load, separation and mobility of a leg can: protocol.1.load = [...]"
+            problems.append(f"{where}: cannot be swept; {advice}")
+        elif not isinstance(values, list) or not values:
+            problems.append(f"{where}: expected a list of values, got {values!r}")
+        else:
+            yield ("protocol", f"protocol.{path}"), values
     for key, value in swept.items():
         inner = value.items() if isinstance(value, dict) else [(None, value)]
         for name, values in inner:
@@ -178,6 +189,27 @@ def _lists(
             problems.append(f"{where}: expected different values, got {values!r}")
         else:
             yield (homes[name], name), values
+
+
+def _paths(tree: object, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Values within tables of tables, each with the keys that lead to it."""
+    if not isinstance(tree, dict):
+        yield path, tree
+        return
+    for key, value in tree.items():
+        yield from _paths(value, f"{path}.{key}".lstrip("."))
+
+
+def _put(legs: Any, path: str, value: object) -> None:
+    """Put a value into a leg: ``protocol.1.load``, or ``protocol.0.legs.1.load`` within a repetition."""
+    *way, last = path.split(".")[1:]
+    leg = legs
+    try:
+        for key in way:
+            leg = leg[int(key)] if isinstance(leg, list) else leg[key]
+        leg[last] = value
+    except (KeyError, IndexError, ValueError, TypeError):
+        raise ConfigError([f"[sweep] {path}: no such leg; legs count from 0"]) from None
 
 
 def _swept_keys(kind: object) -> list[str]:
@@ -251,6 +283,11 @@ def _runs(
 def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None) -> dict[str, Any]:
     """The tables of the file with the values of one run in them."""
     merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
+    flags = dict(flags)
+    if "protocol" in flags:
+        merged["protocol"] = copy.deepcopy(merged.get("protocol"))
+        for path, value in flags.pop("protocol").items():
+            _put(merged["protocol"], path, value)
     seeded: Sections = {} if seed is None else {"surface": {"seed": seed}}
     for section, keys in itertools.chain(flags.items(), seeded.items()):
         table = merged.setdefault(section, {})

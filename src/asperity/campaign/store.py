@@ -32,7 +32,7 @@ from asperity.results.dataset import FIELDS, SERIES
 from asperity.results.store import flush, flush_folder, whole_file
 from asperity.runs import Outcome
 
-QUANTITIES = ("time", *SERIES)
+QUANTITIES = ("time", *SERIES, "leg")
 FITTED = ("a", "q", "t0", "C")
 _UNREADABLE = (OSError, KeyError, ValueError, RuntimeError)
 """What zarr raises over arrays that are not there or cannot be decoded."""
@@ -217,7 +217,8 @@ class Store:
 def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
     """One array holds the series: writing costs by the array, and there may be thousands of runs."""
     dataset = outcome.dataset
-    series = np.stack([np.asarray(dataset[name], dtype=np.float64) for name in QUANTITIES])
+    known = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=("time", dataset["steps"].data * 0))
+    series = np.stack([np.asarray(known[name], dtype=np.float64) for name in QUANTITIES])
     group = zarr.open_group(folder, mode="w")
     group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))
     fields = {}
@@ -250,9 +251,9 @@ def _scalars(outcome: Outcome) -> dict[str, float]:
     """One number each: where the run began and ended, its limit, its fit; absent where there is none."""
     dataset, summary = outcome.dataset, outcome.summary
     scalars = {
-        "sites": float(summary.sites),
+        "sites": float(dataset.attrs["sites"]),
         "held": float(dataset.attrs[f"held_{dataset.attrs['held']}"]),
-        "initial_area": float(summary.initial_area),
+        "initial_area": float(dataset["area"][0]),
         "final_area": float(dataset["area"][-1]),
         "worst_residual": float(dataset["residual"].max()),
     }
@@ -261,7 +262,7 @@ def _scalars(outcome: Outcome) -> dict[str, float]:
         for name, value in dataset.attrs.items()
         if name.startswith("relaxed_") and np.isfinite(value)
     }
-    if summary.fit is not None:
+    if summary is not None and summary.fit is not None:
         fitted = {f"fit_{name}": getattr(summary.fit, name) for name in FITTED}
         fitted |= {f"fit_{name}_uncertainty": getattr(summary.fit, f"{name}_stderr") for name in FITTED}
         fitted["fit_misfit"] = summary.fit.rms_residual

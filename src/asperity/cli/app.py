@@ -77,6 +77,7 @@ def run(
     out: Out = Path("asperity-out"),
     overwrite: Switch = False,
     quiet: Quiet = False,
+    leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     surface: Flags | None = None,
     preparation: Flags | None = None,
     solid: Flags | None = None,
@@ -99,9 +100,17 @@ def run(
         Replace the results of an earlier run.
     quiet
         Print neither progress nor summary.
+    leg
+        A leg of the history of the load or the separation, as often as there are legs: "hold 10",
+        "ramp 5 load=400", "step load=160", "hold 100 hold=area", "repeat 3" (the legs so far).
+        [default: one hold]
     """
     flags = given(surface, preparation, solid, contact, aging, output)
+    from asperity.config.legs import legs_from_words
     from asperity.config.reading import read_config
+
+    if leg:
+        flags["protocol"] = {"legs": legs_from_words(leg)}
 
     settings = read_config(config, flags)
     from asperity.cli.run import run as run_it

@@ -82,7 +82,7 @@ def check_free(out: Path, *, overwrite: bool) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    return name in (*_SIGNS_OF_A_RUN, "aging.csv") or Path(name).stem in ("aging", "contacts")
+    return name in (*_SIGNS_OF_A_RUN, "aging.csv") or Path(name).stem in ("aging", "history", "contacts")
 
 
 def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:
@@ -159,8 +159,11 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
         return ()
     remarks = []
     drawings: dict[str, Callable[[], Figure]] = {}
-    if outcome.summary.time.size:
-        drawings["aging"] = lambda: aging_curve(outcome.dataset, outcome.summary)
+    summary = outcome.summary
+    if summary is None:
+        drawings["history"] = lambda: history_figure(outcome.dataset)
+    elif summary.time.size:
+        drawings["aging"] = lambda: aging_curve(outcome.dataset, summary)
     if maps := outcome.dataset.sizes.get("field_time", 0):
         shown = outcome.dataset
         if maps > _MOST_MAPS:
@@ -178,9 +181,11 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
 
 def _write_table(outcome: Outcome, path: Path) -> None:
     """One row a time, from 0 on; numbers to the last digit."""
-    dataset = outcome.dataset.assign(area_ratio=("time", [1.0, *outcome.summary.area_ratio]))
-    columns = [dataset[name].values.tolist() for name in _COLUMNS]
+    dataset = outcome.dataset
+    dataset = dataset.assign(area_ratio=dataset["area"] / dataset["area"][0])
+    names = [*_COLUMNS, *(["leg"] if "leg" in dataset.coords else [])]
+    columns = [dataset[name].values.tolist() for name in names]
     with path.open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
-        table.writerow(_COLUMNS)
+        table.writerow(names)
         table.writerows(zip(*columns, strict=True))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from asperity.words import printable
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from asperity.analysis import AgingSummary
     from asperity.runs import Outcome
 
@@ -31,23 +33,11 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
     attrs = dataset.attrs
     held = str(attrs["held"])
     solid = ", ".join(f"{name} = {value:g}" for name, value in config.solid.model_dump().items())
-    rows = [
-        ("surface", _surface(outcome)),
-        ("solid", solid),
-        ("held", f"{held} {float(attrs[f'held_{held}']):.8g}"),
-        *_loads(summary),
-        ("contact at t = 0", _contact(summary.initial_area, summary)),
-    ]
-    if summary.time.size:
-        late = f"contact at t = {summary.time[-1]:g}"
-        rows.append((late, _contact(int(dataset["area"][-1]), summary)))
-    if summary.relaxed_ratio is not None:
-        rows.append(("contact relaxed", _contact(int(attrs["relaxed_area"]), summary)))
-    rows += _fit(summary)
-    if abs(summary.steepest_per_decade) > 0:
-        when = _rounded(summary.steepest_time)
-        steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = {when}"
-        rows.append(("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
+    rows = [("surface", _surface(outcome)), ("solid", solid)]
+    if summary is None:
+        rows += _legs(dataset)
+    else:
+        rows += [("held", f"{held} {float(attrs[f'held_{held}']):.8g}"), *_growth(summary, dataset)]
     rows += [
         (
             "worst residual",
@@ -60,6 +50,22 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
         ),
         *(("remark", remark) for remark in outcome.remarks),
     ]
+    return rows
+
+
+def _growth(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
+    """How the area grew while one thing was held."""
+    rows = [*_loads(summary), ("contact at t = 0", _contact(summary.initial_area, summary))]
+    if summary.time.size:
+        late = f"contact at t = {summary.time[-1]:g}"
+        rows.append((late, _contact(int(dataset["area"][-1]), summary)))
+    if summary.relaxed_ratio is not None:
+        rows.append(("contact relaxed", _contact(int(dataset.attrs["relaxed_area"]), summary)))
+    rows += _fit(summary)
+    if abs(summary.steepest_per_decade) > 0:
+        when = _rounded(summary.steepest_time)
+        steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = {when}"
+        rows.append(("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
     return rows
 
 

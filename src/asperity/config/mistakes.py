@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from asperity.config.models import SURFACES, Aging, Contact, Output, Solid
+from asperity.config.models import LEGS, SURFACES, Aging, Contact, Output, Solid
 from asperity.words import closest, has_decimal_comma, shortened
 
 Sections = dict[str, dict[str, object]]
@@ -36,7 +36,9 @@ def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) ->
     """Find sections and keys that do not exist, and suggest those that do."""
     problems = []
     for section, table in merged.items():
-        if section != "surface" and section not in SECTIONS:
+        if section == "protocol":
+            problems += _unknown_legs(table, flags, path)
+        elif section != "surface" and section not in SECTIONS:
             problems.append(_where(path, _no_section(section, table, path)))
         elif not isinstance(table, dict):
             problems.append(_where(path, f"{section}: expected a section [{section}], got {_shown(table)}"))
@@ -85,6 +87,27 @@ def _unknown_keys(section: str, table: dict[str, Any], flags: Sections, path: Pa
     return problems
 
 
+def _unknown_legs(legs: object, flags: Sections, path: Path | None, where: str = "protocol") -> list[str]:
+    """Find keys of legs that do not exist."""
+    if not isinstance(legs, list) or not all(isinstance(leg, dict) for leg in legs):
+        advice = '[[protocol]] with kind = "hold" and duration = 10.0'
+        return [_where(path, f"{where}: expected a list of legs; try {advice}")]
+    problems = []
+    for number, leg in enumerate(legs):
+        model = LEGS.get(str(leg.get("kind")))
+        if model is None:
+            continue
+        here = f"{where}[{number}]"
+        for key in leg:
+            if key not in model.model_fields:
+                hint = _suggestion(key, [name for name in model.model_fields if name != "kind"])
+                name = "--leg" if "protocol" in flags else here
+                problems.append(_where(None if "protocol" in flags else path, f"{name} {key}: no such key{hint}"))
+        if "legs" in leg and "legs" in model.model_fields:
+            problems += _unknown_legs(leg["legs"], flags, path, f"{here} legs")
+    return problems
+
+
 def is_unknown(detail: ErrorDetails) -> bool:
     """Whether `unknown_names` has reported this already."""
     return detail["type"] in ("extra_forbidden", "model_type", "model_attributes_type")
@@ -96,6 +119,8 @@ def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: s
     if len(place) > 2 and place[0] == "surface" and place[1] in SURFACES:
         del place[1]
     expected = _expectation(detail)
+    if place[:1] == ["protocol"]:
+        return _spelled_leg(place, expected, flags, path)
     if detail["type"] == "missing" and place[-1] == "path" and "kind" in flags.get("surface", {}):
         return "--file: expected the file of the surface, got none; try --file PATH"
     if not place:
@@ -108,6 +133,15 @@ def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: s
     return f"{_named(str(place[0]), str(place[1]), flags, path)}: {expected}"
 
 
+def _spelled_leg(place: list[Any], expected: str, flags: Sections, path: Path | None) -> str:
+    """One line for a mistake in a leg of the protocol; legs count from 0."""
+    words = [f"[{part}]" if isinstance(part, int) else f" {part}" for part in place if part not in LEGS]
+    named = "".join(words).strip()
+    if "protocol" in flags:
+        return f"--leg {named.removeprefix('protocol')}: {expected}"
+    return _where(path, f"{named}: {expected}")
+
+
 def _expectation(detail: ErrorDetails) -> str:
     """What was expected and what came, in the words that the rest of the package uses."""
     context = detail.get("ctx", {})
@@ -118,8 +152,9 @@ def _expectation(detail: ErrorDetails) -> str:
         return str(context["error"])
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         got = got.get("kind") if isinstance(got, dict) else got
-        kinds = ", ".join(map(repr, SURFACES))
-        return f"expected one of {kinds}, got {_shown(got)}{_meant(got, SURFACES)}"
+        known = LEGS if "hold" in context.get("expected_tags", "") or "protocol" in detail["loc"] else SURFACES
+        kinds = ", ".join(map(repr, known))
+        return f"expected a kind, one of {kinds}, got {_shown(got)}{_meant(got, known)}"
     expected = {
         "greater_than": f"a number above {context.get('gt')}",
         "greater_than_equal": f"a number of at least {context.get('ge')}",

@@ -12,6 +12,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+import asperity.protocols as protocols
 from asperity.errors import LARGEST
 
 Figure = Literal["png", "pdf", "svg"]
@@ -46,6 +47,7 @@ Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 Constant = Annotated[float, Field(ge=0, le=1e30)]
 """A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
 Time = Annotated[float, Field(ge=0, le=1e30)]
+Duration = Annotated[float, Field(gt=0, le=1e30)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 Shape = Annotated[
     list[Annotated[int, Field(ge=1, le=_LONGEST)]],
@@ -200,6 +202,76 @@ class Aging(Section):
         return self.last if self.times is None else self.times[-1]
 
 
+class HoldLeg(Section):
+    """Nothing changes for a while; see `asperity.protocols.Hold`."""
+
+    kind: Literal["hold"] = "hold"
+    duration: Duration
+    hold: Literal["load", "separation", "area"] | None = None
+    mobility: Duration = 1.0
+
+    def build(self) -> protocols.Leg:
+        """Make the leg."""
+        return protocols.Hold(self.duration, self.hold, self.mobility)
+
+
+class Target(Section):
+    """A load or a separation to get to."""
+
+    load: Positive | None = None
+    separation: Annotated[float, Field(ge=-LARGEST, le=LARGEST)] | None = None
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> Self:
+        if (self.load is None) == (self.separation is None):
+            got = "neither" if self.load is None else "both"
+            raise ValueError(f"expected load or separation, got {got}")
+        return self
+
+
+class RampLeg(Target):
+    """A change linear in time; see `asperity.protocols.Ramp`."""
+
+    kind: Literal["ramp"] = "ramp"
+    duration: Duration
+    mobility: Duration = 1.0
+
+    def build(self) -> protocols.Leg:
+        """Make the leg."""
+        return protocols.Ramp(self.duration, self.load, self.separation, self.mobility)
+
+
+class StepLeg(Target):
+    """A change at once; see `asperity.protocols.Step`."""
+
+    kind: Literal["step"] = "step"
+
+    def build(self) -> protocols.Leg:
+        """Make the leg."""
+        return protocols.Step(self.load, self.separation)
+
+
+class RepeatLeg(Section):
+    """Legs repeated; see `asperity.protocols.Repeat`."""
+
+    kind: Literal["repeat"] = "repeat"
+    legs: list[AnyLeg] = Field(min_length=1)
+    count: Annotated[int, Field(ge=1, le=100_000)]
+
+    def build(self) -> protocols.Leg:
+        """Make the leg."""
+        return protocols.Repeat([leg.build() for leg in self.legs], self.count)
+
+
+LEGS: dict[str, type[HoldLeg | RampLeg | StepLeg | RepeatLeg]] = {
+    "hold": HoldLeg,
+    "ramp": RampLeg,
+    "step": StepLeg,
+    "repeat": RepeatLeg,
+}
+AnyLeg = Annotated[HoldLeg | RampLeg | StepLeg | RepeatLeg, Field(discriminator="kind")]
+
+
 class Output(Section):
     """What is written."""
 
@@ -217,13 +289,29 @@ class RunConfig(Section):
     solid: Solid = Solid()
     contact: Contact = Contact()
     aging: Aging = Aging()
+    protocol: list[AnyLeg] = []
     output: Output = Output()
 
     @model_validator(mode="after")
-    def _check_maps(self) -> Self:
-        late = max(self.output.maps_at or [], default=-math.inf)
-        if late > self.aging.end:
-            raise ValueError(
-                f"[output] maps_at: expected times up to the last, {self.aging.end:g}, got {late:g}"
-            )
+    def _check_times(self) -> Self:
+        if self.protocol and "last" in self.aging.model_fields_set:
+            raise ValueError("[aging] last: expected none beside a protocol, which says when it ends")
+        if self.protocol and self.aging.hold is not None:
+            raise ValueError("[aging] hold: expected none beside a protocol, whose legs say what they hold")
+        for where, times in (("[aging] times", self.aging.times), ("[output] maps_at", self.output.maps_at)):
+            late = max(times or [], default=-math.inf)
+            if late > self.end * (1 + 1e-9):
+                raise ValueError(f"{where}: expected times up to the last, {self.end:g}, got {late:g}")
         return self
+
+    @property
+    def legs(self) -> tuple[protocols.Leg, ...]:
+        """The legs of the protocol; none where nothing changes."""
+        return tuple(leg.build() for leg in self.protocol)
+
+    @property
+    def end(self) -> float:
+        """The last time."""
+        if not self.protocol:
+            return self.aging.end
+        return math.fsum(leg.duration for leg in protocols.legs_of(self.legs))

@@ -81,16 +81,20 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
         ) from None
 
 
-def to_tables(config: RunConfig) -> dict[str, dict[str, Any]]:
+def to_tables(config: RunConfig) -> dict[str, Any]:
     """Take a configuration apart into tables of which `from_tables` makes the very same one."""
-    tables: dict[str, dict[str, Any]] = config.model_dump(exclude_none=True)
+    tables: dict[str, Any] = config.model_dump(exclude_none=True)
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):
             del tables["aging"][rival]
+    if config.protocol:
+        tables["aging"].pop("last", None)
+    else:
+        del tables["protocol"]
     return tables
 
 
-def from_tables(tables: dict[str, dict[str, Any]]) -> RunConfig:
+def from_tables(tables: dict[str, Any]) -> RunConfig:
     """Put a configuration together from what `to_tables` gave."""
     return RunConfig.model_validate(tables)
 
@@ -100,11 +104,14 @@ def to_toml(config: RunConfig) -> str:
     return tables_to_toml(to_tables(config))
 
 
-def tables_to_toml(tables: Mapping[str, Mapping[str, object]]) -> str:
-    """Write tables of numbers, words and lists, such as those of a campaign, as TOML."""
+def tables_to_toml(tables: Mapping[str, Any]) -> str:
+    """Write tables of numbers, words and lists, and lists of such tables, as TOML."""
     lines = []
-    for section, keys in tables.items():
-        lines += [f"[{section}]", *(f"{key} = {_toml_value(value)}" for key, value in keys.items()), ""]
+    for section, content in tables.items():
+        several = isinstance(content, list)
+        for keys in content if several else [content]:
+            lines.append(f"[[{section}]]" if several else f"[{section}]")
+            lines += [*(f"{key} = {_toml_value(value)}" for key, value in keys.items()), ""]
     return "\n".join(lines)
 
 
@@ -138,6 +145,9 @@ def read_tables(path: str | Path) -> dict[str, Any]:
 def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
     merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
     for section, keys in flags.items():
+        if section == "protocol":
+            merged[section] = keys["legs"]
+            continue
         table = merged.setdefault(section, {})
         if not isinstance(table, dict):  # a mistake of the file; it is reported
             continue
@@ -167,6 +177,8 @@ def _drop_foreign(surface: dict[str, Any], before: object, chosen: dict[str, obj
 
 
 def _toml_value(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml_value(one)}" for key, one in value.items()) + "}"
     if isinstance(value, list):
         return f"[{', '.join(map(_toml_value, value))}]"
     if isinstance(value, str):

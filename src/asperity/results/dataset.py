@@ -38,6 +38,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "u0": ("creeping shape of the elastic surface", "height unit"),
     "in_contact": ("whether the site is in contact", "1"),
 }
+LEG = "leg of the history, from 0"
 TIME_UNIT = "1 / (stiffness unit * R unit)"
 
 
@@ -130,7 +131,7 @@ def _describe(dataset: xr.Dataset) -> None:
     others = {
         "time": ("hold time", TIME_UNIT),
         "field_time": ("hold time at which fields were kept", TIME_UNIT),
-        "leg": ("leg of the history, from 0", "1"),
+        "leg": (LEG, "1"),
         "field_leg": ("leg of the history in which fields were kept, from 0", "1"),
         "x": ("site index along the last axis", "lattice spacing"),
         "y": ("site index along the first axis", "lattice spacing"),

@@ -15,11 +15,12 @@ import xarray as xr
 from asperity.aging import Frame
 from asperity.analysis import AgingSummary, aging_summary, hold_times, map_times, modest_load, with_limit
 from asperity.config import MeasuredSurface, RunConfig, to_toml
-from asperity.config.models import Aging, Exponential, Gaussian, SelfAffine
+from asperity.config.models import Exponential, Gaussian, SelfAffine
 from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
 from asperity.memory import require
+from asperity.protocols import Ramp, Schedule, legs_of
 from asperity.results import Checkpoint, History
 from asperity.simulate import age, press, relax
 from asperity.solids import spring_lattice
@@ -36,6 +37,9 @@ _SPRINGS, _OTHERS, _MAP = 204, 320, 40
 Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six.
 """
 _USUAL_MAPS = 6
+
+_IN_RAMP = 12
+"""Times recorded in a ramp, evenly spread."""
 
 _LARGE = 512**2
 """Sites from which transforms gain from a second thread."""
@@ -81,14 +85,14 @@ class Outcome:
     dataset
         The history, with the relaxed state where there is one.
     summary
-        Its analysis.
+        Its analysis; None under a protocol, where the area follows no law of growth.
     remarks
         What the user should know: a choice that was made, a result that is missing.
     """
 
     config: RunConfig
     dataset: xr.Dataset
-    summary: AgingSummary
+    summary: AgingSummary | None
     remarks: tuple[str, ...]
 
 
@@ -127,6 +131,9 @@ def execute(
     with scipy.fft.set_workers(threads if rough.heights.size >= _LARGE else 1):
         contact = _press(rough, config, progress)
         history = _age(contact, config, progress, checkpoint)
+        if config.protocol:
+            dataset = history.dataset.assign_attrs(config=to_toml(config))
+            return Outcome(config, dataset, None, remarks)
         progress.stage("finding the relaxed state")
         dataset, late_remarks = _with_limit(history, contact, config)
     dataset = dataset.assign_attrs(config=to_toml(config))
@@ -218,24 +225,45 @@ def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str,
         )
     maps_at = config.output.maps_at
     if maps_at is None:
-        maps_at = list(map_times(hold_times_of(config.aging).tolist()))
+        maps_at = _map_times(config)
     output = config.output.model_copy(update={"maps_at": maps_at})
     return config.model_copy(update={"surface": chosen, "contact": contact, "output": output}), remarks
 
 
-def hold_times_of(aging: Aging) -> Field:
-    """Times that a configuration asks to record, without 0."""
+def recorded_times(config: RunConfig) -> Field:
+    """Times that a configuration asks to record, without 0; under a protocol, spread since each switch."""
+    aging = config.aging
     if aging.times is not None:
         return np.asarray(aging.times, dtype=np.float64)
-    return hold_times(first=aging.first, last=aging.last, per_decade=aging.per_decade)
+    if not config.protocol:
+        return hold_times(first=aging.first, last=aging.last, per_decade=aging.per_decade)
+    schedule = Schedule.of(legs_of(config.legs), np.empty(0))
+    times = list(schedule.switches[1:])
+    for leg, begun in zip(schedule.legs, schedule.switches, strict=False):
+        if isinstance(leg, Ramp):
+            times += (begun + leg.duration * np.arange(1, _IN_RAMP) / _IN_RAMP).tolist()
+        elif leg.duration > aging.first:
+            since = hold_times(first=aging.first, last=leg.duration, per_decade=aging.per_decade)
+            times += (begun + since[:-1]).tolist()
+    return np.unique(times)
+
+
+def _map_times(config: RunConfig) -> list[float]:
+    """Times of the maps where none are given: under a protocol, the switches."""
+    if not config.protocol:
+        return list(map_times(recorded_times(config).tolist()))
+    switches = list(dict.fromkeys(Schedule.of(legs_of(config.legs), np.empty(0)).switches))
+    chosen = np.unique(np.linspace(0, len(switches) - 1, min(len(switches), _USUAL_MAPS)).round().astype(int))
+    return [switches[index] for index in chosen]
 
 
 def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Checkpoint | None) -> History:
-    times = hold_times_of(config.aging)
+    times = recorded_times(config)
     progress.stage("aging", times=times.tolist())
     return age(
         contact,
         times,
+        protocol=config.legs or None,
         hold=config.aging.hold,
         rtol=config.aging.rtol,
         fields_at=config.output.maps_at or (),

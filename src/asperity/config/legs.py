@@ -1,0 +1,39 @@
+"""Legs of a protocol in words, as the command line takes them: ``hold 10``, ``ramp 5 load=400``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from asperity.errors import ConfigError
+from asperity.words import number
+
+_EXAMPLES = "'hold 10', 'ramp 5 load=400', 'step load=160', or 'repeat 3' for the legs so far, 3 times in all"
+
+
+def legs_from_words(lines: Iterable[str]) -> list[dict[str, object]]:
+    """Read legs, one a line: a kind, how long (of ``repeat``: how often), and key=value.
+
+    Raises
+    ------
+    ConfigError
+        A line is none; keys and values are checked later.
+    """
+    legs: list[dict[str, object]] = []
+    for line in lines:
+        kind, *rest = line.replace("=", " = ").replace(" = ", "=").split() or [""]
+        leg: dict[str, object] = {"kind": kind}
+        if rest and "=" not in rest[0]:
+            leg["count" if kind == "repeat" else "duration"] = _value(rest.pop(0), whole=kind == "repeat")
+        if not kind or "=" in kind or any(word.count("=") != 1 for word in rest):
+            raise ConfigError([f"--leg: expected a leg, such as {_EXAMPLES}, got {line!r}"])
+        leg |= {key: _value(value) for key, value in (word.split("=") for word in rest)}
+        if kind == "repeat":
+            leg["legs"], legs = legs, []
+        legs.append(leg)
+    return legs
+
+
+def _value(word: str, *, whole: bool = False) -> object:
+    if whole and word.isdecimal():
+        return int(word)
+    return number(word)
