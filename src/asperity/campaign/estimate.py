@@ -26,7 +26,7 @@ from asperity.config import MeasuredSurface, RunConfig
 from asperity.config.models import SelfAffine
 from asperity.errors import AsperityError
 from asperity.lattice import Field
-from asperity.runs import Silent, execute, recorded_times, measured_surface
+from asperity.runs import Silent, execute, measured_surface, recorded_times
 
 _PATIENCE = 3.0
 """Seconds of computing after which no further trial run is begun."""

@@ -55,6 +55,12 @@ SWEPT = {
 }
 """Long name and unit of the coordinates."""
 
+_IN_A_LEG = {
+    "load": SERIES["load"],
+    "separation": SERIES["separation"],
+    "mobility": ("factor on the mobility of creep", "1"),
+}
+
 
 def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open, as xarray and zarr have it)
     """Open the runs of a campaign that are finished.
@@ -112,6 +118,10 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     for name, (long_name, unit) in (SWEPT | {"time": ("hold time", TIME_UNIT)}).items():
         if name in dataset.coords:
             dataset[name].attrs.update(long_name=long_name, units=unit)
+    for axis in plan.axes:
+        if axis.section == "protocol":
+            long_name, unit = _IN_A_LEG[axis.name.split(".")[-1]]
+            dataset[axis.name].attrs.update(long_name=f"{long_name} in leg {axis.name}", units=unit)
     if "seed" in dims:
         dataset = _with_ensemble(dataset)
     return dataset.assign_attrs(

@@ -217,7 +217,7 @@ class Store:
 def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
     """One array holds the series: writing costs by the array, and there may be thousands of runs."""
     dataset = outcome.dataset
-    known = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=("time", dataset["steps"].data * 0))
+    known = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=0 * dataset["steps"])
     series = np.stack([np.asarray(known[name], dtype=np.float64) for name in QUANTITIES])
     group = zarr.open_group(folder, mode="w")
     group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))

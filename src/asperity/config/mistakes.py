@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -101,8 +102,10 @@ def _unknown_legs(legs: object, flags: Sections, path: Path | None, where: str =
         for key in leg:
             if key not in model.model_fields:
                 hint = _suggestion(key, [name for name in model.model_fields if name != "kind"])
-                name = "--leg" if "protocol" in flags else here
-                problems.append(_where(None if "protocol" in flags else path, f"{name} {key}: no such key{hint}"))
+                if "protocol" in flags:
+                    problems.append(f"--leg {key}: no such key{hint}")
+                else:
+                    problems.append(_where(path, f"{here} {key}: no such key{hint}"))
         if "legs" in leg and "legs" in model.model_fields:
             problems += _unknown_legs(leg["legs"], flags, path, f"{here} legs")
     return problems
@@ -110,7 +113,8 @@ def _unknown_legs(legs: object, flags: Sections, path: Path | None, where: str =
 
 def is_unknown(detail: ErrorDetails) -> bool:
     """Whether `unknown_names` has reported this already."""
-    return detail["type"] in ("extra_forbidden", "model_type", "model_attributes_type")
+    reported = ("extra_forbidden", "model_type", "model_attributes_type")
+    return detail["type"] in reported or detail["loc"] == ("protocol",)
 
 
 def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: str = "") -> str:
@@ -135,8 +139,12 @@ def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: s
 
 def _spelled_leg(place: list[Any], expected: str, flags: Sections, path: Path | None) -> str:
     """One line for a mistake in a leg of the protocol; legs count from 0."""
-    words = [f"[{part}]" if isinstance(part, int) else f" {part}" for part in place if part not in LEGS]
-    named = "".join(words).strip()
+    named = "protocol"
+    for before, part in pairwise(place):
+        if isinstance(part, int):
+            named += f"[{part}]"
+        elif not isinstance(before, int):  # after a number stands the kind of leg, which is no key
+            named += f" {part}"
     if "protocol" in flags:
         return f"--leg {named.removeprefix('protocol')}: {expected}"
     return _where(path, f"{named}: {expected}")
@@ -152,9 +160,9 @@ def _expectation(detail: ErrorDetails) -> str:
         return str(context["error"])
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         got = got.get("kind") if isinstance(got, dict) else got
-        known = LEGS if "hold" in context.get("expected_tags", "") or "protocol" in detail["loc"] else SURFACES
+        known = LEGS if "protocol" in detail["loc"] else SURFACES
         kinds = ", ".join(map(repr, known))
-        return f"expected a kind, one of {kinds}, got {_shown(got)}{_meant(got, known)}"
+        return f"expected one of {kinds}, got {_shown(got)}{_meant(got, known)}"
     expected = {
         "greater_than": f"a number above {context.get('gt')}",
         "greater_than_equal": f"a number of at least {context.get('ge')}",
@@ -172,7 +180,7 @@ def _expectation(detail: ErrorDetails) -> str:
     line = f"expected {expected}, got {_shown(got)}"
     if kind in ("float_type", "int_type") and has_decimal_comma(got):
         line += f"; try {str(got).replace(',', '.')}"
-        if len(detail["loc"]) > 2:  # within a list
+        if len(detail["loc"]) > 2 and "protocol" not in detail["loc"]:  # within a list
             line += f", or {str(got).replace(',', ' ')} for two values"
     elif kind == "literal_error" and isinstance(got, str):
         line += _meant(got, re.findall(r"'(\w+)'", str(context.get("expected"))))

@@ -1,0 +1,153 @@
+"""Histories from flags and files: ``asperity run --leg ...`` and ``[[protocol]]``."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity import age, press, results
+from asperity.cli import main
+from asperity.config import read_config
+from asperity.protocols import Hold, Ramp, Repeat, Step
+from asperity.solids import spring_lattice
+from asperity.surfaces import gaussian
+from tests.cli.conftest import Asperity
+
+LEGS = ("--leg", "hold 1", "--leg", "step load=8", "--leg", "ramp 2 load=30", "--leg", "hold 4 mobility=2")
+SMALL = ("--shape", "32x32", "--load", "20", "--first", "0.1", "--per-decade", "2")
+
+FILE = """
+[surface]
+shape = [16, 16]
+[contact]
+load = 10.0
+[aging]
+first = 0.1
+per_decade = 1
+[[protocol]]
+kind = "repeat"
+count = 2
+legs = [{kind = "step", load = 4.0}, {kind = "hold", duration = 1.0}, {kind = "ramp", duration = 1, load = 10.0}]
+[[protocol]]
+kind = "hold"
+duration = 10.0
+hold = "area"
+"""
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a finished history."""
+    folder = tmp_path_factory.mktemp("history") / "out"
+    assert main(["run", *SMALL, *LEGS, "--quiet", "--out", str(folder)]) == 0
+    return folder
+
+
+def test_all_files_are_there(out: Path) -> None:
+    names = ["aging.csv", "config.toml", "contacts.png", "history.png", "history.zarr", "summary.txt"]
+    assert sorted(path.name for path in out.iterdir()) == names
+
+
+def test_the_history_is_that_of_the_verbs(out: Path) -> None:
+    data = results.load(out)
+    contact = press(gaussian((32, 32), seed=0), spring_lattice(k0=1.0, k1=3.0), load=20.0)
+    legs = [Hold(1.0), Step(load=8.0), Ramp(2.0, load=30.0), Hold(4.0, mobility=2.0)]
+    times = np.unique(data["time"])[1:]
+    alone = age(contact, times, protocol=legs, fields_at=np.unique(data["field_time"])).dataset
+    for name in ("time", "leg", "area", "load", "u0", "field_leg"):
+        np.testing.assert_array_equal(data[name], alone[name])
+    # Times are spread over decades since each switch, and evenly in ramps.
+    assert {0.1, 1.0, 3.1, 7.0} <= set(np.round(times, 12))
+    assert ((times > 1) & (times < 3)).sum() == 11
+
+
+def test_the_configuration_runs_again_to_the_same(out: Path, tmp_path: Path) -> None:
+    assert main(["run", str(out / "config.toml"), "--quiet", "--out", str(tmp_path / "again")]) == 0
+    assert (tmp_path / "again" / "aging.csv").read_bytes() == (out / "aging.csv").read_bytes()
+
+
+def test_the_table_and_the_summary_name_legs(out: Path) -> None:
+    with (out / "aging.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    data = results.load(out)
+    np.testing.assert_array_equal([int(row["leg"]) for row in rows], data["leg"])
+    np.testing.assert_array_equal([float(row["load"]) for row in rows], data["load"])
+    text = (out / "summary.txt").read_text()
+    for number, kind in enumerate(("hold", "step", "ramp", "hold")):
+        assert f"leg {number}" in text
+        assert kind in text
+    assert "fit" not in text
+
+
+def test_a_file_with_repetitions(tmp_path: Path, asperity: Asperity) -> None:
+    (tmp_path / "study.toml").write_text(FILE)
+    config = read_config(tmp_path / "study.toml", {})
+    cycle = Repeat([Step(load=4.0), Hold(1.0), Ramp(1.0, load=10.0)], 2)
+    assert config.legs == (cycle, Hold(10.0, "area"))
+    assert config.end == 14.0
+    status, _, error = asperity("run", tmp_path / "study.toml", "--out", tmp_path / "out", "--figures", "")
+    assert status == 0, error
+    data = results.load(tmp_path / "out")
+    assert data["leg"].values.max() == 6
+    held = data["area"].values[data["leg"].values == 6]
+    assert np.ptp(held) <= 2
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["hold"], "--leg [0] duration: expected a value, got none"),
+        (["hold -3"], "--leg [0] duration: expected a number above 0.0, got -3"),
+        (["hold 0,5"], "--leg [0] duration: expected a number, got '0,5'; try 0.5"),
+        (["stp load=3"], "got 'stp'; did you mean 'step'?"),
+        (["hold 1", "step"], "--leg [1]: expected load or separation, got neither"),
+        (["hold 1", "step load=0"], "--leg [1] load: expected a number above 0.0, got 0"),
+        (["ramp 3 lod=3"], "--leg lod: no such key; did you mean 'load'?"),
+        (["repeat 3"], "--leg [0] legs: expected at least 1 in the list"),
+        ([""], "--leg: expected a leg, such as 'hold 10'"),
+        (["hold 3 hold=height"], "--leg [0] hold: expected one of 'load', 'separation' or 'area'"),
+    ],
+)
+def test_legs_that_cannot_be(words: list[str], message: str, asperity: Asperity, tmp_path: Path) -> None:
+    flags = [flag for word in words for flag in ("--leg", word)]
+    status, said, error = asperity("run", *SMALL, *flags, "--out", tmp_path / "out")
+    assert (status, said) == (2, "")
+    assert message in error
+    assert len(error.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("protocol = 3", "protocol: expected a list of legs; try [[protocol]]"),
+        ('[protocol]\nkind = "hold"', "protocol: expected a list of legs; try [[protocol]]"),
+        ('[[protocol]]\nkind = "hold"', "protocol[0] duration: expected a value, got none"),
+        ("[[protocol]]\nduration = 3.0", "protocol[0]: expected one of 'hold', 'ramp', 'step', 'repeat'"),
+        ('[[protocol]]\nkind = "hold"\nduraton = 3.0', "protocol[0] duraton: no such key; did you mean"),
+        (
+            '[aging]\nlast = 4.0\n[[protocol]]\nkind = "hold"\nduration = 3.0',
+            "[aging] last: expected none beside a protocol",
+        ),
+        (
+            '[aging]\nhold = "load"\n[[protocol]]\nkind = "hold"\nduration = 3.0',
+            "[aging] hold: expected none beside a protocol",
+        ),
+        (
+            '[aging]\ntimes = [5.0]\n[[protocol]]\nkind = "hold"\nduration = 3.0',
+            "[aging] times: expected times up to the last, 3, got 5",
+        ),
+        (
+            '[output]\nmaps_at = [5.0]\n[[protocol]]\nkind = "hold"\nduration = 3.0',
+            "[output] maps_at: expected times up to the last, 3, got 5",
+        ),
+    ],
+)
+def test_files_that_cannot_be(text: str, message: str, asperity: Asperity, tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(text)
+    status, _, error = asperity("run", tmp_path / "study.toml", "--out", tmp_path / "out")
+    assert status == 2
+    assert message in error
