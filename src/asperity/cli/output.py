@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from asperity.analysis import contact_maps
 from asperity.config.reading import to_toml
 from asperity.errors import InputError, OutputError
-from asperity.figures import aging_curve, contact_figure
+from asperity.figures import aging_curve, contact_figure, history_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
 from asperity.results.store import whole_file, whole_folder

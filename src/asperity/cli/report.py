@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 Row = tuple[str, str]
 
+_MOST_LEGS = 20
+"""Legs of a history that a summary lists."""
+
 
 def aligned(rows: Sequence[Sequence[str]]) -> str:
     """Lay rows out as a table of plain text; a row of one cell is a heading."""
@@ -66,6 +69,23 @@ def _growth(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
         when = _rounded(summary.steepest_time)
         steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = {when}"
         rows.append(("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
+    return rows
+
+
+def _legs(dataset: xr.Dataset) -> list[Row]:
+    """What happened in each leg of a history."""
+    from asperity.analysis import leg_table
+
+    table = leg_table(dataset)
+    rows = [("contact at t = 0", f"{int(dataset['area'][0])} sites at load {float(dataset['load'][0]):.6g}")]
+    for row in table[:_MOST_LEGS]:
+        at = f"t = {row.begin:g}" if row.begin == row.end else f"t = {row.begin:g} to {row.end:g}"
+        change = f"load {row.load[0]:.6g} to {row.load[1]:.6g}, contact {row.area[0]:.0f} to {row.area[1]:.0f}"
+        if row.lowest_area < min(row.area):
+            change += f", least {row.lowest_area:.0f} sites {row.lowest_after:.3g} after its beginning"
+        rows.append((f"leg {row.number}", f"{row.kind}, {at}: {change}"))
+    if len(table) > _MOST_LEGS:
+        rows.append(("", f"and {len(table) - _MOST_LEGS} more legs: see aging.csv"))
     return rows
 
 
