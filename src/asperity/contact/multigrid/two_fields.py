@@ -225,7 +225,8 @@ class TwoFields:
         alpha, beta = self.weights
         self.last_shift = alpha * shift + beta * self.last_shift
         self.shift += self.last_shift
-        return size, min(max(size / before, 0.1), 0.9) if cycle else _USUAL_RATE
+        # Where nothing creeps e = f, and there are no two errors to compare.
+        return size, min(max(size / before, 0.1), 0.9) if cycle and before > 0 else _USUAL_RATE
 
     def set_pins(self, contacts: float) -> None:
         """Tell the coarse grids of the contacts, where many have changed, and factorize the coarsest."""
