@@ -119,7 +119,7 @@ def test_agrees_with_the_fourier_solver_site_by_site(heights, k1, p):
 
 def assert_step(solution, stretch, before, system, tau):
     """The equations of an implicit step, by sums over neighbors."""
-    s, u, contact = system.springs, solution.u, solution.in_contact
+    s, u, contact = system.mechanics.springs, solution.u, solution.in_contact
     left = stretch + tau * s.k1 * (s.R_viscous * stretch - s.R * laplacian(stretch)) - (u - before)
     force = s.k1 * stretch - s.k0 * laplacian(u)
     if isinstance(system.control, Load):
