@@ -119,7 +119,7 @@ class SpringSteps:
         """Number of sites in contact at the end of the step that was tried."""
         if self.by_fields is not None:
             return int(np.count_nonzero(self.by_fields.end.u <= self.heights))
-        return int(np.count_nonzero(self.work.correction[0] <= self.work.gap))
+        return int(np.count_nonzero(self.work.correction[0] <= self.work.bound))
 
     def state(self) -> tuple[Field, Field]:
         """U and w, the mean of w exact: what creep conserves must not drift."""
@@ -165,7 +165,7 @@ class SpringSteps:
         _, *weights = extrapolation(places, middle)
         guess = (*self.changes[0], *self.changes[1], *_of_changes(weights))
         rates: tuple[Any, ...] = (self.rate, self.flow, np.float32(tau))
-        fields: tuple[Any, ...] = (*guess, *rates, work.gap, columns, *work.correction, source, work.sums)
+        fields: tuple[Any, ...] = (*guess, *rates, work.bound, columns, *work.correction, source, work.sums)
         work.rows(kernels.begin_stage_1, *self.u.shape, *fields)
         done, cycles = self._improve(2 * tau, tau, allowed_errors[0])
         if not done:
@@ -174,7 +174,7 @@ class SpringSteps:
         growth, _, *weights = extrapolation([middle, *places], end)
         guess = (*self.changes[0], *self.changes[1], *_of_changes(weights))
         numbers = (np.float32(growth), np.float32(self.offset), *rates, np.float32(weight))
-        fields = (*guess, *numbers, work.gap, columns, *work.correction)
+        fields = (*guess, *numbers, work.bound, columns, *work.correction)
         work.rows(kernels.begin_stage_2, *self.u.shape, *fields, self.middle, source, work.sums)
         done, more = self._improve(duration, tau, allowed_errors[1])
         if not done:
@@ -235,14 +235,14 @@ class SpringSteps:
         """Prepare for steps from the state as it is."""
         for field in self.work.correction:
             field.fill(0.0)
-        self.work.gap.fill(-np.inf)
+        self.work.bound.fill(-np.inf)
         self._advance(0.0)
 
     def _advance(self, offset: float) -> None:
         """Add the corrections, and an offset to w, and prepare for steps from there."""
         s, work = self.springs, self.work
         numbers = (s.k0, s.k1, s.k1 * s.R, s.k1 * s.R_viscous, self.unit, self.level)
-        fields = (work.gap, work.source[0], self.flow, work.sums)
+        fields = (work.bound, work.source[0], self.flow, work.sums)
         work.rows.and_edges(
             kernels.advance,
             kernels.advance_edges,

@@ -167,7 +167,7 @@ def fine_row(coarse_row: int, offset: int, ny: int) -> int:
 
 
 @_compiled
-def pins_of_contacts(e: Any, gap: Any, nx: int, strength: Any, out: Any, low: int, high: int) -> None:
+def pins_of_contacts(e: Any, bound: Any, nx: int, strength: Any, out: Any, low: int, high: int) -> None:
     """Pins on the first coarse grid: each contact counts ``strength``."""
     ny, _, width = e.shape
     m = width - 1
@@ -181,7 +181,7 @@ def pins_of_contacts(e: Any, gap: Any, nx: int, strength: Any, out: Any, low: in
                 continue
             for side in range(2):
                 for j in range(side, m if side == 0 else 1 + nx - m):
-                    row[side, j] = strength if e[i, side, j] <= gap[i, side, j] else zero
+                    row[side, j] = strength if e[i, side, j] <= bound[i, side, j] else zero
         restrict_rows(rows[0], rows[1], rows[2], nx, line, out[k])
 
 
@@ -204,7 +204,8 @@ def coarser_pins(pins: Any, nx: int, softening: Any, mean: Any, out: Any) -> Non
         restrict_rows(rows[0], rows[1], rows[2], nx, line, out[k])
 
 
-# Between states and corrections. ``gap`` is how far the surface may still come down, a length < 0.
+# Between states and corrections. ``bound`` is the least correction of u that does not penetrate: minus
+# the gap u - heights, in the unit of the correction.
 
 
 @_compiled
@@ -213,17 +214,17 @@ def measure_1(
     heights: Any,
     k0: float,
     bed: float,
-    push: float,
+    uniform: float,
     unit: float,
-    gap: Any,
+    bound: Any,
     b: Any,
     sums: Any,
     low: int,
     high: int,
 ) -> None:
-    """Gap and source for a state with the force k0 L u + bed u + push.
+    """Bound and source for a state with the force k0 L u + bed u + uniform.
 
-    ``sums``: largest force off contact, pulls in contact, load, contacts, sum of the forces off contact.
+    ``sums``: largest force off contact, sum of the tension, load, contacts, sum of the forces off contact.
     """
     nx = u.shape[1]
     force, line = np.empty(nx), np.empty(nx)
@@ -231,26 +232,26 @@ def measure_1(
     for i in range(low, high):
         row, rough = u[i], heights[i]
         stencil_row(k0, u, bed, u, i, force)
-        worst = pull = load = free_sites = astray = 0.0
+        worst = tension = load = free_sites = imbalance = 0.0
         for j in range(nx):  # sums and the largest apart, and no branches: the compiler makes vectors of both
             free = 1.0 if row[j] > rough[j] else 0.0
-            force[j] += push
+            force[j] += uniform
             off_contact = force[j] * free
-            held = force[j] - off_contact
-            load += held
-            pull += -held if held < 0.0 else 0.0
+            carried = force[j] - off_contact
+            load += carried
+            tension += -carried if carried < 0.0 else 0.0
             free_sites += free
-            astray += off_contact
+            imbalance += off_contact
             line[j] = off_contact
         for j in range(nx):
             value = abs(line[j])
             worst = value if value > worst else worst
         found = sums[i]
-        found[0], found[1], found[2], found[3], found[4] = worst, pull, load, nx - free_sites, astray
+        found[0], found[1], found[2], found[3], found[4] = worst, tension, load, nx - free_sites, imbalance
         for j in range(nx):
             line[j] = (rough[j] - row[j]) * inverse
             force[j] *= scale
-        part(line, gap[i])
+        part(line, bound[i])
         part(force, b[i])
 
 
@@ -278,30 +279,30 @@ def measure_2(
     drag: float,
     shift: float,
     unit: float,
-    gap: Any,
+    bound: Any,
     b: Any,
     c: Any,
     sums: Any,
     low: int,
     high: int,
 ) -> None:
-    """Gap and both sources for a state of two fields and the shape v; ``sums``: sum of w."""
+    """Bound and both sources for a state of two fields and the anchors v; ``sums``: sum of w."""
     nx = u.shape[1]
     line = np.empty(nx)
     inverse = 1.0 / unit
     for i in range(low, high):
-        row, stretch, rough, shape = u[i], w[i], heights[i], v[i]
+        row, stretch, rough, anchors = u[i], w[i], heights[i], v[i]
         stencil_row(-inverse, u, -inverse * k1 / k0, w, i, line)
         part(line, b[i])
         stencil_row(spread, w, drag, w, i, line)
         total_stretch = 0.0
         for j in range(nx):
-            line[j] = (row[j] - stretch[j] - shape[j] + shift - line[j]) * inverse
+            line[j] = (row[j] - stretch[j] - anchors[j] + shift - line[j]) * inverse
             total_stretch += stretch[j]
         part(line, c[i])
         for j in range(nx):
             line[j] = (rough[j] - row[j]) * inverse
-        part(line, gap[i])
+        part(line, bound[i])
         sums[i, 0] = total_stretch
 
 
@@ -314,13 +315,13 @@ def settle_row(row: Any, rough: Any, move: Any, least: Any, unit: float) -> None
 
 
 @_compiled
-def settle(u: Any, heights: Any, e: Any, gap: Any, unit: float, low: int, high: int) -> None:
+def settle(u: Any, heights: Any, e: Any, bound: Any, unit: float, low: int, high: int) -> None:
     """Add a correction to a surface."""
     nx = u.shape[1]
     move, least = np.empty(nx, np.float32), np.empty(nx, np.float32)
     for i in range(low, high):
         join(e[i], move)
-        join(gap[i], least)
+        join(bound[i], least)
         settle_row(u[i], heights[i], move, least, unit)
 
 
@@ -340,7 +341,7 @@ def add(w: Any, f: Any, unit: float, low: int, high: int) -> None:
         add_row(w[i], move, unit, 0.0)
 
 
-# A step of creep, from one state to the next.
+# A time step of creep, from one state to the next.
 
 
 @_inlined
@@ -355,13 +356,13 @@ def advance_row(
     unit: float,
     level: float,
     i: int,
-    gap: Any,
+    bound: Any,
     b: Any,
     flow: Any,
     line: Any,
     sums: Any,
 ) -> None:
-    """Gap, source and flow of row i; see `advance`."""
+    """Bound, source and flow of row i; see `advance`."""
     nx = u.shape[1]
     row, stretch, rough = u[i], w[i], heights[i]
     inverse = 1.0 / unit
@@ -378,7 +379,7 @@ def advance_row(
         sum_u += rise
         squares_w += stretch[j] * stretch[j]
         squares_u += rise * rise
-    part(line, gap[i])
+    part(line, bound[i])
     for j in range(nx):
         size = abs(row[j])
         largest = size if size > largest else largest
@@ -400,14 +401,14 @@ def advance(
     dragging: float,
     unit: float,
     level: float,
-    gap: Any,
+    bound: Any,
     b: Any,
     flow: Any,
     sums: Any,
     low: int,
     high: int,
 ) -> None:
-    """Add corrections to a state, and an offset to w; then the gap, source and flow of the new one.
+    """Add corrections to a state, and an offset to w; then the bound, source and flow of the new one.
 
     The flow is spreading L w + dragging w. ``sums``: w, u - level, their squares, the largest u, contacts.
     The first row and the last are left to `advance_edges`.
@@ -416,7 +417,7 @@ def advance(
     move, least, line = np.empty(nx, np.float32), np.empty(nx, np.float32), np.empty(nx)
     for i in range(low, high):
         join(e[i], move)
-        join(gap[i], least)
+        join(bound[i], least)
         settle_row(u[i], heights[i], move, least, unit)
         join(f[i], move)
         add_row(w[i], move, unit, offset)
@@ -432,7 +433,7 @@ def advance(
                 unit,
                 level,
                 i - 1,
-                gap,
+                bound,
                 b,
                 flow,
                 line,
@@ -451,7 +452,7 @@ def advance_edges(
     dragging: float,
     unit: float,
     level: float,
-    gap: Any,
+    bound: Any,
     b: Any,
     flow: Any,
     sums: Any,
@@ -461,7 +462,7 @@ def advance_edges(
     ny, nx = u.shape
     line = np.empty(nx)
     for i in ((edge - 1) % ny, edge):
-        advance_row(u, w, heights, k0, k1, spreading, dragging, unit, level, i, gap, b, flow, line, sums[i])
+        advance_row(u, w, heights, k0, k1, spreading, dragging, unit, level, i, bound, b, flow, line, sums[i])
 
 
 @_compiled
@@ -475,7 +476,7 @@ def begin_stage_1(
     rate: Any,
     flow: Any,
     tau: Any,
-    gap: Any,
+    bound: Any,
     nx: int,
     e: Any,
     f: Any,
@@ -484,13 +485,13 @@ def begin_stage_1(
     low: int,
     high: int,
 ) -> None:
-    """First guess from the last step, and the source -tau (rate + flow); ``sums`` of e, f and c."""
+    """First guess from the last time steps, and the source -tau (rate + flow); ``sums`` of e, f and c."""
     m = e.shape[2] - 1
     for i in range(low, high):
         sum_e = sum_f = sum_c = np.float32(0.0)
         for side in range(2):
             for k in range(side, m if side == 0 else 1 + nx - m):
-                move = max(gap[i, side, k], ahead * last_e[i, side, k] + back * before_e[i, side, k])
+                move = max(bound[i, side, k], ahead * last_e[i, side, k] + back * before_e[i, side, k])
                 stretch = ahead * last_f[i, side, k] + back * before_f[i, side, k]
                 source = -tau * (rate[i, side, k] + flow[i, side, k])
                 e[i, side, k], f[i, side, k], c[i, side, k] = move, stretch, source
@@ -516,7 +517,7 @@ def begin_stage_2(
     flow: Any,
     tau: Any,
     weight: Any,
-    gap: Any,
+    bound: Any,
     nx: int,
     e: Any,
     f: Any,
@@ -537,7 +538,7 @@ def begin_stage_2(
                 found = (move - stretch) * pace - rate[i, side, k]
                 source = -weight * (rate[i, side, k] + found) - tau * flow[i, side, k]
                 guess = growth * move + ahead * last_e[i, side, k] + back * before_e[i, side, k]
-                move = max(gap[i, side, k], guess)
+                move = max(bound[i, side, k], guess)
                 stretch = growth * stretch + ahead * last_f[i, side, k] + back * before_f[i, side, k]
                 e[i, side, k], f[i, side, k], c[i, side, k] = move, stretch, source
                 middle[i, side, k] = found
@@ -604,11 +605,11 @@ def damped_power(
         out[i, 0] = value
 
 
-# One field: (lap + bed) e = b - push, e >= gap; ``diagonal`` is 4 + bed.
+# One field: (lap + bed) e = b - uniform, e >= bound; ``diagonal`` is 4 + bed.
 
 
 @_inlined
-def relax_row_1(e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, i: int, color: int) -> None:
+def relax_row_1(e: Any, bound: Any, b: Any, diagonal: Any, uniform: Any, nx: int, i: int, color: int) -> None:
     """Projected Gauss-Seidel on the sites of one color in row i."""
     ny, _, width = e.shape
     m = width - 1
@@ -616,44 +617,45 @@ def relax_row_1(e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, i: 
     inverse = np.float32(1.0) / diagonal
     row, other = e[i, side], e[i, 1 - side]
     up, down = e[i - 1 if i > 0 else ny - 1, side], e[i + 1 if i < ny - 1 else 0, side]
-    least, source = gap[i, side], b[i, side]
+    least, source = bound[i, side], b[i, side]
     for k in range(side, m if side == 0 else 1 + nx - m):
-        pulls = up[k] + down[k] + other[k - side] + other[k - side + 1]
-        row[k] = max(least[k], (pulls + source[k] - push) * inverse)
+        neighbors = up[k] + down[k] + other[k - side] + other[k - side + 1]
+        row[k] = max(least[k], (neighbors + source[k] - uniform) * inverse)
     wrap(e[i], nx)
 
 
 @_compiled
 def sweeps_1(
-    e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, halves: int, low: int, high: int
+    e: Any, bound: Any, b: Any, diagonal: Any, uniform: Any, nx: int, halves: int, low: int, high: int
 ) -> None:
     """Half sweeps, one after the other in a single pass; each stops one row farther from both ends.
 
-    Where the number of rows is odd the last has the color of the first, its neighbor, and waits.
+    Where the number of rows is odd the last has the color of the first, its neighbor, and is left to
+    `close_sweeps_1`.
     """
     last = high - 1 if high == e.shape[0] and high % 2 else high
     for front in range(low, high):
         for half in range(halves):
             i = front - half
             if low + half <= i < last - half:
-                relax_row_1(e, gap, b, diagonal, push, nx, i, half & 1)
+                relax_row_1(e, bound, b, diagonal, uniform, nx, i, half & 1)
 
 
 @_compiled
 def close_sweeps_1(
-    e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, halves: int, edge: int
+    e: Any, bound: Any, b: Any, diagonal: Any, uniform: Any, nx: int, halves: int, edge: int
 ) -> None:
     """What `sweeps_1` left undone on both sides of an edge between slabs."""
     ny = e.shape[0]
     odd = 1 if edge == 0 and ny % 2 else 0
     for half in range(1 - odd, halves):
         for i in range(edge - half - odd, edge + half):
-            relax_row_1(e, gap, b, diagonal, push, nx, i % ny, half & 1)
+            relax_row_1(e, bound, b, diagonal, uniform, nx, i % ny, half & 1)
 
 
 @_inlined
 def defect_row_1(
-    e: Any, gap: Any, b: Any, diagonal: Any, push: Any, nx: int, i: int, defect: Any, sums: Any
+    e: Any, bound: Any, b: Any, diagonal: Any, uniform: Any, nx: int, i: int, defect: Any, sums: Any
 ) -> None:
     """Minus the force off contact, in row i; ``sums``: the largest, the largest correction, contacts."""
     ny, _, width = e.shape
@@ -662,13 +664,13 @@ def defect_row_1(
     worst = far = free_sites = zero
     for side in range(2):
         end = m if side == 0 else 1 + nx - m
-        row, other, least, source, out = e[i, side], e[i, 1 - side], gap[i, side], b[i, side], defect[side]
+        row, other, least, source, out = e[i, side], e[i, 1 - side], bound[i, side], b[i, side], defect[side]
         up, down = e[i - 1 if i > 0 else ny - 1, side], e[i + 1 if i < ny - 1 else 0, side]
         for k in range(side, end):
-            pulls = up[k] + down[k] + other[k - side] + other[k - side + 1]
+            neighbors = up[k] + down[k] + other[k - side] + other[k - side + 1]
             free = one if row[k] > least[k] else zero
             free_sites += free
-            out[k] = (pulls + source[k] - push - diagonal * row[k]) * free
+            out[k] = (neighbors + source[k] - uniform - diagonal * row[k]) * free
         for k in range(side, end):
             value, move = abs(out[k]), abs(row[k])
             worst = value if value > worst else worst
@@ -679,10 +681,10 @@ def defect_row_1(
 @_compiled
 def restrict_1(
     e: Any,
-    gap: Any,
+    bound: Any,
     b: Any,
     diagonal: Any,
-    push: Any,
+    uniform: Any,
     nx: int,
     out: Any,
     sums: Any,
@@ -700,7 +702,7 @@ def restrict_1(
                 row[:] = np.float32(0.0)
             elif not (offset == -1 and k > low):  # else it is still in the buffer
                 into = ignored if offset == -1 else sums[i]
-                defect_row_1(e, gap, b, diagonal, push, nx, i, row, into)
+                defect_row_1(e, bound, b, diagonal, uniform, nx, i, row, into)
         above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
         restrict_rows(defect[above], defect[here], defect[below], nx, line, out[k])
 
@@ -732,30 +734,30 @@ def along_bonds(x: Any, x_next: Any, y: Any, y_next: Any, nx: int) -> Any:
 
 
 @_inlined
-def off_contact(line: Any, e: Any, gap: Any, nx: int, out: Any) -> None:
+def off_contact(line: Any, e: Any, bound: Any, nx: int, out: Any) -> None:
     """A parted row where it is free, zero in contact."""
     m = e.shape[1] - 1
     for side in range(2):
         for k in range(side, m if side == 0 else 1 + nx - m):
-            out[side, k] = line[side, k] if e[side, k] > gap[side, k] else np.float32(0.0)
+            out[side, k] = line[side, k] if e[side, k] > bound[side, k] else np.float32(0.0)
     wrap(out, nx)
 
 
 @_compiled
 def products_1(
     coarse: Any,
-    step: Any,
+    previous: Any,
     e: Any,
-    gap: Any,
+    bound: Any,
     b: Any,
     bed: Any,
-    push: Any,
+    uniform: Any,
     nx: int,
     out: Any,
     low: int,
     high: int,
 ) -> None:
-    """Products by rows, for correction d and step q: r.d, r.q, d.Sd, d.Sq, q.Sq, sum d, sum q."""
+    """Products by rows, for correction d and previous move q: r.d, r.q, d.Sd, d.Sq, q.Sq, sum d, sum q."""
     ny, _, width = e.shape
     m = width - 1
     d, q = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
@@ -763,8 +765,8 @@ def products_1(
     for i in range(low, high + 1):
         here, now = i % ny, i % 2
         interpolate_row(coarse, here, ny, nx, line)
-        off_contact(line, e[here], gap[here], nx, d[now])
-        off_contact(step[here], e[here], gap[here], nx, q[now])
+        off_contact(line, e[here], bound[here], nx, d[now])
+        off_contact(previous[here], e[here], bound[here], nx, q[now])
         if i == low:
             continue
         x, y, d0, d1, q0, q1 = e[i - 1], e[here], d[1 - now], d[now], q[1 - now], q[now]
@@ -776,7 +778,7 @@ def products_1(
             g, g_right, g_below = q0[side], q0[1 - side], q1[side]
             source = b[i - 1, side]
             for k in range(side, m if side == 0 else 1 + nx - m):
-                known = bed * a[k] - source[k] + push
+                known = bed * a[k] - source[k] + uniform
                 a1, f1, g1 = a[k] - a_below[k], f[k] - f_below[k], g[k] - g_below[k]
                 a2, f2, g2 = (
                     a[k] - a_right[k - side + 1],
@@ -795,13 +797,13 @@ def products_1(
 
 
 @_inlined
-def move_row(line: Any, last: Any, e: Any, gap: Any, nx: int, alpha: Any, beta: Any) -> None:
+def move_row(line: Any, last: Any, e: Any, bound: Any, nx: int, alpha: Any, beta: Any) -> None:
     """Move the free sites of a row by ``alpha line + beta last``, which becomes the last; and project."""
     m = e.shape[1] - 1
     zero = np.float32(0.0)
     for side in range(2):
         for k in range(side, m if side == 0 else 1 + nx - m):
-            here, least = e[side, k], gap[side, k]
+            here, least = e[side, k], bound[side, k]
             move = alpha * line[side, k] + beta * last[side, k] if here > least else zero
             last[side, k] = move
             e[side, k] = max(least, here + move)
@@ -810,14 +812,14 @@ def move_row(line: Any, last: Any, e: Any, gap: Any, nx: int, alpha: Any, beta: 
 
 @_compiled
 def correct_1(
-    coarse: Any, step: Any, e: Any, gap: Any, nx: int, alpha: Any, beta: Any, low: int, high: int
+    coarse: Any, previous: Any, e: Any, bound: Any, nx: int, alpha: Any, beta: Any, low: int, high: int
 ) -> None:
-    """Move free sites by alpha times the correction plus beta times the previous step, and project."""
+    """Move free sites by alpha times the correction plus beta times the previous move, and project."""
     ny, _, width = e.shape
     line = np.zeros((2, width), np.float32)
     for i in range(low, high):
         interpolate_row(coarse, i, ny, nx, line)
-        move_row(line, step[i], e[i], gap[i], nx, alpha, beta)
+        move_row(line, previous[i], e[i], bound[i], nx, alpha, beta)
 
 
 # One field on a coarse grid: (lap + bed mass + pins) e = b. gx, gy: couplings; mx, my: cell sizes.
@@ -852,9 +854,9 @@ def coarse_sweep_1(
         for k in range(side, m if side == 0 else 1 + nx - m):
             g = left[k - side]
             diagonal = (g + right[k] + bed * cell[k]) * size + (above + below) * cell[k] + pin[k]
-            pulls = cell[k] * (above * up[k] + below * down[k])
-            pulls += size * (g * other[k - side] + right[k] * other[k - side + 1])
-            row[k] = (source[k] + pulls) / diagonal
+            neighbors = cell[k] * (above * up[k] + below * down[k])
+            neighbors += size * (g * other[k - side] + right[k] * other[k - side + 1])
+            row[k] = (source[k] + neighbors) / diagonal
         wrap(e[i], nx)
 
 
@@ -869,12 +871,12 @@ def coarse_restrict_1(
     mx: Any,
     my: Any,
     nx: int,
-    push: Any,
+    uniform: Any,
     out: Any,
     low: int,
     high: int,
 ) -> None:
-    """Defect b - push mass - (...) e on the next coarser grid, rows low to high."""
+    """Defect b - uniform mass - (...) e on the next coarser grid, rows low to high."""
     ny, _, width = e.shape
     m = width - 1
     defect, line = np.zeros((3, 2, width), np.float32), np.empty(m, np.float32)
@@ -893,9 +895,9 @@ def coarse_restrict_1(
                     for j in range(side, m if side == 0 else 1 + nx - m):
                         g = left[j - side]
                         diagonal = (g + right[j] + bed * cell[j]) * size + (above + below) * cell[j] + pin[j]
-                        pulls = cell[j] * (above * up[j] + below * down[j] - push * size)
-                        pulls += size * (g * other[j - side] + right[j] * other[j - side + 1])
-                        to[j] = source[j] + pulls - diagonal * row[j]
+                        neighbors = cell[j] * (above * up[j] + below * down[j] - uniform * size)
+                        neighbors += size * (g * other[j - side] + right[j] * other[j - side + 1])
+                        to[j] = source[j] + neighbors - diagonal * row[j]
         above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
         restrict_rows(defect[above], defect[here], defect[below], nx, line, out[k])
 
@@ -918,7 +920,7 @@ def coarse_correct(
         wrap(e[i], nx)
 
 
-# Two fields, u and its stretch w = u - u0, for a step of creep from the shape v:
+# Two fields, u and its stretch w = u - u0, for an implicit step of creep from the anchors v:
 #     k0 L u + k1 w = r            w + spread L w + drag w = u - v + shift
 # and the corrections e and f of both, with ``lag`` = 1 + drag:
 #     lap e + bed f = b            spread lap f + lag f - e = c + shift
@@ -928,7 +930,7 @@ def coarse_correct(
 def relax_row_2(
     e: Any,
     f: Any,
-    gap: Any,
+    bound: Any,
     b: Any,
     c: Any,
     bed: Any,
@@ -950,11 +952,11 @@ def relax_row_2(
     before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
     e_row, e_other, e_up, e_down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
     f_row, f_other, f_up, f_down = f[i, side], f[i, 1 - side], f[before, side], f[after, side]
-    least, first, second = gap[i, side], b[i, side], c[i, side]
+    least, first, second = bound[i, side], b[i, side], c[i, side]
     for k in range(side, m if side == 0 else 1 + nx - m):
-        pulls = e_up[k] + e_down[k] + e_other[k - side] + e_other[k - side + 1] + first[k]
+        neighbors = e_up[k] + e_down[k] + e_other[k - side] + e_other[k - side + 1] + first[k]
         known = spread * (f_up[k] + f_down[k] + f_other[k - side] + f_other[k - side + 1]) + second[k] + shift
-        value = max(least[k], (pulls - damped * known) * inverse)
+        value = max(least[k], (neighbors - damped * known) * inverse)
         e_row[k] = value
         f_row[k] = (value + known) * damping
     wrap(e[i], nx)
@@ -965,7 +967,7 @@ def relax_row_2(
 def defect_row_2(
     e: Any,
     f: Any,
-    gap: Any,
+    bound: Any,
     b: Any,
     c: Any,
     bed: Any,
@@ -988,12 +990,12 @@ def defect_row_2(
     for side in range(2):
         e_row, e_other, e_up, e_down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
         f_row, f_other, f_up, f_down = f[i, side], f[i, 1 - side], f[before, side], f[after, side]
-        least, first, second = gap[i, side], b[i, side], c[i, side]
+        least, first, second = bound[i, side], b[i, side], c[i, side]
         out_1, out_2 = balance[side], creep[side]
         for k in range(side, m if side == 0 else 1 + nx - m):
-            pulls = e_up[k] + e_down[k] + e_other[k - side] + e_other[k - side + 1] - four * e_row[k]
+            neighbors = e_up[k] + e_down[k] + e_other[k - side] + e_other[k - side + 1] - four * e_row[k]
             free = one if e_row[k] > least[k] else zero
-            value = (pulls + first[k] - bed * f_row[k]) * free
+            value = (neighbors + first[k] - bed * f_row[k]) * free
             flow = spread * (f_up[k] + f_down[k] + f_other[k - side] + f_other[k - side + 1])
             flow += second[k] + shift + e_row[k] - diagonal * f_row[k]
             out_1[k], out_2[k] = value, flow
@@ -1007,7 +1009,7 @@ def defect_row_2(
 
 @_inlined
 def restrict_pair(balance: Any, creep: Any, k: int, nx: int, line: Any, out_1: Any, out_2: Any) -> None:
-    """Row k of two coarse fields, from buffers in which fine row i has the place i modulo 3."""
+    """Row k of two coarse fields, from buffers in which fine row i has the index i modulo 3."""
     above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
     restrict_rows(balance[above], balance[here], balance[below], nx, line, out_1[k])
     restrict_rows(creep[above], creep[here], creep[below], nx, line, out_2[k])
@@ -1017,7 +1019,7 @@ def restrict_pair(balance: Any, creep: Any, k: int, nx: int, line: Any, out_1: A
 def restrict_2(
     e: Any,
     f: Any,
-    gap: Any,
+    bound: Any,
     b: Any,
     c: Any,
     bed: Any,
@@ -1043,7 +1045,7 @@ def restrict_2(
                 creep[n] = np.float32(0.0)
             elif not (offset == -1 and k > low):  # else it is still in the buffers
                 into = ignored if offset == -1 else sums[i]
-                defect_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, balance[n], creep[n], into)
+                defect_row_2(e, f, bound, b, c, bed, spread, lag, shift, nx, i, balance[n], creep[n], into)
         restrict_pair(balance, creep, k, nx, line, out_1, out_2)
 
 
@@ -1051,11 +1053,11 @@ def restrict_2(
 def correct_row_2(
     coarse_e: Any,
     coarse_f: Any,
-    step_e: Any,
-    step_f: Any,
+    previous_e: Any,
+    previous_f: Any,
     e: Any,
     f: Any,
-    gap: Any,
+    bound: Any,
     nx: int,
     alpha: Any,
     beta: Any,
@@ -1063,28 +1065,28 @@ def correct_row_2(
     i: int,
     line: Any,
 ) -> None:
-    """Move free sites, and f everywhere, by alpha times the correction plus beta times the last step.
+    """Move free sites, and f everywhere, by alpha times the correction plus beta times the previous move.
 
-    Unless steps are kept there is no last one, and alpha is 1.
+    Unless moves are kept (``keeping``) there is no previous one, and alpha is 1.
     """
     ny, _, width = e.shape
     m = width - 1
     interpolate_row(coarse_e, i, ny, nx, line)
     if keeping:
-        move_row(line, step_e[i], e[i], gap[i], nx, alpha, beta)
+        move_row(line, previous_e[i], e[i], bound[i], nx, alpha, beta)
     else:
         for side in range(2):
             for k in range(side, m if side == 0 else 1 + nx - m):
-                here, least = e[i, side, k], gap[i, side, k]
+                here, least = e[i, side, k], bound[i, side, k]
                 e[i, side, k] = max(least, here + line[side, k]) if here > least else least
         wrap(e[i], nx)
     interpolate_row(coarse_f, i, ny, nx, line)
     if keeping:
         for side in range(2):
             for k in range(side, m if side == 0 else 1 + nx - m):
-                line[side, k] = alpha * line[side, k] + beta * step_f[i, side, k]
-                step_f[i, side, k] = line[side, k]
-        wrap(step_f[i], nx)
+                line[side, k] = alpha * line[side, k] + beta * previous_f[i, side, k]
+                previous_f[i, side, k] = line[side, k]
+        wrap(previous_f[i], nx)
     for side in range(2):
         for k in range(side, m if side == 0 else 1 + nx - m):
             f[i, side, k] += line[side, k]
@@ -1095,8 +1097,8 @@ def correct_row_2(
 def cycle_2(
     coarse_e: Any,
     coarse_f: Any,
-    step_e: Any,
-    step_f: Any,
+    previous_e: Any,
+    previous_f: Any,
     alpha: Any,
     beta: Any,
     keeping: bool,
@@ -1106,7 +1108,7 @@ def cycle_2(
     restricting: bool,
     e: Any,
     f: Any,
-    gap: Any,
+    bound: Any,
     b: Any,
     c: Any,
     bed: Any,
@@ -1120,9 +1122,14 @@ def cycle_2(
 ) -> None:
     """What a cycle does on the lattice, in a single pass: correction, a sweep, restriction of the defects.
 
-    Each follows the one before at a distance of a row and stops a row farther from both ends of the
-    slab; `close_cycle_2` and `restrict_2` do the rest. Where the number of rows is odd the last has the
-    color of the first, its neighbor, and waits.
+    Row ``front`` moves from low to high. Behind it, at each moment:
+
+        row         front          front - 1            front - 2           front - 3
+        operation   correction     first half sweep     second half sweep   defect, restriction
+
+    (one row less behind without a correction). Each operation stops one row farther from both ends of the
+    slab than the one before; `close_cycle_2` and `restrict_2` do the rest. Where the number of rows is odd,
+    the last row has the color of the first, its neighbor: `close_cycle_2` does it.
     """
     ny, _, width = e.shape
     line, order = np.zeros((2, width), np.float32), np.empty(width - 1, np.float32)
@@ -1132,16 +1139,16 @@ def cycle_2(
     for front in range(low, high):
         if correcting:
             correct_row_2(
-                coarse_e, coarse_f, step_e, step_f, e, f, gap, nx, alpha, beta, keeping, front, line
+                coarse_e, coarse_f, previous_e, previous_f, e, f, bound, nx, alpha, beta, keeping, front, line
             )
         for half in range(2):
             i, margin = front - lead - half, lead + half
             if low + margin <= i < last - margin:
-                relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, half)
+                relax_row_2(e, f, bound, b, c, bed, spread, lag, shift, nx, i, half)
         i, margin = front - lead - 2, lead + 2
         if restricting and low + margin <= i < last - margin:
             n = i % 3
-            defect_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i, balance[n], creep[n], sums[i])
+            defect_row_2(e, f, bound, b, c, bed, spread, lag, shift, nx, i, balance[n], creep[n], sums[i])
             if i % 2 == 1 and i - 2 >= low + margin:
                 restrict_pair(balance, creep, i // 2, nx, order, out_1, out_2)
 
@@ -1150,7 +1157,7 @@ def cycle_2(
 def close_cycle_2(
     e: Any,
     f: Any,
-    gap: Any,
+    bound: Any,
     b: Any,
     c: Any,
     bed: Any,
@@ -1166,7 +1173,7 @@ def close_cycle_2(
     odd = 1 if edge == 0 and ny % 2 else 0
     for half in range(2):
         for i in range(edge - half - lead - odd, edge + half + lead):
-            relax_row_2(e, f, gap, b, c, bed, spread, lag, shift, nx, i % ny, half)
+            relax_row_2(e, f, bound, b, c, bed, spread, lag, shift, nx, i % ny, half)
 
 
 @_inlined
@@ -1193,11 +1200,11 @@ def form_2(
 def products_2(
     coarse_e: Any,
     coarse_f: Any,
-    step_e: Any,
-    step_f: Any,
+    previous_e: Any,
+    previous_f: Any,
     e: Any,
     f: Any,
-    gap: Any,
+    bound: Any,
     b: Any,
     c: Any,
     bed: Any,
@@ -1209,7 +1216,7 @@ def products_2(
     low: int,
     high: int,
 ) -> None:
-    """Products of the symmetric form by rows, for the correction (d, p) and the previous step (q, g).
+    """Products of the symmetric form by rows, for the correction (d, p) and the previous move (q, g).
 
     Gradient with either, then dd, dq, qq, the sum of p and that of g.
     """
@@ -1220,14 +1227,14 @@ def products_2(
     for i in range(low, high + 1):
         y, now = i % ny, i % 2
         interpolate_row(coarse_e, y, ny, nx, line)
-        off_contact(line, e[y], gap[y], nx, d[now])
-        off_contact(step_e[y], e[y], gap[y], nx, q[now])
+        off_contact(line, e[y], bound[y], nx, d[now])
+        off_contact(previous_e[y], e[y], bound[y], nx, q[now])
         interpolate_row(coarse_f, y, ny, nx, p[now])
         if i == low:
             continue
         x = i - 1
         d0, d1, p0, p1, q0, q1 = d[1 - now], d[now], p[1 - now], p[now], q[1 - now], q[now]
-        g0, g1, e0, e1, f0, f1 = step_f[x], step_f[y], e[x], e[y], f[x], f[y]
+        g0, g1, e0, e1, f0, f1 = previous_f[x], previous_f[y], e[x], e[y], f[x], f[y]
         sum_p, sum_g = product(p0, ones, nx), product(g0, ones, nx)
         sums = out[x]
         sums[0] = form_2(e0, e1, f0, f1, d0, d1, p0, p1, bed, spread, lag, nx) - product(b[x], d0, nx)
@@ -1281,14 +1288,14 @@ def coarse_sweep_2(
             g = left[k - side]
             lap = (g + right[k]) * size + (above + below) * cell[k]
             mass = size * cell[k]
-            pulls = cell[k] * (above * e_up[k] + below * e_down[k])
-            pulls += size * (g * e_other[k - side] + right[k] * e_other[k - side + 1]) + first[k]
+            neighbors = cell[k] * (above * e_up[k] + below * e_down[k])
+            neighbors += size * (g * e_other[k - side] + right[k] * e_other[k - side + 1]) + first[k]
             flow = cell[k] * (above * f_up[k] + below * f_down[k])
             flow += size * (g * f_other[k - side] + right[k] * f_other[k - side + 1])
             known = second[k] + spread * flow
             inverse = one / (mass * lag + spread * lap)
             coupling = bed * mass * inverse
-            value = (pulls - coupling * known) / (lap + pin[k] + coupling * mass)
+            value = (neighbors - coupling * known) / (lap + pin[k] + coupling * mass)
             e_row[k] = value
             f_row[k] = (known + mass * value) * inverse
         wrap(e[i], nx)
@@ -1339,11 +1346,11 @@ def coarse_restrict_2(
                         g = left[j - side]
                         lap = (g + right[j]) * size + (above + below) * cell[j]
                         mass = size * cell[j]
-                        pulls = cell[j] * (above * e_up[j] + below * e_down[j])
-                        pulls += size * (g * e_other[j - side] + right[j] * e_other[j - side + 1])
+                        neighbors = cell[j] * (above * e_up[j] + below * e_down[j])
+                        neighbors += size * (g * e_other[j - side] + right[j] * e_other[j - side + 1])
                         flow = cell[j] * (above * f_up[j] + below * f_down[j])
                         flow += size * (g * f_other[j - side] + right[j] * f_other[j - side + 1])
-                        out_1[j] = first[j] + pulls - (lap + pin[j]) * e_row[j] - bed * mass * f_row[j]
+                        out_1[j] = first[j] + neighbors - (lap + pin[j]) * e_row[j] - bed * mass * f_row[j]
                         out_2[j] = second[j] + spread * (flow - lap * f_row[j])
                         out_2[j] += mass * (e_row[j] - lag * f_row[j])
         restrict_pair(balance, creep, k, nx, line, out_b, out_c)
@@ -1380,11 +1387,11 @@ def extremes(force: Any, in_contact: Any, out: Any, low: int, high: int) -> None
         worst = least = total = count = 0.0
         row, touching = force[i], in_contact[i]
         for j in range(row.shape[0]):
-            held = row[j] if touching[j] else 0.0
-            total += held
+            carried = row[j] if touching[j] else 0.0
+            total += carried
             count += 1.0 if touching[j] else 0.0
-            least = held if held < least else least
-            free = abs(row[j] - held)
+            least = carried if carried < least else least
+            free = abs(row[j] - carried)
             worst = free if free > worst else worst
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = worst, least, total, count
 
@@ -1393,7 +1400,7 @@ def extremes(force: Any, in_contact: Any, out: Any, low: int, high: int) -> None
 def balance(
     u: Any, w: Any, heights: Any, k0: float, k1: float, out: Any, carried: Any, low: int, high: int
 ) -> None:
-    """Stretch -k0 L u / k1 off contact; in contact, what force there is, none a pull, is summed by rows."""
+    """Stretch -k0 L u / k1 off contact; ``carried``: row sums of force / k1 in contact, without tension."""
     nx = u.shape[1]
     for i in range(low, high):
         row = out[i]
@@ -1428,7 +1435,7 @@ def overlap(heights: Any, level: float, out: Any, low: int, high: int) -> None:
         out[i, 0], out[i, 1] = total, count
 
 
-# Fields of a step of creep, each in one pass through memory.
+# Fields of a time step, each in one pass through memory.
 
 
 @_compiled

@@ -43,9 +43,9 @@ class ImplicitStep(ABC):
         heights
             The obstacle; its maximum is 0.
         anchors
-            v, the creeping shape before the step: a field, or the level of a flat one.
+            v, that is u0 before the step: a field, or the level of a flat one.
         load
-            The normal load at the end of the step; None where the separation is held.
+            The normal load at the end of the step; None under separation control.
         """
 
     @abstractmethod

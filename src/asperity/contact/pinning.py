@@ -1,6 +1,6 @@
 r"""How strongly the contacts pin the surface, on average: the preconditioner's one number.
 
-A free surface of stiffness S, held at a random fraction a of its sites, responds on average like a
+A free surface of stiffness S, fixed at a random fraction a of its sites, responds on average like a
 surface of stiffness S + sigma. The coherent-potential condition for sigma is
 
     sigma * mean_q [ 1 / (S(q) + sigma) ] = a,

@@ -75,7 +75,7 @@ class SpringStep:
     anchors
         v, a field or the level of a flat one, measured like the heights of the problem.
     load
-        The normal load, or None where the separation is held.
+        The normal load, or None under separation control.
     """
 
     k0: float

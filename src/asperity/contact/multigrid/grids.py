@@ -187,7 +187,7 @@ class Rows:
 
 
 _LOWEST_SLAB = 16
-"""Fewest rows of a slab, more than half sweeps reach from both of its edges."""
+"""Minimum rows of a thread; must exceed twice the number of half sweeps."""
 
 _WORTH_SHARING = 2**19
 """Sites from which a second thread is worth waking."""
@@ -211,8 +211,8 @@ class Hierarchy:
             y, x = y.coarser(), x.coarser()
             self.grids.append(Grid(y, x, fields))
 
-    def set_pins(self, e: Single, gap: Single, columns: int, fraction: float, response: Response) -> None:
-        """Let the coarse grids feel the contacts, which are a fraction of the sites."""
+    def set_pins(self, e: Single, bound: Single, columns: int, fraction: float, response: Response) -> None:
+        """Set pins on all coarse grids; ``fraction`` is that of the sites in contact."""
         if fraction == 0:
             for grid in self.grids:
                 grid.pins.fill(0.0)
@@ -220,7 +220,7 @@ class Hierarchy:
         sigma = response.coherent_potential(fraction)
         first = self.grids[0]
         strength = np.float32(1.0 / response.softening(0, sigma))
-        self.rows(kernels.pins_of_contacts, *first.shape, e, gap, columns, strength, first.pins)
+        self.rows(kernels.pins_of_contacts, *first.shape, e, bound, columns, strength, first.pins)
         for level, (fine, coarse) in enumerate(zip(self.grids[:-1], self.grids[1:], strict=True), start=1):
             mean = float(fine.pins.sum(dtype=float)) / math.prod(fine.shape)
             softening = np.float32(response.softening(level, mean))

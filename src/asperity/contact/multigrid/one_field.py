@@ -2,20 +2,20 @@ r"""Contact without memory: the instantaneous and the relaxed state of the latti
 
 Both have S = k0 lam + bed but for wave vector 0, so the force is
 
-    r = k0 L u + bed u + push,      push = base + pull mean(u),
+    r = k0 L u + bed u + uniform,      uniform = base + coupling mean(u),
 
-with one number, the push, to be found along with u:
+with one number, the uniform force, to be found along with u:
 
-    instantaneous, load held         bed = k1,  pull = -k1,  base = F / N
-    instantaneous, separation held   bed = k1,  pull = 0,    base = -k1 mean(u0)
-    relaxed, load held               bed = 0,   pull = 0,    base = F / N
+    instantaneous, load control         bed = k1,  coupling = -k1,  base = F / N
+    instantaneous, separation control   bed = k1,  coupling = 0,    base = -k1 mean(u0)
+    relaxed, load control               bed = 0,   coupling = 0,    base = F / N
 
 A cycle is two projected Gauss-Seidel sweeps, which find the contacts; one multigrid cycle for the free
-sites, contacts held (truncated nonsmooth Newton multigrid: C. Graeser, R. Kornhuber, J. Comput. Math. 27,
-1 (2009)); and the lowest energy that combines its correction with the previous one, which is what
+sites, contacts fixed (truncated nonsmooth Newton multigrid: C. Graeser, R. Kornhuber, J. Comput. Math. 27,
+1 (2009)); and the lowest energy that combines its correction with the previous move, which is what
 conjugate gradients would do if the contacts stood still.
 
-Cycles work on a correction in single precision. When that is as good as rounding allows it is added to
+Cycles work on a correction in single precision. When that is as good as rounding allows, it is added to
 the surface, and what is left of the forces, measured in double precision, is the source of the next one:
 only such a measurement decides that the state is found.
 """
@@ -34,38 +34,38 @@ from asperity.contact.multigrid.pins import Response
 from asperity.contact.problem import SpringStep
 from asperity.lattice import Field
 
-ASTRAY = 1e-3
-"""Largest sum of the forces off contact, and largest pull, in units of what one force may be off.
+_SUM_TOLERANCE = 1e-3
+"""Largest sum of the forces off contact, and of the tension in a row, relative to what one force may be off.
 
-The sum, because forces that all have one sign would shift the separation; pulls, because they are cut off.
+The former, because forces that all have one sign would shift the separation; tension, because it is set to 0.
 """
 
 _MARGIN = 0.1
 """What of the tolerance is used: many small forces off contact together move the separation."""
 
-_AS_GOOD_AS_IT_GETS = 100 * float(np.finfo(np.float32).eps)
-"""Defect at which a correction is added, in units of the stiffness times the largest correction."""
+SINGLE_PRECISION = 100 * float(np.finfo(np.float32).eps)
+"""Defect that cycles in single precision reach, in units of the stiffness times the largest correction."""
 
 
 @dataclass(frozen=True)
-class Push:
-    """The equation of the module: bed, pull and base."""
+class UniformForce:
+    """The uniform part of the force: bed, coupling and base of the module."""
 
     bed: float
-    pull: float
+    coupling: float
     base: float
 
     @classmethod
-    def of(cls, springs: SpringStep, sites: int) -> Push:
-        """For a flat shape, or a relaxed state."""
+    def of(cls, springs: SpringStep, sites: int) -> UniformForce:
+        """For flat anchors, or a relaxed state."""
         if springs.load is None:
             return cls(springs.k1, 0.0, -springs.k1 * float(np.mean(springs.anchors)))
         bed = 0.0 if springs.relaxed else springs.k1
         return cls(bed, -bed, springs.load / sites)
 
     def on(self, u: Field) -> float:
-        """The push on a surface."""
-        return self.base + self.pull * float(u.mean()) if self.pull else self.base
+        """The uniform force on a surface."""
+        return self.base + self.coupling * float(u.mean()) if self.coupling else self.base
 
 
 class OneField:
@@ -75,33 +75,33 @@ class OneField:
         self.rows, self.shape = rows, shape
         self.hierarchy = Hierarchy(shape, 1, rows)
         parts = parted_shape(*shape)
-        self.gap = np.full(parts, -np.inf, np.float32)
-        self.source, self.correction, self.step = (np.zeros(parts, np.float32) for _ in range(3))
+        self.bound = np.full(parts, -np.inf, np.float32)
+        self.source, self.correction, self.previous = (np.zeros(parts, np.float32) for _ in range(3))
         self.sums = np.zeros((shape[0], 7))
 
     def solve(
         self, springs: SpringStep, heights: Field, u: Field, tolerance: float, max_cycles: int
     ) -> tuple[bool, float, int]:
-        """Improve u in place; whether the tolerance was reached, the push, and the cycles taken."""
+        """Improve u in place; whether the tolerance was reached, the uniform force, and the cycles taken."""
         self.springs, self.heights, self.u = springs, heights, u
-        self.law = Push.of(springs, u.size)
-        self.bed, self.pull = self.law.bed / springs.k0, self.law.pull / (springs.k0 * u.size)
+        self.law = UniformForce.of(springs, u.size)
+        self.bed, self.coupling = self.law.bed / springs.k0, self.law.coupling / (springs.k0 * u.size)
         self.unit = largest(u, np) or 1.0
-        self.step.fill(0.0)
-        push, pinned = self.measure(), -1.0
+        self.previous.fill(0.0)
+        uniform, pinned = self.measure(), -1.0
         self.has_converged(tolerance)
         for cycle in range(1, max_cycles + 1):
             self.sweep()
             contacts = self.restrict()
             if contacts == 0 and springs.load is not None:
-                deepest = int(np.argmax(self.gap - self.correction))  # something must carry the load
-                self.correction.flat[deepest] = self.gap.flat[deepest]
+                deepest = int(np.argmax(self.bound - self.correction))  # something must carry the load
+                self.correction.flat[deepest] = self.bound.flat[deepest]
                 continue
             if self.is_done():
                 self.settle()
-                push = self.measure()
+                uniform = self.measure()
                 if self.has_converged(tolerance):
-                    return True, push, cycle
+                    return True, uniform, cycle
                 self.restrict()
             if contacts != pinned:
                 self.set_pins(contacts)
@@ -109,11 +109,11 @@ class OneField:
             self.correct_on_grid(0)
             self.combine()
         self.settle()
-        return False, push, max_cycles
+        return False, uniform, max_cycles
 
     def measure(self) -> float:
-        """Begin a correction to the surface as it is; the push on it."""
-        push = self.law.on(self.u)
+        """Begin a correction to the surface as it is; the uniform force on it."""
+        uniform = self.law.on(self.u)
         self.rows(
             kernels.measure_1,
             *self.shape,
@@ -121,31 +121,31 @@ class OneField:
             self.heights,
             self.springs.k0,
             self.law.bed,
-            push,
+            uniform,
             self.unit,
-            self.gap,
+            self.bound,
             self.source,
             self.sums,
         )
         self.correction.fill(0.0)
-        return push
+        return uniform
 
     def settle(self) -> None:
         """Add the correction."""
-        fields = (self.u, self.heights, self.correction, self.gap)
+        fields = (self.u, self.heights, self.correction, self.bound)
         self.rows(kernels.settle, *self.shape, *fields, self.unit)
 
-    def push(self) -> np.float32:
-        """What the correction adds to the push."""
-        if not self.pull:
+    def uniform(self) -> np.float32:
+        """What the correction adds to the uniform force."""
+        if not self.coupling:
             return np.float32(0.0)
         self.rows(kernels.total, *self.shape, self.correction, self.shape[1], self.sums)
-        return np.float32(self.pull * self.sums[:, 0].sum())
+        return np.float32(self.coupling * self.sums[:, 0].sum())
 
     def equation(self) -> tuple[object, ...]:
         """Fields and coefficients, as the kernels take them."""
-        fields = (self.correction, self.gap, self.source)
-        return (*fields, np.float32(4.0 + self.bed), self.push(), self.shape[1])
+        fields = (self.correction, self.bound, self.source)
+        return (*fields, np.float32(4.0 + self.bed), self.uniform(), self.shape[1])
 
     def sweep(self) -> None:
         """Find the contacts and smooth the error."""
@@ -159,70 +159,90 @@ class OneField:
         return float(self.sums[:, 2].sum())
 
     def is_done(self) -> bool:
-        """Whether the correction is good enough, or as good as it gets."""
+        """Whether the correction is good enough, or as good as single precision allows."""
         worst, far = self.sums[:, :2].max(axis=0)
-        as_good_as_it_gets = _AS_GOOD_AS_IT_GETS * (8.0 + self.bed) * far
-        return bool(worst <= max(self.allowed / (self.springs.k0 * self.unit), as_good_as_it_gets))
+        reachable = SINGLE_PRECISION * (8.0 + self.bed) * far
+        return bool(worst <= max(self.allowed / (self.springs.k0 * self.unit), reachable))
 
     def has_converged(self, tolerance: float) -> bool:
-        """Whether forces off contact, pulls in contact and the sum of the former are small, as measured."""
-        worst, pull = self.sums[:, :2].max(axis=0)
-        load, contacts, astray = self.sums[:, 2:5].sum(axis=0).tolist()
+        """Whether forces off contact, tension in contact and the sum of the former are small, as measured."""
+        worst, tension = self.sums[:, :2].max(axis=0)
+        load, contacts, imbalance = self.sums[:, 2:5].sum(axis=0).tolist()
         stiffest = 8.0 * self.springs.k0 + self.law.bed
         rounding = 4.0 * float(np.finfo(float).eps) * stiffest * self.unit
         self.allowed = max(_MARGIN * tolerance * abs(load) / max(contacts, 1.0), rounding)
-        small = abs(astray) <= max(ASTRAY * tolerance * abs(load), rounding * math.sqrt(self.u.size))
-        return bool(worst <= self.allowed and pull <= max(ASTRAY * self.allowed, rounding) and small)
+        small = abs(imbalance) <= max(
+            _SUM_TOLERANCE * tolerance * abs(load), rounding * math.sqrt(self.u.size)
+        )
+        return bool(
+            worst <= self.allowed and tension <= max(_SUM_TOLERANCE * self.allowed, rounding) and small
+        )
 
     def set_pins(self, contacts: float) -> None:
-        """Tell the coarse grids of the contacts, and factorize the coarsest."""
+        """Set pins on the coarse grids, and factorize the coarsest."""
         fraction = contacts / self.u.size
-        self.hierarchy.set_pins(self.correction, self.gap, self.shape[1], fraction, Response(self.bed))
+        self.hierarchy.set_pins(self.correction, self.bound, self.shape[1], fraction, Response(self.bed))
         grid = self.hierarchy.grids[-1]
         cells = grid.cells
         matrix = grid.laplacian() + np.diag(grid.in_order(grid.pins) + self.bed * cells)
-        matrix += self.pull * np.outer(cells, cells)
+        matrix += self.coupling * np.outer(cells, cells)
         self.coarsest = np.linalg.pinv(matrix, hermitian=True)
 
     def correct_on_grid(self, level: int) -> float:
-        """One V-cycle from a grid up; the push that its correction adds."""
+        """One V-cycle from a grid up; the uniform force that its correction adds."""
         grid = self.hierarchy.grids[level]
         (e,), (b,), (joined,) = grid.corrections, grid.sources, grid.joined
         if grid is self.hierarchy.grids[-1]:
             found = self.coarsest @ grid.in_order(b)
             joined[...] = found.reshape(joined.shape)
-            return self.pull * float(grid.cells @ found)
+            return self.coupling * float(grid.cells @ found)
         operator = (grid.pins, np.float32(self.bed), *grid.geometry)
         coarser = self.hierarchy.grids[level + 1]
         e.fill(0.0)
         self.rows.by_color(kernels.coarse_sweep_1, grid.shape, e, b, *operator, first=0)
-        push = self.pull * grid.total(e) if self.pull else 0.0
+        uniform = self.coupling * grid.total(e) if self.coupling else 0.0
         self.rows(
-            kernels.coarse_restrict_1, *coarser.shape, e, b, *operator, np.float32(push), coarser.sources[0]
+            kernels.coarse_restrict_1,
+            *coarser.shape,
+            e,
+            b,
+            *operator,
+            np.float32(uniform),
+            coarser.sources[0],
         )
-        push += self.correct_on_grid(level + 1)
-        fields = (coarser.joined[0], e, b, np.float32(-push), grid.mx, grid.my, grid.shape[1])
+        uniform += self.correct_on_grid(level + 1)
+        fields = (coarser.joined[0], e, b, np.float32(-uniform), grid.mx, grid.my, grid.shape[1])
         self.rows(kernels.coarse_correct, *grid.shape, *fields)
         self.rows.by_color(kernels.coarse_sweep_1, grid.shape, e, b, *operator, first=1)
         self.rows(kernels.join_rows, *grid.shape, e, joined)
-        return self.pull * grid.total(e) if self.pull else 0.0
+        return self.coupling * grid.total(e) if self.coupling else 0.0
 
     def combine(self) -> None:
-        """Move by the combination of correction and previous step that has the lowest energy."""
-        e, gap, source, _, push, columns = self.equation()
-        coarse, step = self.hierarchy.grids[0].joined[0], self.step
+        """Move by the combination of correction and previous move that has the lowest energy."""
+        e, bound, source, _, uniform, columns = self.equation()
+        coarse, previous = self.hierarchy.grids[0].joined[0], self.previous
         bed = np.float32(self.bed)
         self.rows(
-            kernels.products_1, *self.shape, coarse, step, e, gap, source, bed, push, columns, self.sums
+            kernels.products_1,
+            *self.shape,
+            coarse,
+            previous,
+            e,
+            bound,
+            source,
+            bed,
+            uniform,
+            columns,
+            self.sums,
         )
-        weights = map(np.float32, lowest(self.sums.sum(axis=0), self.pull))
-        self.rows(kernels.correct_1, *self.shape, coarse, step, e, gap, columns, *weights)
+        weights = map(np.float32, lowest(self.sums.sum(axis=0), self.coupling))
+        self.rows(kernels.correct_1, *self.shape, coarse, previous, e, bound, columns, *weights)
 
 
-def lowest(sums: Field, pull: float) -> tuple[float, float]:
+def lowest(sums: Field, coupling: float) -> tuple[float, float]:
     """Combination alpha, beta of two directions that minimizes the energy, or alpha alone."""
     rd, rq, dd, dq, qq, sd, sq = sums.tolist()
-    dd, dq, qq = dd + pull * sd * sd, dq + pull * sd * sq, qq + pull * sq * sq
+    dd, dq, qq = dd + coupling * sd * sd, dq + coupling * sd * sq, qq + coupling * sq * sq
     determinant = dd * qq - dq * dq
     if dd > 0 and qq > 0 and determinant > 1e-6 * dd * qq:
         return (rq * dq - rd * qq) / determinant, (rd * dq - rq * dd) / determinant

@@ -1,8 +1,8 @@
-r"""How coarse grids feel contacts: as springs that get softer from grid to grid.
+r"""Contacts on coarse grids: springs that get softer from grid to grid.
 
 A contact holds the surface at one site. A grid of spacing 2^l cannot represent the dip around it, so
 there the contact is a spring of finite stiffness, the one that makes the grid respond like the sites
-do. In units of k0, a surface of stiffness S held at a random fraction a of its sites responds on
+do. In units of k0, a surface of stiffness S fixed at a random fraction a of its sites responds on
 average like one of stiffness S + sigma, where sigma is the coherent potential,
 
     sigma G_0(sigma) = a,     G_l(sigma) = mean_q 1 / (S_l(q) + sigma),
@@ -28,9 +28,9 @@ import math
 from dataclasses import dataclass
 
 _SHARED = 1.5
-"""Interpolation shares a contact among up to four springs, each of which softens less: so much less.
+"""Factor on the softening: interpolation shares a contact among up to four springs that soften less.
 
-With it the springs of contacts at random add up to N sigma; a test holds it to that.
+Measured so that the springs of random contacts add up to N sigma, as a test checks.
 """
 
 _HUGE = 1e6

@@ -24,16 +24,16 @@ from asperity.lattice import Field
 _WORTH_COARSENING = 256
 """Least number of sites along an axis for which a start from coarser lattices pays."""
 
-_ALIKE = 0.5
-"""Mean square difference between neighbors, in units of the variance, of heights that are alike."""
+_SMOOTH = 0.5
+"""Mean square difference between neighbors, in units of the variance, below which heights are smooth."""
 
-_ROUGHLY = 3e-2
-"""Tolerance on coarser lattices."""
+_COARSE_TOLERANCE = 3e-2
+"""Tolerance on coarser lattices, whose solution is only a guess; relative to the mean contact force."""
 
 W = TypeVar("W", OneField, TwoFields)
 
 _FEWEST_SITES = 8
-"""Along either axis: below, there is nothing to gain."""
+"""Smallest length of an axis, in sites, for which multigrid is used."""
 
 _SOFTEST, _STIFFEST = 1e-6, 1e6
 """Range of k1/k0; outside it one kind of spring hardly matters."""
@@ -115,22 +115,22 @@ class Multigrid:
         return Solution(rest.u, rest.in_contact, cycles + rest.iterations, rest.set_changes)
 
     def _cold_start(self, springs: SpringStep, heights: Field) -> Field:
-        """A flat surface, or where neighboring heights are alike that over every second site, solved."""
+        """A flat surface, or where heights are smooth that over every second site, solved."""
         if not _is_smooth(heights):
             return np.full(heights.shape, _level(springs, heights))
         coarser = np.ascontiguousarray(heights[::2, ::2])
         stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
         u = self._cold_start(stiffer, coarser)
         np.maximum(u, coarser, out=u)
-        OneField(coarser.shape, Rows(1)).solve(stiffer, coarser, u, _ROUGHLY, self.max_cycles)
+        OneField(coarser.shape, Rows(1)).solve(stiffer, coarser, u, _COARSE_TOLERANCE, self.max_cycles)
         return interpolated(u)
 
     def _one_field(
         self, springs: SpringStep, heights: Field, u: Field, tolerance: float
     ) -> tuple[bool, int, Field | None]:
         work = self._workspace(OneField, heights.shape)
-        done, push, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
-        stretch = np.broadcast_to(push / springs.k1, u.shape) if springs.relaxed else None
+        done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
+        stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
         return done, cycles, stretch
 
     def _two_fields(
@@ -151,22 +151,22 @@ class Multigrid:
 
     def _workspace(self, kind: type[W], shape: tuple[int, ...]) -> W:
         """Work arrays, kept from call to call while the lattice stays the same."""
-        held = self._work.get("space")
-        if not isinstance(held, kind) or self._work["shape"] != shape:
-            self._work["space"] = held = kind(shape, Rows(self.threads or usual_threads()))
+        space = self._work.get("space")
+        if not isinstance(space, kind) or self._work["shape"] != shape:
+            self._work["space"] = space = kind(shape, Rows(self.threads or usual_threads()))
             self._work["shape"] = shape
-        return held
+        return space
 
 
 def _is_smooth(heights: Field) -> bool:
     """Whether a start from every second site pays."""
     if min(heights.shape) < _WORTH_COARSENING or any(n % 2 for n in heights.shape):
         return False
-    return bond_energy(heights) / (2 * heights.size) < _ALIKE * float(heights.var())
+    return bond_energy(heights) / (2 * heights.size) < _SMOOTH * float(heights.var())
 
 
 def _level(springs: SpringStep, heights: Field) -> float:
-    """Level at which independent asperities would carry the load, or of the shape they are held at."""
+    """Level at which independent asperities carry the load; the mean anchor under separation control."""
     if springs.load is None:
         return float(np.mean(springs.anchors))
     response = Response(springs.k1 / springs.k0)

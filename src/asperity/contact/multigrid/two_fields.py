@@ -5,7 +5,7 @@ The stiffness of a finite step is not local, but the pair is:
     k0 L u + k1 w = r,                          0 <= r  perpendicular to  u - xi >= 0
     w + spread L w + drag w = u - v + shift,
 
-shift = 0 where the separation is held; where the load is, the shift is unknown and the sum of k1 w is F.
+shift = 0 under separation control; under load control the shift is unknown and the sum of k1 w is F.
 Only u is constrained, and only contacts are invisible to coarse grids: the cycle is that of
 `asperity.contact.multigrid.one_field`, both unknowns of a site relaxed together. Where cycles are slow,
 the correction is combined with the previous one as there, by the stationary point of the symmetric form
@@ -25,7 +25,7 @@ import numpy as np
 from asperity.contact import kernels
 from asperity.contact.arrays import largest
 from asperity.contact.multigrid.grids import Hierarchy, Rows, Single, parted_shape
-from asperity.contact.multigrid.one_field import lowest
+from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.problem import SpringStep
 from asperity.lattice import Field
@@ -42,23 +42,20 @@ _FORCE_ERROR = 1e-3
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
 
-_AS_GOOD_AS_IT_GETS = 100 * float(np.finfo(np.float32).eps)
-"""What the equations leave when a correction is added, in units of the correction."""
-
 
 class TwoFields:
     """Work space for one lattice, and the correction on it.
 
     Attributes
     ----------
-    correction, source, step
-        e and f; b and c of the equations in `asperity.contact.kernels`; the last change of e and f.
-    gap
-        How far the surface may come down, a length < 0.
+    correction, source, previous
+        e and f; b and c of the equations in `asperity.contact.kernels`; the previous move of e and f.
+    bound
+        Least e that does not penetrate, a length <= 0: minus the gap u - heights.
     shift
         The unknown shift, a length.
     wanted
-        Sum of f with which the load is carried, a length, or None where no load is held.
+        Sum of f with which the load is carried, a length, or None where the separation is prescribed.
     known_stretch
         Sum of w before the correction, a length.
     """
@@ -66,8 +63,8 @@ class TwoFields:
     def __init__(self, shape: tuple[int, ...], rows: Rows) -> None:
         self.rows, self.shape, self.sites = rows, shape, math.prod(shape)
         self.hierarchy = Hierarchy(shape, 2, rows)
-        self.gap = np.full(parted_shape(*shape), -np.inf, np.float32)
-        self.correction, self.source, self.step = (self.pair() for _ in range(3))
+        self.bound = np.full(parted_shape(*shape), -np.inf, np.float32)
+        self.correction, self.source, self.previous = (self.pair() for _ in range(3))
         self.sums = np.zeros((shape[0], 7))
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
         self.weights, self.last_shift, self.keeping = (1.0, 0.0), 0.0, False
@@ -96,8 +93,8 @@ class TwoFields:
             self.descend(correcting=cycle > 0)
             contacts, missing, left, far = self.judge()
             stiffest = 8.0 / self.bed + self.lag + 8.0 * self.spread
-            as_good_as_it_gets = _AS_GOOD_AS_IT_GETS * stiffest * far
-            if left <= max(self.strict(tolerance, contacts), as_good_as_it_gets):
+            reachable = SINGLE_PRECISION * stiffest * far
+            if left <= max(self.strict(tolerance, contacts), reachable):
                 self.settle(heights, u, w, unit)
                 self.measure(springs, heights, u, w, unit)
                 self.restrict(0, self.hierarchy.grids[0].shape[0])
@@ -113,7 +110,7 @@ class TwoFields:
     def improve(self, allowed_error: float, max_cycles: int) -> tuple[bool, int]:
         """Improve the correction until the error of e - f, rms over the sites, is small enough, or rounding.
 
-        A step starts near its end, and a cycle usually divides the error by four or more; the size of
+        A time step starts near its end, and a cycle usually divides the error by four or more; the size of
         a change tells the error that was, and so the one that is left.
         """
         size = math.inf
@@ -139,7 +136,7 @@ class TwoFields:
         if s.load is not None:
             shift = self.lag * float(w.mean()) - float(u.mean()) + float(v.mean())
         coefficients = (s.k0, s.k1, s.spread, s.drag, shift, unit)
-        into = (self.gap, *self.source, self.sums)
+        into = (self.bound, *self.source, self.sums)
         self.rows(kernels.measure_2, *self.shape, u, w, heights, v, *coefficients, *into)
         for field in self.correction:
             field.fill(0.0)
@@ -149,18 +146,18 @@ class TwoFields:
     def settle(self, heights: Field, u: Field, w: Field, unit: float) -> None:
         """Add the correction."""
         e, f = self.correction
-        self.rows(kernels.settle, *self.shape, u, heights, e, self.gap, unit)
+        self.rows(kernels.settle, *self.shape, u, heights, e, self.bound, unit)
         self.rows(kernels.add, *self.shape, w, f, unit)
 
     def equation(self) -> tuple[Any, ...]:
         """Fields and coefficients, as the kernels take them."""
         coefficients = map(np.float32, (self.bed, self.spread, self.lag, self.shift))
-        return (*self.correction, self.gap, *self.source, *coefficients, self.shape[1])
+        return (*self.correction, self.bound, *self.source, *coefficients, self.shape[1])
 
     def descend(self, *, correcting: bool, restricting: bool = True) -> None:
         """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
         grid = self.hierarchy.grids[0]
-        moves = (*grid.joined, *self.step, *map(np.float32, self.weights), self.keeping, correcting)
+        moves = (*grid.joined, *self.previous, *map(np.float32, self.weights), self.keeping, correcting)
         lead = int(correcting)
         edges = self.rows.and_edges(
             kernels.cycle_2,
@@ -217,9 +214,9 @@ class TwoFields:
         elif size > _SLOW * before:
             if not self.keeping:
                 self.keeping, self.last_shift = True, 0.0
-                for field in self.step:
+                for field in self.previous:
                     field.fill(0.0)
-            fields = (*self.hierarchy.grids[0].joined, *self.step, *self.equation())
+            fields = (*self.hierarchy.grids[0].joined, *self.previous, *self.equation())
             self.rows(kernels.products_2, *self.shape, *fields, self.sums)
             self.weights = self.stationary(shift, missing)
         alpha, beta = self.weights
@@ -229,17 +226,17 @@ class TwoFields:
         return size, min(max(size / before, 0.1), 0.9) if cycle and before > 0 else _USUAL_RATE
 
     def set_pins(self, contacts: float) -> None:
-        """Tell the coarse grids of the contacts, where many have changed, and factorize the coarsest."""
+        """Set pins on the coarse grids, where many have changed, and factorize the coarsest."""
         if abs(contacts - self.pinned) <= 0.02 * self.pinned:
             return
         self.pinned = contacts
         e, fraction = self.correction[0], contacts / self.sites
-        self.hierarchy.set_pins(e, self.gap, self.shape[1], fraction, self.response)
+        self.hierarchy.set_pins(e, self.bound, self.shape[1], fraction, self.response)
         grid = self.hierarchy.grids[-1]
         lap, cells = grid.laplacian(), grid.cells
         n = cells.size
         matrix = np.zeros((2 * n + 1, 2 * n + 1))
-        # No pins leave a mean that nothing holds, which is none of this grid's business.
+        # Without pins the matrix is singular: regularize by 1e-9.
         matrix[:n, :n] = lap + np.diag(np.maximum(grid.in_order(grid.pins), 1e-9 * cells))
         matrix[:n, n:-1] = np.diag(self.bed * cells)
         matrix[n:-1, :n] = -np.diag(cells)
@@ -251,7 +248,7 @@ class TwoFields:
             matrix[-1, n:-1] = cells
         try:
             self.coarsest = np.linalg.inv(matrix)
-        except np.linalg.LinAlgError:  # rounding has swallowed what holds the mean: no cycle converges
+        except np.linalg.LinAlgError:  # singular by rounding: no cycle converges
             self.coarsest = np.full_like(matrix, np.nan)
 
     def correct_on_grid(self, level: int, missing: float) -> float:
@@ -284,7 +281,7 @@ class TwoFields:
         return shift
 
     def stationary(self, shift: float, missing: float) -> tuple[float, float]:
-        """Combination of the correction and the previous step; the plain correction if in doubt."""
+        """Combination of the correction and the previous move; the plain correction if in doubt."""
         rd, rq, dd, dq, qq, sf, sg = self.sums.sum(axis=0).tolist()
         if self.wanted is not None:
             last = self.last_shift
