@@ -12,7 +12,7 @@ revision, and are themselves solved in single precision, until that no longer he
 Exchanging all wrong sites at once is fast but may cycle. After `patience` exchanges that set no new
 record for the number of wrong sites, one site (the last) is exchanged at a time until one does; in exact
 arithmetic this ends for every positive definite S (J. J. Judice, F. M. Pires, Comput. Oper. Res. 21, 587
-(1994), DOI 10.1016/0305-0548(94)90106-6), and sites whose sign is decided by rounding are let be.
+(1994), DOI 10.1016/0305-0548(94)90106-6), and sites whose sign is decided by rounding are left unchanged.
 """
 
 from __future__ import annotations
@@ -30,26 +30,26 @@ from asperity.contact.problem import ContactProblem, Guess, Solution, SpectralPr
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
 
-_ASTRAY = 0.002
-"""Largest sum of the forces off contact, relative to tolerance times load: it too must be small."""
+_SUM_TOLERANCE = 0.002
+"""Largest sum of the forces off contact, relative to tolerance times load: it shifts the separation."""
 
-_NOTHING = 1e-120
-"""Forces below it are none: their squares would vanish."""
+_SMALLEST_FORCE = 1e-120
+"""Forces below it count as 0: their squares underflow. In units of the problem."""
 
 _DIGITS = 1e-5
 """How far single precision can reduce a residual in one correction, with room to spare."""
 
 _SMALL = 2**14
-"""Lattices of so many sites gain nothing from single precision."""
+"""Number of sites up to which single precision saves no time."""
 
-_FRUITLESS = 3
-"""Revisions without fewer wrong sites, after which each further one follows a more accurate solution."""
+_PATIENT_REVISIONS = 3
+"""Revisions without fewer wrong sites after which each further one asks for a smaller residual: 0.3 times."""
 
 _STALLED = 30
-"""Iterations without progress after which the precision is taken to be exhausted."""
+"""Iterations without progress after which single precision is taken to be exhausted."""
 
-_SETTLED = 4.0
-"""A revision that moved the share x of the contacts is followed by a reduction to this times x."""
+_REDUCTION_PER_CHANGE = 4.0
+"""After a revision that moved the fraction x of the contacts, the residual is reduced to this times x."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class ActiveSet:
         Exchanges of all wrong sites allowed without a new record, before single exchanges begin.
     careful_after
         Revisions of the set after which linear solutions become accurate, records are kept, and sites
-        that are wrong by no more than rounding are let be.
+        that are wrong by no more than rounding are left unchanged.
     max_revisions
         Revisions of the set after which the solver gives up.
     arrays
@@ -163,24 +163,24 @@ class _Run:
                 "contact solver: the forces are not finite numbers; try stiffnesses, heights and times of "
                 "less different sizes"
             )
-        astray = float(xp.sum(off_contact))
-        self.astray = abs(astray)
-        self.load = abs(float(xp.sum(self.force)) - astray)
+        imbalance = float(xp.sum(off_contact))
+        self.imbalance = abs(imbalance)
+        self.load = abs(float(xp.sum(self.force)) - imbalance)
         indentation = largest(self.u, xp)
-        self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _NOTHING)
+        self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
 
     def reduce_residual(self) -> None:
         """Correct the free sites, until the largest force on them has fallen enough."""
         target = self.worst * (1e-8 if self.is_careful() else self.reduction)
         while self.worst > target and not self.within_tolerance():
             before = self.worst
-            step = self.correct(target)
+            displacement = self.correct(target)
             if self.worst > target and not self.within_tolerance():
                 self.evaluate_force()
                 if self.single and self.worst > 0.5 * before:
                     self.single = False
                     if self.worst > before:
-                        self.u -= step
+                        self.u -= displacement
                         self.evaluate_force()
 
     def correct(self, target: float) -> Field:
@@ -194,24 +194,24 @@ class _Run:
                 "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
             )
         acceptable = max(self.tolerance * self.load / self.contacts, self.rounding)
-        goal, astray = target / self.worst, np.inf
+        goal, imbalance = target / self.worst, np.inf
         if target < 0.5 * acceptable:
             goal = min(0.3, 0.5 * acceptable / self.worst)
-            astray = 0.5 * _ASTRAY * self.tolerance * self.load / self.worst
+            imbalance = 0.5 * _SUM_TOLERANCE * self.tolerance * self.load / self.worst
         if self.single and goal < _DIGITS:
-            goal, astray = _DIGITS, np.inf
+            goal, imbalance = _DIGITS, np.inf
         correction = self.linear_problem().correct(
             self.force,
             self.worst,
             goal=goal,
-            astray=astray,
+            imbalance=imbalance,
             most=left,
             patience=_STALLED if self.single else left,
         )
-        self.u += correction.step
-        self.force, self.worst, self.astray = correction.force, correction.worst, correction.astray
+        self.u += correction.displacement
+        self.force, self.worst, self.imbalance = correction.force, correction.worst, correction.imbalance
         self.iterations += max(1, correction.iterations)
-        return correction.step
+        return correction.displacement
 
     def linear_problem(self) -> FreeSites:
         """The linear problem on the present set of contacts, in the present precision."""
@@ -238,8 +238,8 @@ class _Run:
         if self.worst > max(self.tolerance * self.load / self.contacts, self.rounding):
             return False
         # Forces off contact are small one by one and, zeroed together, leave the load unchanged.
-        return self.astray <= max(
-            _ASTRAY * self.tolerance * self.load, self.rounding * self.problem.lattice.sites
+        return self.imbalance <= max(
+            _SUM_TOLERANCE * self.tolerance * self.load, self.rounding * self.problem.lattice.sites
         )
 
     def wrong_sites(self) -> Mask:
@@ -267,8 +267,8 @@ class _Run:
         count = int(xp.count_nonzero(wrong))
         self.fruitless = 0 if count < self.fewest else self.fruitless + 1
         self.fewest = min(self.fewest, count)
-        self.reduction = min(self.method.reduction, _SETTLED * count / max(self.contacts, 1))
-        self.reduction *= 0.3 ** max(0, self.fruitless - _FRUITLESS)
+        self.reduction = min(self.method.reduction, _REDUCTION_PER_CHANGE * count / max(self.contacts, 1))
+        self.reduction *= 0.3 ** max(0, self.fruitless - _PATIENT_REVISIONS)
         if self.is_careful():
             if count < self.record:
                 self.record, self.patience = count, self.method.patience
@@ -295,7 +295,7 @@ class _Run:
 
 
 def _free_surface(problem: SpectralProblem) -> Field:
-    """Surface that touches nothing: one division. A flat right-hand side gives exactly one number."""
+    """Surface without contact, u = b / S; exactly constant where b is nothing but wave vector 0."""
     modes = problem.rhs / problem.stiffness
     if not modes.flat[1:].any():
         return np.full(problem.lattice.shape, modes.flat[0].real / problem.lattice.sites)

@@ -4,7 +4,7 @@ Conjugate gradients on the free sites, with the preconditioner
 
     M = P [ 1 / (S + s_0)  +  sum over k >= 1 of  R W ( 1 / (S + s_k) - 1 / (S + s_(k-1)) ) W R^T ] P.
 
-P is the mask of the free sites, lowered to `_SHORE` where two neighbors or more are in contact. Far from
+P is the mask of the free sites, lowered to 0.85 where two neighbors or more are in contact. Far from
 contacts the surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it
 is pinned more strongly, and yields over shorter distances. So long waves are split off onto lattices that
 are coarser by four and by four again (R, which keeps the long modes), and weighted there by
@@ -23,13 +23,22 @@ from asperity.contact.arrays import inner, largest
 from asperity.contact.pinning import effective_pinning
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 
-_SHORE = 0.85
+_SHORE_MASK = 0.85
+"""Mask of a free site with two neighbors or more in contact, on a scale from 0 to 1."""
+
 _PINNING = 0.6
-"""The share of the mean pinning that serves best; around contacts W and P do the rest."""
+"""Factor on the mean pinning sigma, best by measurement; near contacts W and P add to it."""
+
 _COARSER = 4
+"""Ratio of the lengths of successive lattices."""
+
 _COARSEST = 15
-_CROWDING = 8.0
-_BLUR = 0.5
+"""Smallest length of a coarse lattice, sites."""
+
+_DENSITY_DECAY = 8.0
+"""Decay of the weight W with the density rho of contacts, 1."""
+
+_DENSITY_WIDTH = 0.5
 """Width of the Gaussian that turns contacts into a density, in sites of the coarse lattice."""
 
 _EXTRA = 5
@@ -40,13 +49,13 @@ _EXTRA = 5
 class Correction:
     """A displacement of the free sites and the forces that it should leave.
 
-    ``worst`` is the largest of those off contact, ``astray`` the magnitude of their sum.
+    ``worst`` is the largest of those off contact, ``imbalance`` the magnitude of their sum.
     """
 
-    step: Field
+    displacement: Field
     force: Field
     worst: float
-    astray: float
+    imbalance: float
     iterations: int
 
 
@@ -106,7 +115,7 @@ class FreeSites:
             neighbors += xp.roll(contacts, 1, axis=axis)
             neighbors += xp.roll(contacts, -1, axis=axis)
         self.free = 1.0 - contacts
-        self.mask = self.free * (1.0 - (1.0 - _SHORE) * xp.astype(neighbors > 1.5, stiffness.dtype))
+        self.mask = self.free * (1.0 - (1.0 - _SHORE_MASK) * xp.astype(neighbors > 1.5, stiffness.dtype))
 
         pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
         lattices = _coarse_lattices(lattice)
@@ -122,7 +131,7 @@ class FreeSites:
             long = lattice.long_waves(stiffness, coarse)
             compliance = 1.0 / (long + softer) - 1.0 / (long + stiffer)
             rho = _blurred(lattice, density, coarse, xp)
-            self.levels.append(_LongWaves(coarse, xp.exp(-_CROWDING * rho), compliance))
+            self.levels.append(_LongWaves(coarse, xp.exp(-_DENSITY_DECAY * rho), compliance))
 
     def precondition(self, defect: Field) -> Field:
         """Estimate the displacement that removes a defect, which this overwrites."""
@@ -132,17 +141,17 @@ class FreeSites:
         modes *= self.compliance
         for level, share in zip(self.levels, shares, strict=True):
             self.lattice.add_long_waves(modes, share, level.lattice)
-        step = self.lattice.backward(modes, overwrite=True)
-        step *= self.mask
-        return step
+        displacement = self.lattice.backward(modes, overwrite=True)
+        displacement *= self.mask
+        return displacement
 
     def correct(
-        self, force: Field, worst: float, *, goal: float, astray: float, most: int, patience: int
+        self, force: Field, worst: float, *, goal: float, imbalance: float, most: int, patience: int
     ) -> Correction:
         """Displace the free sites until no force on them exceeds ``goal`` times the ``worst``.
 
         ``force`` is the contact force at every site and ``worst`` the largest off contact. A few iterations
-        more may bring the sum of the forces off contact down to ``astray`` times ``worst``. Ends earlier
+        more may bring the sum of the forces off contact down to ``imbalance`` times ``worst``. Ends earlier
         after ``most`` iterations, or after ``patience`` of them without a record.
         """
         xp, lattice = self.xp, self.lattice
@@ -153,13 +162,13 @@ class FreeSites:
         direction, slope, iterations = None, 1.0, 0
         best, best_at, extra = 1.0, 0, 0
         while iterations < most and iterations - best_at < patience:
-            step = self.precondition(defect)
-            previous, slope = slope, inner(residual, step, xp)
+            estimate = self.precondition(defect)
+            previous, slope = slope, inner(residual, estimate, xp)
             if direction is None:
-                direction = step
+                direction = estimate
             else:
                 direction *= slope / previous
-                direction += step
+                direction += estimate
             change = lattice.apply(self.stiffness, direction)
             curvature = inner(direction, change, xp)
             if not (slope > 0 and curvature > 0):
@@ -174,7 +183,7 @@ class FreeSites:
             iterations += 1
             if left <= goal:
                 extra += 1
-                if extra > _EXTRA or abs(float(xp.sum(defect, dtype=xp.float64))) <= astray:
+                if extra > _EXTRA or abs(float(xp.sum(defect, dtype=xp.float64))) <= imbalance:
                     break
             if left < best:
                 best, best_at = left, iterations
@@ -189,13 +198,13 @@ class FreeSites:
         predicted = xp.astype(residual, force.dtype)
         predicted *= -scale
         predicted = xp.where(self.in_contact, force + predicted, predicted)
-        step = xp.astype(total, force.dtype)
-        step *= scale / self.unit
+        displacement = xp.astype(total, force.dtype)
+        displacement *= scale / self.unit
         return Correction(
-            step=step,
+            displacement=displacement,
             force=predicted,
             worst=scale * largest(off_contact, xp),
-            astray=scale * abs(float(xp.sum(off_contact, dtype=xp.float64))),
+            imbalance=scale * abs(float(xp.sum(off_contact, dtype=xp.float64))),
             iterations=iterations,
         )
 
@@ -245,7 +254,7 @@ def _stiffness_of_waves(spectrum: Spectrum, counts: tuple[int, ...]) -> float:
 def _blurred(lattice: Lattice, modes: Any, coarse: Lattice, xp: Any) -> Field:
     """A field of these modes, smoothed, on a coarse lattice; between 0 and 1."""
     long = lattice.long_waves(modes, coarse)
-    exponent = sum(q**2 for q in coarse.wave_numbers) * (_BLUR**2 / 2)
+    exponent = sum(q**2 for q in coarse.wave_numbers) * (_DENSITY_WIDTH**2 / 2)
     long *= xp.asarray(np.exp(-exponent) * (coarse.sites / lattice.sites), dtype=xp.float32)
     density: Field = xp.clip(coarse.backward(long, overwrite=True), 0.0, 1.0)
     return density
