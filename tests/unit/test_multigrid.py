@@ -146,18 +146,18 @@ def test_an_implicit_step_agrees_with_the_fourier_solver(heights, k1, p, tau, R_
         system = System.of(heights, contact.solid, control)
         point = Point.of(system, contact)
         step = system.mechanics.implicit_step(tau)
-        problem = system.problem(step, point.shape)
+        problem = system.problem(step, point.u0)
         guess = Guess(point.u, contact.in_contact)
         here, there = (solver.solve(problem, guess, TOLERANCE) for solver in (Multigrid(), ActiveSet()))
         np.testing.assert_array_equal(here.in_contact, there.in_contact)
         np.testing.assert_allclose(here.u, there.u, atol=1e-6 * heights.std())
-        stretch = system.stretch(step, here, point.shape)
-        assert_step(here, stretch, point.shape, system, tau)
+        stretch = system.stretch(step, here, point.u0)
+        assert_step(here, stretch, point.u0, system, tau)
         # Where cycles do not converge the Fourier solver finishes, and only the judge above can tell.
         if tau < 1e9 and (k1, tau) != (100.0, 1e-3):
             assert here.stretch is not None
             np.testing.assert_allclose(
-                stretch, system.stretch(step, there, point.shape), atol=1e-6 * heights.std()
+                stretch, system.stretch(step, there, point.u0), atol=1e-6 * heights.std()
             )
 
 

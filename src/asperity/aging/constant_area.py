@@ -4,11 +4,11 @@ Near one state the area A follows the load F and the time t since the beginning 
 
     ln A = ln F + G ln(t + s) + constant,
 
-for it is nearly proportional to the load, and grows like the logarithm of time. The growth G is what earlier
-steps showed; the load of the next step is the one with which its end has the wanted area. A step that
-misses it is repeated with a better load. s is the end of the first step. (T. Pilvelait, S. Dillavou, S. M.
-Rubinstein, Phys. Rev.
-Research 2, 012056 (2020), measure at constant area; DOI 10.1103/PhysRevResearch.2.012056.)
+for it is nearly proportional to the load, and grows like the logarithm of time. The growth G is measured in
+earlier time steps; the load of the next one is that with which its end has the wanted area. A time step that
+misses it is repeated with a better load. s is the end of the first time step. (T. Pilvelait, S. Dillavou,
+S. M. Rubinstein, Phys. Rev. Research 2, 012056 (2020), measure at constant area; DOI
+10.1103/PhysRevResearch.2.012056.)
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ _LARGEST_CHANGE = 0.05
 """Largest change of ln F in one step, at first."""
 
 _ALLOWED = 0.002
-"""Part of the area that may be missing or too much, beside one site."""
+"""Largest relative error of the area at the end of a step; one site is allowed in any case."""
 
 _MOST_REPETITIONS = 4
-"""Of a step; then the next one corrects the rest."""
+"""Attempts at one time step beyond the first; then the next one corrects the rest."""
 
 
 @dataclass
@@ -75,11 +75,11 @@ class ConstantArea:
         return True
 
     def begin_step(self) -> None:
-        """Forget repetitions: another length."""
+        """Begin a step of another length: no repetitions so far."""
         self.correction, self.tries = 0.0, 0
 
     def accept(self, time: float, area: int, load: Load) -> None:
-        """Learn from a step that was taken."""
+        """Update the growth G, and begin at the end of a step that was taken."""
         reached = load.at(time).value
         lapse = self._lapse(time - self.time)
         if lapse > 0:

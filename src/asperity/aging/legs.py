@@ -22,7 +22,7 @@ from asperity.protocols import Hold, Ramp, Schedule, Step
 
 @dataclass(frozen=True, eq=False)
 class LegMidway:
-    """All that is needed to go on within a leg, to identical results.
+    """State from which a history resumes within a leg, to identical results.
 
     Attributes
     ----------

@@ -1,13 +1,13 @@
-r"""The relaxed state, t -> infinity, directly: creep ends when it has nothing left to drive it.
+r"""The relaxed state, t -> infinity, directly: the state in which nothing creeps any more.
 
 With D = 0 wherever M C > 0, the implicit step of infinite duration is the answer (see
 `asperity.contact.mechanics`). For the spring lattice:
 
 * R_viscous = 0: the springs to the bulk all carry the same force, F / N; the state depends on
   F / k0 alone.
-* R_viscous > 0, load held: the shape has the same limit, for every mode but the mean is driven to
+* R_viscous > 0, load control: the shape of u0 has the same limit, for every mode but the mean is driven to
   it. The rigid body has none: it keeps sinking at the rate R_viscous F / N (`approach` of a history).
-* R_viscous > 0, separation held: the load dies out; u and u0 end flat, at the highest point.
+* R_viscous > 0, separation control: the load dies out; u and u0 end flat, at the highest point.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
     mechanics = system.mechanics
     some_soft, all_soft = mechanics.soft_modes
     if some_soft and contact.area == 0:
-        return contact  # nothing pushes, and nothing but a push would move it
+        return contact  # without contact forces the soft modes do not move
     if some_soft and not all_soft:
         raise InputError(
             "solid",

@@ -1,4 +1,4 @@
-"""Let a contact creep through given times, with steps that keep the error in check."""
+"""Creep of a contact through given times, in time steps whose estimated error stays below a tolerance."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ DEFAULT_RTOL = 2e-3
 """Area within a few tenths of a percent; measured in ``tests/physics/test_time_accuracy.py``."""
 
 SMALLEST_RTOL, LARGEST_RTOL = 1e-6, 0.1
-"""Steps multiply by ten for every hundredth of rtol; below the smallest, days would pass unseen."""
+"""The number of time steps grows as rtol^(-1/2); rtol below 1e-6 is refused as too slow."""
 
 STEP_TOLERANCE = 3.0
-"""One step may err by ``(STEP_TOLERANCE * rtol) ** 1.5`` deformations.
+"""One time step may err by ``(STEP_TOLERANCE * rtol) ** 1.5`` deformations.
 
 The errors of a second-order method whose steps err by e each add up to a multiple of e^(2/3). That
 multiple was measured to lie between 0.03 and 0.29 over 20 cases (k1/k0 from 0.01 to 100, contact
@@ -41,16 +41,16 @@ tests of ``rtol``, which hold with it.)
 """
 
 UNNOTICED = 0.3
-"""Error of u0 that a solver may leave in one stage, in units of what one step may err.
+"""Error of u0 that a solver may leave in one stage, in units of what one time step may err.
 
-Before a frame, a thirtieth of it.
+In the last time step before a frame, a thirtieth of it.
 """
 
 _LONGEST = 1e30
 """Longest time, in units of the time in which the fastest mode creeps; single precision ends at 1e38."""
 
 _MOST_STEPS = 60.0
-"""Steps, taken or repeated, in which time must at least double, in units of tolerance^(-1/3).
+"""Time steps, taken or repeated, in which time must at least double, in units of tolerance^(-1/3).
 
 Steps of a method whose error grows like their cube are as many as these units: 0.65 were the most seen.
 Where k1/k0 is beyond a thousand and nearly all sites touch, the error is overrated, for the denominator of
@@ -91,7 +91,7 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Midway:
-    """All that is needed to go on from a time between two frames, to identical results.
+    """State from which a new march resumes, at a time between two frames, to identical results.
 
     Attributes
     ----------
@@ -101,8 +101,8 @@ class Midway:
         Mean of u0 at its start.
     impulse
         Integral of the load over time since its start, where the load is prescribed.
-    place
-        The state.
+    resume_state
+        The state: arrays of `Steps.resume_state`.
     deformation, length, steps, rejected, iterations
         Scale of the error, length of the next step, and counts since the last frame.
     area
@@ -112,7 +112,7 @@ class Midway:
     time: float
     separation: float
     impulse: float
-    place: Mapping[str, NDArray[Any]]
+    resume_state: Mapping[str, NDArray[Any]]
     deformation: float
     length: float
     steps: int
@@ -257,7 +257,7 @@ class _March:
             if speed > 0:
                 self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / speed
         else:
-            self.now = kind(self.system, solver, midway.place)
+            self.now = kind(self.system, solver, midway.resume_state)
             self.separation, self.impulse = midway.separation, midway.impulse
             self.area = midway.area and replace(midway.area)
             self.deformation, self.length = midway.deformation, midway.length
@@ -270,11 +270,11 @@ class _March:
         self.steps = self.rejected = self.iterations = 0
 
     def midway(self) -> Midway:
-        """From where another march can go on."""
+        """State from which a new march resumes."""
         counts = (self.steps, self.rejected, self.iterations)
-        start, place = (self.separation, self.impulse), self.now.place()
+        start, arrays = (self.separation, self.impulse), self.now.resume_state()
         area = None if self.area is None else replace(self.area)
-        return Midway(self.now.time, *start, place, self.deformation, self.length, *counts, area)
+        return Midway(self.now.time, *start, arrays, self.deformation, self.length, *counts, area)
 
     def frame(self, start: Contact) -> Frame:
         """Publish the present state."""
@@ -300,7 +300,7 @@ class _March:
         return self.separation - separation + creep
 
     def raise_deformation(self) -> None:
-        """Let the scale of the error follow the largest deformation so far."""
+        """Set the scale of the error to the largest deformation so far."""
         extent = self.now.extent()
         scale = extent.spread
         if scale <= self.rounding() or self.system.free_mean:
@@ -322,7 +322,7 @@ class _March:
             left = stop - self.now.time
             usual = self.length if self.area is None else min(self.length, self.area.longest())
             landing = usual >= left * (1 - 1e-9)
-            # Two equal steps rather than a long one and a sliver.
+            # Two equal steps rather than a long one and a very short one.
             length = left if landing else left / 2 if 2 * usual > left else usual
             if self.area is not None:
                 self.prescribe(self.area.load_for(length))
@@ -358,7 +358,7 @@ class _March:
                 self.after_step(self.midway())
 
     def prescribe(self, load: Load) -> None:
-        """Let the load of the next step be another one."""
+        """Set the load of the next time step."""
         self.system = self.now.system = replace(self.system, control=load)
 
     def take(self, time: float) -> None:

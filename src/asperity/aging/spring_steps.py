@@ -1,4 +1,4 @@
-r"""TR-BDF2 on the lattice of springs, in corrections to the state at the start of each step.
+r"""TR-BDF2 on the lattice of springs, in corrections to the state at the start of each time step.
 
 With e and f the changes of u and of w = u - u0 since then, and m = M C w the flow at the start, the stages
 of `asperity.aging.tr_bdf2` are two implicit steps of one duration tau = d h from one state:
@@ -44,7 +44,7 @@ from asperity.contact.system import System
 from asperity.lattice import Field
 
 _LARGEST_WEIGHTS = 12.0
-"""Sum of the sizes of the weights by which an extrapolation may multiply the errors of what it is from."""
+"""Largest sum of the magnitudes of the weights of an extrapolation: the factor on errors of the values."""
 
 
 class SpringSteps:
@@ -60,23 +60,23 @@ class SpringSteps:
         The changes of u and w in the last step and in the one before, in units of ``unit``.
     rate, flow
         Rate of u0 at the end of the last step, and M C w, in units of ``unit`` by time.
-    mean_shape
-        Mean of u0 where the separation is held, a length.
+    mean_u0
+        Mean of u0 where the separation is prescribed, a length.
     total_stretch
         Sum of w, a length.
     origin
         Time of the end of the first step.
     """
 
-    def __init__(self, system: System, solver: Multigrid, place: Mapping[str, NDArray[Any]]) -> None:
+    def __init__(self, system: System, solver: Multigrid, arrays: Mapping[str, NDArray[Any]]) -> None:
         assert isinstance(system.mechanics, SpringMechanics)
         self.system, self.solver, self.springs = system, solver, system.mechanics.springs
         self.heights = np.ascontiguousarray(system.heights)
         self.work = solver.two_fields(system.heights.shape)
-        self.u, self.w, self.rate = place["u"], place["stretch"], place["rate"]
-        self.times: list[float] = place["times"].tolist()
-        self.unit, self.level, self.mean_shape, self.origin = map(float, place["scales"])
-        self.changes = [(place[f"change_{n}_u"], place[f"change_{n}_stretch"]) for n in range(2)]
+        self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
+        self.times: list[float] = arrays["times"].tolist()
+        self.unit, self.level, self.mean_u0, self.origin = map(float, arrays["scales"])
+        self.changes = [(arrays[f"change_{n}_u"], arrays[f"change_{n}_stretch"]) for n in range(2)]
         (self.flow, self.middle), self.error = self.work.pair(), np.empty(self.u.shape, np.float32)
         self.by_fields: Step | None = None
         self.measure()
@@ -86,7 +86,7 @@ class SpringSteps:
         """At the start of a history."""
         u, w = np.maximum(point.u, system.heights), point.stretch
         unit = max(largest(u, np), largest(w, np)) or 1.0
-        place = {
+        arrays = {
             "times": np.array([point.time]),
             "scales": np.array([unit, u.mean(), u.mean() - w.mean(), 0.0]),
             "u": u,
@@ -94,21 +94,21 @@ class SpringSteps:
             "rate": parted(point.rate / unit),
         }
         for n in range(2):
-            place[f"change_{n}_u"], place[f"change_{n}_stretch"] = solver.two_fields(u.shape).pair()
-        return cls(system, solver, place)
+            arrays[f"change_{n}_u"], arrays[f"change_{n}_stretch"] = solver.two_fields(u.shape).pair()
+        return cls(system, solver, arrays)
 
-    def place(self) -> dict[str, NDArray[Any]]:
-        """All that is needed to go on."""
-        place = {
+    def resume_state(self) -> dict[str, NDArray[Any]]:
+        """See `Steps`."""
+        arrays = {
             "times": np.array(self.times),
-            "scales": np.array([self.unit, self.level, self.mean_shape, self.origin]),
+            "scales": np.array([self.unit, self.level, self.mean_u0, self.origin]),
             "u": self.u,
             "stretch": self.w,
             "rate": self.rate,
         }
         for n, change in enumerate(self.changes):
-            place[f"change_{n}_u"], place[f"change_{n}_stretch"] = change
-        return place
+            arrays[f"change_{n}_u"], arrays[f"change_{n}_stretch"] = change
+        return arrays
 
     @property
     def time(self) -> float:
@@ -116,7 +116,7 @@ class SpringSteps:
         return self.times[0]
 
     def contacts_tried(self) -> int:
-        """Number of sites in contact at the end of the step that was tried."""
+        """Number of sites in contact at the end of the time step that was tried."""
         if self.by_fields is not None:
             return int(np.count_nonzero(self.by_fields.end.u <= self.heights))
         return int(np.count_nonzero(self.work.correction[0] <= self.work.bound))
@@ -125,7 +125,7 @@ class SpringSteps:
         """U and w, the mean of w exact: what creep conserves must not drift."""
         mean = self.system.at(self.time).mean_stretch
         if mean is None:
-            mean = float(self.u.mean()) - self.mean_shape
+            mean = float(self.u.mean()) - self.mean_u0
         return self.u, self.w + (mean - float(self.w.mean()))
 
     def extent(self) -> Extent:
@@ -139,7 +139,7 @@ class SpringSteps:
     def attempt(
         self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
     ) -> Attempt:
-        """Try a step; the tolerances are for the Fourier solver, should it have to step in."""
+        """Try a time step; the tolerances are for the Fourier solver, where cycles do not converge."""
         cycles = 0
         self.by_fields = None
         if self.system.control.load_controlled or self.contacts > 0:
@@ -159,10 +159,10 @@ class SpringSteps:
         columns, (_, source) = self.u.shape[1], work.source
         # Logarithms of time, but for times that are short against the first step.
         origin = self.origin or duration
-        places = [math.log(time + origin) for time in self.times]
+        points = [math.log(time + origin) for time in self.times]
         middle, end = (math.log(self.time + h + origin) for h in (2 * DIAGONAL * duration, duration))
 
-        _, *weights = extrapolation(places, middle)
+        _, *weights = extrapolation(points, middle)
         guess = (*self.changes[0], *self.changes[1], *_of_changes(weights))
         rates: tuple[Any, ...] = (self.rate, self.flow, np.float32(tau))
         fields: tuple[Any, ...] = (*guess, *rates, work.bound, columns, *work.correction, source, work.sums)
@@ -171,7 +171,7 @@ class SpringSteps:
         if not done:
             return False, cycles, math.nan
 
-        growth, _, *weights = extrapolation([middle, *places], end)
+        growth, _, *weights = extrapolation([middle, *points], end)
         guess = (*self.changes[0], *self.changes[1], *_of_changes(weights))
         numbers = (np.float32(growth), np.float32(self.offset), *rates, np.float32(weight))
         fields = (*guess, *numbers, work.bound, columns, *work.correction)
@@ -205,7 +205,7 @@ class SpringSteps:
         return done, cycles
 
     def accept(self, time: float) -> None:
-        """Make the end of the step that was tried the state at a time."""
+        """Make the end of the time step that was tried the state at a time."""
         self.times = [time, *self.times][:3]
         self.origin = self.origin or time
         (last_u, last_w), before = self.changes
@@ -216,12 +216,12 @@ class SpringSteps:
                 change[...] = parted((now - then) / unit)
             self.changes.reverse()
             self.u, self.w, self.rate = end.u, end.stretch, parted(end.rate / unit)
-            self.mean_shape = float(end.u.mean()) - float(end.stretch.mean())
+            self.mean_u0 = float(end.u.mean()) - float(end.stretch.mean())
             self.measure()
             return
         if self.system.free_mean or self.system.drift:
             e, f = (self._mean(field) for field in work.correction)
-            self.mean_shape += unit * (e - f - self.offset)
+            self.mean_u0 += unit * (e - f - self.offset)
         self._advance(unit * self.offset)
         self.changes, work.correction = [work.correction, (last_u, last_w)], before
         self.rate, work.source = work.source[1], (work.source[0], self.rate)
@@ -262,13 +262,13 @@ class SpringSteps:
 
 
 def extrapolation(known: Sequence[float], x: float) -> list[float]:
-    """Weights of the values at known places, the latest first, that give the value at x.
+    """Weights of the values at known points, the latest first, that give the value at x.
 
-    Lagrange's, through as many of the latest places as make no weight too large, or the last two.
+    Lagrange's polynomial through the latest points: as many as make no weight too large, at least two.
     """
     for count in range(len(known), 1, -1):
-        places = known[:count]
-        weights = [math.prod((x - b) / (a - b) for b in places if b != a) for a in places]
+        points = known[:count]
+        weights = [math.prod((x - b) / (a - b) for b in points if b != a) for a in points]
         if count == 2 or sum(map(abs, weights)) <= _LARGEST_WEIGHTS:
             return weights + [0.0] * (len(known) - count)
     return [1.0]

@@ -56,8 +56,8 @@ class Point:
     rate: Field
 
     @property
-    def shape(self) -> Field:
-        """u0."""
+    def u0(self) -> Field:
+        """The creeping shape."""
         return combined((1.0, self.u), (-1.0, self.stretch))
 
     @classmethod
@@ -82,7 +82,7 @@ class Past:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The outcome of one step: its end, the error of u0 (rms over sites) and the iterations spent."""
+    """The outcome of one time step: its end, the error of u0 (rms over sites) and the iterations spent."""
 
     end: Point
     error: float
@@ -98,13 +98,13 @@ def take_step(
     *,
     tolerances: tuple[float, float],
 ) -> Step:
-    """Step from ``start``.
+    """Take one time step from ``start``.
 
     ``earlier`` helps to guess where the contacts will be; ``tolerances`` are those of the two contact
     problems.
     """
     implicit = system.mechanics.implicit_step(DIAGONAL * duration)
-    u0, f0 = start.shape, start.rate
+    u0, f0 = start.u0, start.rate
 
     middle, spent = _stage(
         system,
@@ -175,7 +175,7 @@ def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
 
 
 def ahead(earlier: float, latest: float, time: float) -> float:
-    """How far a time is ahead of the latest, in units of what that is ahead of an earlier one.
+    """How far a time is ahead of the latest, over how far that is ahead of an earlier one.
 
     In the logarithm of time, in which contacts grow evenly; at most 2.
     """
@@ -186,7 +186,7 @@ def ahead(earlier: float, latest: float, time: float) -> float:
 
 @dataclass(frozen=True)
 class Attempt:
-    """What a step would bring: the error of u0 (rms over sites), and the iterations spent on it."""
+    """Outcome of a time step that is tried: the error of u0 (rms over sites), and the iterations spent."""
 
     error: float
     iterations: int
@@ -202,13 +202,13 @@ class Extent:
 
 
 class Steps(Protocol):
-    """A creeping state that takes steps; fields relative to the system's datum."""
+    """A creeping state that takes time steps; fields relative to the system's datum."""
 
     time: float
     system: System
 
     def contacts_tried(self) -> int:
-        """Number of sites in contact at the end of the step that was tried."""
+        """Number of sites in contact at the end of the time step that was tried."""
         ...
 
     def state(self) -> tuple[Field, Field]:
@@ -226,34 +226,39 @@ class Steps(Protocol):
     def attempt(
         self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
     ) -> Attempt:
-        """Try a step: to tolerances of the contact problems of both stages, or errors of u0 allowed there."""
+        """Try a time step, to tolerances of both contact problems or errors of u0 allowed in both stages."""
         ...
 
     def accept(self, time: float) -> None:
-        """Make the end of the step that was tried the state at a time."""
+        """Make the end of the time step that was tried the state at a time."""
         ...
 
-    def place(self) -> dict[str, NDArray[Any]]:
-        """All that is needed to go on, to identical results."""
+    def resume_state(self) -> dict[str, NDArray[Any]]:
+        """Arrays from which another march resumes, to identical results."""
         ...
 
 
 class FieldSteps:
     """A creeping state of any solid, whose contact problems any solver solves."""
 
-    def __init__(self, system: System, solver: ContactSolver, place: Mapping[str, NDArray[Any]]) -> None:
+    def __init__(self, system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> None:
         self.system, self.solver = system, solver
-        self.point = Point(float(place["time"]), place["u"], place["stretch"], place["rate"])
+        self.point = Point(float(arrays["time"]), arrays["u"], arrays["stretch"], arrays["rate"])
         self.earlier = None
-        if "earlier" in place:
-            self.earlier = Past(float(place["earlier"]), place["earlier_u"])
+        if "earlier" in arrays:
+            self.earlier = Past(float(arrays["earlier"]), arrays["earlier_u"])
         self.end = self.point
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, point: Point) -> FieldSteps:
         """At the start of a history."""
-        place = {"time": np.asarray(point.time), "u": point.u, "stretch": point.stretch, "rate": point.rate}
-        return cls(system, solver, place)
+        arrays = {
+            "time": np.asarray(point.time),
+            "u": point.u,
+            "stretch": point.stretch,
+            "rate": point.rate,
+        }
+        return cls(system, solver, arrays)
 
     @property
     def time(self) -> float:
@@ -261,7 +266,7 @@ class FieldSteps:
         return self.point.time
 
     def contacts_tried(self) -> int:
-        """Number of sites in contact at the end of the step that was tried."""
+        """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.end.u <= self.system.heights))
 
     def state(self) -> tuple[Field, Field]:
@@ -280,21 +285,26 @@ class FieldSteps:
     def attempt(
         self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
     ) -> Attempt:
-        """Try a step; the contact problems are solved to their tolerances, whatever error is allowed."""
+        """Try a time step; the contact problems are solved to their tolerances, whatever error is allowed."""
         del allowed_errors
         step = take_step(self.system, self.solver, duration, self.point, self.earlier, tolerances=tolerances)
         self.end = step.end
         return Attempt(step.error, step.iterations)
 
     def accept(self, time: float) -> None:
-        """Make the end of the step that was tried the state at a time."""
+        """Make the end of the time step that was tried the state at a time."""
         self.earlier = Past.of(self.point)
         self.point = replace(self.end, time=time)
 
-    def place(self) -> dict[str, NDArray[Any]]:
-        """All that is needed to go on."""
+    def resume_state(self) -> dict[str, NDArray[Any]]:
+        """See `Steps`."""
         point, earlier = self.point, self.earlier
-        place = {"time": np.asarray(point.time), "u": point.u, "stretch": point.stretch, "rate": point.rate}
+        arrays = {
+            "time": np.asarray(point.time),
+            "u": point.u,
+            "stretch": point.stretch,
+            "rate": point.rate,
+        }
         if earlier is None:
-            return place
-        return place | {"earlier": np.asarray(earlier.time), "earlier_u": earlier.u}
+            return arrays
+        return arrays | {"earlier": np.asarray(earlier.time), "earlier_u": earlier.u}

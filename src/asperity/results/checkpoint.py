@@ -155,7 +155,7 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
         "snapshots": [[snapshot.time, snapshot.leg] for snapshot in place.snapshots],
     }
     arrays = {"facts": np.array(json.dumps(facts))}
-    arrays |= {f"place_{name}": array for name, array in midway.place.items()}
+    arrays |= {f"place_{name}": array for name, array in midway.resume_state.items()}
     for name in ("u", "u0", "in_contact"):
         if place.snapshots:
             arrays[f"kept_{name}"] = np.stack([getattr(snapshot, name) for snapshot in place.snapshots])
