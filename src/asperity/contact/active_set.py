@@ -43,7 +43,7 @@ _SMALL = 2**14
 """Number of sites up to which single precision saves no time."""
 
 _PATIENT_REVISIONS = 3
-"""Revisions without fewer wrong sites after which each further one asks for a smaller residual: 0.3 times."""
+"""Revisions without fewer wrong sites after which each further one multiplies the target residual by 0.3."""
 
 _STALLED = 30
 """Iterations without progress after which single precision is taken to be exhausted."""

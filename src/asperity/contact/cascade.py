@@ -28,7 +28,7 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
     coarser = _coarsen(problem)
     try:
         start = solver.solve(coarser, cold_start(coarser, solver), _TOLERANCE)
-    except ConvergenceError:  # a poor start costs time, not accuracy
+    except ConvergenceError:  # a bad start costs time, not accuracy
         return independent_asperities(problem)
     u = interpolated(start.u)
     return Guess(u, u <= problem.heights)

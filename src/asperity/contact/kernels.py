@@ -163,7 +163,7 @@ def fine_row(coarse_row: int, offset: int, ny: int) -> int:
     return i if i < ny else -1
 
 
-# Pins: contacts as the coarse grids feel them.
+# Pins: contacts on coarse grids.
 
 
 @_compiled

@@ -111,7 +111,7 @@ ContactProblem = SpectralProblem | SpringProblem
 
 @dataclass(frozen=True, eq=False)
 class Guess:
-    """Where a solver starts: a surface and the sites believed in contact.
+    """Where a solver starts: a surface and the sites assumed in contact.
 
     If no sites are named, those that the surface does not clear. A solver may write into the surface of
     a guess that is disposable.

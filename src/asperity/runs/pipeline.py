@@ -28,8 +28,8 @@ from asperity.surfaces import Surface, exponential, gaussian, read, self_affine
 from asperity.theory import ExponentialHeights, GaussianHeights
 from asperity.theory.heights import HeightLaw
 
-_CLIFF = 3.0
-"""Step at the periodic seam, in usual steps, that deserves a remark."""
+_REMARKED_SEAM = 3.0
+"""Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
 
 _SPRINGS, _OTHERS, _MAP = 204, 320, 40
 """Bytes a site that a run needs by cycles and by transforms, and that each map adds.
@@ -213,7 +213,7 @@ def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str,
         contact = contact.model_copy(update={"load": load})
         which = "" if nominal else ", measured"
         remarks += (f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}",)
-    if isinstance(chosen, MeasuredSurface) and (cliff := rough.describe().seam_ratio) > _CLIFF:
+    if isinstance(chosen, MeasuredSurface) and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
         remarks += (
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
             "try periodic = 'mirror'",

@@ -190,7 +190,7 @@ _LOWEST_SLAB = 16
 """Minimum rows of a thread; must exceed twice the number of half sweeps."""
 
 _WORTH_SHARING = 2**19
-"""Sites from which a second thread is worth waking."""
+"""Number of sites from which a second thread saves time."""
 
 
 def usual_threads() -> int:

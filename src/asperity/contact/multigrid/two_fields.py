@@ -111,7 +111,7 @@ class TwoFields:
         """Improve the correction until the error of e - f, rms over the sites, is small enough, or rounding.
 
         A time step starts near its end, and a cycle usually divides the error by four or more; the size of
-        a change tells the error that was, and so the one that is left.
+        a change estimates the error before it, and so the one that is left.
         """
         size = math.inf
         for cycle in range(max_cycles):
