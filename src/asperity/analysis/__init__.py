@@ -8,6 +8,7 @@ from asperity.analysis.contact_patches import (
     patches,
     turnover,
 )
+from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.measured_growth import MeasuredGrowth, measured_growth
@@ -17,6 +18,7 @@ from asperity.analysis.view import SurfaceView, surface_view
 __all__ = [
     "AgingSummary",
     "ContactMaps",
+    "LegRow",
     "MeasuredGrowth",
     "Patches",
     "SiteState",
@@ -26,6 +28,7 @@ __all__ = [
     "clustering",
     "contact_maps",
     "hold_times",
+    "leg_table",
     "map_times",
     "measured_growth",
     "modest_load",

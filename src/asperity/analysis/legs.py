@@ -1,0 +1,137 @@
+"""The legs of a history, one by one: what each prescribes, and what the contact was before and after it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from asperity.lattice import Field
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Schedule, Step, legs_of
+
+_KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Repeat, Step)}
+
+
+@dataclass(frozen=True)
+class LegRow:
+    """One leg of a history.
+
+    Attributes
+    ----------
+    number
+        From 0, repetitions counted one by one, as in the coordinate ``leg`` of the dataset.
+    leg
+        What it prescribes.
+    begin, end
+        Times; equal for a step.
+    load, separation, area
+        Values at the beginning and at the end (for a step: before and after), in the units of the dataset;
+        NaN where the history was not recorded at that time.
+    lowest_area, lowest_after
+        The smallest recorded area, its beginning included, in sites, and the time from the beginning of the
+        leg until then (the first time); NaN where nothing was recorded.
+    """
+
+    number: int
+    leg: Hold | Ramp | Step
+    begin: float
+    end: float
+    load: tuple[float, float]
+    separation: tuple[float, float]
+    area: tuple[float, float]
+    lowest_area: float
+    lowest_after: float
+
+    @property
+    def kind(self) -> str:
+        """``"hold"``, ``"ramp"`` or ``"step"``."""
+        return type(self.leg).__name__.lower()
+
+
+def leg_table(dataset: xr.Dataset) -> list[LegRow]:
+    """List the legs of a history with the states at their ends.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History`. Without a protocol it is one hold.
+
+    Returns
+    -------
+    list of LegRow
+        Empty for a history without a protocol that ends at time 0.
+    """
+    times = [dataset[name].values for name in ("time", "field_time") if name in dataset.coords]
+    # Times are given to the schedule as in the run, so that it finds the same switches to the last digit.
+    schedule = Schedule.of(_legs(dataset), np.unique(np.concatenate(times)))
+    ends = zip(schedule.switches, schedule.switches[1:], strict=False)
+    return [
+        _row(dataset, number, leg, *span)
+        for number, (leg, span) in enumerate(zip(schedule.legs, ends, strict=True))
+    ]
+
+
+def protocol_of(dataset: xr.Dataset) -> list[Leg]:
+    """Protocol that a history followed, as it was given to `asperity.age`; empty if there was none."""
+    return [_leg(values) for values in json.loads(dataset.attrs.get("protocol", "[]"))]
+
+
+def numbers_of(dataset: xr.Dataset) -> NDArray[np.int_]:
+    """Number of the leg to which each entry belongs, shape ``(n,)``."""
+    alone = np.zeros(dataset.sizes["time"], dtype=int)
+    return dataset["leg"].values if "leg" in dataset.coords else alone
+
+
+def _legs(dataset: xr.Dataset) -> Iterator[Hold | Ramp | Step]:
+    protocol, lasted = protocol_of(dataset), float(dataset["time"].values[-1])
+    if protocol:
+        yield from legs_of(protocol)
+    elif lasted > 0:
+        yield Hold(lasted)
+
+
+def _leg(values: Mapping[str, Any]) -> Leg:
+    """Make a leg of what `asperity.protocols.described` wrote."""
+    arguments = {name: value for name, value in values.items() if name != "kind"}
+    if "legs" in arguments:
+        arguments["legs"] = [_leg(part) for part in arguments["legs"]]
+    return _KINDS[values["kind"]](**arguments)
+
+
+def _row(dataset: xr.Dataset, number: int, leg: Hold | Ramp | Step, begin: float, end: float) -> LegRow:
+    time, numbers = dataset["time"].values, numbers_of(dataset)
+    own = np.flatnonzero(numbers == number)
+    # The entry at a switch belongs to the leg that ends there, and that of time 0 to the first leg.
+    first = own[:1] if number == 0 else np.flatnonzero(numbers < number)[-1:]
+    first = first[time[first] == begin]
+    own = np.setdiff1d(own, first)
+    last = own[-1:][time[own[-1:]] == end]
+
+    def at_ends(name: str) -> tuple[float, float]:
+        values = dataset[name].values
+        return _single(values[first]), _single(values[last])
+
+    entries = np.concatenate([first, own])
+    lowest = entries[np.argsort(dataset["area"].values[entries], kind="stable")[:1]]
+    return LegRow(
+        number,
+        leg,
+        begin,
+        end,
+        load=at_ends("load"),
+        separation=at_ends("separation"),
+        area=at_ends("area"),
+        lowest_area=_single(dataset["area"].values[lowest]),
+        lowest_after=_single(time[lowest]) - begin,
+    )
+
+
+def _single(values: Field) -> float:
+    """Make a number of an array of one entry, and NaN of an array of none."""
+    return float(values[0]) if values.size else math.nan
