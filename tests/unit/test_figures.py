@@ -27,7 +27,15 @@ from asperity.analysis import (
     with_limit,
 )
 from asperity.errors import InputError
-from asperity.figures import aging_curve, contact_figure, fit_figure, style, surface_figure
+from asperity.figures import (
+    aging_curve,
+    contact_figure,
+    fit_figure,
+    history_figure,
+    style,
+    surface_figure,
+)
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, gaussian
 from asperity.theory import GaussianHeights
@@ -276,6 +284,21 @@ def as_scan(maps: ContactMaps) -> ContactMaps:
     return dataclasses.replace(maps, copies=4, pixel_size=0.25, length_unit="um")
 
 
+def long_history(*, repeats: int) -> xr.Dataset:
+    """A history of which there is much to say."""
+    solid = spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)
+    contact = press(Surface(gaussian((16, 16)), provenance={"file": LONG_NAME}), solid, load=123.456789)
+    legs: list[Leg] = [
+        Step(load=100.123456),
+        Hold(12.3456789, hold="separation", mobility=123.456789),
+        Step(separation=-1.23456789),
+        Ramp(12.3456789, load=1e-4 / 3),
+        Step(load=123.456789),
+    ]
+    end = repeats * 2 * 12.3456789
+    return age(contact, np.geomspace(0.01, end, 30), protocol=[Repeat(legs, repeats)], rtol=1e-2).dataset
+
+
 def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
     """Every kind of figure, with the longest words that it may meet."""
     many = contact_maps(separated)
@@ -295,6 +318,8 @@ def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
         "line": contact_figure(contact_maps(history((300,)))),
         "surface": surface_figure(surface_view(named), title=LONG_NAME, note=note),
         "profile": surface_figure(surface_view(Surface(gaussian(64), "nm")), title=LONG_NAME, note=note),
+        "history": history_figure(long_history(repeats=3)),
+        "history of many legs": history_figure(long_history(repeats=4)),
         "fit": fit_figure(growth, quantity=LONG_NAME * 3, unit_time=LONG_NAME, window=True),
     }
 

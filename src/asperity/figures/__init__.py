@@ -6,9 +6,10 @@ Each function returns a `matplotlib.figure.Figure`; write it with ``figure.savef
 from asperity.figures.aging import aging_curve
 from asperity.figures.contacts import contact_figure
 from asperity.figures.fit import fit_figure
+from asperity.figures.history import history_figure
 from asperity.figures.surface import surface_figure
 
-__all__ = ["aging_curve", "contact_figure", "fit_figure", "surface_figure"]
+__all__ = ["aging_curve", "contact_figure", "fit_figure", "history_figure", "surface_figure"]
 
 
 def __dir__() -> list[str]:

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import json
-
-import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
-from numpy.typing import ArrayLike
 
 from asperity.analysis import AgingSummary
 from asperity.errors import InputError
@@ -61,7 +56,9 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
         one.grid(visible=True, which="major", color="0.9", linewidth=0.6)
         one.legend(loc="best", fontsize=8, framealpha=0.95)
     grid[-1].set_xlabel(r"hold time $t$  [1 / (stiffness $\times$ mobility)]")
-    conditions = style.lines(_conditions(dataset), figure.room)
+    held = str(dataset.attrs["held"])
+    held = f"{held} {float(dataset.attrs[f'held_{held}']):.6g} held"
+    conditions = style.lines(style.conditions(dataset, held), figure.room)
     figure.suptitle(f"Real contact area against hold time\n{conditions}", fontsize=10)
     return figure
 
@@ -139,34 +136,8 @@ def _draw_theory(axes: Axes, summary: AgingSummary) -> None:
 def _frame(axes: Axes, summary: AgingSummary) -> None:
     """Label the axes; the right one counts the nominal area, and ends where all of it touches."""
     axes.set_ylabel(r"contact area $A(t)\,/\,A(0)$")
-    percent = 100.0 * summary.initial_area / summary.sites
-
-    def to_percent(ratio: ArrayLike) -> Field:
-        return np.asarray(ratio, dtype=np.float64) * percent
-
-    def to_ratio(share: ArrayLike) -> Field:
-        return np.asarray(share, dtype=np.float64) / percent
-
-    right = axes.secondary_yaxis("right", functions=(to_percent, to_ratio))
-    right.set_ylabel("real contact [% of nominal area]")
-    right.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.margins(x=0.03)
-    axes.set_ylim(top=min(axes.get_ylim()[1], 100.0 / percent))
-
-
-def _conditions(dataset: xr.Dataset) -> list[str]:
-    """Say what the surface was, what was held and what the solid was."""
-    attrs = dataset.attrs
-    origin = json.loads(attrs.get("surface", "{}"))
-    source = str(origin.get("file") or str(origin.get("kind", "")).replace("_", "-"))
-    lattice = " × ".join(str(n) for n in dataset["heights"].shape)
-    held = str(attrs["held"])
-    parts = [source] if source else []
-    parts += [f"{lattice} sites", f"{held} {float(attrs[f'held_{held}']):.6g} held"]
-    parts += [f"{name} = {float(attrs[name]):g}" for name in ("k0", "k1", "R") if name in attrs]
-    if float(attrs.get("R_viscous", 0)) > 0:
-        parts.append(f"R_viscous = {float(attrs['R_viscous']):g}")
-    return parts
+    style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
 
 
 def _wrapped(text: str) -> str:

@@ -6,12 +6,20 @@ luminances differ too. Styles are set on each artist: no global state is touched
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from typing import Any
 
+import numpy as np
+import xarray as xr
 from matplotlib import font_manager, rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+from numpy.typing import ArrayLike
+
+from asperity.lattice import Field
 
 INK = "#000000"
 BLUE = "#0072B2"
@@ -69,16 +77,53 @@ def fitted(text: str, width: float, size: float = 10) -> str:
     return known
 
 
-def lines(parts: list[str], width: float, size: float = 10) -> str:
+def lines(parts: list[str], width: float, size: float = 10, between: str = ", ") -> str:
     """Lay parts out, with commas between, on lines that fit; a part that is too long alone is cut."""
     laid: list[str] = []
     for part in parts:
-        longer = f"{laid[-1]}, {part}" if laid else ""
+        longer = f"{laid[-1]}{between}{part}" if laid else ""
         if longer and _width(longer, size) <= width:
             laid[-1] = longer
         else:
             laid.append(part)
     return "\n".join(verbatim(fitted(line, width, size)) for line in laid)
+
+
+def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
+    """Say what the surface was, what was prescribed and what the solid was; lay it out with `lines`."""
+    attrs = dataset.attrs
+    origin = json.loads(attrs.get("surface", "{}"))
+    source = str(origin.get("file") or str(origin.get("kind", "")).replace("_", "-"))
+    lattice = " × ".join(str(n) for n in dataset["heights"].shape)
+    parts = [source] if source else []
+    parts += [f"{lattice} sites", prescribed]
+    parts += [f"{name} = {float(attrs[name]):g}" for name in ("k0", "k1", "R") if name in attrs]
+    if float(attrs.get("R_viscous", 0)) > 0:
+        parts.append(f"R_viscous = {float(attrs['R_viscous']):g}")
+    return parts
+
+
+def count_nominal_area(axes: Axes, percent: float) -> None:
+    """Add a right axis in percent of the nominal area, and end both where all of it touches.
+
+    Parameters
+    ----------
+    axes
+        Axes of the contact area.
+    percent
+        Nominal area in percent that one unit of the left axis is.
+    """
+
+    def to_percent(area: ArrayLike) -> Field:
+        return np.asarray(area, dtype=np.float64) * percent
+
+    def to_area(share: ArrayLike) -> Field:
+        return np.asarray(share, dtype=np.float64) / percent
+
+    right = axes.secondary_yaxis("right", functions=(to_percent, to_area))
+    right.set_ylabel("real contact [% of nominal area]")
+    right.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.set_ylim(top=min(axes.get_ylim()[1], 100.0 / percent))
 
 
 def _width(text: str, size: float) -> float:
