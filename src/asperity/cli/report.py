@@ -80,7 +80,9 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
     rows = [("contact at t = 0", f"{int(dataset['area'][0])} sites at load {float(dataset['load'][0]):.6g}")]
     for row in table[:_MOST_LEGS]:
         at = f"t = {row.begin:g}" if row.begin == row.end else f"t = {row.begin:g} to {row.end:g}"
-        change = f"load {row.load[0]:.6g} to {row.load[1]:.6g}, contact {row.area[0]:.0f} to {row.area[1]:.0f}"
+        change = (
+            f"load {row.load[0]:.6g} to {row.load[1]:.6g}, contact {row.area[0]:.0f} to {row.area[1]:.0f}"
+        )
         if row.lowest_area < min(row.area):
             change += f", least {row.lowest_area:.0f} sites {row.lowest_after:.3g} after its beginning"
         rows.append((f"leg {row.number}", f"{row.kind}, {at}: {change}"))

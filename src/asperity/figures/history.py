@@ -335,7 +335,9 @@ def _said(leg: Leg) -> str:
 
 
 def _target(leg: Ramp | Step) -> str:
-    return f"load {leg.load:.5g}" if leg.separation is None else f"separation {_signed(leg.separation)}"
+    if leg.separation is None:
+        return f"load {leg.load:.5g}".replace("-", "\u2212")
+    return f"separation {_signed(leg.separation)}"
 
 
 def _jump(row: LegRow) -> str:
