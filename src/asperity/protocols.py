@@ -205,12 +205,6 @@ class Schedule:
         return cls(legs, tuple(switches))
 
     @property
-    def jumps(self) -> set[float]:
-        """Times at which something changes at once."""
-        ends = zip(self.legs, self.switches[1:], strict=True)
-        return {end for leg, end in ends if isinstance(leg, Step)}
-
-    @property
     def holds_separation(self) -> bool:
         """Whether the rigid body is held or moved in some leg."""
         return any(

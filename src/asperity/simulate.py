@@ -113,7 +113,8 @@ def age(
         from this call: for the ``final`` of an earlier history from 0 again.
     protocol
         The history of the load or the separation: a list of legs of `asperity.protocols`. It is followed to
-        its end, which is recorded too. By default nothing changes up to the last time.
+        its end, and the states at all switches between legs are recorded too: two at a step, just before
+        and just after. By default nothing changes up to the last time.
     hold
         Without a protocol: what is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by
         default what the contact was pressed by.
@@ -159,7 +160,7 @@ def age(
     stops = np.union1d(recorded, kept)
     schedule = _schedule(contact, protocol, hold, stops)
     method = chosen_solver(solver, contact.system())
-    always = {0.0} | schedule.jumps | ({schedule.switches[-1]} if protocol else set())
+    always = set(schedule.switches) if protocol else {0.0}
     rows: list[Row] = []
     snapshots: list[Snapshot] = []
     keeper, resume = None, None
@@ -187,7 +188,9 @@ def age(
         if frame.time in recorded or frame.time in always:
             rows.append(row_of(frame))
     control = control_of(contact, hold) if protocol is None else contact.control
-    return History(dataset_of(contact, control, protocol, rows, snapshots, rtol=tolerance), final)
+    return History(
+        dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance), final
+    )
 
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:

@@ -23,14 +23,16 @@ FILE = """
 [surface]
 shape = [16, 16]
 [contact]
-load = 10.0
+load = 60.0
 [aging]
 first = 0.1
 per_decade = 1
 [[protocol]]
 kind = "repeat"
 count = 2
-legs = [{kind = "step", load = 4.0}, {kind = "hold", duration = 1.0}, {kind = "ramp", duration = 1, load = 10.0}]
+legs = [
+    {kind = "step", load = 30.0}, {kind = "hold", duration = 1.0}, {kind = "ramp", duration = 1, load = 60.0}
+]
 [[protocol]]
 kind = "hold"
 duration = 10.0
@@ -85,7 +87,7 @@ def test_the_table_and_the_summary_name_legs(out: Path) -> None:
 def test_a_file_with_repetitions(tmp_path: Path, asperity: Asperity) -> None:
     (tmp_path / "study.toml").write_text(FILE)
     config = read_config(tmp_path / "study.toml", {})
-    cycle = Repeat([Step(load=4.0), Hold(1.0), Ramp(1.0, load=10.0)], 2)
+    cycle = Repeat([Step(load=30.0), Hold(1.0), Ramp(1.0, load=60.0)], 2)
     assert config.legs == (cycle, Hold(10.0, "area"))
     assert config.end == 14.0
     status, _, error = asperity("run", tmp_path / "study.toml", "--out", tmp_path / "out", "--figures", "")

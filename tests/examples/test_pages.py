@@ -43,7 +43,7 @@ ROOMS = (
     "surfaces",
     "theory",
 )
-FILES = (".csv", ".html", ".md", ".npy", ".toml", ".txt", ".zarr")
+FILES = (".csv", ".html", ".md", ".npy", ".png", ".toml", ".txt", ".zarr")
 TEN_LINES = r"sites in contact: ([\d ]+)"
 
 SMALLER = {

@@ -128,6 +128,7 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
 
 WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.analysis.aging_summary,
+    asp.analysis.leg_table,
     asp.analysis.contact_maps,
     asp.analysis.surface_view,
     asp.analysis.turnover,

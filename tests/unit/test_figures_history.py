@@ -140,18 +140,6 @@ def test_a_fall_after_a_jump_is_pointed_at():
             assert arrows[0].xy[0] in panels(figure)["load"][0][0]
 
 
-def test_a_switch_that_was_not_recorded_is_not_drawn():
-    protocol = [Hold(1.0), Ramp(1.0, load=20.0)]
-    lengths = [
-        np.asarray(
-            history_figure(asp.age(CONTACT, times, protocol=protocol).dataset).axes[0].lines[0].get_xdata()
-        )
-        for times in ([0.01, 0.1, 1.0, 1.5], [0.01, 0.1, 1.5])
-    ]
-    # The entry at the switch is drawn at the end of its column, and a line from there leads to the next.
-    assert [x.size for x in lengths] == [7, 5]
-
-
 def test_a_history_of_time_0_alone_has_no_figure():
     with pytest.raises(InputError, match="a history with times above 0"):
         history_figure(asp.age(CONTACT, [0.0]).dataset)

@@ -96,8 +96,8 @@ def test_a_switch_is_the_time_that_is_meant():
     assert sum(leg.duration for leg in legs) != 0.3
     assert Schedule.of(legs, np.array([0.3])).switches[-1] == 0.3
     history = asp.age(CONTACT, [0.1, 0.3], protocol=legs)
-    assert history.dataset["time"].values.tolist() == [0.0, 0.1, 0.3]
-    assert history.dataset["leg"].values.tolist() == [0, 0, 2]
+    assert history.dataset["time"].values.tolist() == [0.0, 0.1, 0.2, 0.3]
+    assert history.dataset["leg"].values.tolist() == [0, 0, 1, 2]
 
 
 def test_a_history_describes_itself(tmp_path):
@@ -115,6 +115,20 @@ def test_a_history_describes_itself(tmp_path):
     ]
     history.save(tmp_path / "history.zarr")
     assert asp.results.load(tmp_path / "history.zarr").identical(data)
+
+
+def test_a_held_area_is_recorded_as_such():
+    contact = asp.press(uncorrelated(16), SOLID, load=100.0)
+    attrs = asp.age(contact, [0.1], hold="area").dataset.attrs
+    assert (attrs["held"], attrs["held_area"]) == ("area", contact.area)
+
+
+def test_the_area_of_few_contacts_cannot_be_kept():
+    assert CONTACT.area < 20
+    with pytest.raises(
+        InputError, match="hold: expected at least 20 sites in contact to keep the area, got 3"
+    ):
+        asp.age(CONTACT, [1.0], hold="area")
 
 
 def test_without_a_protocol_nothing_is_new():

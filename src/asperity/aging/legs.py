@@ -52,7 +52,7 @@ def follow(
     resume: LegMidway | None = None,
     after_step: Callable[[LegMidway], None] | None = None,
 ) -> Iterator[Frame]:
-    """Yield a frame at time 0, at each of the times, before and after each step, and at the end.
+    """Yield a frame at time 0, at each of the times and at the end of each leg: at a step before and after.
 
     Parameters
     ----------
@@ -89,7 +89,6 @@ def follow(
         stops = np.union1d(times[(times > begun) & (times < end)], [end])
         if here is not None:
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
-        switch = number + 1 < len(legs) and not isinstance(legs[number + 1], Step)
 
         def keep(
             midway: Midway, number: int = number, control: Control = control, approach: float = approach
@@ -111,8 +110,7 @@ def follow(
             next(frames)  # its start is known
         for time, frame in zip(stops.tolist(), frames, strict=True):
             now = replace(frame, time=time, approach=approach + frame.approach, leg=number)
-            if time < end or not switch or end in times:
-                yield now
+            yield now
 
 
 def _control(contact: Contact, leg: Hold | Ramp, lasting: float) -> Control:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import asperity.checks as checks
-from asperity.aging.constant_area import ConstantArea
+from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import FieldSteps, Point, Steps
 from asperity.contact.choice import chosen_solver
@@ -168,6 +168,13 @@ def creep(
     system = contact.system(control)
     _check_pace(system, stops)
     area = None
+    if keep_area and contact.area < FEWEST_SITES and midway is None:
+        raise InputError(
+            "hold",
+            expected=f"at least {FEWEST_SITES} sites in contact to keep the area",
+            got=contact.area,
+            advice="a larger surface or more load",
+        )
     if keep_area and midway is None and system.load is not None:
         area = ConstantArea(float(contact.area), 0.0, system.load, float(contact.area))
     march = _March(contact, system, chosen_solver(solver, system), tolerance, area, midway, after_step)

@@ -72,6 +72,7 @@ def dataset_of(
     start: Contact,
     control: Control,
     protocol: Sequence[Leg] | None,
+    keeps_area: bool,
     rows: Sequence[Row],
     snapshots: Sequence[Snapshot],
     *,
@@ -87,6 +88,8 @@ def dataset_of(
         What was prescribed at the start.
     protocol
         The history, if it was not just one hold; then every entry says to which leg it belongs.
+    keeps_area
+        Whether, without a protocol, the area was held.
     rows
         The time series; the first is at time 0.
     snapshots
@@ -113,6 +116,8 @@ def dataset_of(
             dataset = dataset.assign_coords(field_leg=("field_time", legs))
     _describe(dataset)
     attributes = _attributes(start, control, rtol)
+    if keeps_area:
+        attributes |= {"held": "area", "held_area": start.area}
     if protocol is not None:
         attributes["protocol"] = json.dumps([described(leg) for leg in protocol])
     return dataset.assign_attrs(attributes)
