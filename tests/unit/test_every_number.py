@@ -129,6 +129,7 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
 WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.analysis.aging_summary,
     asp.analysis.leg_table,
+    asp.figures.history_figure,
     asp.analysis.contact_maps,
     asp.analysis.surface_view,
     asp.analysis.turnover,
