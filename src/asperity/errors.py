@@ -15,6 +15,8 @@ Remark (UserWarning)                nothing is wrong, but the user should know
 
 from __future__ import annotations
 
+from asperity.words import brief
+
 __all__ = [
     "AsperityError",
     "CheckpointError",
@@ -59,8 +61,8 @@ class InputError(AsperityError, ValueError):
     """
 
     def __init__(self, name: str, *, expected: str, got: object, advice: str = "") -> None:
-        self.name, self.expected, self.got, self.advice = name, expected, str(got), advice
-        message = f"{name}: expected {expected}, got {got}"
+        self.name, self.expected, self.got, self.advice = name, expected, brief(str(got)), advice
+        message = f"{brief(name)}: expected {expected}, got {self.got}"
         super().__init__(f"{message}; try {advice}" if advice else message)
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -91,8 +93,9 @@ class ConfigError(InputError):
     """
 
     def __init__(self, problems: list[str]) -> None:
-        super().__init__("configuration", expected="no mistakes", got="; ".join(problems))
-        self.problems = problems
+        self.problems = [brief(problem) for problem in problems]
+        super().__init__("configuration", expected="no mistakes", got="")
+        self.got = "; ".join(self.problems)
         self.args = (self.got,)
 
 

@@ -68,6 +68,17 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
 
 
+def brief(text: str, longest: int = 400) -> str:
+    """Leave out the line breaks, and the middle of what is too long for a line."""
+    line = " ".join(text.split()) if "\n" in text else text
+    return line if len(line) <= longest else f"{line[: longest // 2]} ... {line[-longest // 3 :]}"
+
+
+def reason_of(error: BaseException) -> str:
+    """What an error of a library says, in one short line, whatever it was."""
+    return shortened(" ".join(str(error).split()), 120) or type(error).__name__
+
+
 def shortened(text: str, length: int = 80) -> str:
     """Cut what is too long for a line of a message."""
     return text if len(text) <= length else f"{text[: length - 3]}..."

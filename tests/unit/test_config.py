@@ -292,3 +292,13 @@ def test_only_what_is_close_is_suggested(word: str, known: list[str], meant: str
 def test_words_that_are_no_numbers_are_left_to_the_check() -> None:
     (problem,) = problems_of(None, flags_of("surface", shape=["20,twenty"]))
     assert problem == "--shape: expected a whole number, got 'twenty'"
+
+
+def test_a_mistake_of_any_length_is_a_line(tmp_path):
+    name = "k" * 3000
+    (tmp_path / "run.toml").write_text(f"[solid]\n{name} = 1\n[{name}]\n", encoding="utf-8")
+    with pytest.raises(ConfigError) as raised:
+        read_config(tmp_path / "run.toml", {})
+    assert len(raised.value.problems) == 2
+    assert all(len(problem) < 500 for problem in raised.value.problems)
+    assert raised.value.problems[0].endswith("R_viscous")

@@ -14,7 +14,8 @@ SOURCE = Path(asperity.__file__).parent
 
 # Each room may import the rooms before it, and itself.
 ROOMS = [
-    {"errors", "_version", "words"},
+    {"_version", "words"},
+    {"errors"},
     {"checks"},
     {"tables", "memory"},
     {"lattice"},

@@ -7,7 +7,7 @@ import io
 import os
 import sys
 
-from asperity.words import printable
+from asperity.words import brief, printable
 
 _PLAIN = {"±": "+-", "×": "x", "²": "^2", "µ": "u"}
 
@@ -15,7 +15,7 @@ _PLAIN = {"±": "+-", "×": "x", "²": "^2", "µ": "u"}
 def complain(*problems: str) -> None:
     """Write a line for each problem."""
     for problem in problems:
-        print("asperity:", printable(" ".join(problem.split())), file=sys.stderr)
+        print("asperity:", brief(printable(" ".join(problem.split())), 900), file=sys.stderr)
 
 
 def make_streams_safe() -> None:

@@ -22,6 +22,7 @@ from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 from asperity.surfaces.raw import RawSurface
 from asperity.tables import read_table
+from asperity.words import reason_of
 
 _READER = f"asperity {__version__}"
 _LABELS = 5
@@ -99,8 +100,7 @@ def _one_error(path: Path, kind: str, magic: bytes) -> Iterator[None]:
         raise
     # Headers are parsed as Python, members decompressed in four ways: a damaged byte leads anywhere.
     except Exception as error:
-        reason = " ".join(str(error).split())[:120]
-        got = f"a damaged or truncated file ({reason})"
+        got = f"a damaged or truncated file ({reason_of(error)})"
         raise SurfaceFileError(str(path), expected=f"a {kind} file of numbers", got=got) from error
 
 
