@@ -146,3 +146,31 @@ def test_loading_what_is_no_result(tmp_path, kind):
         (path / "notes.txt").write_text("hello")
     with pytest.raises(InputError, match="path: expected a folder that asperity wrote"):
         asp.results.load(path)
+
+
+DAMAGES = {
+    "a byte of the numbers": ("u/c/0/0/0", lambda content: content[:-9] + b"?" + content[-8:]),
+    "half of the numbers": ("area/c/0", lambda content: content[: len(content) // 2]),
+    "a description of another type": (
+        "area/zarr.json",
+        lambda _: b'{"zarr_format": 3, "node_type": "array"}',
+    ),
+    "a description that is none": ("zarr.json", lambda _: b"[0]"),
+    "a name that is none": ("u/zarr.json", lambda content: content.replace(b'"field_time"', b"[0]")),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_results_are_refused_in_one_line(tmp_path, damage):
+    HISTORY.save(tmp_path / "run.zarr")
+    file, change = DAMAGES[damage]
+    (tmp_path / "run.zarr" / file).write_bytes(change((tmp_path / "run.zarr" / file).read_bytes()))
+    with pytest.raises(InputError, match=r"path: expected a folder that asperity wrote, got .*: ") as raised:
+        asp.results.load(tmp_path / "run.zarr")
+    assert "\n" not in str(raised.value)
+
+
+def test_files_of_others_in_the_folder_of_results_warn_nobody(tmp_path):  # a warning is an error here
+    HISTORY.save(tmp_path / "run.zarr")
+    (tmp_path / "run.zarr" / ".DS_Store").write_bytes(b"")
+    assert asp.results.load(tmp_path / "run.zarr").identical(HISTORY.dataset)

@@ -12,8 +12,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import xarray as xr
+from zarr.codecs import ZstdCodec
 
 from asperity.errors import InputError, OutputError
+from asperity.words import reason_of
 
 
 def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> None:
@@ -45,7 +47,9 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     with whole_folder(target, overwrite=overwrite) as folder, warnings.catch_warnings():
         # Text (names of swept files) has no specification in zarr 3 yet; what reads it here also wrote it.
         warnings.filterwarnings("ignore", message=".*does not have a Zarr V3 specification.*")
-        dataset.to_zarr(folder, mode="w", consolidated=False)
+        # Each chunk with a checksum, so that a damaged byte is an error and never another number.
+        encoding = {name: {"compressors": [ZstdCodec(checksum=True)]} for name in dataset.variables}
+        dataset.to_zarr(folder, mode="w", consolidated=False, encoding=encoding)
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -67,10 +71,18 @@ def load(path: str | Path) -> xr.Dataset:
     if not folder.exists():
         raise InputError("path", expected="a folder that asperity wrote", got=f"{path}, which does not exist")
     try:
-        with xr.open_dataset(folder, engine="zarr", consolidated=False, decode_times=False) as dataset:
-            return dataset.load()
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError("path", expected="a folder that asperity wrote", got=f"{path}: {error}") from error
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about files of others in the folder
+            with xr.open_dataset(folder, engine="zarr", consolidated=False, decode_times=False) as dataset:
+                loaded = dataset.load()
+            # What cannot be recognized is left out without an error.
+            folders = {entry.name for entry in folder.iterdir() if entry.is_dir()}
+            if lost := {name for name in folders if name[0] not in "._"} - set(loaded.variables):
+                raise ValueError(f"{', '.join(sorted(lost))} cannot be read")
+            return loaded
+    except Exception as error:  # descriptions are parsed, numbers decoded: a damaged byte leads anywhere
+        got = f"{path}: {reason_of(error)}"
+        raise InputError("path", expected="a folder that asperity wrote", got=got) from error
 
 
 @contextmanager
