@@ -126,6 +126,16 @@ def test_a_place_where_nothing_can_be_written(tmp_path):
         asp.age(CONTACT, TIMES, checkpoint=Checkpoint(tmp_path / "file" / "place.npz", every=0.0))
 
 
+def test_an_archive_that_cannot_be_decoded_is_no_checkpoint(tmp_path):
+    path = tmp_path / "place.npz"
+    asp.age(CONTACT, TIMES, checkpoint=Checkpoint(path, every=0.0))
+    content = bytearray(path.read_bytes())
+    content[content.index(b"PK\x01\x02") + 8] |= 1 << 5  # "compressed patched data"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"expected a checkpoint of this run, got .*compressed patched data"):
+        asp.age(CONTACT, TIMES, checkpoint=path)
+
+
 SCRIPT = """
 import sys, numpy as np, asperity as asp
 from asperity.results import Checkpoint

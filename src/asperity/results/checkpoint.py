@@ -27,6 +27,7 @@ from asperity.lattice import Field, Lattice
 from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
 from asperity.results.store import remove_parts, whole_file
+from asperity.words import reason_of
 
 
 @dataclass(frozen=True)
@@ -106,9 +107,10 @@ class Keeper:
                 arrays = {name: archive[name] for name in archive.files}
             facts = json.loads(str(arrays["facts"]))
             stranger = facts["fingerprint"] != self.fingerprint
-        except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        except Exception as error:  # of an archive, of headers, of JSON: a damaged byte leads anywhere
+            got = f"{self.path}: {reason_of(error)}"
             raise CheckpointError(
-                "checkpoint", expected="a checkpoint of this run", got=f"{self.path}: {error}", advice=advice
+                "checkpoint", expected="a checkpoint of this run", got=got, advice=advice
             ) from error
         if stranger:
             raise CheckpointError(
