@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from asperity.analysis import measured_growth
 from asperity.errors import InputError
 from asperity.fits import read_measurements
 
@@ -149,3 +150,12 @@ def test_no_file(tmp_path: Path) -> None:
         read_measurements(tmp_path / "none.csv")
     with pytest.raises(InputError, match="got a folder"):
         read_measurements(tmp_path)
+
+
+@pytest.mark.parametrize("cell", ["1e-320", "1e120"])
+def test_numbers_that_would_overflow_are_refused(tmp_path: Path, cell: str) -> None:
+    file = tmp_path / "mu.csv"
+    file.write_text(f"1,0.6\n{cell},0.61\n10,0.62\n100,0.63\n")
+    data = read_measurements(file)
+    with pytest.raises(InputError, match=r"time: expected numbers up to 1e\+100 \(0, or from 1e-100\), got"):
+        measured_growth(data.time, data.value)
