@@ -211,3 +211,11 @@ def test_workers_share_the_runs_that_there_are():
     judged = campaign.Estimate(runs=2, seconds=20.0, bytes=0, basis="")
     assert judged.wall(1) - judged.wall(2) == judged.wall(1) - judged.wall(8) == 10.0
     assert campaign.Estimate(runs=0, seconds=0.0, bytes=0, basis="").wall(2) == 0.0
+
+
+def test_the_rest_of_the_seeds_of_points_that_are_known(tmp_path):
+    plan = campaign.read_plan(written(tmp_path))
+    do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[::3]), tmp_path / "out")
+    judged = campaign.estimate(plan, tmp_path / "out")
+    assert judged.runs == 8
+    assert judged.basis == "finished runs at 4 points"

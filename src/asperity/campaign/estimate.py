@@ -182,9 +182,9 @@ def _tried(configs: Mapping[Point, RunConfig]) -> Iterator[tuple[Point, _Cost]]:
 
 
 def _spread(count: int) -> list[int]:
-    """Some numbers below ``count``: the middle, then the middles of what is left."""
+    """Some numbers below ``count``, if there are any: the middle, then the middles of what is left."""
     order = [(int(f"{i:08b}"[::-1], 2) / 256 + 0.5) % 1 for i in range(256)]
-    return list(dict.fromkeys(int(part * count) for part in order))[:_POINTS]
+    return list(dict.fromkeys(int(part * count) for part in order))[:_POINTS] if count else []
 
 
 def _line(config: RunConfig, allowed: float) -> tuple[int, _Cost]:
