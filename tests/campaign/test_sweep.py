@@ -374,6 +374,49 @@ def test_a_damaged_run_is_named_and_not_used(tmp_path):
         campaign.open(tmp_path / "out")
 
 
+@pytest.mark.parametrize("kind", ["no scalars", "scalars of another type", "no table", "a shape"])
+def test_a_run_with_a_damaged_description_is_named(tmp_path, kind):
+    plan = campaign.read_plan(written(tmp_path))
+    do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:1]), tmp_path / "out")
+    folder = tmp_path / "out" / "runs.zarr" / plan.runs[0].identity
+    file = folder / ("series/zarr.json" if kind == "a shape" else "zarr.json")
+    facts = json.loads(file.read_text())
+    if kind == "no table":
+        facts = 3
+    elif kind == "a shape":
+        facts["shape"] = [[0], 8]
+    else:
+        facts["attributes"]["scalars"] = {} if kind == "no scalars" else {"sites": []}
+    file.write_text(json.dumps(facts))
+    with pytest.raises(InputError, match=rf"{plan.runs[0].identity}, which is damaged; try removing"):
+        campaign.open(tmp_path / "out")
+
+
+@pytest.mark.parametrize("damage", ['{"zarr_format": "3"}', "[3]", "", "3"])
+def test_a_damaged_store_is_named(tmp_path, damage):
+    plan = campaign.read_plan(written(tmp_path))
+    do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:1]), tmp_path / "out")
+    (tmp_path / "out" / "runs.zarr" / "zarr.json").write_text(damage)
+    with pytest.raises(InputError, match=r"zarr.json, which is damaged; try removing that file"):
+        campaign.sweep(plan, tmp_path / "out")
+
+
+@pytest.mark.parametrize("damage", ["point", "seed", "list"])
+def test_a_damaged_plan_is_no_campaign(tmp_path, damage):
+    plan = campaign.read_plan(written(tmp_path))
+    do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:1]), tmp_path / "out")
+    file = tmp_path / "out" / "plan.json"
+    facts = json.loads(file.read_text())
+    if damage == "point":
+        facts["runs"][0][1] = [0, 99]
+    elif damage == "seed":
+        facts["runs"][0][2] = 99
+    file.write_text(json.dumps([facts] if damage == "list" else facts))
+    with pytest.raises(InputError, match="expected a folder that asperity sweep wrote") as raised:
+        campaign.open(tmp_path / "out")
+    assert "\n" not in str(raised.value)
+
+
 def test_runs_of_a_version_with_fewer_series_are_read():
     series = np.arange(6.0).reshape(3, 2)
     found = campaign.store._completed(series, ["time", "area", "load"])

@@ -11,12 +11,13 @@ import pandas as pd
 import xarray as xr
 
 from asperity._version import __version__
-from asperity.campaign.plan import Axis, Plan, Run, seeded
+from asperity.campaign.plan import Axis, Plan, Run, name_of, seeded
 from asperity.campaign.store import FITTED, Store
 from asperity.config import RunConfig, from_tables, to_tables
 from asperity.config.reading import tables_to_toml
 from asperity.errors import InputError
 from asperity.results.dataset import LEG, SERIES, TIME_UNIT
+from asperity.words import reason_of
 
 _NO_ENSEMBLE = (
     *("steps", "rejected", "iterations", "residual", "worst_residual", "relaxed_residual"),
@@ -212,9 +213,12 @@ def load_plan(directory: str | Path) -> Plan:
                 configs[point] = from_tables(tables)
             config = configs[point] if seed is None else seeded(configs[point], seed)
             runs.append(Run(identity, point, seed, config, content))
-        return Plan(axes, tuple(facts["seeds"]), facts["zipped"], tuple(runs))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        reason = "no such campaign" if isinstance(error, FileNotFoundError) else str(error)
+        plan = Plan(axes, tuple(facts["seeds"]), facts["zipped"], tuple(runs))
+        for run in plan.runs:
+            name_of(plan, run)  # as long as every run has its place along the axes and among the seeds
+        return plan
+    except Exception as error:  # a damaged byte leads anywhere
+        reason = "no such campaign" if isinstance(error, FileNotFoundError) else reason_of(error)
         raise InputError(
             "campaign", expected="a folder that asperity sweep wrote", got=f"{directory}: {reason}"
         ) from error

@@ -16,7 +16,7 @@ import shutil
 import uuid
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,8 +34,8 @@ from asperity.runs import Outcome
 
 QUANTITIES = ("time", *SERIES, "leg")
 FITTED = ("a", "q", "t0", "C")
-_UNREADABLE = (OSError, KeyError, ValueError, RuntimeError)
-"""What zarr raises over arrays that are not there or cannot be decoded."""
+_ALWAYS = {"sites", "initial_area", "seconds"}
+"""Scalars that every finished run has."""
 KEPT_FIELDS = ("heights", *FIELDS, "in_contact_relaxed", "u_relaxed")
 """Fields of a run that asked for maps."""
 
@@ -62,7 +62,12 @@ class Store:
         for name in ("locks", "failed", "checkpoints", "staging"):
             (self.work / name).mkdir(parents=True, exist_ok=True)
         with FileLock(self.work / "prepare.lock"):  # one at a time: creating a group is no single act
-            zarr.open_group(self.runs, mode="a")
+            try:
+                zarr.open_group(self.runs, mode="a")
+            except OSError:
+                raise
+            except Exception as error:
+                raise _damage(self.runs / "zarr.json", "that file") from error
             found = list((self.work / "staging").iterdir())
             running = self.running()  # after the list: who began to write since then is not in it
             for left in found:
@@ -149,19 +154,22 @@ class Store:
         Raises
         ------
         InputError
-            It is not there, or not readable.
+            It is not there, or damaged.
         """
         try:
             group = zarr.open_group(self.runs / identity, mode="r")
             facts: dict[str, Any] = dict(group.attrs)
-            finished = Finished(np.asarray(group["series"]), facts["scalars"], facts["config"])
-        except RuntimeError as error:  # a codec that cannot make sense of what it reads
-            raise self._damaged(identity) from error
-        except (OSError, KeyError, ValueError) as error:
+            series = np.asarray(group["series"])
+            scalars = {name: float(value) for name, value in facts["scalars"].items()}
+            sound = facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS
+            finished = Finished(_completed(series, facts["quantities"]), scalars, str(facts["config"]))
+        except FileNotFoundError as error:
             raise self._unreadable(identity, error) from error
-        if not facts["complete"] or facts["checksum"] != _checksum(finished.series):
+        except Exception as error:  # a damaged byte of a description leads anywhere
+            raise self._damaged(identity) from error
+        if not sound:
             raise self._damaged(identity)
-        return replace(finished, series=_completed(finished.series, facts["quantities"]))
+        return finished
 
     def fields(self, identity: str) -> xr.Dataset:
         """Read the fields that a finished run kept, as its history held them.
@@ -174,8 +182,10 @@ class Store:
         try:
             group = zarr.open_group(self.runs / identity, mode="r")
             kept = dict(group.attrs).get("fields_checksum")
-        except (OSError, KeyError, ValueError) as error:
+        except FileNotFoundError as error:
             raise self._unreadable(identity, error) from error
+        except Exception as error:
+            raise self._damaged(identity) from error
         if kept is None:
             raise InputError(
                 "campaign",
@@ -185,7 +195,7 @@ class Store:
             )
         try:
             arrays = {name: np.asarray(group[name]) for name in (*KEPT_FIELDS, "field_time") if name in group}
-        except _UNREADABLE as error:
+        except Exception as error:
             raise self._damaged(identity) from error
         if kept != _checksum(*arrays.values()):
             raise self._damaged(identity)
@@ -203,15 +213,19 @@ class Store:
         return InputError("campaign", expected=f"a finished run in {self.runs}", got=f"{identity}: {error}")
 
     def _damaged(self, identity: str) -> InputError:
-        return InputError(
-            "campaign",
-            expected="runs as they were written",
-            got=f"{self.runs / identity}, which is damaged",
-            advice="removing that folder, and the same sweep again",
-        )
+        return _damage(self.runs / identity, "that folder")
 
     def _lock(self, identity: str) -> Path:
         return self.work / "locks" / f"{identity}.lock"
+
+
+def _damage(place: Path, what: str) -> InputError:
+    return InputError(
+        "campaign",
+        expected="runs as they were written",
+        got=f"{place}, which is damaged",
+        advice=f"removing {what}, and the same sweep again",
+    )
 
 
 def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
