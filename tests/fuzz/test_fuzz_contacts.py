@@ -1,0 +1,170 @@
+"""Random bodies pressed, aged and relaxed: an equilibrium by an operator of its own, or one clear line."""
+
+from typing import Any
+
+import numpy as np
+
+import asperity as asp
+from asperity.contact import Contact
+from asperity.errors import AsperityError
+from tests.fuzz.fuzzing import Draw, fuzz, tried
+from tests.independent import assert_equilibrium
+
+LAYOUTS = [
+    np.asfortranarray,
+    np.ascontiguousarray,
+    lambda field: np.repeat(field, 2, axis=0)[::2],
+    lambda field: field[::-1],
+    lambda field: field.tolist(),
+    lambda field: field.astype(np.float32),
+    lambda field: field.astype(">f8"),
+    lambda field: field.astype(np.longdouble),
+]
+
+
+def heights(draw: Draw, longest: int = 40) -> Any:
+    """A small surface or profile, of any kind, offset, scale, type and layout."""
+    shape: tuple[int, ...] = (draw.between(4, longest), draw.between(4, longest))
+    if draw.chance(0.2):
+        shape = draw.one([(1,), (2,), (draw.between(4, 300),), (1, 5), (2, 2), (draw.between(1, 40), 1)])
+    rough = draw.rng.normal(size=shape)
+    kind = draw.one(["white", "smooth", "stepped", "spike", "flat", "doubled", "wave"])
+    if kind == "smooth":
+        axes = tuple(range(len(shape)))
+        waves = sum(q**2 for q in np.meshgrid(*map(np.fft.fftfreq, shape), indexing="ij"))
+        rough = np.fft.ifftn(np.fft.fftn(rough, axes=axes) / (1e-3 + waves), axes=axes).real
+    elif kind == "stepped":
+        rough = np.round(rough)
+    elif kind == "spike":
+        rough = rough * draw.one([0.0, 1e-12, 1e-3])
+        rough.flat[draw.between(0, rough.size - 1)] = 5.0
+    elif kind == "flat":
+        rough = np.full(shape, draw.one([0.0, 1.0, -3.0]))
+    elif kind == "doubled":
+        rough = np.concatenate([rough, rough], axis=-1)
+    elif kind == "wave":
+        rough = np.cos(np.linspace(0, 6 * np.pi, rough.size)).reshape(shape)
+    scale, offset = draw.one([1.0, 1.0, draw.decades(-30, 30)]), draw.one([0.0, 0.0, 0.0, 1.0, -1e3, 1e9])
+    draw.say(f"{kind} {rough.shape} x {scale:g} + {offset:g} x")
+    rough = scale * (rough + offset)
+    if draw.chance(0.3) and 1e-25 < scale < 1e25:
+        return draw.one(LAYOUTS)(rough)
+    return rough
+
+
+def springs(draw: Draw) -> dict[str, float]:
+    """Spring constants, of which k1 is not zero."""
+    near = draw.chance(0.5)
+    k0, k1, R, R_viscous = (draw.decades(*((-2, 2) if near else (-8, 8))) for _ in range(4))
+    some = {
+        "k0": draw.one([k0, k0, k0, k0, 0.0]),
+        "k1": k1,
+        "R": draw.one([R, R, 0.0]),
+        "R_viscous": draw.one([R_viscous, 0.0]),
+    }
+    if not near:
+        unit = draw.one([1.0, 1.0, 1e-20, 1e20])
+        some |= {"k0": some["k0"] * unit, "k1": k1 * unit}
+    return some
+
+
+def control(draw: Draw, rough: Any, stiffness: float) -> dict[str, Any]:
+    """A load or a separation, from almost nothing to full contact and beyond."""
+    rough = np.asarray(rough, dtype=float)
+    spread = float(np.ptp(rough)) or max(abs(float(rough.max())), 1.0)
+    if draw.chance(0.65):
+        # A load that leaves any contact with the numbers that it needs lies in the bounds of numbers.
+        return {"load": float(np.clip(draw.decades(-6, 3) * stiffness * spread * rough.size, 1e-90, 1e90))}
+    return {
+        "separation": float(rough.max()) + spread * draw.one([-1e-6, -0.03, -0.3, -1.0, -3.0, 0.0, 0.5, -1e3])
+    }
+
+
+def judged(contact: Contact, k: dict[str, float], load: float | None = None) -> None:
+    """An equilibrium of the spring lattice, as another operator sees it; and the load that was asked for."""
+    proof = assert_equilibrium(contact, k0=k["k0"], k1=k["k1"], load_may_vanish=True)
+    if load is not None:
+        # The heights are rounded where they are, far from zero perhaps, and the stiffest spring feels it.
+        largest = max(float(np.abs(field).max()) for field in (contact.u, contact.u0))
+        rounding = np.spacing(largest) * (4 * contact.u.ndim * k["k0"] + k["k1"]) * contact.u.size
+        assert abs(proof.load - load) <= 1e-9 * load + rounding
+        assert abs(contact.load - load) <= 1e-9 * load + rounding
+
+
+def pressed(draw: Draw) -> tuple[Contact | None, dict[str, float]]:
+    rough = heights(draw)
+    k = springs(draw)
+    held = control(draw, rough, k["k0"] + k["k1"])
+    draw.say(f"{k} {held}")
+    contact = tried(lambda: asp.press(rough, asp.solids.spring_lattice(**k), **held))
+    draw.say(contact)
+    if isinstance(contact, AsperityError):
+        return None, k
+    judged(contact, k, held.get("load"))
+    return contact, k
+
+
+def test_contacts_of_springs():
+    def attempt(draw: Draw) -> None:
+        contact, k = pressed(draw)
+        if contact is None:
+            return
+        hold = draw.one([None, "load", "separation"])
+        draw.say(f"hold {hold}")
+        limit = tried(lambda: asp.relax(contact, hold=hold))
+        draw.say(limit)
+        if not isinstance(limit, AsperityError):
+            judged(limit, k)
+
+    fuzz("contacts of springs", 60, attempt)
+
+
+def test_histories_of_springs():
+    def attempt(draw: Draw) -> None:
+        contact, k = pressed(draw)
+        if contact is None:
+            return
+        hold = draw.one([None, "load", "separation"])
+        unit = 1 / ((k["k0"] + k["k1"]) * (k["R"] + k["R_viscous"]) or 1.0)
+        times = unit * 10.0 ** np.sort(draw.rng.uniform(-4, draw.one([2, 8, 20]), size=draw.between(1, 4)))
+        draw.say(f"hold {hold}, times {times.tolist()}")
+        keep = [0.0, times[-1]] if draw.chance(0.3) else ()
+        history = tried(
+            lambda: asp.age(contact, times, hold=hold, rtol=draw.one([1e-1, 1e-2]), fields_at=keep)
+        )
+        draw.say(history)
+        if isinstance(history, AsperityError):
+            return
+        series = history.dataset
+        assert np.isfinite(series[["area", "load", "separation", "energy", "residual"]].to_array()).all()
+        judged(history.final, k)
+
+    fuzz("histories of springs", 25, attempt)
+
+
+def test_contacts_of_half_spaces():
+    def attempt(draw: Draw) -> None:
+        rough = heights(draw, 24)
+        modulus = draw.decades(-6, 6)
+        solid = asp.solids.half_space(modulus=modulus, creeping=draw.one([0.0, 0.5, 1.0]))
+        held = control(draw, rough, modulus)
+        draw.say(f"{modulus} {held}")
+        contact = tried(lambda: asp.press(rough, solid, **held))
+        draw.say(contact)
+        if isinstance(contact, AsperityError):
+            return
+        for one in (
+            contact,
+            tried(lambda: asp.age(contact, [0.1, 10.0], rtol=0.1)),
+            tried(lambda: asp.relax(contact)),
+        ):
+            state = one.final if isinstance(one, asp.History) else one
+            if isinstance(state, Contact):
+                touching = state.u == state.heights
+                np.testing.assert_array_equal(state.in_contact, touching)
+                assert (state.u >= state.heights).all()
+                assert (state.force[~touching] == 0).all()
+                assert (state.force >= 0).all()
+                assert state.residual <= 1e-8
+
+    fuzz("contacts of half-spaces", 15, attempt)

@@ -1,0 +1,226 @@
+"""Random configurations, campaigns and command lines: done, or refused in clear lines with status 1 or 2."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asperity.campaign import Plan, read_plan
+from asperity.config import RunConfig, read_config
+from asperity.config.mistakes import SECTIONS, flag_of
+from asperity.config.models import SURFACES
+from asperity.config.reading import to_toml
+from tests.fuzz.fuzzing import Draw, damage_bytes, fuzz, tried
+from tests.fuzz.test_fuzz_files import run_command
+
+KEYS: dict[str, list[str]] = {
+    "surface": list(dict.fromkeys(key for model in SURFACES.values() for key in model.model_fields)),
+    **{section: list(model.model_fields) for section, model in SECTIONS.items()},
+}
+SWEEP = [*dict.fromkeys(key for keys in KEYS.values() for key in keys), "seeds", "combine", "solid.k1", "x"]
+
+FINE: dict[str, list[str]] = {
+    "kind": ['"gaussian"', '"exponential"', '"self_affine"', '"file"'],
+    "shape": ["[8, 8]", "[4, 12]", "[30]", "16", "[1, 1]", "[3, 5]"],
+    "size": ["8", "16", "2"],
+    "path": ['"rough.npy"', '"none.npy"', '"."', '"table.csv"'],
+    "hurst": ["0.5", "1.0", "1e-3"],
+    "unit": ['"nm"', '"rms"', '"µm"'],
+    "periodic": ['"mirror"', '"taper"', '"wrap"'],
+    "tilt": ['"plane"', '"none"'],
+    "seed": ["0", "7", "9223372036854775807"],
+    "load": ["1.0", "40", "1e5", "1e-9"],
+    "separation": ["0.5", "-3.0", "2.0"],
+    "hold": ['"load"', '"separation"'],
+    "times": ["[1.0, 10.0]", "[0.0]", "[0, 1e3]", "[1e-6, 1.0, 1e12]"],
+    "first": ["1.0", "0.1"],
+    "last": ["10.0", "1e4"],
+    "per_decade": ["1", "3"],
+    "rtol": ["0.1", "0.01"],
+    "maps_at": ["[]", "[0.0]", "[1.0, 10.0]"],
+    "figures": ["[]"],
+    "seeds": ["2", "[1, 5]"],
+    "combine": ['"grid"', '"zip"'],
+    "resample": ["true", "false"],
+}
+NUMBERS = ["1.0", "0.3", "3.0", "12"]
+# fmt: off
+NASTY = [
+    "0", "-0.0", "-1", "1e-320", "1e308", "1e400", "-1e100", "1e100", "1e-100", "1e30", "nan", "-inf", "inf",
+    "1.5", "9223372036854775808", "-9223372036854775809", "9" * 400, "1" + "0" * 5000, "0x10", "1_000",
+    "10000000000", "true", '""', '"x"', '"1.0"', '"0,5"', '"nan"', '"\\u001b[2J"', '"\\u0000"', '"µ"',
+    '"\\uFEFF"', "'\\'", '"' + "a" * 5000 + '"', '"""a\nb"""', "1979-05-27", "07:32:00",
+    "1979-05-27T07:32:00Z",
+    "[]", "[[]]", '[""]', "[1, 2, 3]", "[1.0, 1.0]", "[2, 1]", "[nan]", "[1e300]", "[-1]", '["png", "png"]',
+    "[true]", "{}", "{a = 1}", "[{a = 1}]", "{a = {a = {a = 1}}}", "[10000000000, 10000000000]", "[0, 4]",
+    "[" * 60 + "]" * 60,
+]
+NAMES = [
+    "", "x", "Load", "lod", "k_0", '"\\u001b[2J"', '"a b"', '"' + "k" * 3000 + '"', "ünï", "a.b.c", "load.x",
+    "sweep",
+]
+WORDS = [
+    "", "0", "-1", "1e400", "nan", "inf", "-inf", "1,5", "1 5", "0,1,2", "8x8", "x", "true", "µ", "\x1b[2J",
+    "a" * 5000, "--", "-", "--load", "-q", "=", "--quiet", "--help", "\n", "1\n2", "[1, 2]", "9" * 400,
+    "9" * 5000, "1e30", "8", "0x10", "rough.npy", "table.csv", "run.toml", "campaign.toml", "none", ".", "..",
+    "/dev/null", "\udcff", "a\x00b", "~", "*",
+]
+COMMANDS = [
+    "run", "run", "surface", "fit", "sweep", "status", "gather", "reproduce", "", "rnu", "--version",
+    "--help",
+]
+SWITCHES = {
+    "run": ["--out", "--overwrite", "--quiet"],
+    "surface": ["--out", "--overwrite"],
+    "fit": [
+        "--law", "--out", "--json", "--overwrite", "--window", "--column-time", "--column-value",
+        "--column-stderr", "--quantity", "--unit-time",
+    ],
+    "sweep": ["--out", "--workers", "--scheduler", "--retry-failed", "--quiet"],
+    "gather": ["--to", "--overwrite"],
+    "reproduce": ["--out", "--quick", "--seed", "--workers", "--scheduler", "--quiet"],
+}
+# fmt: on
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder with a few files, on a small machine."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("asperity.memory.available", lambda: 3_000_000)
+    monkeypatch.setattr(
+        "asperity.results.store.flush", lambda _: None
+    )  # waits for the disk, a file at a time
+    np.save("rough.npy", np.random.default_rng(0).normal(size=(6, 8)))
+    Path("table.csv").write_text("t,mu\n1,0.6\n10,0.61\n100,0.625\n1000,0.63\n")
+
+
+def value(draw: Draw, key: str, bad: float) -> str:
+    if draw.chance(bad):
+        return str(draw.one(NASTY))
+    if key not in FINE and draw.chance(0.3):
+        return repr(draw.decades(-30, 30))
+    return str(draw.one(FINE.get(key, NUMBERS)))
+
+
+def toml(draw: Draw, *, sweep: bool) -> str:
+    """A configuration with some mistakes, or none; sometimes a damaged file."""
+    bad = draw.one([0.0, 0.0, 0.1, 0.5])
+    tables: dict[str, dict[str, str]] = {"surface": {"shape": "[8, 8]"}, "aging": {"rtol": "0.1"}}
+    for _ in range(draw.one([0, 1, 2, 5])):
+        section = draw.one(list(KEYS))
+        key = draw.one(KEYS[section])
+        if key == "kind":
+            tables["surface"].pop("shape", None)
+            tables["surface"].setdefault("size", "8")
+        tables.setdefault(section, {})[key] = value(draw, key, bad)
+    tables["output"] = {"figures": "[]", "maps_at": "[]"} | tables.get("output", {})
+    if draw.chance(bad):
+        tables.setdefault(draw.one(NAMES), {})[draw.one(NAMES)] = draw.one(NASTY)
+    if draw.chance(bad):
+        tables[draw.one(list(tables))][draw.one(NAMES)] = draw.one(NASTY)
+    if sweep:
+        swept = tables.setdefault("sweep", {})
+        for _ in range(draw.between(0, 3)):
+            key = draw.one(SWEEP)
+            items = [value(draw, key, bad) for _ in range(draw.between(1, 3))]
+            swept[key] = items[0] if key in ("seeds", "combine") else f"[{', '.join(items)}]"
+            if draw.chance(bad):
+                swept[key] = draw.one(NASTY)
+    text = ""
+    for section, keys in tables.items():
+        text += (
+            f"[{section}]\n" if draw.chance(0.99) else draw.one(["", f"[[{section}]]\n", f"{section} = 1\n"])
+        )
+        text += "".join(f"{key} = {text}\n" for key, text in keys.items())
+    return text
+
+
+def written(draw: Draw, name: str, *, sweep: bool) -> Path:
+    path = Path(name)
+    content = toml(draw, sweep=sweep).encode()
+    path.write_bytes(damage_bytes(draw, content) if draw.chance(0.08) else content)
+    draw.say(path.read_text(errors="replace"))
+    return path
+
+
+def is_brief(config: RunConfig) -> bool:
+    """Whether a run takes little time: its lattice and its list of times are short."""
+    surface = config.surface.model_dump()
+    sites = np.prod([float(n) for n in surface.get("shape", [surface.get("size", 8)] * 2)])
+    decades = np.log10(config.aging.last / config.aging.first) if config.aging.times is None else 1.0
+    return bool(sites <= 1e4 and decades * config.aging.per_decade <= 300)
+
+
+def test_configurations(capsys: pytest.CaptureFixture[str]) -> None:
+    def attempt(draw: Draw) -> None:
+        path = written(draw, "run.toml", sweep=draw.chance(0.02))
+        config = tried(lambda: read_config(path, {}))
+        if isinstance(config, RunConfig):
+            Path("again.toml").write_text(to_toml(config), encoding="utf-8")
+            assert read_config("again.toml", {}) == config
+            if is_brief(config):
+                run_command(draw, capsys, ["run", str(path), "--overwrite"])
+        else:
+            assert run_command(draw, capsys, ["run", str(path)]) == 2
+
+    fuzz("configurations", 40, attempt)
+
+
+def test_campaign_files(capsys: pytest.CaptureFixture[str]) -> None:
+    def attempt(draw: Draw) -> None:
+        path = written(draw, "campaign.toml", sweep=True)
+        plan = tried(lambda: read_plan(path))
+        if isinstance(plan, Plan):
+            assert len(plan.runs) >= 1
+        elif draw.chance(0.2):
+            assert run_command(draw, capsys, ["sweep", str(path), "--out", "new", "--dry-run"]) == 2
+
+    fuzz("campaign files", 60, attempt)
+
+
+def test_command_lines(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def nothing(*_: Any, **__: Any) -> None:
+        """In place of what takes hours."""
+
+    monkeypatch.setattr("asperity.cli.campaign.sweep", nothing)
+    monkeypatch.setattr("asperity.cli.reproduce.reproduce", nothing)
+    monkeypatch.setattr("asperity.cli.reproduce.say_what_it_takes", nothing)
+    flags = [flag_of(section, key) for section, keys in KEYS.items() for key in keys]
+
+    def attempt(draw: Draw) -> None:
+        command = draw.one(COMMANDS)
+        files = {
+            "surface": "rough.npy",
+            "fit": "table.csv",
+            "sweep": "campaign.toml",
+            "gather": "x",
+            "status": "x",
+        }
+        words = [command, files[command]] if command in files and draw.chance(0.8) else [command]
+        if command == "run":
+            words += ["--shape", "8,8", "--times", "1", "--figures", "", "--maps-at", "", "--overwrite"]
+        bad = draw.one([0.1, 0.4])
+        for _ in range(draw.between(0, 3)):
+            known = (
+                [*flags, *SWITCHES["run"]]
+                if command in ("run", "surface")
+                else [*SWITCHES.get(command, []), "--x"]
+            )
+            flag = draw.one(known)
+            if flag in words and draw.chance(0.8):
+                continue
+            fine = [word.strip('[]"') for word in FINE.get(flag.strip("-").replace("-", "_"), NUMBERS)]
+            word = str(draw.one(WORDS if draw.chance(bad) else fine))
+            words += draw.one([[flag, word], [f"{flag}={word}"], [flag, word], [word]])
+        Path("campaign.toml").write_text("[sweep]\nk1 = [1.0, 2.0]\n")
+        try:
+            run_command(draw, capsys, words)
+        finally:
+            for path in Path().iterdir():
+                if path.name not in ("rough.npy", "table.csv"):
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+    fuzz("command lines", 40, attempt)
