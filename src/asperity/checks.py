@@ -165,10 +165,6 @@ def line(name: str, value: object) -> Floats:
             if infinite and name == "time"
             else "leaving these points out",
         )
-    wrong_size = (np.abs(array) > LARGEST) | ((array != 0) & (np.abs(array) < 1 / LARGEST))
-    if wrong_size.any():
-        expected = f"numbers up to {LARGEST:g} (0, or from {1 / LARGEST:g})"
-        raise InputError(name, expected=expected, got=float(array[wrong_size][0]))
     return array
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import spearmanr
 
 from asperity.checks import line, not_negative
-from asperity.errors import InputError
+from asperity.errors import LARGEST, InputError
 
 Floats = NDArray[np.float64]
 
@@ -107,6 +107,8 @@ class Curve:
     def checked(cls, time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None, parameters: int) -> Curve:
         """Check what was given; `parameters` does not count A(0)."""
         given = Series.checked(time, area, stderr)
+        for name, values in (("time", given.x), ("area", given.y), ("stderr", given.stderr)):
+            _refuse_overflow(name, values)
         zeros = int(np.searchsorted(given.x, 0.0, side="right"))
         known = zeros == 1 and stderr is None
         parameters += not known
@@ -128,6 +130,15 @@ class Curve:
     def time_scales(self) -> Floats:
         """Values of t0 to start from."""
         return np.geomspace(0.1, 10 * self.points.x[-1], 20)
+
+
+def _refuse_overflow(name: str, values: Floats | None) -> None:
+    """Refuse numbers above 0 of which squares or ratios leave the range of numbers."""
+    values = np.zeros(0) if values is None else values
+    beyond = values[(values > LARGEST) | ((values > 0) & (values < 1 / LARGEST))]
+    if len(beyond):
+        expected = f"numbers up to {LARGEST:g} (0, or from {1 / LARGEST:g})"
+        raise InputError(name, expected=expected, got=float(beyond[0]))
 
 
 def refuse_decline(series: Series, name: str = "area") -> None:
