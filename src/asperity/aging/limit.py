@@ -17,7 +17,7 @@ import numpy as np
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
-from asperity.contact.state import Contact, contact_from
+from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -48,15 +48,7 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
         problem = system.problem(step, before)
         solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
         anchors = solution.u - system.stretch(step, solution, before)
-    return contact_from(
-        system,
-        solution,
-        anchors,
-        solid=contact.solid,
-        heights=contact.heights,
-        surface=contact.surface,
-        load_may_vanish=True,
-    )
+    return contact.become(system, solution, anchors)
 
 
 def _without_stiffness(start: Contact, system: System) -> tuple[Solution, Field]:

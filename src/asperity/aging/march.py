@@ -19,7 +19,7 @@ from asperity.contact.controls import Control, Load
 from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver, Solution
-from asperity.contact.state import Contact, contact_from
+from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
@@ -287,15 +287,8 @@ class _March:
         """Publish the present state."""
         system, (u, stretch) = self.system.at(self.now.time), self.now.state()
         stretch = system.balanced_stretch(u, stretch)
-        state = contact_from(
-            system,
-            Solution(u, u <= system.heights, self.iterations, 0),
-            u - stretch,
-            solid=start.solid,
-            heights=start.heights,
-            surface=start.surface,
-            load_may_vanish=True,
-        )
+        solution = Solution(u, u <= system.heights, self.iterations, 0)
+        state = start.become(system, solution, u - stretch)
         approach = self.approach(state.separation)
         return Frame(self.now.time, state, approach, self.steps, self.rejected, self.iterations)
 

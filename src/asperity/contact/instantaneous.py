@@ -66,12 +66,4 @@ def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | Non
     solution = chosen_solver(solver, system).solve(problem, guess, _STRICT * TOLERANCE)
     if system.mean_stretch is not None:
         anchors += float((solution.u - anchors).mean()) - system.mean_stretch
-    return contact_from(
-        system,
-        solution,
-        anchors,
-        solid=contact.solid,
-        heights=contact.heights,
-        surface=contact.surface,
-        load_may_vanish=True,
-    )
+    return contact.become(system, solution, anchors)

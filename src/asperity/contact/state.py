@@ -122,6 +122,18 @@ class Contact:
         """Set up the system that this contact is a state of, under its own control or another."""
         return System.of(self.heights, self.solid, control or self.control)
 
+    def become(self, system: System, solution: Solution, anchors: Field) -> Contact:
+        """Publish what the same bodies have become; see `contact_from`. The load may have died out."""
+        return contact_from(
+            system,
+            solution,
+            anchors,
+            solid=self.solid,
+            heights=self.heights,
+            surface=self.surface,
+            load_may_vanish=True,
+        )
+
 
 def control_of(contact: Contact, hold: Hold | None) -> Control:
     """Load or separation of a contact, to be held; by default what it was pressed by.
