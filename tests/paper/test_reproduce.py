@@ -49,6 +49,10 @@ def test_report_of_finished_studies(reproduction, evidence, asperity):
     with (folder / "ledger.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     assert {row["key"]: row["verdict"] for row in rows} == {f.key: f.verdict.value for f in findings}
+    # No name of a symbol is left where the symbol should stand. Style sheets and BibTeX have braces too.
+    words = re.sub(r"(?s)<(style|pre)\b.*?</\1>", "", page).splitlines()
+    assert not [text for text in words if {*text} & {*"{}"}]
+    assert not [text for row in rows for text in row.values() if {*text} & {*"{}"}]
     assert "--seed 3" in page
 
 

@@ -265,7 +265,7 @@ def gaussian_like_exponential(evidence: Evidence) -> Finding:
     return Finding(
         key="gaussian-exponential",
         place=PLACE,
-        claim="Gaussian heights give the same growth as exponential ones where 1 ≪ <i>N</i> ≪ {SITES}.",
+        claim=f"Gaussian heights give the same growth as exponential ones where 1 ≪ <i>N</i> ≪ {SITES}.",
         measured=tuple(measured),
         corrected=_gaussian_growth(evidence),
         correction="they grow as the theory of few contacts has it for Gaussian heights, somewhat less than "
