@@ -59,11 +59,21 @@ def test_a_correction_counts_only_where_the_letter_differs():
     agrees, differs, open_ = measurement(1.0, 0.05), measurement(2.0, 0.05), measurement(1.0, 0.5)
     assert finding([differs], [agrees]).verdict is Verdict.CORRECTED
     assert finding([differs], [differs]).verdict is Verdict.DIFFERS
-    still_open = finding([differs], [measurement(1.0, 0.5, low=0.75, high=1.25)])
-    assert still_open.verdict is Verdict.DIFFERS
-    assert still_open.needs == "about 16 seeds in place of 4"
+    assert finding([differs], [open_, differs]).verdict is Verdict.DIFFERS
+    assert finding([differs]).verdict is Verdict.DIFFERS
     assert finding([agrees], [differs]).verdict is Verdict.AGREES
     assert finding([open_], [agrees]).verdict is Verdict.UNDECIDED
+
+
+def test_a_claim_whose_correction_is_undecided_is_undecided():
+    agrees, differs = measurement(1.0, 0.05), measurement(2.0, 0.05)
+    still_open = finding([differs, agrees], [agrees, measurement(1.0, 0.5, low=0.75, high=1.25)])
+    assert still_open.verdict is Verdict.UNDECIDED
+    assert still_open.waits_for_correction
+    assert still_open.needs == "about 16 seeds in place of 4"
+    as_it_stands = finding([measurement(1.0, 0.2)], [agrees])
+    assert as_it_stands.verdict is Verdict.UNDECIDED
+    assert not as_it_stands.waits_for_correction
 
 
 def test_undecided_claims_say_what_it_would_take():

@@ -188,7 +188,8 @@ def test_undecided_correction_of_a_claim_that_differs(tmp_path):
     corrected = (Measurement("corrected", estimate(1.08, 0.05), 0.9, 1.1),)
     differs = finding("mended", "Section 5", 3.9, corrected, correction="by half")
     page = Page(write_report(tmp_path, [], [differs], ABOUT).read_text())
-    assert differs.verdict is Verdict.DIFFERS
+    assert differs.verdict is Verdict.UNDECIDED
+    assert "It differs as it stands; its correction is undecided. To decide it" in page.text
     assert f"The correction is undecided. To decide it: {differs.needs}." in page.text
     assert "about 25 seeds in place of 4" in differs.needs
 

@@ -108,22 +108,25 @@ class Finding:
 
     @property
     def verdict(self) -> Verdict:
-        """The claim's: as it stands, or once corrected."""
+        """The claim's: as it stands, or, if it differs and has a correction, once corrected."""
         plain = together(self.measured)
-        if plain is Verdict.DIFFERS and self.corrected and together(self.corrected) is Verdict.AGREES:
-            return Verdict.CORRECTED
-        return plain
+        if plain is not Verdict.DIFFERS or not self.corrected:
+            return plain
+        once_corrected = together(self.corrected)
+        return Verdict.CORRECTED if once_corrected is Verdict.AGREES else once_corrected
 
     @property
     def needs(self) -> str:
-        """What it would take to decide an undecided claim, or an undecided correction of one that differs."""
-        deciding = self.measured if self.verdict is Verdict.UNDECIDED else self.corrected
-        if (
-            self.verdict not in (Verdict.UNDECIDED, Verdict.DIFFERS)
-            or together(deciding) is not Verdict.UNDECIDED
-        ):
+        """What it would take to decide an undecided claim, or its undecided correction if it differs."""
+        if self.verdict is not Verdict.UNDECIDED:
             return ""
+        deciding = self.corrected if self.waits_for_correction else self.measured
         return "; ".join(dict.fromkeys(m.needs for m in deciding if m.verdict is Verdict.UNDECIDED))
+
+    @property
+    def waits_for_correction(self) -> bool:
+        """Whether it differs as it stands, and its correction is what is undecided."""
+        return self.verdict is Verdict.UNDECIDED and together(self.measured) is Verdict.DIFFERS
 
 
 def together(measured: Sequence[Measurement]) -> Verdict:
