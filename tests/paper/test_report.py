@@ -129,7 +129,7 @@ def test_files(written):
             table = pd.read_csv(folder / "data" / f"figure-{number}-{name}.csv")
             pd.testing.assert_frame_equal(table, TABLE, check_exact=True)
     names = {path.name for path in folder.iterdir()}
-    assert names == {"figures", "data", "ledger.csv", "report.html"}
+    assert names == {"figures", "data", "ledger.csv", "ledger.md", "report.html"}
 
 
 def test_letters_of_the_drawing_need_no_font(written):
@@ -227,6 +227,20 @@ def test_ledger_file(written):
     assert set(mended["verdict"]) == {"agrees once corrected"}
     assert set(mended["correction"]) == {"with k_eff"}
     assert table["value"].isna().sum() == 1
+
+
+def test_ledger_as_one_table(written):
+    first, *rows = (written[0].parent / "ledger.md").read_text(encoding="utf-8").splitlines()
+    made_of = f"{7 * len(studies(QUICK))} simulations. Of 5 claims"
+    assert first == f"The quick reproduction, Asperity 9.8.7, 2030-01-02: {made_of}"
+    assert rows[0] == "1 agree, 1 agree once corrected, 1 differ and 2 are undecided."
+    assert rows[4:] == [
+        "| Nothing known. | Abstract | undecided | not determined |",
+        "| The claim open. | Fig. 3 | undecided | 1.080 [1.030, 1.130] |",
+        "| The claim wrong. | Section 4, Fig. 5 | differs | 2.000 [1.950, 2.050] |",
+        "| The claim late. | Section 5, Eq. (ndet2) | agrees | 1.000 [0.950, 1.050] |",
+        "| The claim mended. | Section 5 | agrees once corrected | 3.900 [3.850, 3.950] — corrected: 1.003 |",
+    ]
 
 
 def test_ledger_keeps_every_digit():

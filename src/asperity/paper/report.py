@@ -22,7 +22,7 @@ from asperity.config.models import Aging
 from asperity.errors import InputError, OutputError
 from asperity.paper.corrections import corrections
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
-from asperity.paper.ledger import Finding, Verdict
+from asperity.paper.ledger import Finding, Measurement, Verdict
 from asperity.paper.places import SECTIONS, section_of
 from asperity.paper.studies import Study
 from asperity.paper.typeset import bounds, duration, interval, number, plain, rich
@@ -119,8 +119,9 @@ def write_report(
     Parameters
     ----------
     folder
-        Where to: ``figures/figure-N.svg``, ``.pdf`` and ``.png``, ``data/figure-N-TABLE.csv``, ``ledger.csv``
-        and, last, ``report.html``. What is there under these names is replaced.
+        Where to: ``figures/figure-N.svg``, ``.pdf`` and ``.png``, ``data/figure-N-TABLE.csv``,
+        ``ledger.csv``, ``ledger.md`` (the verdicts as one table) and, last, ``report.html``. What is there
+        under these names is replaced.
     figures, findings
         In any order; the page has them in the paper's, and findings of one section as they come.
     about
@@ -148,18 +149,20 @@ def write_report(
     pictures = [_write_figure(folder, figure) for figure in sorted(figures, key=lambda one: one.number)]
     ordered = sorted(findings, key=lambda finding: list(SECTIONS).index(section_of(finding.place)))
     _write_table(folder / "ledger.csv", ledger_table(ordered))
-    page = _template().render(
-        about=about,
-        pictures=pictures,
-        ledger={name: [f for f in ordered if section_of(f.place) == name] for name in SECTIONS},
-        tally=Counter(finding.verdict for finding in ordered),
-        corrections=corrections(),
-        aging=Aging(),
-    )
-    report = folder / "report.html"
-    with whole_file(report) as part:
-        part.write_text(page, encoding="utf-8")
-    return report
+    templates = _templates()
+    for name in ("ledger.md", "report.html"):
+        page = templates.get_template(name).render(
+            about=about,
+            pictures=pictures,
+            findings=ordered,
+            ledger={name: [f for f in ordered if section_of(f.place) == name] for name in SECTIONS},
+            tally=Counter(finding.verdict for finding in ordered),
+            corrections=corrections(),
+            aging=Aging(),
+        )
+        with whole_file(folder / name) as part:
+            part.write_text(page, encoding="utf-8")
+    return folder / "report.html"
 
 
 def ledger_table(findings: Iterable[Finding]) -> pd.DataFrame:
@@ -235,13 +238,14 @@ def _write_table(path: Path, table: pd.DataFrame) -> None:
         table.to_csv(part, index=False)
 
 
-def _template() -> jinja2.Template:
+def _templates() -> jinja2.Environment:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("asperity.paper", "templates"),
-        autoescape=True,
+        autoescape=jinja2.select_autoescape(),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        keep_trailing_newline=True,
     )
     environment.filters |= {
         "rich": rich,
@@ -253,10 +257,16 @@ def _template() -> jinja2.Template:
     }
     environment.globals |= {
         "bounds": bounds,
+        "numbers": _numbers,
         "Verdict": Verdict,
         "SECTIONS": SECTIONS,
     }
-    return environment.get_template("report.html")
+    return environment
+
+
+def _numbers(measured: Sequence[Measurement]) -> str:
+    """Spell different numbers of a claim in plain text; equal ones once."""
+    return "; ".join(dict.fromkeys(plain(interval(one.estimate)) for one in measured))
 
 
 def _brief(name: str, value: object) -> Markup:
