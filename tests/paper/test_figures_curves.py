@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections import Counter
 from itertools import pairwise, product
 from pathlib import Path
 
@@ -378,6 +379,11 @@ def test_figure_6_raw_and_normalized(made, evidence):
     assert "0.30 for 3, 1.00 for 10" in made[6].caption
     assert len({symbols.get_marker() for _, _, symbols in bars}) == 3  # gray print needs a shape a load
     assert len({symbols.get_markerfacecolor() == "none" for _, _, symbols in bars}) == 2  # and a fill a size
+    curves = [line for line in scaled_axes.lines if len(line.get_xdata()) == len(TIMES) - 1]
+    marked = [line for line in curves if line.get_marker() != "None"]
+    turns = Counter(line.get_markevery() for line in marked)
+    assert sorted(turns) == [(turn, 6) for turn in range(6)]  # no symbol of a load and size hides another's
+    assert set(turns.values()) == {2}  # stiffness ratios
     bottom, top = scaled_axes.get_ylim()
     for label in scaled_axes.texts:
         x, y = label.xy
@@ -443,6 +449,7 @@ def test_figure_9_has_twice_the_slope_with_viscous_creep(made):
     [axes] = made[9].figure.axes
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "linear")
     steep, flat = lines(axes, ":")
+    assert {text.get_text() for text in axes.texts} == {r"slope $1/(4\pi)$", r"slope $1/(8\pi)$"}
     assert slope(flat, y_scale=np.asarray) == pytest.approx(1 / (8 * math.pi))
     assert slope(steep, y_scale=np.asarray) == pytest.approx(1 / (4 * math.pi))
     theory = made[9].tables["theory"]

@@ -183,7 +183,6 @@ def band(
     look: Look,
     *,
     filled: bool = True,
-    shaded: bool = True,
     label: str | None = None,
 ) -> None:
     """Draw a curve of a table as a band, its interval, with some symbols, about two for each decade of `x`.
@@ -194,13 +193,10 @@ def band(
         As for `points`.
     x, y
         Columns; `x` above 0.
-    shaded
-        Whether the band is drawn; without it, the symbols alone.
     """
     place = table[x].to_numpy(np.float64)
-    if shaded:
-        low, high = (table[f"{y}{end}"].to_numpy(np.float64) for end in ("_low", "_high"))
-        axes.fill_between(place, low, high, color=look.color, alpha=0.25, linewidth=0)
+    low, high = (table[f"{y}{end}"].to_numpy(np.float64) for end in ("_low", "_high"))
+    axes.fill_between(place, low, high, color=look.color, alpha=0.25, linewidth=0)
     axes.plot(
         place,
         table[y].to_numpy(np.float64),

@@ -86,7 +86,9 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     raw.set(xscale="log", yscale="log")
     stiff = float(area["k1"].max())
     stiffest = area[area["k1"] == stiff]
-    _curves(raw, stiffest, "area")
+    for (load, size), (look, filled) in _styles(stiffest).items():
+        part = stiffest[(stiffest["load"] == load) & (stiffest["size"] == size)]
+        curves.band(raw, part, "time", "area", look, filled=filled)
     heaviest = float(stiffest["load"].max())
     for load in stiffest["load"].unique():
         part = stiffest[stiffest["load"] == load]
@@ -98,7 +100,7 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     raw.set_title(rf"$k_1/k_0 = {stiff:g}$", fontsize=curves.LABEL, pad=3)
     raw.set_ylim(top=2.0 * float(stiffest["area"].max()))
     scaled.set_xscale("log")
-    _curves(scaled, growth, "area_ratio", shaded=False)
+    _relative(scaled, growth)
     _last_intervals(scaled, growth)
     for _, fitted in tables["fitted"].groupby("k1"):
         scaled.plot(fitted["time"], fitted["area_ratio"], "--", color=style.INK, linewidth=1.0, zorder=5)
@@ -137,10 +139,22 @@ def _styles(table: pd.DataFrame) -> dict[tuple[float, float], tuple[curves.Look,
     }
 
 
-def _curves(axes: Axes, table: pd.DataFrame, column: str, *, shaded: bool = True) -> None:
-    for (load, size), (look, filled) in _styles(table).items():
-        for _, part in table[(table["load"] == load) & (table["size"] == size)].groupby("k1"):
-            curves.band(axes, part, "time", column, look, filled=filled, shaded=shaded)
+def _relative(axes: Axes, growth: pd.DataFrame) -> None:
+    """Draw thin curves whose symbols take turns: at each time one load and size has its symbol."""
+    styles = _styles(growth)
+    for at, ((load, size), (look, filled)) in enumerate(styles.items()):
+        for _, part in growth[(growth["load"] == load) & (growth["size"] == size)].groupby("k1"):
+            axes.plot(
+                part["time"].to_numpy(np.float64),
+                part["area_ratio"].to_numpy(np.float64),
+                marker=look.marker,
+                markevery=(at, len(styles)),
+                color=look.color,
+                linewidth=0.6,
+                markersize=3.5,
+                markerfacecolor=look.color if filled else "white",
+                markeredgewidth=0.7,
+            )
 
 
 def _explain(axes: Axes, table: pd.DataFrame) -> None:
@@ -167,7 +181,7 @@ def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
         f"{LOAD}/{K0} = {curves.several(area['load'])} (colors and "
         "shapes of the symbols); sizes differ in full "
         "and open symbols. (b) The same over the area at time 0, for "
-        f"{STIFFNESS_RATIO} = {curves.several(area['k1'])}; "
+        f"{STIFFNESS_RATIO} = {curves.several(area['k1'])}; the symbols of the curves take turns; "
         "where curves of different loads and sizes fall together, the relative growth does not depend on "
         "them. Dashed: the logarithm <i>A</i>(<i>t</i>)/<i>A</i>(0) = 1 + <i>C</i> ln(1 + "
         f"<i>t</i>/<i>t</i><sub>0</sub>), one for each {STIFFNESS_RATIO}, fitted to all its means up to "

@@ -143,7 +143,7 @@ def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
         f"the depth <i>u</i>(0, <i>t</i>) of that site, as <i>G</i> = {K0} "
         "<i>u</i>/<i>f</i><sub>0</sub>, in closed form on an endless lattice, for several stiffness ratios. "
         "What starts at different depths ends on one logarithm, whatever <i>k</i><sub>1</sub>. Dotted: that "
-        "late form, (ln <i>x</i><sub>2</sub> + 10 ln 2 + γ)/8π, γ being Euler's constant; the paper's "
+        "late form, (ln <i>x</i><sub>2</sub> + 10 ln 2 + γ)/(8π), γ being Euler's constant; the paper's "
         f"rounded 0.04 ln <i>x</i><sub>2</sub> + 0.3 differs from it by at most {rounding:.1g} here, less "
         "than the line is thick. Symbols: simulations of one high asperity under constant load on a "
         f"periodic lattice of {run['sites'].max():g} sites, for {STIFFNESS_RATIO} = "

@@ -70,8 +70,8 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     highest = theory[theory["R_viscous"] == mobilities.max()]
     lowest = theory[theory["R_viscous"] == mobilities.min()]
     for family, shift, slope, text in (
-        (highest, 0.12, 2 * LATE_SLOPE, r"slope $1/4\pi$"),
-        (lowest, -0.12, LATE_SLOPE, r"slope $1/8\pi$"),
+        (highest, 0.12, 2 * LATE_SLOPE, r"slope $1/(4\pi)$"),
+        (lowest, -0.12, LATE_SLOPE, r"slope $1/(8\pi)$"),
     ):
         ends = np.array([1e4, 1e7])
         level = float(np.interp(math.log(ends[0]), np.log(family["x2"]), family["depth"])) + shift
@@ -89,8 +89,8 @@ def _caption(simulated: pd.DataFrame) -> str:
         "Depth to which a constant force <i>f</i><sub>0</sub> pushes one site of the surface, against time, "
         f"for {STIFFNESS_RATIO} = {_STIFFNESS_RATIO:g}, when the springs creep toward equal forces (mobility "
         "<i>R</i>) and also flow under the force itself (mobility R̃; R̃/<i>R</i> in the legend). Lines: "
-        "closed form on an endless lattice. Without R̃ the depth ends as a logarithm of slope 1/8π in ln "
-        "<i>t</i>; with it, however small, as one of twice the slope, 1/4π, the later the smaller R̃. "
+        "closed form on an endless lattice. Without R̃ the depth ends as a logarithm of slope 1/(8π) in "
+        "ln <i>t</i>; with it, however small, as one of twice the slope, 1/(4π), the later the smaller R̃. "
         "Dotted: these slopes, displaced to be seen. " + (_about(simulated) if len(simulated) else "")
     )
 
