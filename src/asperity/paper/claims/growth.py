@@ -19,7 +19,7 @@ from asperity.paper.claims.measures import (
 from asperity.paper.evidence import Evidence
 from asperity.paper.ledger import Finding, Measurement
 from asperity.paper.wording import AREA, K0, K_EFF, LOAD, REDUCED_TIME, TIME, per_site, ratio
-from asperity.theory import late_slope
+from asperity.theory import GaussianHeights, compliance, dilute_area, late_slope
 
 PLACE = "Section 3"
 EARLY = (1.0, 100.0)
@@ -189,6 +189,11 @@ def slope_and_load(evidence: Evidence) -> Finding:
     def drift(mean: Field) -> float:
         return exponent(load, np.array([growth_slope(time, area, *EARLY) for area in mean[:3]]))
 
+    def of_few(k1: float) -> float:
+        compliances, a_site = compliance(k1, time), load / evidence.sites("aging")
+        return drift(np.array([dilute_area(p, compliances, GaussianHeights()) for p in a_site]))
+
+    few = ", ".join(f"{of_few(k1):.2f} at {ratio(k1)}" for k1 in evidence.values("aging", "k1"))
     return Finding(
         key="b-load",
         place="Section 5, end",
@@ -204,7 +209,9 @@ def slope_and_load(evidence: Evidence) -> Finding:
         ),
         note=f"The three lightest loads of Figure 3; <i>B</i> is the slope of {AREA}/{AREA}(0) in ln {TIME} "
         f"for {REDUCED_TIME} from {EARLY[0]:g} to {EARLY[1]:g}, before the dips around contacts meet, from "
-        "when on growth does depend on the load.",
+        "when on growth does depend on the load. The theory of few contacts for Gaussian heights, in which "
+        f"contacts do not feel each other at all, has {few}; it tends to 0 like an inverse logarithm of the "
+        "load.",
     )
 
 
