@@ -15,6 +15,7 @@ from asperity.paper.studies import Effort
 TINY = Effort(
     "tiny",
     seeds=2,
+    aging_seeds=2,
     pressed_seeds=2,
     light_seeds=4,
     loads_per_decade=2,

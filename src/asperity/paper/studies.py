@@ -43,9 +43,11 @@ class Effort:
 
     Attributes
     ----------
-    seeds, pressed_seeds, light_seeds
-        Surfaces in an ensemble of aging contacts; of contacts that are only pressed and relaxed; and of
-        contacts so light that few sites touch.
+    seeds
+        Surfaces in an ensemble, where nothing else is said.
+    aging_seeds, pressed_seeds, light_seeds
+        Surfaces of contacts whose growth is compared between loads; of contacts that are only pressed and
+        relaxed; and of contacts so light that few sites touch.
     loads_per_decade
         Points of the curves of area against load.
     aging_loads
@@ -60,6 +62,7 @@ class Effort:
 
     name: str
     seeds: int
+    aging_seeds: int
     pressed_seeds: int
     light_seeds: int
     loads_per_decade: int
@@ -73,6 +76,7 @@ class Effort:
 QUICK = Effort(
     "quick",
     seeds=6,
+    aging_seeds=6,
     pressed_seeds=8,
     light_seeds=16,
     loads_per_decade=2,
@@ -83,8 +87,9 @@ QUICK = Effort(
 FULL = Effort(
     "full",
     seeds=16,
-    pressed_seeds=24,
-    light_seeds=64,
+    aging_seeds=64,
+    pressed_seeds=32,
+    light_seeds=256,
     loads_per_decade=4,
     aging_loads=(3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0),
     sizes=(128, 256, 512),
@@ -180,7 +185,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 "sweep": {
                     "k1": [1.0, 10.0],
                     "load": [sites * p for p in effort.aging_loads],
-                    "seeds": effort.seeds,
+                    "seeds": effort.aging_seeds,
                 },
             },
         ),
@@ -265,7 +270,7 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
                     "size": list(effort.aging_sizes),
                     "k1": [3.0, 10.0],
                     "load": [5.0, 20.0, 80.0],
-                    "seeds": effort.seeds,
+                    "seeds": effort.aging_seeds,
                 },
             },
         ),
