@@ -1,12 +1,16 @@
 """The ledger: every claim is judged, from the data, by code; areas of known laws give the known numbers."""
 
 import math
+import re
+from collections import Counter
+from pathlib import Path
 from typing import cast
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from asperity._version import __version__
 from asperity.paper.claims import (
     area_and_load,
     discussion,
@@ -18,6 +22,7 @@ from asperity.paper.claims import (
 )
 from asperity.paper.evidence import Evidence
 from asperity.paper.ledger import Verdict
+from asperity.paper.typeset import plain
 from asperity.surfaces import gaussian
 from asperity.theory import (
     GaussianHeights,
@@ -29,6 +34,7 @@ from asperity.theory import (
 
 pytestmark = pytest.mark.xdist_group("reproduction")  # one process computes it
 
+DOCUMENTED = Path(__file__).parents[2] / "docs" / "reproduction.md"
 EXACT = {"a0", "a1", "relaxed-full", "compliance-engine", "mean-u0", "exponential-dip", "line", "b-mobility"}
 
 
@@ -64,6 +70,18 @@ def test_every_claim_is_judged_by_numbers(findings):
             assert math.isfinite(float(measurement.estimate.value)), (finding.key, measurement.what)
             assert measurement.low <= measurement.high
             assert math.isfinite(measurement.low) or math.isfinite(measurement.high)
+
+
+def test_the_documented_table_is_of_these_claims_and_this_version(findings):
+    page = DOCUMENTED.read_text(encoding="utf-8")
+    (stated,) = re.findall(r"^The full reproduction, Asperity (\d+\.\d+)\.", page, re.MULTILINE)
+    assert stated == ".".join(__version__.split(".")[:2]), "run the reproduction again for this version"
+    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| ")][1:]
+    claims = [(plain(finding.claim), plain(finding.place)) for finding in findings.values()]
+    assert sorted(tuple(row[:2]) for row in rows) == sorted(claims)
+    counts = Counter(row[2] for row in rows)
+    stated = "\n".join(f"{verdict.value.capitalize()}: {counts[verdict.value]}" for verdict in Verdict)
+    assert f"simulations, {len(rows)} claims.\n{stated}" in page.replace(";\n", "\n")
 
 
 def test_claims_without_chance_hold_on_any_lattice(findings):

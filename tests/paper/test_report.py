@@ -231,10 +231,10 @@ def test_ledger_file(written):
 
 def test_ledger_as_one_table(written):
     first, *rows = (written[0].parent / "ledger.md").read_text(encoding="utf-8").splitlines()
-    made_of = f"{7 * len(studies(QUICK))} simulations. Of 5 claims"
+    made_of = f"{7 * len(studies(QUICK))} simulations, 5 claims."
     assert first == f"The quick reproduction, Asperity 9.8.7, 2030-01-02: {made_of}"
-    assert rows[0] == "1 agree, 1 agree once corrected, 1 differ and 2 are undecided."
-    assert rows[4:] == [
+    assert rows[:4] == ["Agrees: 1;", "Agrees once corrected: 1;", "Differs: 1;", "Undecided: 2."]
+    assert rows[7:] == [
         "| Nothing known. | Abstract | undecided | not determined |",
         "| The claim open. | Fig. 3 | undecided | 1.080 [1.030, 1.130] |",
         "| The claim wrong. | Section 4, Fig. 5 | differs | 2.000 [1.950, 2.050] |",
