@@ -7,7 +7,7 @@ import pytest
 
 import asperity.campaign as campaign
 from asperity import age, press
-from asperity.errors import ConfigError
+from asperity.errors import ConfigError, InputError
 from asperity.protocols import Hold, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
@@ -75,3 +75,14 @@ def test_sweeps_that_cannot_be(tmp_path, line, message):
     with pytest.raises(ConfigError) as caught:
         campaign.read_plan(written(tmp_path, TEXT.replace("protocol.1.load = [3.0, 6.0]", line)))
     assert message in str(caught.value)
+
+
+def test_what_is_no_plan_or_dataset_is_refused(tmp_path):
+    with pytest.raises(
+        InputError, match=r"plan: expected a Plan, got str; try asperity\.campaign\.read_plan"
+    ):
+        campaign.sweep("campaign.toml", tmp_path)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="plan: expected a Plan, got dict"):
+        campaign.estimate({}, tmp_path)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="dataset: expected a Dataset, got int"):
+        campaign.table(3)  # type: ignore[arg-type]

@@ -217,3 +217,16 @@ def test_as_a_module() -> None:
     )
     assert done.returncode == 2
     assert done.stderr.startswith("asperity: unknown command rnu")
+
+
+def test_folders_that_are_no_campaign_say_what_they_are(
+    asperity: Asperity, finished: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "paper" / "studies").mkdir(parents=True)
+    for command in ("status", "gather"):
+        status, _, error = asperity(command, tmp_path / "paper")
+        assert status == 2
+        assert "that of a reproduction; try asperity" in error
+        status, _, error = asperity(command, finished)
+        assert status == 2
+        assert "that of a run; try its summary.txt" in error

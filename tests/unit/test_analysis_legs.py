@@ -1,7 +1,5 @@
 """The table of the legs of a history, against its entries."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -21,10 +19,9 @@ PROTOCOL = [
 
 
 def test_each_leg_has_the_states_at_its_ends():
-    # The switch at 1.5, from a hold to a ramp, is not recorded; that at 3, from a hold to a hold, is.
     times = [0.25, 0.5, 1.0, 2.25, 3.0, 4.0, 4.5]
     data = asp.age(CONTACT, times, protocol=PROTOCOL).dataset
-    assert data["time"].values.tolist() == [0, 0, 0.25, 0.5, 0.5, 1, 2, 2, 2.25, 3, 4, 4.5, 5, 5]
+    assert data["time"].values.tolist() == [0, 0, 0.25, 0.5, 0.5, 1, 1.5, 2, 2, 2.25, 3, 4, 4.5, 5, 5]
     table = leg_table(data)
     assert [row.leg for row in table] == list(legs_of(PROTOCOL))
     assert [row.number for row in table] == list(range(10))
@@ -32,10 +29,10 @@ def test_each_leg_has_the_states_at_its_ends():
     assert [row.kind for row in table] == kinds.split()
     assert [row.begin for row in table] == [0, 0, 0.5, 0.5, 1.5, 2, 2, 3, 4, 5]
     assert [row.end for row in table] == [0, 0.5, 0.5, 1.5, 2, 2, 3, 4, 5, 5]
-    entries = [(0, 1), (1, 3), (3, 4), (4, None), (None, 6), (6, 7), (7, 9), (9, 10), (10, 12), (12, 13)]
+    entries = [(0, 1), (1, 3), (3, 4), (4, 6), (6, 7), (7, 8), (8, 10), (10, 11), (11, 13), (13, 14)]
     for name in ("load", "separation", "area"):
         values = data[name].values
-        expected = [[math.nan if i is None else values[i] for i in pair] for pair in entries]
+        expected = [[values[i] for i in pair] for pair in entries]
         np.testing.assert_array_equal([getattr(row, name) for row in table], expected)
     assert [row.load for row in table[:3]] == [
         pytest.approx(ends) for ends in [(10.0, 20.0), (20.0, 5.0), (5.0, 20.0)]
@@ -48,15 +45,6 @@ def test_the_lowest_area_is_that_of_the_entries_of_a_leg():
     data["area"].values[:] = [7, 9, 11, 6, 4, 4, 8]
     rows = leg_table(data)
     assert [(row.lowest_area, row.lowest_after) for row in rows] == [(7, 0), (6, 0), (4, 1)]
-
-
-def test_what_was_not_recorded_is_not_known():
-    data = asp.age(CONTACT, [2.0], protocol=[Hold(0.1), Hold(0.1), Hold(0.1), Hold(1.7)]).dataset
-    table = leg_table(data)
-    assert [math.isnan(row.area[0]) for row in table] == [False, True, True, True]
-    assert [math.isnan(row.area[1]) for row in table] == [True, True, True, False]
-    assert math.isnan(table[1].lowest_area)
-    assert math.isnan(table[1].lowest_after)
 
 
 def test_switches_are_those_of_the_run():

@@ -174,3 +174,13 @@ def test_files_of_others_in_the_folder_of_results_warn_nobody(tmp_path):  # a wa
     HISTORY.save(tmp_path / "run.zarr")
     (tmp_path / "run.zarr" / ".DS_Store").write_bytes(b"")
     assert asp.results.load(tmp_path / "run.zarr").identical(HISTORY.dataset)
+
+
+@pytest.mark.parametrize("name", ["history.nc", "history.H5"])
+def test_names_of_other_formats_are_refused(tmp_path, name):
+    with pytest.raises(InputError, match=r"path: expected a name that ends in \.zarr, got .*to_netcdf"):
+        HISTORY.save(tmp_path / name)
+    HISTORY.save(tmp_path / "history.zarr")
+    assert (
+        xr.open_zarr(tmp_path / "history.zarr")["area"].size == 4
+    )  # without a warning, which is an error here

@@ -422,7 +422,7 @@ def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square(oblong: P
         with pytest.raises(
             InputError,
             match=r"^heights: expected square pixels, got 1 between rows and 3 between columns; "
-            r"try reading the file with resample: means over 3$",
+            r"try resample = true \(--resample\): means over 3$",
         ):
             take(surface)
     # Pixels that are square, or nearly, or of unknown size, pass.

@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+import asperity.checks as checks
 from asperity.campaign.plan import Plan, Run
 from asperity.campaign.store import QUANTITIES, Store
 from asperity.config import MeasuredSurface, RunConfig
@@ -117,6 +118,7 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
     Takes some seconds of trial runs, in this process. Expect it to be off by up to a factor of two, on the
     machine that it was asked on.
     """
+    checks.instance("plan", plan, Plan, 'asperity.campaign.read_plan("campaign.toml")')
     store = Store(Path(directory))
     done = store.done()
     todo = {run.identity: run for run in plan.runs if run.identity not in done}

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+import asperity.checks as checks
 from asperity._version import __version__
 from asperity.campaign.plan import Axis, Plan, Run, name_of, seeded
 from asperity.campaign.store import FITTED, Store
@@ -183,6 +184,7 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
     DataFrame
         Runs that are not finished are left out.
     """
+    checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
     whole = set(dataset.dims) - {"time"}
     numbers = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == whole]
     if whole:

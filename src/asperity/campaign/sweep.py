@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import asperity.checks as checks
 from asperity._version import __version__
 from asperity.campaign.cluster import ATTEMPTS, connect, leave_if_imported_by_worker
 from asperity.campaign.plan import Plan, Run
@@ -108,6 +109,7 @@ def sweep(
     OutputError
         The disk refused; what is finished stays, and the same call goes on.
     """
+    checks.instance("plan", plan, Plan, 'asperity.campaign.read_plan("campaign.toml")')
     leave_if_imported_by_worker()
     store = Store(Path(directory).resolve())
     try:

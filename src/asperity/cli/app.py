@@ -7,6 +7,7 @@ is imported inside the commands, so that help and mistakes in the arguments appe
 from __future__ import annotations
 
 import inspect
+import logging
 import shlex
 import sys
 import warnings
@@ -264,15 +265,7 @@ def status(out: Path, /) -> None:
     out
         Folder of the campaign.
     """
-    if (out / "studies").is_dir():
-        word = shlex.quote(str(out))
-        raise InputError(
-            "status",
-            expected="the folder of a campaign",
-            got=f"{out}, that of a reproduction",
-            advice=f"asperity status {word}/studies/NAME for one of its studies, "
-            f"or asperity reproduce --out {word} for what is missing",
-        )
+    _check_campaign("status", out)
     from asperity.cli import campaign
 
     campaign.status(out)
@@ -291,6 +284,7 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
     overwrite
         Replace what was gathered there.
     """
+    _check_campaign("gather", out)
     from asperity.cli import campaign
 
     campaign.gather(out, to=to, overwrite=overwrite)
@@ -351,6 +345,22 @@ def reproduce(
         )
 
 
+def _check_campaign(command: str, out: Path) -> None:
+    """Say what else a folder is that is no campaign's."""
+    word = shlex.quote(str(out))
+    if (out / "studies").is_dir():
+        raise InputError(
+            command,
+            expected="the folder of a campaign",
+            got=f"{out}, that of a reproduction",
+            advice=f"asperity {command} {word}/studies/NAME for one of its studies, "
+            f"or asperity reproduce --out {word} for what is missing",
+        )
+    if (out / "history.zarr").is_dir():
+        got = f"{out}, that of a run"
+        raise InputError(command, expected="the folder of a campaign", got=got, advice="its summary.txt")
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
 
@@ -365,6 +375,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit status.
     """
     make_streams_safe()
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its fonts is no user's concern
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         return _run(sys.argv[1:] if arguments is None else list(arguments))

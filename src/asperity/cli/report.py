@@ -123,6 +123,7 @@ def _surface(outcome: Outcome) -> str:
         rules = ", ".join(
             f"{k} = {chosen[k]}" for k in ("undefined", "tilt", "periodic", "unit") if k in chosen
         )
+        rules += ", resampled" if chosen["resample"] else ""
         copies = 2 ** outcome.dataset["heights"].ndim if chosen["periodic"] == "mirror" else 1
         mirrored = f"; loads and areas are those of {copies} mirrored copies" if copies > 1 else ""
         return f"{chosen['path']}: {lattice} sites ({rules}){mirrored}"

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-import asperity.protocols as protocols
 from asperity.errors import LARGEST
+
+if TYPE_CHECKING:  # legs need numpy, for which the help does not wait
+    from asperity.protocols import Leg
 
 Figure = Literal["png", "pdf", "svg"]
 
@@ -210,9 +212,11 @@ class HoldLeg(Section):
     hold: Literal["load", "separation", "area"] | None = None
     mobility: Duration = 1.0
 
-    def build(self) -> protocols.Leg:
+    def build(self) -> Leg:
         """Make the leg."""
-        return protocols.Hold(self.duration, self.hold, self.mobility)
+        from asperity.protocols import Hold
+
+        return Hold(self.duration, self.hold, self.mobility)
 
 
 class Target(Section):
@@ -236,9 +240,11 @@ class RampLeg(Target):
     duration: Duration
     mobility: Duration = 1.0
 
-    def build(self) -> protocols.Leg:
+    def build(self) -> Leg:
         """Make the leg."""
-        return protocols.Ramp(self.duration, self.load, self.separation, self.mobility)
+        from asperity.protocols import Ramp
+
+        return Ramp(self.duration, self.load, self.separation, self.mobility)
 
 
 class StepLeg(Target):
@@ -246,9 +252,11 @@ class StepLeg(Target):
 
     kind: Literal["step"] = "step"
 
-    def build(self) -> protocols.Leg:
+    def build(self) -> Leg:
         """Make the leg."""
-        return protocols.Step(self.load, self.separation)
+        from asperity.protocols import Step
+
+        return Step(self.load, self.separation)
 
 
 class RepeatLeg(Section):
@@ -258,9 +266,11 @@ class RepeatLeg(Section):
     legs: list[AnyLeg] = Field(min_length=1)
     count: Annotated[int, Field(ge=1, le=100_000)]
 
-    def build(self) -> protocols.Leg:
+    def build(self) -> Leg:
         """Make the leg."""
-        return protocols.Repeat([leg.build() for leg in self.legs], self.count)
+        from asperity.protocols import Repeat
+
+        return Repeat([leg.build() for leg in self.legs], self.count)
 
 
 LEGS: dict[str, type[HoldLeg | RampLeg | StepLeg | RepeatLeg]] = {
@@ -305,7 +315,7 @@ class RunConfig(Section):
         return self
 
     @property
-    def legs(self) -> tuple[protocols.Leg, ...]:
+    def legs(self) -> tuple[Leg, ...]:
         """The legs of the protocol; none where nothing changes."""
         return tuple(leg.build() for leg in self.protocol)
 
@@ -314,4 +324,6 @@ class RunConfig(Section):
         """The last time."""
         if not self.protocol:
             return self.aging.end
-        return math.fsum(leg.duration for leg in protocols.legs_of(self.legs))
+        from asperity.protocols import legs_of
+
+        return math.fsum(leg.duration for leg in legs_of(self.legs))

@@ -128,7 +128,8 @@ def read_tables(path: str | Path) -> dict[str, Any]:
         # Editors on Windows write a mark before the first letter.
         tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError:
-        raise ConfigError([f"{path}: not a TOML file: not text in UTF-8"]) from None
+        hint = "; for a surface, try --file"
+        raise ConfigError([f"{path}: not a TOML file: not text in UTF-8{hint}"]) from None
     except ValueError as error:  # TOML's own, or a number of thousands of digits
         reason = str(error) if isinstance(error, tomllib.TOMLDecodeError) else "a number has too many digits"
         raise ConfigError([f"{path}: not a TOML file: {reason}"]) from None

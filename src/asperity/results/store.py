@@ -17,6 +17,9 @@ from zarr.codecs import ZstdCodec
 from asperity.errors import InputError, OutputError
 from asperity.words import reason_of
 
+_OTHER_FORMATS = (".nc", ".nc4", ".h5", ".hdf5")
+"""Suffixes of files that are no zarr folders."""
+
 
 def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> None:
     """Write a Dataset to a zarr folder, which appears under its name only when it is complete.
@@ -32,14 +35,23 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
 
     Raises
     ------
+    InputError
+        The name is that of another format.
     OutputError
         The folder exists, or could not be written; nothing half-written is left.
 
     Notes
     -----
-    `load` opens it again; so does ``xarray.open_zarr(path, consolidated=False)``.
+    `load` opens it again; so does ``xarray.open_zarr(path)``.
     """
     target = Path(path)
+    if target.suffix.lower() in _OTHER_FORMATS:
+        raise InputError(
+            "path",
+            expected="a name that ends in .zarr",
+            got=target,
+            advice=f'dataset.to_netcdf("{target.name}")',
+        )
     if overwrite and target.exists() and not _is_zarr(target):
         raise OutputError(
             f"{target} is kept: it is no zarr folder, so save did not write it; choose another name"
@@ -48,8 +60,10 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
         # Text (names of swept files) has no specification in zarr 3 yet; what reads it here also wrote it.
         warnings.filterwarnings("ignore", message=".*does not have a Zarr V3 specification.*")
         # Each chunk with a checksum, so that a damaged byte is an error and never another number.
+        # With the metadata in one place too, which xarray looks for first.
+        warnings.filterwarnings("ignore", message="Consolidated metadata is currently not part.*")
         encoding = {name: {"compressors": [ZstdCodec(checksum=True)]} for name in dataset.variables}
-        dataset.to_zarr(folder, mode="w", consolidated=False, encoding=encoding)
+        dataset.to_zarr(folder, mode="w", consolidated=True, encoding=encoding)
 
 
 def load(path: str | Path) -> xr.Dataset:

@@ -74,7 +74,7 @@ class Surface:
                 "heights",
                 expected="square pixels",
                 got=f"{between_rows} between rows and {between_columns} between columns",
-                advice=f"reading the file with resample: means over {max(self.pixel_size):.4g}{unit}",
+                advice=f"resample = true (--resample): means over {max(self.pixel_size):.4g}{unit}",
             )
         return np.array(self.heights, dtype=dtype, copy=copy)
 
