@@ -88,7 +88,7 @@ def test_oblong_pixels_are_refused_or_averaged(asperity: Asperity) -> None:
     assert (status, text) == (2, "")
     assert error.splitlines()[-1] == (
         "asperity: heights: expected square pixels, got 3 between rows and 1 between columns; "
-        "try reading the file with resample: means over 3"
+        "try resample = true (--resample): means over 3"
     )
     assert not Path("asperity-out").exists()
     status, text, _ = asperity("surface", "oblong.xyz", "--resample", "--overwrite")
