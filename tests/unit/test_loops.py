@@ -43,13 +43,17 @@ def run_python(code, **environment):
     )
 
 
+COMPILED_SO = {
+    node.name: ast.unparse(node.decorator_list[0])
+    for node in ast.parse(inspect.getsource(kernels)).body
+    if isinstance(node, ast.FunctionDef)
+}
+LOOPS = {name for name, way in COMPILED_SO.items() if way == "_compiled"}
+"""Loops that Python calls."""
+
+
 def test_loops_that_others_call_are_inlined():
-    tree = ast.parse(inspect.getsource(kernels))
-    compiled_so = {
-        node.name: ast.unparse(node.decorator_list[0])
-        for node in tree.body
-        if isinstance(node, ast.FunctionDef)
-    }
+    tree, compiled_so = ast.parse(inspect.getsource(kernels)), COMPILED_SO
     called = {
         node.func.id
         for node in ast.walk(tree)
@@ -87,10 +91,13 @@ before = known()
 """
         + "".join(f"{case}\n" for case in CASES)
         + "asp.press(np.random.default_rng(0).normal(size=(68, 68)), "
-        "asp.solids.half_space(modulus=1.0), load=3.0)\n" + "print(len(before), *known() - before)"
+        "asp.solids.half_space(modulus=1.0), load=3.0)\n"
+        + "print(len(before), *known() - before)\n"
+        + f"print(*set({sorted(LOOPS)}) - {{name for name, _ in before}})"
     )
-    *_, last = run_python(code).stdout.splitlines()
+    *_, last, never = run_python(code).stdout.splitlines()
     assert int(last) > 30  # and no name after the number
+    assert never == ""
 
 
 WITHOUT_A_PLACE = """

@@ -11,6 +11,7 @@ from asperity.contact import kernels
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
 from asperity.simulate import age, press, relax
 from asperity.solids import half_space, spring_lattice
+from asperity.surfaces import self_affine
 
 
 def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], None] = warn) -> None:
@@ -34,6 +35,10 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     for solid in (spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1), half_space(modulus=1.0, creeping=0.5)):
         contact = press(heights, solid, load=80.0)
         relax(press(age(contact, [1.0, 100.0]).final, load=40.0))
+    # Contacts in patches under stiff springs to the bulk, where cycles are slow and steps are combined.
+    patches = self_affine(64, hurst=0.8, delta=0.05, seed=0)
+    rough = patches / patches.std()
+    age(press(rough, spring_lattice(k0=1.0, k1=100.0, R_viscous=0.1), load=6e3), [1.0, 100.0])
     if stamp is not None:
         with suppress(OSError):  # then the next process looks again
             stamp.touch()
