@@ -109,6 +109,15 @@ def line_or_plane(value: object) -> int:
     return integer("dimension", value, least=1, most=2, expected="1 (line contact) or 2")
 
 
+def one_of_two(advice: str, **given: object) -> str:
+    """Name of the one of two arguments that is given; `InputError` for neither and both."""
+    names = [name for name, value in given.items() if value is not None]
+    if len(names) != 1:
+        got = "both" if names else "neither"
+        raise InputError(" and ".join(given), expected="exactly one of the two", got=got, advice=advice)
+    return names[0]
+
+
 def instance(name: str, value: object, kind: type[T], advice: str) -> T:
     """Pass on a thing that is of this class; `InputError` for anything else."""
     if not isinstance(value, kind):

@@ -10,10 +10,10 @@ Times run through the whole history. Durations are in the unit of time, loads an
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -166,6 +166,17 @@ def described(leg: Leg) -> dict[str, object]:
     return values
 
 
+def leg_of(values: Mapping[str, Any]) -> Leg:
+    """Make a leg of what `described` wrote."""
+    arguments = {name: value for name, value in values.items() if name != "kind"}
+    if "legs" in arguments:
+        arguments["legs"] = [leg_of(part) for part in arguments["legs"]]
+    return _KINDS[values["kind"]](**arguments)
+
+
+_KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Repeat, Step)}
+
+
 @dataclass(frozen=True)
 class Schedule:
     """A protocol against the times at which it is recorded.
@@ -220,9 +231,6 @@ def _check(leg: Hold | Ramp, *names: str) -> None:
 
 
 def _check_target(leg: Ramp | Step, advice: str) -> None:
-    if (leg.load is None) == (leg.separation is None):
-        got = "neither" if leg.load is None else "both"
-        raise InputError("load and separation", expected="exactly one of the two", got=got, advice=advice)
-    target = "load" if leg.separation is None else "separation"
+    target = checks.one_of_two(advice, load=leg.load, separation=leg.separation)
     least = 1 / LARGEST if target == "load" else -LARGEST
     object.__setattr__(leg, target, checks.number(target, getattr(leg, target), least=least))

@@ -60,6 +60,14 @@ HISTORIES: dict[str, tuple[list[asp.protocols.Leg], list[tuple[float, float]]]] 
 }
 
 
+def assert_follows(history, reference, scale):
+    """The fields kept, at a jump those after it, are the reference's."""
+    after = history.dataset.drop_duplicates("field_time", keep="last")
+    for index, (u, u0) in enumerate(reference):
+        np.testing.assert_allclose(after["u"].values[index], u, atol=2e-3 * scale)
+        np.testing.assert_allclose(after["u0"].values[index], u0, atol=2e-3 * scale)
+
+
 @pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])
 @pytest.mark.parametrize("R_viscous", [0.0, 0.5])
 @pytest.mark.parametrize("name", HISTORIES)
@@ -69,11 +77,7 @@ def test_load_histories_follow_the_explicit_algorithm(name, R_viscous, solver):
     reference = explicit(tuple(corners), R_viscous, "load")
     contact = asp.press(heights, springs(R_viscous=R_viscous), load=corners[0][1])
     history = asp.age(contact, times, protocol=protocol, rtol=1e-4, fields_at=times, solver=solver)
-    after = history.dataset.drop_duplicates("field_time", keep="last")
-    scale = contact.u.std()
-    for index, (u, u0) in enumerate(reference):
-        np.testing.assert_allclose(after["u"].values[index], u, atol=2e-3 * scale)
-        np.testing.assert_allclose(after["u0"].values[index], u0, atol=2e-3 * scale)
+    assert_follows(history, reference, contact.u.std())
 
 
 @pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])
@@ -89,11 +93,7 @@ def test_separation_histories_follow_the_explicit_algorithm(R_viscous, solver):
     second = asp.age(contact, [0.5], protocol=[P.Hold(0.25), down, P.Hold(0.25)], rtol=1e-4).final
     protocol = [P.Hold(0.25), down, P.Hold(0.25), P.Ramp(0.5, separation=second.separation + 0.5)]
     history = asp.age(contact, times, protocol=protocol, rtol=1e-4, fields_at=times, solver=solver)
-    after = history.dataset.drop_duplicates("field_time", keep="last")
-    scale = contact.u.std()
-    for index, (u, u0) in enumerate(reference):
-        np.testing.assert_allclose(after["u"].values[index], u, atol=2e-3 * scale)
-        np.testing.assert_allclose(after["u0"].values[index], u0, atol=2e-3 * scale)
+    assert_follows(history, reference, contact.u.std())
 
 
 def test_a_line_of_four_sites_loses_a_contact_after_unloading():

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from asperity.lattice import Field
-from asperity.protocols import Hold, Leg, Ramp, Repeat, Schedule, Step, legs_of
-
-_KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Repeat, Step)}
+from asperity.protocols import Hold, Leg, Ramp, Schedule, Step, leg_of, legs_of
 
 
 @dataclass(frozen=True)
@@ -79,7 +76,7 @@ def leg_table(dataset: xr.Dataset) -> list[LegRow]:
 
 def protocol_of(dataset: xr.Dataset) -> list[Leg]:
     """Protocol that a history followed, as it was given to `asperity.age`; empty if there was none."""
-    return [_leg(values) for values in json.loads(dataset.attrs.get("protocol", "[]"))]
+    return [leg_of(values) for values in json.loads(dataset.attrs.get("protocol", "[]"))]
 
 
 def numbers_of(dataset: xr.Dataset) -> NDArray[np.int_]:
@@ -94,14 +91,6 @@ def _legs(dataset: xr.Dataset) -> Iterator[Hold | Ramp | Step]:
         yield from legs_of(protocol)
     elif lasted > 0:
         yield Hold(lasted)
-
-
-def _leg(values: Mapping[str, Any]) -> Leg:
-    """Make a leg of what `asperity.protocols.described` wrote."""
-    arguments = {name: value for name, value in values.items() if name != "kind"}
-    if "legs" in arguments:
-        arguments["legs"] = [_leg(part) for part in arguments["legs"]]
-    return _KINDS[values["kind"]](**arguments)
 
 
 def _row(dataset: xr.Dataset, number: int, leg: Hold | Ramp | Step, begin: float, end: float) -> LegRow:

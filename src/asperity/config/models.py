@@ -212,12 +212,6 @@ class HoldLeg(Section):
     hold: Literal["load", "separation", "area"] | None = None
     mobility: Duration = 1.0
 
-    def build(self) -> Leg:
-        """Make the leg."""
-        from asperity.protocols import Hold
-
-        return Hold(self.duration, self.hold, self.mobility)
-
 
 class Target(Section):
     """A load or a separation to get to."""
@@ -240,23 +234,11 @@ class RampLeg(Target):
     duration: Duration
     mobility: Duration = 1.0
 
-    def build(self) -> Leg:
-        """Make the leg."""
-        from asperity.protocols import Ramp
-
-        return Ramp(self.duration, self.load, self.separation, self.mobility)
-
 
 class StepLeg(Target):
     """A change at once; see `asperity.protocols.Step`."""
 
     kind: Literal["step"] = "step"
-
-    def build(self) -> Leg:
-        """Make the leg."""
-        from asperity.protocols import Step
-
-        return Step(self.load, self.separation)
 
 
 class RepeatLeg(Section):
@@ -265,12 +247,6 @@ class RepeatLeg(Section):
     kind: Literal["repeat"] = "repeat"
     legs: list[AnyLeg] = Field(min_length=1)
     count: Annotated[int, Field(ge=1, le=100_000)]
-
-    def build(self) -> Leg:
-        """Make the leg."""
-        from asperity.protocols import Repeat
-
-        return Repeat([leg.build() for leg in self.legs], self.count)
 
 
 LEGS: dict[str, type[HoldLeg | RampLeg | StepLeg | RepeatLeg]] = {
@@ -317,7 +293,9 @@ class RunConfig(Section):
     @property
     def legs(self) -> tuple[Leg, ...]:
         """The legs of the protocol; none where nothing changes."""
-        return tuple(leg.build() for leg in self.protocol)
+        from asperity.protocols import leg_of
+
+        return tuple(leg_of(leg.model_dump(exclude_none=True)) for leg in self.protocol)
 
     @property
     def end(self) -> float:

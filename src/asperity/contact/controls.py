@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self, cast
 
 import asperity.checks as checks
-from asperity.errors import LARGEST, InputError
+from asperity.errors import LARGEST
 
 
 @dataclass(frozen=True)
@@ -79,13 +79,5 @@ Hold = Literal["load", "separation", "area"]
 
 def control_from(load: float | None, separation: float | None) -> Control:
     """One control from two arguments of which exactly one is given."""
-    if load is not None and separation is None:
-        return Load(load)
-    if separation is not None and load is None:
-        return Separation(separation)
-    raise InputError(
-        "load and separation",
-        expected="exactly one of the two",
-        got="neither" if load is None else "both",
-        advice="load=800.0",
-    )
+    checks.one_of_two("load=800.0", load=load, separation=separation)
+    return Load(load) if load is not None else Separation(cast(float, separation))
