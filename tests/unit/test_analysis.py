@@ -14,10 +14,7 @@ from asperity.analysis import (
     SiteState,
     aging_summary,
     contact_maps,
-    hold_times,
-    map_times,
     measured_growth,
-    modest_load,
     surface_view,
     with_limit,
 )
@@ -63,49 +60,6 @@ def synthetic(
 
 def saturating(times: np.ndarray, a: float, q: float, t0: float) -> np.ndarray:
     return a - (a - 1) / (1 + times / t0) ** q
-
-
-def test_the_default_load_of_the_paper_is_800() -> None:
-    assert modest_load(k0=1.0, k1=3.0, rms=1.0, sites=200 * 200) == 800.0
-    assert modest_load(k0=1.0, k1=3.0, rms=1.23456, sites=100) == 2.47
-    with pytest.raises(InputError, match=r"rms height of the surface is 0.*try a load of your own"):
-        modest_load(k0=1.0, k1=3.0, rms=0.0, sites=100)
-
-
-def test_hold_times_are_even_in_the_decades() -> None:
-    times = hold_times(first=1e-3, last=1e6, per_decade=4)
-    assert times.size == 37
-    assert (times[0], times[-1]) == (1e-3, 1e6)
-    np.testing.assert_allclose(times[1:] / times[:-1], 10**0.25)
-    assert hold_times(first=1.0, last=1.1, per_decade=1).tolist() == [1.0, 1.1]
-    with pytest.raises(InputError, match="0 < first < last, got 2 and 1"):
-        hold_times(first=2.0, last=1.0, per_decade=4)
-    with pytest.raises(InputError, match="per_decade"):
-        hold_times(first=1.0, last=2.0, per_decade=0)
-
-
-def test_maps_are_of_recorded_times_from_0_to_the_last() -> None:
-    times = [0.0, *TIMES.tolist()]
-    chosen = map_times(times)
-    assert len(chosen) == 6
-    assert (chosen[0], chosen[-1]) == (0.0, times[-1])
-    assert set(chosen) <= set(times)
-    assert map_times([1.0]) == (0.0, 1.0)
-    assert map_times([0.0]) == (0.0,)
-
-
-@pytest.mark.parametrize(
-    ("times", "maps"),
-    [
-        (hold_times(first=1e-3, last=1e6, per_decade=4), [1e-2, 1, 1e2, 1e4, 1e6]),  # the default of a run
-        (TIMES, [1, 10, 100, 1e3, 1e4]),
-        ([*hold_times(first=1e-3, last=1e4, per_decade=2), 4e4], [1e-3, 0.1, 10, 1e3, 4e4]),
-        ([2.0, 4.0, 8.0, 16.0, 32.0, 64.0], [4.0, 8.0, 16.0, 32.0, 64.0]),
-        ([3.0, 7.0], [3.0, 7.0]),
-    ],
-)
-def test_maps_are_at_round_times_where_there_are_some(times: np.ndarray, maps: list[float]) -> None:
-    np.testing.assert_allclose(map_times(list(times))[1:], maps, rtol=1e-9)
 
 
 def test_maps_account_for_every_site(aged: xr.Dataset) -> None:

@@ -115,9 +115,6 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     *((law.separation_for, {"mean_excess": [0.25, 0.5]}) for law in LAWS),
     *((law.exceedance, {"separation": [0.25, 0.5]}) for law in LAWS),
     *((law.mean_excess, {"separation": [0.25, 0.5]}) for law in LAWS),
-    (asp.analysis.hold_times, {"first": 0.5, "last": 64.0, "per_decade": 3}),
-    (asp.analysis.modest_load, {"k0": 1.0, "k1": 3.0, "rms": 2.0, "sites": 64}),
-    (asp.analysis.map_times, {"times": TIME, "count": 4}),
     (asp.analysis.patches, {"in_contact": MASK, "connectivity": 2}),
     (asp.analysis.clustering, {"in_contact": MASK, "box": 2}),
     (

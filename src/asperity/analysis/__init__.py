@@ -12,7 +12,6 @@ from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.measured_growth import MeasuredGrowth, measured_growth
-from asperity.analysis.protocol import hold_times, map_times, modest_load
 from asperity.analysis.view import SurfaceView, surface_view
 
 __all__ = [
@@ -27,11 +26,8 @@ __all__ = [
     "aging_summary",
     "clustering",
     "contact_maps",
-    "hold_times",
     "leg_table",
-    "map_times",
     "measured_growth",
-    "modest_load",
     "patches",
     "surface_view",
     "turnover",

@@ -13,7 +13,7 @@ import scipy.fft
 import xarray as xr
 
 from asperity.aging import Frame
-from asperity.analysis import AgingSummary, aging_summary, hold_times, map_times, modest_load, with_limit
+from asperity.analysis import AgingSummary, aging_summary, with_limit
 from asperity.config import MeasuredSurface, RunConfig, to_toml
 from asperity.config.models import Exponential, Gaussian, SelfAffine
 from asperity.contact import Contact
@@ -22,6 +22,7 @@ from asperity.lattice import Field
 from asperity.memory import require
 from asperity.protocols import Ramp, Schedule, legs_of
 from asperity.results import Checkpoint, History
+from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load
 from asperity.simulate import age, press, relax
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, exponential, gaussian, read, self_affine
@@ -36,7 +37,6 @@ _SPRINGS, _OTHERS, _MAP = 204, 320, 40
 
 Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six.
 """
-_USUAL_MAPS = 6
 
 _IN_RAMP = 12
 """Times recorded in a ramp, evenly spread."""
@@ -144,7 +144,7 @@ def _require_memory(shape: Sequence[int], config: RunConfig) -> None:
     """Refuse a run that would be killed for want of memory after minutes or hours."""
     cycles = len(shape) == 2 and min(shape) >= 8 and config.solid.k0 > 0
     maps = config.output.maps_at
-    needed = (_SPRINGS if cycles else _OTHERS) + _MAP * (_USUAL_MAPS if maps is None else len(maps))
+    needed = (_SPRINGS if cycles else _OTHERS) + _MAP * (USUAL_MAPS if maps is None else len(maps))
     require(needed, shape, power_of_two=isinstance(config.surface, SelfAffine))
 
 
@@ -253,7 +253,7 @@ def _map_times(config: RunConfig) -> list[float]:
     if not config.protocol:
         return list(map_times(recorded_times(config).tolist()))
     switches = list(dict.fromkeys(Schedule.of(legs_of(config.legs), np.empty(0)).switches))
-    chosen = np.unique(np.linspace(0, len(switches) - 1, min(len(switches), _USUAL_MAPS)).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(switches) - 1, min(len(switches), USUAL_MAPS)).round().astype(int))
     return [switches[index] for index in chosen]
 
 

@@ -1,0 +1,73 @@
+"""Sensible numbers for a run that leaves some open: a load, the times to record, the times to map.
+
+The configuration has checked what these functions are given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from asperity.errors import InputError
+from asperity.lattice import Field
+
+USUAL_MAPS = 6
+
+
+def modest_load(*, k0: float, k1: float, rms: float, sites: int) -> float:
+    """Load that brings a Gaussian surface near 1 % contact when k1/k0 = 3: 0.005 (k0 + k1) rms sites.
+
+    It has three significant digits. `InputError` if the surface is flat, so that there is no such load.
+    """
+    load = 0.005 * (k0 + k1) * rms * sites
+    if not load > 0:
+        raise InputError(
+            "load",
+            expected="a load, as the rms height of the surface is 0 and suggests none",
+            got="none",
+            advice="a load of your own",
+        )
+    return float(f"{load:.3g}")
+
+
+def hold_times(*, first: float, last: float, per_decade: int) -> Field:
+    """Times spread evenly over the decades from ``first`` to ``last``, 0 < first < last, both included.
+
+    Where the range is no whole number of steps, the steps are stretched or shrunk a little.
+    """
+    steps = max(1, round(math.log10(last / first) * per_decade))
+    return np.geomspace(first, last, steps + 1)
+
+
+def map_times(times: Sequence[float], count: int = USUAL_MAPS) -> tuple[float, ...]:
+    """Pick times at which a history is worth a map: 0, the last, and others spread between.
+
+    Parameters
+    ----------
+    times
+        The recorded hold times, increasing.
+    count
+        How many to pick at most; at least 2.
+
+    Returns
+    -------
+    tuple of float
+        Members of ``times``, after 0: of powers of ten and the last, every one, or every second, and so on,
+        back from the last. Where these are too few, times are spread evenly by index.
+    """
+    later = [float(t) for t in times if t > 0]
+    round_ones = [t for t in later if _is_power_of_ten(t) or t == later[-1]]
+    wanted = min(count - 1, len(later))
+    if wanted and len(round_ones) >= wanted:
+        stride = max(1, round(len(round_ones) / wanted))
+        return (0.0, *round_ones[::-stride][:wanted][::-1])
+    # The last of each of `wanted` equal parts: the early stretch, where little happens, has no extra map.
+    chosen = [later[math.ceil((part + 1) * len(later) / wanted) - 1] for part in range(wanted)]
+    return (0.0, *chosen)
+
+
+def _is_power_of_ten(time: float) -> bool:
+    exponent = math.log10(time)
+    return abs(exponent - round(exponent)) < 1e-9
