@@ -10,9 +10,8 @@ import pandas as pd
 import pytest
 from matplotlib.collections import LineCollection
 
-from asperity.analysis import measured_growth
 from asperity.figures import fit_figure
-from asperity.fits import compare, growth_rate, logarithm
+from asperity.fits import compare, growth_rate, logarithm, measured_growth
 from tests.cli.conftest import Asperity
 
 HOLD = np.repeat(np.geomspace(1, 1e5, 11), 3)

@@ -14,12 +14,12 @@ from asperity.analysis import (
     SiteState,
     aging_summary,
     contact_maps,
-    measured_growth,
     surface_view,
     with_limit,
 )
 from asperity.analysis.aging import FAR_APART
 from asperity.errors import InputError
+from asperity.fits import measured_growth
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, gaussian, self_affine
 from asperity.theory import (

@@ -118,7 +118,7 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.analysis.patches, {"in_contact": MASK, "connectivity": 2}),
     (asp.analysis.clustering, {"in_contact": MASK, "box": 2}),
     (
-        asp.analysis.measured_growth,
+        asp.fits.measured_growth,
         {"time": TIME, "value": AREA, "stderr": ERROR, "first": 1.0, "last": 64.0, "laws": ("logarithm",)},
     ),
 ]

@@ -22,7 +22,6 @@ from asperity.analysis import (
     SiteState,
     aging_summary,
     contact_maps,
-    measured_growth,
     surface_view,
     with_limit,
 )
@@ -35,6 +34,7 @@ from asperity.figures import (
     style,
     surface_figure,
 )
+from asperity.fits import measured_growth
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, gaussian

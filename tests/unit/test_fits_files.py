@@ -6,9 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from asperity.analysis import measured_growth
 from asperity.errors import InputError
-from asperity.fits import read_measurements
+from asperity.fits import measured_growth, read_measurements
 
 TABLES = {
     "commas": "time,mu\n1.5,0.6\n10,0.61\n",

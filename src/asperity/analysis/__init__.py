@@ -11,14 +11,12 @@ from asperity.analysis.contact_patches import (
 from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
-from asperity.analysis.measured_growth import MeasuredGrowth, measured_growth
 from asperity.analysis.view import SurfaceView, surface_view
 
 __all__ = [
     "AgingSummary",
     "ContactMaps",
     "LegRow",
-    "MeasuredGrowth",
     "Patches",
     "SiteState",
     "SurfaceView",
@@ -27,7 +25,6 @@ __all__ = [
     "clustering",
     "contact_maps",
     "leg_table",
-    "measured_growth",
     "patches",
     "surface_view",
     "turnover",

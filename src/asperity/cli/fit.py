@@ -10,15 +10,23 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from asperity.analysis import MeasuredGrowth, measured_growth
-from asperity.analysis.measured_growth import Law
 from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
 from asperity.cli.report import aligned
 from asperity.errors import InputError, OutputError
 from asperity.figures import fit_figure
 from asperity.figures.fit import UNDETERMINED, determined
 from asperity.figures.style import uncertain
-from asperity.fits import Comparison, FitResult, GrowthRate, LogarithmFit, SaturationFit, read_measurements
+from asperity.fits import (
+    Comparison,
+    FitResult,
+    GrowthRate,
+    LogarithmFit,
+    MeasuredGrowth,
+    SaturationFit,
+    measured_growth,
+    read_measurements,
+)
+from asperity.fits.measured import Law
 from asperity.fits.result import parameters_of
 from asperity.results.store import whole_file
 

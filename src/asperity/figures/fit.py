@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.analysis.measured_growth import Law, MeasuredGrowth
 from asperity.figures import style
-from asperity.fits import LogarithmFit, SaturationFit
+from asperity.fits import LogarithmFit, MeasuredGrowth, SaturationFit
+from asperity.fits.measured import Law
 
 _LINES: dict[Law, tuple[str, str, str]] = {
     "saturation": (style.BLUE, "-", "o"),
@@ -35,7 +35,7 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
     Parameters
     ----------
     growth
-        From `asperity.analysis.measured_growth`.
+        From `asperity.fits.measured_growth`.
     quantity, unit_time
         Names for the axes; the unit may be "", of a table that does not tell.
     window

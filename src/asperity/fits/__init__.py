@@ -3,6 +3,7 @@
 from asperity.fits.comparison import Comparison, compare
 from asperity.fits.ensemble import EnsembleFit, ensemble
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
+from asperity.fits.measured import MeasuredGrowth, measured_growth
 from asperity.fits.measurements import Measurements, read_measurements
 from asperity.fits.power import PowerLawFit, local_exponent, power_law
 from asperity.fits.rate import GrowthRate, growth_rate
@@ -16,6 +17,7 @@ __all__ = [
     "FitResult",
     "GrowthRate",
     "LogarithmFit",
+    "MeasuredGrowth",
     "Measurements",
     "PowerLawFit",
     "SaturationFit",
@@ -25,6 +27,7 @@ __all__ = [
     "jackknife",
     "local_exponent",
     "logarithm",
+    "measured_growth",
     "power_law",
     "read_measurements",
     "saturation",

@@ -16,17 +16,10 @@ from numpy.typing import ArrayLike
 
 import asperity.checks as checks
 from asperity.errors import ConvergenceError, InputError
-from asperity.fits import (
-    Comparison,
-    GrowthRate,
-    LogarithmFit,
-    SaturationFit,
-    compare,
-    growth_rate,
-    logarithm,
-    saturation,
-)
+from asperity.fits.comparison import Comparison, compare
 from asperity.fits.curve import Series, refuse_decline
+from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
+from asperity.fits.rate import GrowthRate, growth_rate
 from asperity.lattice import Field
 
 Law = Literal["saturation", "logarithm"]
