@@ -14,7 +14,6 @@ from asperity.analysis import (
     SiteState,
     aging_summary,
     contact_maps,
-    surface_view,
     with_limit,
 )
 from asperity.analysis.aging import FAR_APART
@@ -289,35 +288,3 @@ def test_the_dilute_theory_is_not_claimed_where_it_does_not_hold(
     summary = aging_summary(dataset, law=GaussianHeights())
     assert summary.dilute_time.size == summary.dilute_ratio.size == 0
     assert note in summary.dilute_note
-
-
-def test_a_view_shows_the_measured_part_in_readable_units() -> None:
-    measured = gaussian((30, 20), rms=5e-9, seed=2)
-    doubled = np.concatenate([measured, measured[::-1]])
-    surface = Surface(
-        np.concatenate([doubled, doubled[:, ::-1]], axis=1),
-        "m",
-        (1e-7, 2e-7),
-        "m",
-        {"original_shape": [30, 20], "periodic_rule": "mirror"},
-    )
-    view = surface_view(surface)
-    assert (view.unit, view.length_unit) == ("nm", "um")
-    np.testing.assert_allclose(view.heights, measured * 1e9)
-    assert view.pixel_size == pytest.approx((0.1, 0.2))
-    np.testing.assert_array_equal(view.profile, view.heights[15])
-    assert view.middle == pytest.approx(15.5 * 0.1)
-    assert float(np.sum(view.density * np.diff(view.bin_edges))) == pytest.approx(1.0)
-    np.testing.assert_allclose(view.profile_position[:2], [0.1, 0.3])
-
-
-def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
-    view = surface_view(Surface(gaussian((6, 9), seed=1)))
-    assert (view.unit, view.length_unit) == ("1", "pixel")
-    np.testing.assert_array_equal(view.profile, view.heights[3])
-    small = surface_view(Surface(1e-6 * gaussian((6, 9), seed=1)))
-    assert small.unit == "1e-06"
-    np.testing.assert_allclose(small.heights, view.heights)
-    line = surface_view(Surface(np.zeros(5)))
-    assert line.profile.size == 5
-    assert np.isnan(line.normal_density).all()

@@ -128,7 +128,6 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.analysis.leg_table,
     asp.figures.history_figure,
     asp.analysis.contact_maps,
-    asp.analysis.surface_view,
     asp.analysis.turnover,
     asp.analysis.with_limit,
     asp.campaign.estimate,

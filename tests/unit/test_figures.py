@@ -22,7 +22,6 @@ from asperity.analysis import (
     SiteState,
     aging_summary,
     contact_maps,
-    surface_view,
     with_limit,
 )
 from asperity.errors import InputError
@@ -34,6 +33,7 @@ from asperity.figures import (
     style,
     surface_figure,
 )
+from asperity.figures.surface import surface_view
 from asperity.fits import measured_growth
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
 from asperity.solids import spring_lattice
@@ -272,7 +272,7 @@ def test_a_line_contact_has_profiles() -> None:
 @pytest.mark.parametrize("heights", [gaussian((20, 12)), gaussian(64), np.zeros((4, 4))])
 def test_a_surface_is_drawn_with_units(heights: np.ndarray) -> None:
     surface = Surface(heights, "nm", (0.5,) * heights.ndim, "um")
-    figure = surface_figure(surface_view(surface), title="name.npy", note="3 undefined pixels filled")
+    figure = surface_figure(surface, title="name.npy", note="3 undefined pixels filled")
     labels = " ".join(axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes)
     assert "height [nm]" in labels
     assert "position [µm]" in labels
@@ -316,8 +316,8 @@ def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
         "wide map": contact_figure(as_scan(some_maps(np.full((2, 30, 900), 2)))),
         "maps of a scan": contact_figure(as_scan(many)),
         "line": contact_figure(contact_maps(history((300,)))),
-        "surface": surface_figure(surface_view(named), title=LONG_NAME, note=note),
-        "profile": surface_figure(surface_view(Surface(gaussian(64), "nm")), title=LONG_NAME, note=note),
+        "surface": surface_figure(named, title=LONG_NAME, note=note),
+        "profile": surface_figure(Surface(gaussian(64), "nm"), title=LONG_NAME, note=note),
         "history": history_figure(long_history(repeats=3)),
         "history of many legs": history_figure(long_history(repeats=4)),
         "fit": fit_figure(growth, quantity=LONG_NAME * 3, unit_time=LONG_NAME, window=True),
@@ -411,3 +411,35 @@ def test_a_history_of_time_0_alone_has_no_curve():
     dataset = age(contact, [0.0]).dataset
     with pytest.raises(InputError, match="a history with times above 0"):
         aging_curve(dataset, aging_summary(dataset))
+
+
+def test_a_view_shows_the_measured_part_in_readable_units() -> None:
+    measured = gaussian((30, 20), rms=5e-9, seed=2)
+    doubled = np.concatenate([measured, measured[::-1]])
+    surface = Surface(
+        np.concatenate([doubled, doubled[:, ::-1]], axis=1),
+        "m",
+        (1e-7, 2e-7),
+        "m",
+        {"original_shape": [30, 20], "periodic_rule": "mirror"},
+    )
+    view = surface_view(surface)
+    assert (view.unit, view.length_unit) == ("nm", "um")
+    np.testing.assert_allclose(view.heights, measured * 1e9)
+    assert view.pixel_size == pytest.approx((0.1, 0.2))
+    np.testing.assert_array_equal(view.profile, view.heights[15])
+    assert view.middle == pytest.approx(15.5 * 0.1)
+    assert float(np.sum(view.density * np.diff(view.bin_edges))) == pytest.approx(1.0)
+    np.testing.assert_allclose(view.profile_position[:2], [0.1, 0.3])
+
+
+def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
+    view = surface_view(Surface(gaussian((6, 9), seed=1)))
+    assert (view.unit, view.length_unit) == ("1", "pixel")
+    np.testing.assert_array_equal(view.profile, view.heights[3])
+    small = surface_view(Surface(1e-6 * gaussian((6, 9), seed=1)))
+    assert small.unit == "1e-06"
+    np.testing.assert_allclose(small.heights, view.heights)
+    line = surface_view(Surface(np.zeros(5)))
+    assert line.profile.size == 5
+    assert np.isnan(line.normal_density).all()

@@ -1,4 +1,4 @@
-"""Analysis: from a history, or a surface, to the numbers that figures and reports show."""
+"""Analysis of a history: growth of the contact area, patches and maps of contact, legs, the relaxed limit."""
 
 from asperity.analysis.aging import AgingSummary, aging_summary
 from asperity.analysis.contact_patches import (
@@ -11,7 +11,6 @@ from asperity.analysis.contact_patches import (
 from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
-from asperity.analysis.view import SurfaceView, surface_view
 
 __all__ = [
     "AgingSummary",
@@ -19,14 +18,12 @@ __all__ = [
     "LegRow",
     "Patches",
     "SiteState",
-    "SurfaceView",
     "Turnover",
     "aging_summary",
     "clustering",
     "contact_maps",
     "leg_table",
     "patches",
-    "surface_view",
     "turnover",
     "with_limit",
 ]

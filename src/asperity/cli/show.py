@@ -6,7 +6,6 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from asperity.analysis import surface_view
 from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
 from asperity.cli.report import aligned
 from asperity.config.models import MeasuredSurface
@@ -40,7 +39,7 @@ def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> Non
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False}
     found = measured_surface(settings.model_copy(update=as_found))
     prepared = measured_surface(settings)
-    figure = surface_figure(surface_view(prepared), title=file.name, note=_note(prepared, settings))
+    figure = surface_figure(prepared, title=file.name, note=_note(prepared, settings))
     write_figure(figure, target)
     sys.stdout.write(f"{aligned(_origin(found, prepared))}\n\n")
     sys.stdout.write(f"{aligned(_comparison(found.describe(), prepared.describe()))}\n\n")
