@@ -13,7 +13,7 @@ import numpy as np
 import zarr
 
 from asperity.campaign.store import Store
-from asperity.campaign.sweep import plan_to_json
+from asperity.campaign.sweeping import plan_to_json
 from asperity.campaign.worker import run_task
 from asperity.config import to_tables
 

@@ -1,7 +1,6 @@
 """How long campaigns will take, and how much they will write: judged against what they did."""
 
 import math
-import sys
 import time
 from functools import partial
 
@@ -9,12 +8,10 @@ import numpy as np
 import pytest
 
 import asperity.campaign as campaign
+import asperity.campaign.forecast as forecast
 from asperity.campaign.store import Store
 from asperity.runs import Silent, execute
 from tests.campaign.conftest import do_here, written
-
-# The name asperity.campaign.estimate is that of the function.
-judging = sys.modules["asperity.campaign.estimate"]
 
 CASES = {
     "heavy": """
@@ -87,7 +84,7 @@ SLOW = {
 
 
 def computing(judged):
-    return judged.seconds - judging._BESIDE * judged.runs
+    return judged.seconds - forecast._BESIDE * judged.runs
 
 
 @pytest.mark.parametrize(
@@ -110,7 +107,7 @@ def test_within_a_factor_of_two_of_the_campaign(tmp_path, text):
 
 def law(config, sites):
     """A time that grows with sites, load and stiffness."""
-    return (0.01 + 1e-5 * judging._work(sites)) * math.sqrt(config.contact.load / sites * config.solid.k1)
+    return (0.01 + 1e-5 * forecast._work(sites)) * math.sqrt(config.contact.load / sites * config.solid.k1)
 
 
 LAWFUL = """
@@ -125,7 +122,7 @@ seeds = 5
 
 def timed(config, most, tried):
     """As the timing of trial runs, but by the law."""
-    sites = math.prod(judging._lattice(config, most))
+    sites = math.prod(forecast._lattice(config, most))
     small = config.contact.load * sites / math.prod(config.surface.shape)
     contact = config.contact.model_copy(update={"load": small})
     tried.append(sites)
@@ -134,7 +131,7 @@ def timed(config, most, tried):
 
 def test_trials_on_small_lattices_tell_of_large_ones(tmp_path, monkeypatch):
     tried: list[int] = []
-    monkeypatch.setattr(judging, "_seconds", partial(timed, tried=tried))
+    monkeypatch.setattr(forecast, "_seconds", partial(timed, tried=tried))
     plan = campaign.read_plan(written(tmp_path, LAWFUL))
     judged = campaign.estimate(plan, tmp_path / "out")
     assert max(tried) < 600**2
@@ -163,7 +160,7 @@ def test_finished_runs_count_before_trials(tmp_path, monkeypatch):
     do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, (plan.runs[0], plan.runs[3])), tmp_path / "out")
     store = Store(tmp_path / "out")
     seconds = [store.read(plan.runs[number].identity).scalars["seconds"] for number in (0, 3)]
-    monkeypatch.setattr(judging, "_tried", lambda configs: iter(dict.fromkeys(configs, None)))
+    monkeypatch.setattr(forecast, "_tried", lambda configs: iter(dict.fromkeys(configs, None)))
     judged = campaign.estimate(plan, tmp_path / "out")
     assert (judged.runs, judged.basis) == (4, "finished runs at 2 points")
     assert computing(judged) == pytest.approx(2 * sum(seconds))
@@ -200,9 +197,9 @@ def test_a_part_of_a_measured_surface_is_tried(tmp_path):
         load = [10.0]
     """
     (run,) = campaign.read_plan(written(tmp_path, text)).runs
-    assert judging._shape(run.config) == [80, 120]  # mirrored
-    small, sites = judging._shrunk(run.config, 1024, tmp_path)
-    assert judging._shape(small) == [20, 30]
+    assert forecast._shape(run.config) == [80, 120]  # mirrored
+    small, sites = forecast._shrunk(run.config, 1024, tmp_path)
+    assert forecast._shape(small) == [20, 30]
     assert sites == 600
     assert small.contact.load == pytest.approx(10.0 * 600 / 9600)
 

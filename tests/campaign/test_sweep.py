@@ -18,7 +18,7 @@ from asperity.campaign.cluster import connect
 from asperity.campaign.gather import SWEPT
 from asperity.campaign.plan import _NOT_SWEPT
 from asperity.campaign.store import Store
-from asperity.campaign.sweep import plan_to_json
+from asperity.campaign.sweeping import plan_to_json
 from asperity.campaign.worker import run_task
 from asperity.cli import main
 from asperity.config.mistakes import SECTIONS

@@ -1,6 +1,5 @@
 """Damaged files of every kind that is read: a result, or one clear line."""
 
-import importlib
 import json
 import shutil
 from collections.abc import Callable
@@ -13,14 +12,13 @@ import xarray as xr
 
 import asperity as asp
 from asperity import campaign
+from asperity.campaign import sweeping
 from asperity.campaign.worker import run_task
 from asperity.cli import main
 from asperity.config import to_tables
 from asperity.errors import AsperityError
 from tests.campaign.conftest import do_here, written
 from tests.fuzz.fuzzing import Draw, assert_clear, damage_bytes, damage_folder, fuzz, tried
-
-sweeping = importlib.import_module("asperity.campaign.sweep")  # the package has a function of this name
 
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 ROUGH = np.random.default_rng(0).normal(size=(8, 8))

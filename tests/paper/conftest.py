@@ -5,7 +5,7 @@ import json
 import pytest
 
 from asperity.campaign.store import Store
-from asperity.campaign.sweep import plan_to_json
+from asperity.campaign.sweeping import plan_to_json
 from asperity.campaign.worker import run_task
 from asperity.config import to_tables
 from asperity.paper.evidence import Evidence

@@ -1,6 +1,8 @@
 """The house: imports point upstream, public names are what they are said to be."""
 
 import ast
+import importlib
+import pkgutil
 import subprocess
 import sys
 from pathlib import Path
@@ -108,6 +110,14 @@ def test_public_rooms_show_public_names():
 @pytest.mark.parametrize("room", sorted(set(LEVEL) - {"_version", "__main__"}))
 def test_every_room_is_reached(room):
     assert asperity.__getattr__(room) is sys.modules[f"asperity.{room}"]
+
+
+@pytest.mark.parametrize("room", ["analysis", "campaign", "figures", "fits", "results", "theory"])
+def test_no_module_hides_behind_a_function_of_its_name(room):
+    inside = importlib.import_module(f"asperity.{room}")
+    for module in pkgutil.iter_modules(inside.__path__):
+        found = importlib.import_module(f"asperity.{room}.{module.name}")
+        assert getattr(inside, module.name) is found
 
 
 def test_a_room_is_reached_whatever_was_imported_before():

@@ -5,7 +5,7 @@ import pytest
 
 from asperity.campaign import load_plan, read_plan
 from asperity.campaign.plan import name_of
-from asperity.campaign.sweep import plan_to_json
+from asperity.campaign.sweeping import plan_to_json
 from asperity.config import read_config
 from asperity.errors import ConfigError
 

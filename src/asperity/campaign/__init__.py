@@ -1,9 +1,9 @@
 """Campaigns: thousands of runs from one file, in one store that survives anything."""
 
-from asperity.campaign.estimate import Estimate, estimate
+from asperity.campaign.forecast import Estimate, estimate
 from asperity.campaign.gather import fields, load_plan, open, table  # noqa: A004
 from asperity.campaign.plan import Plan, read_plan
-from asperity.campaign.sweep import Tally, sweep, tally
+from asperity.campaign.sweeping import Tally, sweep, tally
 
 __all__ = [
     "Estimate",

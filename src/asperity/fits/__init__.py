@@ -1,7 +1,7 @@
 """Laws of the growth of the contact area, fitted with uncertainties; to simulated or measured data."""
 
 from asperity.fits.comparison import Comparison, compare
-from asperity.fits.ensemble import EnsembleFit, ensemble
+from asperity.fits.ensembles import EnsembleFit, ensemble
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
 from asperity.fits.measured import MeasuredGrowth, measured_growth
 from asperity.fits.measurements import Measurements, read_measurements
