@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from asperity.errors import TooLargeError
+from asperity.words import data_size
 
 _NO_LIMIT = 2**60
 """Limits above it are how the system writes that there is none."""
@@ -50,12 +51,8 @@ def require(needed: float, shape: Sequence[int], *, power_of_two: bool = False) 
     sites, fits = (" x ".join(map(str, sides)) for sides in (shape, [side] * len(shape)))
     raise TooLargeError(
         f"{sites} sites: expected a lattice that fits into the memory, got one that needs "
-        f"{_gigabytes(total)} where {_gigabytes(there)} are available; try at most {fits} sites"
+        f"{data_size(total)} where {data_size(there)} are available; try at most {fits} sites"
     )
-
-
-def _gigabytes(count: float) -> str:
-    return f"{count / 1e9:.3g} GB"
 
 
 def _machine() -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 
@@ -37,6 +38,43 @@ def numbers(words: Iterable[str], *, whole: bool) -> list[object]:
 def has_decimal_comma(word: object) -> bool:
     """Whether a word may be a number with a decimal comma."""
     return isinstance(word, str) and _ONE_COMMA.fullmatch(word) is not None
+
+
+def uncertain(value: float, error: float) -> str:
+    """Write a number with its standard error, both to the decimals that the error's two digits have."""
+    if not (math.isfinite(error) and error > 0):
+        return f"{value:.4g}" if error == 0 else f"{value:.3g} (undetermined)"
+    if error > abs(value):
+        return f"{value:.2g} ± {float(f'{error:.1g}'):g}"
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    if decimals > 6 or abs(value) >= 1e5:
+        return f"{value:.4g} ± {error:.1g}"
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
+
+
+def thousands(value: int) -> str:
+    """Write a whole number with thin spaces between thousands."""
+    return f"{value:,}".replace(",", "\u202f")
+
+
+def duration(seconds: float) -> str:
+    """Write a time in the unit that suits it, to two digits."""
+    if not math.isfinite(seconds):
+        return "not determined"
+    units = (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0), ("seconds", 1.0))
+    unit, length = next((u for u in units if seconds >= 1.5 * u[1]), units[-1])
+    value = seconds / length
+    return f"{value:.2g} {unit}" if value < 9.95 else f"{value:.0f} {unit}"
+
+
+def data_size(count: float) -> str:
+    """Write a number of bytes in the unit that suits it."""
+    value = float(count)
+    for unit in ("B", "kB", "MB", "GB"):
+        if value < 1000:
+            return f"{value:.3g} {unit}"
+        value /= 1000
+    return f"{value:.3g} TB"
 
 
 def closest(word: str, known: Iterable[str]) -> str | None:

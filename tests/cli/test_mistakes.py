@@ -135,7 +135,7 @@ def test_more_than_memory_holds(
 ) -> None:
     monkeypatch.setattr("asperity.memory.available", lambda: 20_000_000_000)
     line = complaint(asperity, "run", *words, status=1)
-    assert re.fullmatch(rf".* sites: expected .* GB where 20 GB are available; try at most {fits}", line)
+    assert re.fullmatch(rf".* sites: expected .* [GT]B where 20 GB are available; try at most {fits}", line)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -279,4 +279,4 @@ def test_a_folder_that_cannot_be_made_is_found_before_anything_is_computed(
     out = tmp_path / "file" / "out"
     status, text, error = asperity("run", "--out", out)
     assert (status, text) == (1, "")
-    assert error == f"asperity: cannot write {out}: Not a directory: {tmp_path / 'file'}\n"
+    assert error == f"asperity: --out: cannot write {out}: Not a directory: {tmp_path / 'file'}\n"

@@ -173,7 +173,7 @@ def test_page_says_what_was_found(written):
     assert "Not <script>alert(1)</script> & more." in page.text
     assert "1 < 2 & FN" in page.text
     assert f"{7 * len(studies(QUICK))} simulations" in page.text
-    assert "1 h 1 min of computing in all; the session that wrote this page took 1 min 15 s" in page.text
+    assert "61 minutes of computing in all; the session that wrote this page took 75 seconds" in page.text
     assert "Asperity 9.8.7, 2030-01-02, quick reproduction." in page.text
     assert "shape = 200\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}200" in "".join(page.words)
 
@@ -374,7 +374,6 @@ def test_texts():
         typeset.plain("<i>F</i><sub>N</sub><sup>0.8</sup> 10<sup>6</sup> x<sup>2</sup>")
         == "F_N^(0.8) 10^6 x^2"
     )
-    assert [typeset.duration(s) for s in (59.6, 3599, 7260)] == ["1 min 0 s", "59 min 59 s", "2 h 1 min"]
 
 
 @pytest.mark.parametrize(

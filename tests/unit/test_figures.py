@@ -378,22 +378,7 @@ def test_powers(value: float, text: str) -> None:
     assert style.power(value) == text
 
 
-@pytest.mark.parametrize(
-    ("value", "error", "text"),
-    [
-        (3.0612, 0.0229, "3.061 ± 0.023"),
-        (55.2, 13.9, "55 ± 14"),
-        (35.0, 212.0, "35 ± 200"),
-        (0.5, float("inf"), "0.5 (undetermined)"),
-        (2.0, 0.0, "2"),
-    ],
-)
-def test_uncertain_numbers(value: float, error: float, text: str) -> None:
-    assert style.uncertain(value, error) == text
-
-
-def test_counts_and_units() -> None:
-    assert style.count(40000) == "40\u202f000"
+def test_units() -> None:
     assert style.with_unit("height", "1") == "height"
     assert style.with_unit("height", "um") == "height [µm]"
     assert style.with_unit("height", "1e-06") == "height [$10^{-6}$ units]"

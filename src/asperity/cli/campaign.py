@@ -20,6 +20,7 @@ from asperity.cli.report import aligned
 from asperity.errors import AsperityError, InputError
 from asperity.results import save
 from asperity.results.store import whole_file
+from asperity.words import data_size, duration
 
 _LINE_EVERY = 10.0
 """Seconds between two plain lines of progress."""
@@ -33,8 +34,8 @@ def dry_run(plan: Plan, out: Path, *, workers: int) -> None:
     rows = [
         ("runs", f"{len({run.identity for run in plan.runs})}, of which {judged.runs} are to do"),
         ("dimensions", _dimensions(plan)),
-        ("time", f"about {spell(judged.wall(workers))} on {workers} workers, judged by {judged.basis}"),
-        ("disk", f"about {size(judged.bytes)}"),
+        ("time", f"about {duration(judged.wall(workers))} on {workers} workers, judged by {judged.basis}"),
+        ("disk", f"about {data_size(judged.bytes)}"),
     ]
     sys.stdout.write(f"{aligned(rows)}\n")
 
@@ -189,7 +190,7 @@ class _Lines:
             self.last = moment
             fresh = over - self.over_at_begin
             left = (now.total - over) * (moment - self.begin) / fresh if fresh else None
-            estimate = f", about {spell(left)} left" if left else ""
+            estimate = f", about {duration(left)} left" if left else ""
             print(f"{_words(now)}: {over} of {now.total}{estimate}", file=sys.stderr, flush=True)
 
 
@@ -204,21 +205,3 @@ def _dimensions(plan: Plan) -> str:
     if plan.seeds:
         parts.append(f"seed ({len(plan.seeds)})")
     return " x ".join(parts) or "a single run"
-
-
-def spell(seconds: float) -> str:
-    """Write a duration in the unit that suits it."""
-    units = (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0), ("seconds", 1.0))
-    unit, length = next((u for u in units if seconds >= 1.5 * u[1]), units[-1])
-    value = seconds / length
-    return f"{value:.2g} {unit}" if value < 9.95 else f"{value:.0f} {unit}"
-
-
-def size(count: int) -> str:
-    """Write a number of bytes in the unit that suits it."""
-    value = float(count)
-    for unit in ("B", "kB", "MB", "GB"):
-        if value < 1000:
-            return f"{value:.3g} {unit}"
-        value /= 1000
-    return f"{value:.3g} TB"

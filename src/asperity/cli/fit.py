@@ -6,16 +6,14 @@ import dataclasses
 import json
 import math
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
 from asperity.cli.report import aligned
-from asperity.errors import InputError, OutputError
+from asperity.errors import InputError
 from asperity.figures import fit_figure
 from asperity.figures.fit import UNDETERMINED, determined
-from asperity.figures.style import uncertain
 from asperity.fits import (
     Comparison,
     FitResult,
@@ -29,6 +27,7 @@ from asperity.fits import (
 from asperity.fits.measured import Law
 from asperity.fits.result import parameters_of
 from asperity.results.store import whole_file
+from asperity.words import uncertain
 
 _PER_DECADE = math.log(10)
 _SLOPES = ("slope", "B", "relative")
@@ -74,9 +73,9 @@ def fit(
     AsperityError
         The table cannot be used, or a file not written.
     """
-    _check_target("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
+    check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
     if numbers is not None:
-        _check_target("--json", numbers, (".json",), overwrite=overwrite)
+        check_new_file("--json", numbers, (".json",), overwrite=overwrite)
     first, last = window or (None, None)
     if window and not 0 <= window[0] < window[1]:
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
@@ -112,17 +111,6 @@ def fit(
         written.append(f"numbers written: {numbers}")
     blocks = _blocks(growth, source=f"{file}: {named}", unit=f" {unit_time}" if unit_time else "")
     sys.stdout.write("\n\n".join([*map(aligned, blocks), "\n".join(written)]) + "\n")
-
-
-def _check_target(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:
-    """Make sure, before either file is written, that each can be."""
-    check_new_file(flag, target, suffixes, overwrite=overwrite)
-    try:
-        # Permissions do not tell of read-only disks and full quotas: try.
-        with tempfile.NamedTemporaryFile(prefix=".asperity-", dir=target.parent):
-            pass
-    except OSError as error:
-        raise OutputError(f"{flag}: cannot write {target}: {error.strerror}") from error
 
 
 def _blocks(growth: MeasuredGrowth, *, source: str, unit: str) -> list[list[tuple[str, ...]]]:

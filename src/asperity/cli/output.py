@@ -73,12 +73,16 @@ def check_free(out: Path, *, overwrite: bool) -> None:
     ground = folder.parent
     while not ground.exists():
         ground = ground.parent
+    _try_writing("--out", out, ground)
+
+
+def _try_writing(flag: str, target: Path, folder: Path) -> None:
+    """Write and remove something: permissions do not tell of read-only disks and full quotas."""
     try:
-        # Permissions do not tell of read-only disks and full quotas: try.
-        with tempfile.TemporaryDirectory(prefix=".asperity-", dir=ground):
+        with tempfile.TemporaryDirectory(prefix=".asperity-", dir=folder):
             pass
     except OSError as error:
-        raise OutputError(f"cannot write {out}: {error.strerror}: {ground}") from error
+        raise OutputError(f"{flag}: cannot write {target}: {error.strerror}: {folder}") from error
 
 
 def _is_ours(name: str) -> bool:
@@ -131,6 +135,8 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
     ------
     InputError
         It has another suffix, its folder does not exist, or it exists and is not to be replaced.
+    OutputError
+        Nothing can be written there.
     """
     if target.suffix.lower() not in suffixes:
         raise InputError(flag, expected=f"a name that ends in {', '.join(suffixes)}", got=target)
@@ -139,6 +145,7 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
     if target.exists() and not overwrite:
         kept = f"{target}, which is kept"
         raise InputError(flag, expected="a new file", got=kept, advice="another name, or --overwrite")
+    _try_writing(flag, target, target.parent)
 
 
 def write_figure(figure: Figure, path: Path) -> None:

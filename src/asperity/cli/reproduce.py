@@ -13,12 +13,13 @@ from pathlib import Path
 
 import asperity.campaign as campaign
 from asperity.campaign import Estimate, Tally
-from asperity.cli.campaign import size, spell, tally_shown
+from asperity.cli.campaign import tally_shown
 from asperity.cli.report import aligned
 from asperity.paper.ledger import Finding, Verdict
 from asperity.paper.reproduce import STUDIES, Prepared, check_folder, conclude, prepared_in, run_studies
 from asperity.paper.studies import FULL, QUICK
 from asperity.runs import cores
+from asperity.words import data_size, duration
 
 
 def say_what_it_takes(out: Path, *, quick: bool, seed: int, workers: int) -> None:
@@ -28,7 +29,7 @@ def say_what_it_takes(out: Path, *, quick: bool, seed: int, workers: int) -> Non
     with tempfile.TemporaryDirectory() as nowhere, prepared_in(nowhere, effort, seed=seed) as prepared:
         judged = [campaign.estimate(one.plan, out / STUDIES / one.study.name) for one in prepared]
     rows = [
-        (one.study.name, f"{it.runs} runs", f"about {spell(it.wall(workers))}", one.study.purpose)
+        (one.study.name, f"{it.runs} runs", f"about {duration(it.wall(workers))}", one.study.purpose)
         for one, it in zip(prepared, judged, strict=True)
     ]
     rows.append(("all", *_total(judged, workers)))
@@ -110,8 +111,8 @@ def _total(judged: Sequence[Estimate], workers: int) -> tuple[str, str, str]:
     seconds = sum(one.wall(workers) for one in judged)
     return (
         f"{sum(one.runs for one in judged)} runs",
-        f"about {spell(seconds)} on {workers} workers",
-        f"about {size(sum(one.bytes for one in judged))}",
+        f"about {duration(seconds)} on {workers} workers",
+        f"about {data_size(sum(one.bytes for one in judged))}",
     )
 
 

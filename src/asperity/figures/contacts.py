@@ -17,6 +17,7 @@ from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.scan import readable
 from asperity.figures import style
 from asperity.figures.marks import COLORS
+from asperity.words import thousands
 
 _COLUMNS = 4
 _PANEL = 2.45
@@ -200,10 +201,10 @@ def _caption(maps: ContactMaps, number: int) -> str:
     """Time, contact fraction, and sites won and lost."""
     new, lost = (maps.count(number, state) for state in (SiteState.NEW, SiteState.LOST))
     percent = 100.0 * maps.area(number) / maps.heights.size
-    changes = f", +{style.count(new)}" if number else ""
-    changes += f" −{style.count(lost)}" if lost else ""
+    changes = f", +{thousands(new)}" if number else ""
+    changes += f" −{thousands(lost)}" if lost else ""
     moment = _moment(float(maps.times[number]))
-    return f"{moment}:  {percent:.3g} %\n{style.count(maps.area(number))} sites{changes}"
+    return f"{moment}:  {percent:.3g} %\n{thousands(maps.area(number))} sites{changes}"
 
 
 def _legend(figure: Figure, maps: ContactMaps) -> None:

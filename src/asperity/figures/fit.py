@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from asperity.figures import style
 from asperity.fits import LogarithmFit, MeasuredGrowth, SaturationFit
 from asperity.fits.measured import Law
+from asperity.words import thousands, uncertain
 
 _LINES: dict[Law, tuple[str, str, str]] = {
     "saturation": (style.BLUE, "-", "o"),
@@ -73,7 +74,7 @@ def _draw_line(axes: Axes, growth: MeasuredGrowth) -> None:
     rate, per_decade = growth.rate, math.log(10)
     if rate is None:
         return
-    slope = style.uncertain(rate.slope * per_decade, rate.slope_stderr * per_decade)
+    slope = uncertain(rate.slope * per_decade, rate.slope_stderr * per_decade)
     axes.plot(
         growth.line_time,
         growth.line_value,
@@ -85,7 +86,7 @@ def _draw_line(axes: Axes, growth: MeasuredGrowth) -> None:
 
 
 def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
-    label = f"means over bins of {style.count(growth.points)} values" if growth.shown_are_means else "data"
+    label = f"means over bins of {thousands(growth.points)} values" if growth.shown_are_means else "data"
     axes.errorbar(
         growth.shown_time,
         growth.shown_value,
@@ -137,7 +138,7 @@ def _draw_residuals(axes: Axes, growth: MeasuredGrowth, *, line: bool) -> None:
 def _number(name: str, value: float, stderr: float, unit: str = "") -> str:
     if not determined(value, stderr):
         return f"{name} {UNDETERMINED}"
-    return f"{name} = {style.uncertain(value, stderr)}{f' {unit}' if unit else ''}"
+    return f"{name} = {uncertain(value, stderr)}{f' {unit}' if unit else ''}"
 
 
 def _legend(law: Law, fit: SaturationFit | LogarithmFit, unit: str) -> str:
@@ -145,8 +146,8 @@ def _legend(law: Law, fit: SaturationFit | LogarithmFit, unit: str) -> str:
     if isinstance(fit, SaturationFit):
         formula = r"$A_0\,[a - (a-1)\,/\,(1+t/t_0)^q]$"
         shape = [
-            rf"$a$ = {style.uncertain(fit.a, fit.a_stderr)}",
-            rf"$q$ = {style.uncertain(fit.q, fit.q_stderr)}",
+            rf"$a$ = {uncertain(fit.a, fit.a_stderr)}",
+            rf"$q$ = {uncertain(fit.q, fit.q_stderr)}",
         ]
         if not fit.q_stderr < fit.q / 2:
             shape = [

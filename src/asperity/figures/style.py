@@ -154,23 +154,6 @@ def power(value: float) -> str:
     return rf"{head}10^{{{exponent}}}"
 
 
-def uncertain(value: float, error: float) -> str:
-    """Write a number with its standard error, both to the decimals that the error's two digits have."""
-    if not (math.isfinite(error) and error > 0):
-        return f"{value:.4g}" if error == 0 else rf"{value:.3g} (undetermined)"
-    if error > abs(value):
-        return f"{value:.2g} ± {float(f'{error:.1g}'):g}"
-    decimals = max(0, 1 - math.floor(math.log10(error)))
-    if decimals > 6 or abs(value) >= 1e5:
-        return f"{value:.4g} ± {error:.1g}"
-    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
-
-
-def count(value: int) -> str:
-    """Write a whole number with thin spaces between thousands."""
-    return f"{value:,}".replace(",", "\u202f")
-
-
 def with_unit(quantity: str, unit: str) -> str:
     """Label an axis: quantity and unit, where it has one."""
     return quantity if unit == "1" else f"{quantity} [{spelled(unit)}]"

@@ -25,8 +25,9 @@ from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
 from asperity.paper.ledger import Finding, Measurement, Verdict
 from asperity.paper.places import SECTIONS, section_of
 from asperity.paper.studies import Study
-from asperity.paper.typeset import bounds, duration, interval, number, plain, rich
+from asperity.paper.typeset import bounds, interval, number, plain, rich
 from asperity.results.store import whole_file
+from asperity.words import duration
 
 _LARGEST_SVG = 1_500_000
 _RESOLUTION = 250

@@ -93,19 +93,6 @@ def bounds(low: float, high: float) -> Markup:
     return number(low) if low == high else number(low) + escape(" to ") + number(high)
 
 
-def duration(seconds: float) -> str:
-    """Return a time as it is said: 12 s, 3 min 20 s, 5 h 2 min."""
-    if not math.isfinite(seconds):
-        return UNKNOWN
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    minutes, rest = divmod(whole, 60)
-    if minutes < 60:
-        return f"{minutes} min {rest} s"
-    return f"{minutes // 60} h {minutes % 60} min"
-
-
 def _words(text: str) -> Markup:
     """Escape a text without tags; with numbers of equations and powers of ten."""
     found = _E_NOTATION.split(numbered(text))

@@ -16,6 +16,7 @@ from asperity.figures.marks import SMALLEST, draw_marks, site_side, width_in_wor
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure
 from asperity.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
+from asperity.words import thousands
 
 _STUDY = "load_maps"
 _COLUMNS = 2
@@ -108,7 +109,7 @@ def _drawn(tables: dict[str, pd.DataFrame]) -> tuple[Figure, str]:
 
 def _title(number: int, row: pd.Series[float]) -> str:
     letter = chr(ord("a") + number)
-    load, size = style.power(row["load"]), style.count(int(row["area"]))
+    load, size = style.power(row["load"]), thousands(int(row["area"]))
     return f"({letter}) $F_N/k_0 = {load}$:  $A$ = {size} ({100 * row['contact_fraction']:.2g} %)"
 
 

@@ -20,6 +20,7 @@ from asperity.lattice import Field
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure
 from asperity.paper.studies import DELTA, HURST, MAP_BOXES, SELF_AFFINE_RATIO
+from asperity.words import thousands
 
 _STUDY = "maps"
 _COLUMNS = 3
@@ -175,8 +176,8 @@ def _moment(time: float) -> str:
 def _counted(marked: pd.DataFrame) -> str:
     """The number of sites in contact, and of those gained and lost since t = 0."""
     kept, new, lost = (int((marked["state"] == state).sum()) for state in ("kept", "new", "lost"))
-    changes = ", ".join(f"{sign}{style.count(sites)}" for sign, sites in (("+", new), ("−", lost)) if sites)
-    return f"$A$ = {style.count(kept + new)}" + (f"  ({changes})" if changes else "")
+    changes = ", ".join(f"{sign}{thousands(sites)}" for sign, sites in (("+", new), ("−", lost)) if sites)
+    return f"$A$ = {thousands(kept + new)}" + (f"  ({changes})" if changes else "")
 
 
 def _add_legend(figure: SubFigure) -> None:
