@@ -7,11 +7,12 @@ import pytest
 
 import asperity.campaign as campaign
 from asperity import age, press
-from asperity.errors import ConfigError, InputError
+from asperity.errors import ConfigError
 from asperity.protocols import Hold, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
 from tests.campaign.conftest import do_here, written
+from tests.refusals import refuses
 
 TEXT = """
 [surface]
@@ -78,11 +79,9 @@ def test_sweeps_that_cannot_be(tmp_path, line, message):
 
 
 def test_what_is_no_plan_or_dataset_is_refused(tmp_path):
-    with pytest.raises(
-        InputError, match=r"plan: expected a Plan, got str; try asperity\.campaign\.read_plan"
-    ):
+    with refuses("plan"):
         campaign.sweep("campaign.toml", tmp_path)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="plan: expected a Plan, got dict"):
+    with refuses("plan"):
         campaign.estimate({}, tmp_path)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="dataset: expected a Dataset, got int"):
+    with refuses("dataset"):
         campaign.table(3)  # type: ignore[arg-type]

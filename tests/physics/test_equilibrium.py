@@ -10,6 +10,7 @@ from asperity.errors import ConvergenceError
 from asperity.solids import spring_lattice
 from asperity.theory import full_contact_load
 from tests.independent import assert_equilibrium, prove
+from tests.refusals import refuses
 from tests.surfaces import correlated, uncorrelated
 
 STIFFNESS_RATIOS = [0.01, 0.1, 1.0, 10.0, 100.0]
@@ -76,7 +77,7 @@ def test_a_press_that_the_heights_cannot_resolve_is_refused_under_either_control
     rough = uncorrelated(32)
     weak = spring_lattice(k0=1.0, k1=1e-9)
     for held in ({"separation": rough.max() - 1e-3}, {"load": 1e-3 * 1e-9 * rough.size}):
-        with pytest.raises(ConvergenceError, match="too small for these heights in double precision"):
+        with refuses(kind=ConvergenceError):
             press(rough, weak, **held)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.errors import InputError
+from tests.refusals import refuses
 from tests.surfaces import correlated, uncorrelated
 
 
@@ -64,8 +64,8 @@ def test_full_contact_relaxes_at_the_rate_of_the_solid():
 
 
 def test_a_separation_cannot_be_held():
-    with pytest.raises(InputError, match=r"separation: expected a solid that hangs on springs.*try load="):
+    with refuses("separation"):
         asp.press(uncorrelated(16), asp.solids.half_space(modulus=1.0), separation=1.0)
     contact = asp.press(uncorrelated(16), asp.solids.half_space(modulus=1.0), load=1.0)
-    with pytest.raises(InputError, match="separation"):
+    with refuses("separation"):
         asp.age(contact, [1.0], hold="separation")

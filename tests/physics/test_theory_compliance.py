@@ -11,7 +11,6 @@ from scipy.integrate import dblquad, quad
 from scipy.linalg import expm
 from scipy.special import ive
 
-from asperity.errors import InputError
 from asperity.theory import (
     LATE_INTERCEPT,
     LATE_SLOPE,
@@ -24,6 +23,7 @@ from asperity.theory import (
     torus_compliance,
 )
 from asperity.theory.zone import torus_modes, zone_nodes
+from tests.refusals import refuses
 
 Floats = NDArray[np.float64]
 
@@ -276,43 +276,43 @@ def test_stiffer_along_one_axis_is_allowed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("call", "name"),
     [
         (
             lambda: compliance(1.0, 1.0, dispersion=cast(Any, "cubic")),
-            'dispersion: expected "lattice", "continuum" or a function of q, got \'cubic\'',
+            "dispersion",
         ),
         (
             lambda: compliance(1.0, 1e14, dispersion=lambda qx, qy: 4 - 2 * np.cos(qx) - 2 * np.cos(qy)),
-            r"dispersion: expected finite numbers above 0 .*; try a form that keeps its digits",
+            "dispersion",
         ),
         (
             lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: qx**2 + qy**2 + qx * qy),
-            "dispersion: expected a function even in each component",
+            "dispersion",
         ),
         (
             lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: 1 + qx**2 + qy**2),
-            "dispersion: expected a function that vanishes at q = 0",
+            "dispersion",
         ),
-        (lambda: compliance(1.0, 1.0, dispersion=lambda *_: 1.0), "dispersion: expected values of shape"),
-        (lambda: compliance(0.0, 1.0), r"x1: expected finite numbers above 0, got 0\.0"),
-        (lambda: compliance(1.0, -1.0), r"x2: expected numbers not below 0, got -1\.0"),
-        (lambda: compliance(1.0, np.inf), "x2: expected finite numbers, got inf; try torus_compliance"),
-        (lambda: compliance(1.0, np.nan), "x2: expected real numbers, got NaN among them"),
-        (lambda: compliance("soft", 1.0), "x1: expected real numbers, got 'soft'"),
-        (lambda: compliance([1, 2, 3], [1, 2]), "x1, x2, viscous: expected shapes that broadcast"),
-        (lambda: compliance(1.0, 1.0, viscous=-1), "viscous: expected numbers not below 0"),
-        (lambda: compliance(1.0, 1.0, dimension=3), r"dimension: expected 1 \(line contact\) or 2, got 3"),
-        (lambda: compliance_asymptote(0.0), "x2: expected finite numbers above 0"),
-        (lambda: site_stiffness([1.0, -2.0]), r"x1: expected finite numbers above 0, got -2\.0"),
-        (lambda: torus_compliance(1.0, 1.0, (4, 4, 4)), "shape: expected one or two positive lengths"),
-        (lambda: torus_compliance(1.0, 1.0, (4, 0)), "shape: expected one or two positive lengths"),
+        (lambda: compliance(1.0, 1.0, dispersion=lambda *_: 1.0), "dispersion"),
+        (lambda: compliance(0.0, 1.0), "x1"),
+        (lambda: compliance(1.0, -1.0), "x2"),
+        (lambda: compliance(1.0, np.inf), "x2"),
+        (lambda: compliance(1.0, np.nan), "x2"),
+        (lambda: compliance("soft", 1.0), "x1"),
+        (lambda: compliance([1, 2, 3], [1, 2]), "x1, x2, viscous"),
+        (lambda: compliance(1.0, 1.0, viscous=-1), "viscous"),
+        (lambda: compliance(1.0, 1.0, dimension=3), "dimension"),
+        (lambda: compliance_asymptote(0.0), "x2"),
+        (lambda: site_stiffness([1.0, -2.0]), "x1"),
+        (lambda: torus_compliance(1.0, 1.0, (4, 4, 4)), "shape"),
+        (lambda: torus_compliance(1.0, 1.0, (4, 0)), "shape"),
         (
             lambda: torus_compliance(1.0, 1.0, cast(Any, (4.5,))),
-            "shape: expected one or two positive lengths",
+            "shape",
         ),
     ],
 )
-def test_bad_input_is_named(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:
+    with refuses(name):
         call()

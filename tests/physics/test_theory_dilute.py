@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from asperity.errors import InputError
 from asperity.theory import (
     EmpiricalHeights,
     ExponentialHeights,
@@ -30,6 +29,7 @@ from asperity.theory import (
     static_friction,
     winkler_area,
 )
+from tests.refusals import refuses
 
 
 @pytest.fixture
@@ -256,50 +256,50 @@ def test_full_contact_of_a_cosine() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("call", "name"),
     [
-        (lambda: GaussianHeights(rms=0.0), "rms: expected a finite number > 0, got 0"),
+        (lambda: GaussianHeights(rms=0.0), "rms"),
         (
             lambda: ExponentialHeights(rms=cast(Any, [1.0, 2.0])),
-            r"rms: expected a finite number > 0, got \[1\.0, 2\.0\]",
+            "rms",
         ),
-        (lambda: EmpiricalHeights([]), "heights: expected finite heights, at least one"),
-        (lambda: EmpiricalHeights([1.0, np.inf]), "heights: expected finite heights, at least one"),
-        (lambda: GaussianHeights().separation_for(0.0), "mean_excess: expected finite numbers above 0"),
-        (lambda: dilute_area(0.0, 1.0, GaussianHeights()), "load_per_site: expected finite numbers above 0"),
-        (lambda: dilute_area(1.0, [1.0, -1.0], GaussianHeights()), r"compliance: .* above 0, got -1\.0"),
+        (lambda: EmpiricalHeights([]), "heights"),
+        (lambda: EmpiricalHeights([1.0, np.inf]), "heights"),
+        (lambda: GaussianHeights().separation_for(0.0), "mean_excess"),
+        (lambda: dilute_area(0.0, 1.0, GaussianHeights()), "load_per_site"),
+        (lambda: dilute_area(1.0, [1.0, -1.0], GaussianHeights()), "compliance"),
         (
             lambda: dilute_area([1, 2], [1, 2, 3], GaussianHeights()),
-            "load_per_site, compliance: expected shapes",
+            "load_per_site, compliance",
         ),
-        (lambda: winkler_area(1.0, 0.0, GaussianHeights()), "k1: expected finite numbers above 0"),
-        (lambda: contacts_at_start(0.0, 1.0, 1.0, k0=1.0), "load: expected finite numbers above 0"),
-        (lambda: contacts_at_start(1.0, 1.0, 1.0, k0=1.0, dimension=3), "dimension: expected 1"),
+        (lambda: winkler_area(1.0, 0.0, GaussianHeights()), "k1"),
+        (lambda: contacts_at_start(0.0, 1.0, 1.0, k0=1.0), "load"),
+        (lambda: contacts_at_start(1.0, 1.0, 1.0, k0=1.0, dimension=3), "dimension"),
         (
             lambda: contacts_at_start_paper(1.0, 1.0, [1, 2], k0=[1, 2, 3]),
-            "rms, x1, k0: expected shapes",
+            "load, rms, x1, k0",
         ),
-        (lambda: late_slope(1.0, dimension=1), "dimension: expected 2, got 1; try compliance_asymptote"),
-        (lambda: late_slope_paper(0.0), "x1: expected finite numbers above 0"),
-        (lambda: static_friction(1.0, 0.0, 1.0), "load: expected finite numbers above 0"),
-        (lambda: static_friction(-1.0, 1.0, 1.0), "area: expected numbers not below 0"),
-        (lambda: static_friction(1.0, 1.0, np.inf), "shear_strength: expected finite numbers"),
-        (lambda: dilute_horizon(1.5), r"area_fraction: expected at most 1, got 1\.5; try A/N0"),
+        (lambda: late_slope(1.0, dimension=1), "dimension"),
+        (lambda: late_slope_paper(0.0), "x1"),
+        (lambda: static_friction(1.0, 0.0, 1.0), "load"),
+        (lambda: static_friction(-1.0, 1.0, 1.0), "area"),
+        (lambda: static_friction(1.0, 1.0, np.inf), "shear_strength"),
+        (lambda: dilute_horizon(1.5), "area_fraction"),
         (
             lambda: full_contact_load(np.zeros((2, 2, 2)), k0=1.0, k1=1.0),
-            r"heights: expected one or two dimensions, .* try one layer of it",
+            "heights",
         ),
         (
             lambda: full_contact_load([0.0, np.inf], k0=1.0, k1=1.0),
-            "heights: expected finite numbers, got 0 NaN and 1 inf",
+            "heights",
         ),
-        (lambda: full_contact_load([0.0, 1.0], k0=-1.0, k1=1.0), "k0: expected a finite number >= 0, got -1"),
+        (lambda: full_contact_load([0.0, 1.0], k0=-1.0, k1=1.0), "k0"),
         (
             lambda: full_contact_load_relaxed([0.0, 1.0], k0=cast(Any, np.ones(2))),
-            r"k0: expected .*, got ndarray of type float64, shape \(2,\)",
+            "k0",
         ),
     ],
 )
-def test_bad_input_is_named(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:
+    with refuses(name):
         call()

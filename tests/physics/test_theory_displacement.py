@@ -7,8 +7,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from asperity.errors import InputError
 from asperity.theory import compliance, displacement
+from tests.refusals import refuses
 
 
 def torus_sum(offset: tuple[int, ...], x1: float, x2: float, viscous: float, length: int) -> float:
@@ -108,20 +108,20 @@ def test_signs_shapes_and_scalars() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("call", "name"),
     [
-        (lambda: displacement((1, 0, 0), 1.0, 1.0), r"offset: expected integers of shape \(..., 2\)"),
-        (lambda: displacement(3, 1.0, 1.0), r"offset: expected integers of shape \(..., 2\)"),
-        (lambda: displacement(np.arange(5), 1.0, 1.0, dimension=1), r"offset: .* try \(1, 0\) in the plane"),
-        (lambda: displacement((0.5, 0.0), 1.0, 1.0), "offset: expected integers .* got float64"),
-        (lambda: displacement(cast(Any, "here"), 1.0, 1.0), "offset: expected integers"),
-        (lambda: displacement((0, 3000), 1.0, 1.0), "offset: expected at most 2000 sites along an axis"),
-        (lambda: displacement((1, 0), 0.0, 1.0), "x1: expected finite numbers above 0"),
-        (lambda: displacement((1, 0), 1.0, np.inf), "x2: expected finite numbers"),
-        (lambda: displacement([(1, 0), (1, 1)], 1.0, [1, 2, 3]), "offset: expected shapes that broadcast"),
-        (lambda: displacement((1, 0), 1.0, 1.0, dimension=3), "dimension: expected 1"),
+        (lambda: displacement((1, 0, 0), 1.0, 1.0), "offset"),
+        (lambda: displacement(3, 1.0, 1.0), "offset"),
+        (lambda: displacement(np.arange(5), 1.0, 1.0, dimension=1), "offset"),
+        (lambda: displacement((0.5, 0.0), 1.0, 1.0), "offset"),
+        (lambda: displacement(cast(Any, "here"), 1.0, 1.0), "offset"),
+        (lambda: displacement((0, 3000), 1.0, 1.0), "offset"),
+        (lambda: displacement((1, 0), 0.0, 1.0), "x1"),
+        (lambda: displacement((1, 0), 1.0, np.inf), "x2"),
+        (lambda: displacement([(1, 0), (1, 1)], 1.0, [1, 2, 3]), "x1, x2, viscous, offset"),
+        (lambda: displacement((1, 0), 1.0, 1.0, dimension=3), "dimension"),
     ],
 )
-def test_bad_input_is_named(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:
+    with refuses(name):
         call()

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from asperity.errors import InputError
 from asperity.theory import (
     EmpiricalHeights,
     ExponentialHeights,
@@ -19,6 +18,7 @@ from asperity.theory import (
     dilute_area,
     dilute_history,
 )
+from tests.refusals import refuses
 
 Floats = NDArray[np.float64]
 
@@ -182,17 +182,17 @@ def test_scaling_of_lengths_forces_and_times() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changed", "message"),
+    ("changed", "name"),
     [
-        ({"load_per_site": [1.0, -1.0]}, r"load_per_site: expected numbers not below 0, got -1\.0"),
-        ({"load_per_site": [1.0]}, r"load_per_site: expected a value a time, shape \(2,\)"),
-        ({"x2": [1.0, 0.0]}, r"x2: expected times that do not decrease, got 1\.0 before 0\.0"),
-        ({"k0": 0.0}, "k0: expected a finite number > 0"),
-        ({"x1": -1.0}, "x1: expected a finite number > 0"),
-        ({"dimension": 0}, "dimension: expected 1"),
+        ({"load_per_site": [1.0, -1.0]}, "load_per_site"),
+        ({"load_per_site": [1.0]}, "load_per_site"),
+        ({"x2": [1.0, 0.0]}, "x2"),
+        ({"k0": 0.0}, "k0"),
+        ({"x1": -1.0}, "x1"),
+        ({"dimension": 0}, "dimension"),
     ],
 )
-def test_bad_input_is_named(changed: dict[str, Any], message: str) -> None:
+def test_bad_input_is_named(changed: dict[str, Any], name: str) -> None:
     given = {"x2": [0.0, 1.0], "load_per_site": [1.0, 0.5], "k0": 1.0, "x1": 3.0} | changed
-    with pytest.raises(InputError, match=message):
+    with refuses(name):
         dilute_history(**cast(Any, given), heights=GaussianHeights())

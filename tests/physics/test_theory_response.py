@@ -9,10 +9,10 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from asperity.errors import InputError
 from asperity.theory import compliance, compliance_rate, response, response_rate, site_stiffness
 from asperity.theory.modes import decay
 from asperity.theory.zone import zone_nodes
+from tests.refusals import refuses
 
 SOLIDS = [(3.0, 0.0, 2), (0.02, 0.0, 2), (200.0, 0.4, 2), (3.0, 0.0, 1), (0.5, 30.0, 1)]
 
@@ -123,23 +123,23 @@ def test_one_time_alone_is_the_elastic_answer() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "message"),
+    ("call", "name"),
     [
-        (lambda: response([], [], 1.0), r"x2: expected times, shape \(n,\), n at least 1, got shape \(0,\)"),
-        (lambda: response(1.0, 1.0, 1.0), "x2: expected times"),
-        (lambda: response([0, 1], [0, 1, 2], 1.0), r"force: expected a value a time, shape \(2,\)"),
-        (lambda: response([0, 2, 1], [0, 1, 2], 1.0), "x2: expected times that do not decrease"),
-        (lambda: response([0, np.inf], [0, 1], 1.0), "x2: expected finite numbers, got inf"),
-        (lambda: response([0, 1], [0, np.nan], 1.0), "force: expected real numbers, got NaN"),
+        (lambda: response([], [], 1.0), "x2"),
+        (lambda: response(1.0, 1.0, 1.0), "x2"),
+        (lambda: response([0, 1], [0, 1, 2], 1.0), "force"),
+        (lambda: response([0, 2, 1], [0, 1, 2], 1.0), "x2"),
+        (lambda: response([0, np.inf], [0, 1], 1.0), "x2"),
+        (lambda: response([0, 1], [0, np.nan], 1.0), "force"),
         (
             lambda: response([0, 1], [0, 1], cast(Any, [1.0, 2.0])),
-            r"x1: expected a finite number > 0, got \[1\.0, 2\.0\]",
+            "x1",
         ),
-        (lambda: response([0, 1], [0, 1], 0.0), "x1: expected a finite number > 0"),
-        (lambda: response_rate([0, 1], [0, 1], 1.0, -1.0), "viscous: expected a finite number >= 0"),
-        (lambda: response_rate([0, 1], [0, 1], 1.0, dimension=3), "dimension: expected 1"),
+        (lambda: response([0, 1], [0, 1], 0.0), "x1"),
+        (lambda: response_rate([0, 1], [0, 1], 1.0, -1.0), "viscous"),
+        (lambda: response_rate([0, 1], [0, 1], 1.0, dimension=3), "dimension"),
     ],
 )
-def test_bad_input_is_named(call: Callable[[], object], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:
+    with refuses(name):
         call()

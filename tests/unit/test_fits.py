@@ -10,9 +10,9 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
-from asperity.errors import InputError
 from asperity.fits import LogarithmFit, SaturationFit, logarithm, saturation
 from asperity.theory import LATE_SLOPE, exponential_growth, site_stiffness
+from tests.refusals import refuses
 
 Floats = NDArray[np.float64]
 
@@ -198,49 +198,49 @@ GROWING = np.linspace(1.0, 2.0, 8)
 
 @pytest.mark.parametrize("law", [saturation, logarithm])
 @pytest.mark.parametrize(
-    ("time", "area", "message"),
+    ("time", "area", "name"),
     [
-        (np.arange(8), np.ones(8), "area: expected an area that grows with time, got 1 at every time"),
+        (np.arange(8), np.ones(8), "area"),
         (
             np.arange(8),
             GROWING[::-1],
-            r"area: expected an area that grows with time, got 2 \.\.\. 1 \(rank.* -1\.00\)",
+            "area",
         ),
-        (np.arange(8), GROWING[:7], "area: expected one for each of the 8 values of time, got 7"),
-        (np.arange(8), GROWING - 1, r"area: expected values of area above 0, got 0\.0"),
+        (np.arange(8), GROWING[:7], "area"),
+        (np.arange(8), GROWING - 1, "area"),
         (
             np.arange(8),
             np.where(GROWING > 1.5, np.nan, GROWING),
-            "area: expected finite numbers, got 4 NaN and",
+            "area",
         ),
-        (np.append(np.arange(7), np.inf), GROWING, "time: expected finite numbers.*relaxed state"),
-        (np.arange(8)[::-1], GROWING, r"area: expected an area that grows.* got 2 \.\.\. 1"),
-        (np.arange(8) - 1, GROWING, r"time: expected values of time not below 0, got -1 \.\.\. 6"),
-        (np.zeros(8), GROWING, r"time: expected at least \d different times.*, got 1"),
-        (np.repeat([1, 2], 4), GROWING, r"time: expected at least \d different times.*, got 2"),
-        ([], [], "time: expected values of time not below 0, got none"),
+        (np.append(np.arange(7), np.inf), GROWING, "time"),
+        (np.arange(8)[::-1], GROWING, "area"),
+        (np.arange(8) - 1, GROWING, "time"),
+        (np.zeros(8), GROWING, "time"),
+        (np.repeat([1, 2], 4), GROWING, "time"),
+        ([], [], "time"),
         (
             np.arange(8).reshape(2, 4),
             GROWING,
-            r"time: expected an array of one dimension, got shape \(2, 4\)",
+            "time",
         ),
-        ("late", GROWING, "time: expected real numbers, got 'late'"),
-        (np.arange(3), GROWING[:3], r"time: expected at least \d values to fit.*got 2 besides the one at"),
-        (np.arange(1, 4), GROWING[:3], r"time: expected at least \d values to fit.*got 3;"),
+        ("late", GROWING, "time"),
+        (np.arange(3), GROWING[:3], "time"),
+        (np.arange(1, 4), GROWING[:3], "time"),
         (
             np.arange(8),
             [1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 1.1],
-            "area: expected an area that grows.*no growing law",
+            "area",
         ),
     ],
 )
-def test_bad_data_are_named(law: Callable[..., Any], time: ArrayLike, area: ArrayLike, message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_bad_data_are_named(law: Callable[..., Any], time: ArrayLike, area: ArrayLike, name: str) -> None:
+    with refuses(name):
         law(time, area)
 
 
 def test_predictions_ask_for_times_after_contact() -> None:
-    with pytest.raises(InputError, match="time: expected numbers not below 0, got -1"):
+    with refuses("time"):
         logarithm(TIME, noisy()).predict([1.0, -1.0])
 
 
@@ -279,7 +279,7 @@ def test_errors_beside_a_known_limit_are_standard_errors() -> None:
 
 @pytest.mark.parametrize(("first", "limit"), [(0, 0.9), (0, math.nan), (1, 3.0)])
 def test_a_limit_that_is_none_is_refused(first: int, limit: float) -> None:
-    with pytest.raises(InputError, match="limit: expected a final area above the one area at time 0"):
+    with refuses("limit"):
         saturation(TIME[first:], noisy()[first:], limit=limit)
 
 
@@ -294,5 +294,5 @@ def test_a_number_that_is_none_is_found() -> None:
     area = noisy()
     area[[5, 9]] = np.nan
     area[7] = np.inf
-    with pytest.raises(InputError, match="got 2 NaN and 1 infinite of 61, the first at 5; try leaving these"):
+    with refuses("area"):
         saturation(TIME, area)

@@ -6,8 +6,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from asperity.errors import InputError
 from asperity.fits import compare, growth_rate, logarithm, saturation
+from tests.refusals import refuses
 
 HOLD = np.repeat(np.geomspace(0.1, 1e5, 13), 3)
 PER_DECADE = 0.01
@@ -91,7 +91,7 @@ def test_noise_that_ends_low_is_no_decline() -> None:
     mu[-1] = 0.59
     assert mu[-1] < mu[0]
     assert logarithm(HOLD, mu).slope > 0
-    with pytest.raises(InputError, match=r"area that grows with time.*rank correlation with time -1\.00"):
+    with refuses("area"):
         logarithm(HOLD[::3], 1 / (1 + HOLD[::3]))
 
 
@@ -171,5 +171,5 @@ def test_comparison_with_standard_errors_is_that_of_chi_squared() -> None:
 
 def test_too_few_to_compare() -> None:
     time = np.geomspace(1, 1e3, 6)
-    with pytest.raises(InputError, match="time: expected at least 7 values to compare the laws by, got 6"):
+    with refuses("time"):
         compare(time, 1 + 0.1 * np.log1p(time))

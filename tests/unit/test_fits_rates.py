@@ -7,8 +7,8 @@ import pytest
 from numpy.typing import ArrayLike
 from scipy.stats import linregress, t
 
-from asperity.errors import InputError
 from asperity.fits import growth_rate, local_exponent, logarithm, power_law, saturation
+from tests.refusals import refuses
 
 X = np.geomspace(0.1, 1e4, 12)
 
@@ -69,22 +69,22 @@ def test_local_exponent() -> None:
 
 
 @pytest.mark.parametrize(
-    ("x", "y", "message"),
+    ("x", "y", "name"),
     [
-        ([0, 1, 2], [1, 2, 3], "x: expected values of x above 0"),
-        ([1, 2, 3], [1, -2, 3], r"y: expected values of y above 0, got -2\.0"),
-        ([1, 2], [1, 2], "x: expected at least 3 points to fit, got 2"),
-        ([2, 2, 2], [1, 2, 3], "x: expected at least 2 different values, got 1"),
-        ([1, 2, 3], [1, 2], "y: expected one for each of the 3 values of x, got 2"),
+        ([0, 1, 2], [1, 2, 3], "x"),
+        ([1, 2, 3], [1, -2, 3], "y"),
+        ([1, 2], [1, 2], "x"),
+        ([2, 2, 2], [1, 2, 3], "x"),
+        ([1, 2, 3], [1, 2], "y"),
     ],
 )
-def test_power_laws_that_are_none(x: ArrayLike, y: ArrayLike, message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_power_laws_that_are_none(x: ArrayLike, y: ArrayLike, name: str) -> None:
+    with refuses(name):
         power_law(x, y)
 
 
 def test_local_exponent_needs_neighbors() -> None:
-    with pytest.raises(InputError, match="x: expected at least 2 different values, got 1"):
+    with refuses("x"):
         local_exponent([1.0, 1.0], [1.0, 2.0])
 
 
@@ -176,15 +176,15 @@ def test_the_initial_area_and_its_error_stand_in_the_rate() -> None:
 
 def test_bad_windows_are_named() -> None:
     area = 1 + np.log1p(TIME)
-    with pytest.raises(InputError, match=r"initial: expected the area at time 0.*try initial="):
+    with refuses("initial"):
         growth_rate(TIME[1:], area[1:])
-    with pytest.raises(InputError, match="at least 3 points at times above 0 from 100000 to inf, got 0"):
+    with refuses("time"):
         growth_rate(TIME, area, first=1e5)
-    with pytest.raises(InputError, match=r"initial: expected a finite number above 0, got 0\.0"):
+    with refuses("initial"):
         growth_rate(TIME, area, initial=0.0)
-    with pytest.raises(InputError, match="stderr: expected values of stderr above 0"):
+    with refuses("stderr"):
         growth_rate(TIME, area, stderr=np.zeros(TIME.size))
-    with pytest.raises(InputError, match=r"name: expected one of B, relative, .*got 'q'"):
+    with refuses("name"):
         growth_rate(TIME, area).interval("q")
 
 

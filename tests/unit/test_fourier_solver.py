@@ -8,10 +8,11 @@ from asperity.contact.arrays import library
 from asperity.contact.cascade import cold_start, independent_asperities
 from asperity.contact.free_sites import FreeSites
 from asperity.contact.problem import TOLERANCE, Guess
-from asperity.errors import InputError, MissingExtraError
+from asperity.errors import MissingExtraError
 from asperity.lattice import Lattice
 from asperity.solids import half_space
 from tests.problems import problem_of
+from tests.refusals import refuses
 from tests.surfaces import correlated, uncorrelated
 
 
@@ -132,5 +133,5 @@ def test_array_libraries_are_checked():
     problem = half_space_problem(correlated(8), 0.05)
     with pytest.raises(MissingExtraError, match="arrays='nowhere' needs the library nowhere"):
         ActiveSet(arrays="nowhere").solve(problem, None, TOLERANCE)
-    with pytest.raises(InputError, match="arrays: expected an array library of the array API standard"):
+    with refuses("arrays"):
         ActiveSet(arrays="json").solve(problem, None, TOLERANCE)

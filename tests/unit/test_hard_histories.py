@@ -9,7 +9,8 @@ from asperity.contact import ActiveSet
 from asperity.contact.multigrid.grids import Rows
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import Guess
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError
+from tests.refusals import refuses
 
 SOLID = {"k0": 1.0, "k1": 3.0}
 
@@ -73,7 +74,7 @@ def test_a_singular_coarsest_grid_stops_the_cycles():
 @pytest.mark.parametrize("mobility", [{"R": 1e100}, {"R_viscous": 1e100}, {"R": 1e60}])
 def test_times_beyond_all_creep_are_refused(mobility, hold):
     contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID, **mobility), load=10.0)
-    with pytest.raises(InputError, match=r"times: expected times up to \S+, long after .* asperity.relax"):
+    with refuses("times"):
         asp.age(contact, [1.0, 10.0], hold=hold)
     assert asp.relax(contact).area > contact.area
 
@@ -81,15 +82,15 @@ def test_times_beyond_all_creep_are_refused(mobility, hold):
 @pytest.mark.parametrize("shape", [(16, 16), (16,)])
 def test_times_of_two_hundred_decades_are_refused(shape):
     contact = asp.press(heights(shape, 0), asp.solids.spring_lattice(**SOLID), load=10.0)
-    with pytest.raises(InputError, match=r"times up to .*e\+28, long"):
+    with refuses("times"):
         asp.age(contact, [1e-10, 1e100])
-    with pytest.raises(InputError, match=r"expected 0, or times from 1e-30, got 1e-100; .* unit of time"):
+    with refuses("times"):
         asp.age(contact, [1e-100, 1e100])
 
 
 def test_rates_beyond_single_precision_are_refused():
     contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID, R=1e40), load=10.0)
-    with pytest.raises(InputError, match="another unit of time"):
+    with refuses("solid"):
         asp.age(contact, [1e-30])
 
 
@@ -105,21 +106,21 @@ def test_a_surface_of_no_numbers_is_no_guess():
     problem = contact.system().problem(
         contact.system().mechanics.implicit_step(1.0), np.full((16, 16), np.nan)
     )
-    with pytest.raises(ConvergenceError, match="forces are not finite"):
+    with refuses(kind=ConvergenceError):
         ActiveSet().solve(problem, Guess(contact.u, contact.in_contact), 1e-9)
 
 
 def test_steps_that_lead_nowhere_end(monkeypatch):
     monkeypatch.setattr(march, "_MOST_STEPS", 0.02)
     contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID), load=10.0)
-    with pytest.raises(ConvergenceError, match=r"steps shrank to .* at time .* try a larger rtol"):
+    with refuses(kind=ConvergenceError):
         asp.age(contact, [1.0], rtol=1e-5)
 
 
 def test_steps_that_an_overrated_error_keeps_short_end():
     solid = asp.solids.spring_lattice(k0=38.2, k1=206_000.0, R=74.2, R_viscous=0.0941)
     contact = asp.press(spike((29, 38), 45), solid, separation=4.8)
-    with pytest.raises(ConvergenceError, match=r"steps shrank to .* at time .* try a larger rtol"):
+    with refuses(kind=ConvergenceError):
         asp.age(contact, [0.04, 41.0], hold="load")
 
 

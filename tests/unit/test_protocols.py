@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.errors import InputError
 from asperity.protocols import Hold, Ramp, Repeat, Schedule, Step, described, legs_of
+from tests.refusals import refuses
 from tests.surfaces import uncorrelated
 
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
@@ -38,7 +38,7 @@ NAN = float("nan")
     ],
 )
 def test_legs_that_cannot_be(make, name):
-    with pytest.raises(InputError, match=f"^{name}: expected") as caught:
+    with refuses(name) as caught:
         make()
     assert "\n" not in str(caught.value)
 
@@ -48,34 +48,34 @@ LIFTED = asp.press(uncorrelated(16), SOLID, separation=50.0)
 
 
 @pytest.mark.parametrize(
-    ("contact", "arguments", "message"),
+    ("contact", "arguments", "name"),
     [
-        (CONTACT, {"times": [1.0, 3.0], "protocol": [Hold(2.0)]}, "times: expected times up to 2, where"),
-        (CONTACT, {"times": [1.0], "protocol": []}, "protocol: expected a list of legs, got"),
-        (CONTACT, {"times": [1.0], "protocol": "hold"}, "protocol: expected Hold, Ramp, Step or Repeat"),
-        (CONTACT, {"times": [1.0], "protocol": 3}, "protocol: expected a list of legs"),
-        (CONTACT, {"times": [1.0], "protocol": [Hold(1.0)], "hold": "load"}, "hold: expected none beside"),
-        (HALF_SPACE, {"times": [1.0], "protocol": [Hold(1.0), Step(separation=0.0)]}, "separation: expected"),
-        (HALF_SPACE, {"times": [1.0], "protocol": [Hold(1.0, hold="separation")]}, "separation: expected"),
+        (CONTACT, {"times": [1.0, 3.0], "protocol": [Hold(2.0)]}, "times"),
+        (CONTACT, {"times": [1.0], "protocol": []}, "protocol"),
+        (CONTACT, {"times": [1.0], "protocol": "hold"}, "protocol"),
+        (CONTACT, {"times": [1.0], "protocol": 3}, "protocol"),
+        (CONTACT, {"times": [1.0], "protocol": [Hold(1.0)], "hold": "load"}, "hold"),
+        (HALF_SPACE, {"times": [1.0], "protocol": [Hold(1.0), Step(separation=0.0)]}, "separation"),
+        (HALF_SPACE, {"times": [1.0], "protocol": [Hold(1.0, hold="separation")]}, "separation"),
         (
             LIFTED,
             {"times": [1.0], "protocol": [Hold(1.0, hold="area")]},
-            "hold: expected a contact that carries",
+            "hold",
         ),
         (
             LIFTED,
             {"times": [1.0], "protocol": [Ramp(1.0, load=3.0)]},
-            "hold: expected a contact that carries",
+            "hold",
         ),
     ],
 )
-def test_histories_that_cannot_be(contact, arguments, message):
-    with pytest.raises(InputError, match=message):
+def test_histories_that_cannot_be(contact, arguments, name):
+    with refuses(name):
         asp.age(contact, **arguments)
 
 
 def test_a_solid_is_not_changed_under_a_contact():
-    with pytest.raises(InputError, match="a contact, which brings its solid"):
+    with refuses("heights"):
         asp.press(CONTACT, asp.solids.spring_lattice(k0=1.0, k1=4.0), load=3.0)
     assert asp.press(CONTACT, SOLID, load=10.0).area == CONTACT.area
 
@@ -125,9 +125,7 @@ def test_a_held_area_is_recorded_as_such():
 
 def test_the_area_of_few_contacts_cannot_be_kept():
     assert CONTACT.area < 20
-    with pytest.raises(
-        InputError, match="hold: expected at least 20 sites in contact to keep the area, got 3"
-    ):
+    with refuses("hold"):
         asp.age(CONTACT, [1.0], hold="area")
 
 

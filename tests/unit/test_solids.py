@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from asperity.errors import InputError
 from asperity.lattice import Lattice
 from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, half_space, spring_lattice
+from tests.refusals import refuses
 
 
 def test_spring_lattice_spectra():
@@ -18,12 +18,12 @@ def test_spring_lattice_spectra():
 @pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, "3", None, True, [1.0]])
 def test_parameters_are_checked_when_the_solid_is_built(name, value):
     parameters = {"k0": 1.0, "k1": 3.0, name: value}
-    with pytest.raises(InputError, match=f"^{name}: expected a finite number >= 0, got"):
+    with refuses(name):
         spring_lattice(**parameters)
 
 
 def test_all_stiffness_zero_is_refused():
-    with pytest.raises(InputError, match=r"k0 and k1: expected a stiffness above 0, got both 0; try k0=1\.0"):
+    with refuses("k0 and k1"):
         spring_lattice(k0=0.0, k1=0.0)
 
 
@@ -49,22 +49,22 @@ def solid(permanent=None, stiffness=None, mobility=None):
 
 
 @pytest.mark.parametrize(
-    ("wrong", "message"),
+    ("wrong", "name"),
     [
-        (solid(permanent=LaplacianSpectrum(uniform=1.0)), "permanent stiffness: expected 0 at wave vector 0"),
-        (solid(stiffness=LaplacianSpectrum(laplacian=1.0)), "no load can be carried; try k1 > 0"),
-        (solid(mobility=LaplacianSpectrum(uniform=-1.0)), "mobility: expected a finite spectrum >= 0"),
-        (solid(stiffness=lambda _: np.ones(3)), r"creeping stiffness: expected shape \(4, 3\)"),
-        (solid(stiffness=lambda lattice: np.where(lattice.lam == 0, 1.0, np.nan)), "a finite spectrum"),
+        (solid(permanent=LaplacianSpectrum(uniform=1.0)), "permanent stiffness"),
+        (solid(stiffness=LaplacianSpectrum(laplacian=1.0)), "creeping stiffness"),
+        (solid(mobility=LaplacianSpectrum(uniform=-1.0)), "mobility"),
+        (solid(stiffness=lambda _: np.ones(3)), "creeping stiffness"),
+        (solid(stiffness=lambda lattice: np.where(lattice.lam == 0, 1.0, np.nan)), "creeping stiffness"),
     ],
 )
-def test_spectra_are_checked_on_the_lattice(wrong, message):
-    with pytest.raises(InputError, match=message):
+def test_spectra_are_checked_on_the_lattice(wrong, name):
+    with refuses(name):
         wrong.on(Lattice((4, 4)))
 
 
 def test_exactly_one_branch_for_now():
-    with pytest.raises(InputError, match="exactly one creeping branch, got 0 branches"):
+    with refuses("branches"):
         Solid(permanent=LaplacianSpectrum(laplacian=1.0), branches=())
 
 
@@ -86,17 +86,17 @@ def test_a_half_space_that_does_not_creep():
 
 
 @pytest.mark.parametrize(
-    ("wrong", "message"),
+    ("wrong", "name"),
     [
-        ({"modulus": 0.0}, "modulus: expected a finite number > 0"),
-        ({"modulus": "1"}, "modulus: expected a finite number > 0"),
-        ({"relaxation_time": -1.0}, "relaxation_time: expected a finite number > 0"),
-        ({"creeping": 1.5}, "creeping: expected a number from 0 to 1"),
-        ({"creeping": np.nan}, "creeping: expected a number from 0 to 1"),
+        ({"modulus": 0.0}, "modulus"),
+        ({"modulus": "1"}, "modulus"),
+        ({"relaxation_time": -1.0}, "relaxation_time"),
+        ({"creeping": 1.5}, "creeping"),
+        ({"creeping": np.nan}, "creeping"),
     ],
 )
-def test_half_space_parameters_are_checked(wrong, message):
-    with pytest.raises(InputError, match=message):
+def test_half_space_parameters_are_checked(wrong, name):
+    with refuses(name):
         half_space(**{"modulus": 1.0, **wrong})
 
 
@@ -108,5 +108,5 @@ def test_only_the_mean_may_have_no_stiffness():
         ),
         loaded_from_afar=True,
     )
-    with pytest.raises(InputError, match="stiffness: expected H \\+ C > 0 at every wave vector but 0"):
+    with refuses("stiffness"):
         soft.on(Lattice((16,)))

@@ -8,9 +8,10 @@ import pytest
 from asperity.contact import ActiveSet
 from asperity.contact.pinning import effective_pinning
 from asperity.contact.problem import TOLERANCE, Guess, residual
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError
 from asperity.lattice import Lattice
 from tests.problems import problem_of
+from tests.refusals import refuses
 from tests.surfaces import correlated
 
 
@@ -74,21 +75,19 @@ def hard_problem():
 
 def test_gives_up_with_advice():
     problem, guess = hard_problem()
-    with pytest.raises(
-        ConvergenceError, match=r"after 5 iterations, expected 1.0e-09; try ActiveSet\(max_iter"
-    ):
+    with refuses(kind=ConvergenceError):
         ActiveSet(max_iterations=5).solve(problem, guess, TOLERANCE)
 
 
 @pytest.mark.parametrize("wrong", [{"reduction": 1.5}, {"reduction": np.nan}, {"patience": -1}])
 def test_settings_are_checked(wrong):
-    with pytest.raises(InputError, match=f"{next(iter(wrong))}: expected"):
+    with refuses(next(iter(wrong))):
         ActiveSet(**wrong)
 
 
 def test_a_set_of_contacts_that_does_not_settle_is_given_up():
     problem, guess = hard_problem()
-    with pytest.raises(ConvergenceError, match="2 revisions of the set of contacts did not settle it"):
+    with refuses(kind=ConvergenceError):
         ActiveSet(max_revisions=2).solve(problem, guess, TOLERANCE)
 
 
