@@ -29,8 +29,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.checks import Floats
 from asperity.errors import InputError
-from asperity.fits.curve import Curve, Floats
+from asperity.fits.curve import Curve
 from asperity.fits.laws import GrowthFit, LogarithmFit, SaturationFit, logarithm, saturation
 from asperity.fits.result import student
 

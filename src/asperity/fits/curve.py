@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import spearmanr
 
-from asperity.checks import line, not_negative
+from asperity.checks import Floats, line
 from asperity.errors import LARGEST, InputError
-
-Floats = NDArray[np.float64]
 
 MANY = 2000
 """Points above which a search for starting points works on means over bins."""
@@ -150,11 +148,6 @@ def refuse_decline(series: Series, name: str = "area") -> None:
         detail = "" if constant else f" (rank correlation with time {rank:.2f})"
         kind = "an area that grows" if name == "area" else "values that grow"
         raise InputError(name, expected=f"{kind} with time", got=f"{got}{detail}")
-
-
-def checked_times(time: ArrayLike) -> Floats:
-    """Times not below 0, of any shape; `InputError` for others."""
-    return not_negative("time", time, infinity="welcome")
 
 
 def sketch(values: Floats) -> str:

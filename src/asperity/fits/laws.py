@@ -37,8 +37,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import gammainc
 
+from asperity.checks import Floats, not_negative
 from asperity.errors import InputError
-from asperity.fits.curve import Curve, Floats, checked_times
+from asperity.fits.curve import Curve
 from asperity.fits.result import FitResult
 from asperity.fits.search import EXPONENT_RANGE, Optimum, fit_law
 
@@ -93,7 +94,8 @@ class LogarithmFit(GrowthFit):
 
     def area_ratio(self, time: ArrayLike) -> Floats:
         """A(t)/A(0) at times not below 0; any shape."""
-        return np.asarray(1 + self.C * np.log1p(checked_times(time) / self.t0))[()]
+        times = not_negative("time", time, infinity="welcome")
+        return np.asarray(1 + self.C * np.log1p(times / self.t0))[()]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -122,7 +124,8 @@ class SaturationFit(GrowthFit):
 
     def area_ratio(self, time: ArrayLike) -> Floats:
         """A(t)/A(0) at times not below 0; any shape."""
-        growth = self.C / self.q * -np.expm1(-self.q * np.log1p(checked_times(time) / self.t0))
+        times = not_negative("time", time, infinity="welcome")
+        growth = self.C / self.q * -np.expm1(-self.q * np.log1p(times / self.t0))
         return np.asarray(1 + growth)[()]
 
 

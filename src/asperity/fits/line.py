@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asperity.checks import Floats
 from asperity.errors import InputError
-from asperity.fits.curve import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from asperity.checks import Floats
 from asperity.errors import InputError
-from asperity.fits.curve import Floats
 from asperity.tables import GROUPED, MISSING, Table, read_table
 
 _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")

@@ -12,9 +12,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.checks import positive
+from asperity.checks import Floats, positive
 from asperity.errors import InputError
-from asperity.fits.curve import Floats, Series, sketch
+from asperity.fits.curve import Series, sketch
 from asperity.fits.line import polynomial
 from asperity.fits.result import FitResult
 

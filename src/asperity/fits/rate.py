@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import asperity.checks as checks
+from asperity.checks import Floats
 from asperity.errors import InputError
-from asperity.fits.curve import Floats, Series
+from asperity.fits.curve import Series
 from asperity.fits.line import polynomial
 from asperity.fits.result import FitResult, student
 

@@ -18,10 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.fits.result import student
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+from asperity.checks import Floats
 from asperity.errors import ConvergenceError, InputError
-from asperity.fits.curve import MANY, Curve, Floats, Series
+from asperity.fits.curve import MANY, Curve, Series
 
 # A law takes the logarithms of its parameters (K first) and times, and gives A(t) - A(0) and its
 # derivatives in those logarithms, one column each. K is left out where the final area gives it.
