@@ -109,12 +109,14 @@ def line_or_plane(value: object) -> int:
     return integer("dimension", value, least=1, most=2, expected="1 (line contact) or 2")
 
 
-def one_of_two(advice: str, **given: object) -> str:
-    """Name of the one of two arguments that is given; `InputError` for neither and both."""
+def one_of(advice: str, **given: object) -> str:
+    """Name of the one of several arguments that is given; `InputError` for none and for more."""
     names = [name for name, value in given.items() if value is not None]
     if len(names) != 1:
-        got = "both" if names else "neither"
-        raise InputError(" and ".join(given), expected="exactly one of the two", got=got, advice=advice)
+        *some, last = given
+        got = " and ".join(names) or "none"
+        expected = "exactly one of them"
+        raise InputError(f"{', '.join(some)} and {last}", expected=expected, got=got, advice=advice)
     return names[0]
 
 
@@ -155,6 +157,15 @@ def not_negative(name: str, value: object, *, infinity: str = "") -> Floats:
     if infinity != "welcome" and np.isinf(array).any():
         raise InputError(name, expected="finite numbers", got="inf", advice=infinity)
     return array
+
+
+def pair(name: str, value: object) -> tuple[float, float]:
+    """Two finite numbers."""
+    array = _as_floats(name, value, "two numbers")
+    if array.shape != (2,) or not np.isfinite(array).all():
+        raise InputError(name, expected="two finite numbers", got=shown(value))
+    first, second = array.tolist()
+    return first, second
 
 
 def line(name: str, value: object) -> Floats:

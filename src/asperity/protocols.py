@@ -231,6 +231,6 @@ def _check(leg: Hold | Ramp, *names: str) -> None:
 
 
 def _check_target(leg: Ramp | Step, advice: str) -> None:
-    target = checks.one_of_two(advice, load=leg.load, separation=leg.separation)
+    target = checks.one_of(advice, load=leg.load, separation=leg.separation)
     least = 1 / LARGEST if target == "load" else -LARGEST
     object.__setattr__(leg, target, checks.number(target, getattr(leg, target), least=least))

@@ -12,8 +12,9 @@ import asperity.checks as checks
 from asperity.aging.legs import LegMidway, follow
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
+from asperity.contact.bodies import bodies_of
 from asperity.contact.choice import chosen_solver
-from asperity.contact.controls import Hold, Separation, control_from
+from asperity.contact.controls import Control, Hold, Separation, control_from
 from asperity.contact.instantaneous import first_contact, pressed_anew
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
@@ -25,7 +26,6 @@ from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_o
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.history import History
 from asperity.solids import Solid
-from asperity.surfaces.heights import check_heights
 
 
 def press(
@@ -33,6 +33,7 @@ def press(
     solid: Solid | None = None,
     *,
     load: float | None = None,
+    pressure: float | None = None,
     separation: float | None = None,
     start: Contact | None = None,
     solver: ContactSolver | None = None,
@@ -48,9 +49,13 @@ def press(
     solid
         The elastic solid, for example `asperity.solids.spring_lattice`. A contact brings its own.
     load
-        Normal load: the sum of all contact forces, in units of stiffness times height.
+        Normal load: the sum of all contact forces, in units of stiffness times height; on a continuum under
+        a surface with units, in newtons.
+    pressure
+        Instead of the load: load over nominal area. On a solid that is defined on sites, load per site.
     separation
-        Mean of u0, in the unit of the heights. Give either this or the load.
+        Instead of the load: position of the rigid body, in the unit of the heights; on the lattice of
+        springs, the mean of u0.
     start
         A contact to start the search from, such as that of a slightly smaller load; it changes the
         time taken, not the result.
@@ -73,8 +78,9 @@ def press(
     -----
     u minimizes Jagla's energy, Eq. (e), under u >= heights, with u0 flat, or of the shape it has.
     """
-    control = control_from(load, separation)
+    checks.one_of("load=800.0", load=load, pressure=pressure, separation=separation)
     if isinstance(heights, Contact):
+        control = _control(heights.nominal_area, load, pressure, separation)
         if start is not None or solid not in (None, heights.solid):
             raise InputError(
                 "heights",
@@ -84,10 +90,18 @@ def press(
             )
         return pressed_anew(heights, control, solver)
     solid = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
-    provenance = getattr(heights, "provenance", None)
-    origin = dict(provenance) if isinstance(provenance, dict) else {}
-    rough = check_heights(heights)
-    return first_contact(rough, solid, control, start=start, solver=solver, surface=origin)
+    bodies = bodies_of(heights, solid)
+    control = _control(bodies.lattice.sites * bodies.lattice.cell, load, pressure, separation)
+    return first_contact(bodies, control, start=start, solver=solver)
+
+
+def _control(
+    nominal_area: float, load: float | None, pressure: float | None, separation: float | None
+) -> Control:
+    """Load or separation, from the one that is given."""
+    if pressure is not None:
+        load = checks.number("pressure", pressure, above=0, advice="pressure=1e6") * nominal_area
+    return control_from(load, separation)
 
 
 def age(
@@ -101,6 +115,7 @@ def age(
     progress: Callable[[Frame], None] | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
     solver: ContactSolver | None = None,
+    exact: bool = True,
 ) -> History:
     r"""Let a contact creep under what it was pressed by, and record it at exactly the given times.
 
@@ -135,6 +150,9 @@ def age(
         it depends on, by which the run is recognized.
     solver
         How to solve the contact problems; by default as `asperity.press` does.
+    exact
+        Whether to use the exact contact of a separable solid (`Solid.separable`) where it holds: under
+        a load that has never fallen. The dataset says where it was used.
 
     Returns
     -------
@@ -150,7 +168,7 @@ def age(
     Notes
     -----
     Integrates Jagla's Eq. (dosrs), du0/dt = M C (u - u0), by TR-BDF2, second order and L-stable,
-    with adaptive steps; see `asperity.aging.tr_bdf2`.
+    with adaptive steps; see `asperity.aging.tr_bdf2`, and for the exact contact `asperity.aging.separable`.
     """
     tolerance = check_rtol(rtol)
     protocol = [protocol] if isinstance(protocol, Leg) else protocol
@@ -167,7 +185,9 @@ def age(
     if checkpoint is not None:
         settings = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
         fields = np.append(kept, 0.0) if keep_start else kept
-        keeper = Keeper(settings, fingerprint_of(contact, schedule, recorded, fields, tolerance, method))
+        keeper = Keeper(
+            settings, fingerprint_of(contact, schedule, recorded, fields, tolerance, method, exact)
+        )
         place = keeper.read()
         if place is not None:
             resume, rows, snapshots = place.midway, place.rows, place.snapshots
@@ -178,7 +198,14 @@ def age(
 
     final = contact
     for frame in follow(
-        contact, schedule, stops, rtol=tolerance, solver=method, resume=resume, after_step=keep_place
+        contact,
+        schedule,
+        stops,
+        rtol=tolerance,
+        solver=method,
+        exact=exact,
+        resume=resume,
+        after_step=keep_place,
     ):
         if progress is not None:
             progress(frame)

@@ -146,7 +146,7 @@ def test_contacts_of_half_spaces():
     def attempt(draw: Draw) -> None:
         rough = heights(draw, 24)
         modulus = draw.decades(-6, 6)
-        solid = asp.solids.half_space(modulus=modulus, creeping=draw.one([0.0, 0.5, 1.0]))
+        solid = asp.solids.half_space(modulus=modulus, branches=[(draw.one([0.0, 0.5, 1.0]), 1.0)])
         held = control(draw, rough, modulus)
         draw.say(f"{modulus} {held}")
         contact = tried(lambda: asp.press(rough, solid, **held))

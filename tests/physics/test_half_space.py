@@ -35,7 +35,7 @@ def test_contact_is_in_equilibrium_by_an_independent_operator(heights, pressure)
 
 def test_a_zener_solid_goes_from_its_full_to_its_permanent_modulus():
     heights, load = correlated(64, hurst=0.8), 30.0
-    solid = asp.solids.half_space(modulus=1.0, creeping=0.6, relaxation_time=2.0)
+    solid = asp.solids.half_space(modulus=1.0, branches=[(0.6, 2.0)])
     start = asp.press(heights, solid, load=load)
     stiff, soft = (asp.press(heights, asp.solids.half_space(modulus=m), load=load) for m in (1.0, 0.4))
     np.testing.assert_array_equal(start.in_contact, stiff.in_contact)
@@ -53,7 +53,7 @@ def test_a_zener_solid_goes_from_its_full_to_its_permanent_modulus():
 def test_full_contact_relaxes_at_the_rate_of_the_solid():
     # In full contact u is given, and every mode of u - u0 decays with the relaxation time.
     heights = 1e-3 * uncorrelated(16)
-    solid = asp.solids.half_space(modulus=1.0, creeping=0.5, relaxation_time=3.0)
+    solid = asp.solids.half_space(modulus=1.0, branches=[(0.5, 3.0)])
     start = asp.press(heights, solid, load=10.0 * heights.size)
     assert start.area == heights.size
     later = asp.age(start, [2.0], rtol=1e-5).final

@@ -52,7 +52,7 @@ def test_errors_carry_their_parts() -> None:
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize(
-    "solid", [SOLID, asp.solids.half_space(modulus=2.0, creeping=0.5)], ids=lambda solid: solid.kind
+    "solid", [SOLID, asp.solids.half_space(modulus=2.0, branches=[(0.5, 1.0)])], ids=lambda solid: solid.kind
 )
 def test_solids_survive_and_have_a_hash(way: Callable[[Any], Any], solid: asp.solids.Solid) -> None:
     again = way(solid)

@@ -62,7 +62,7 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
         {"reduction": 0.5, "max_iterations": 9, "patience": 2, "careful_after": 3, "max_revisions": 4},
     ),
     (asp.solids.spring_lattice, {"k0": 1.0, "k1": 3.0, "R": 2.0, "R_viscous": 0.5}),
-    (asp.solids.half_space, {"modulus": 2.0, "creeping": 0.5, "relaxation_time": 4.0}),
+    (asp.solids.half_space, {"modulus": 2.0, "branches": [(0.5, 4.0)]}),
     (asp.solids.SpringConstants, {"k0": 1.0, "k1": 3.0, "R": 2.0, "R_viscous": 0.5}),
     (asp.solids.LaplacianSpectrum, {"laplacian": 2.0, "uniform": 0.5}),
     (asp.solids.WaveNumberSpectrum, {"slope": 2.0}),

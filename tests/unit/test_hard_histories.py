@@ -103,9 +103,8 @@ def test_the_widest_times_that_are_taken(shape):
 
 def test_a_surface_of_no_numbers_is_no_guess():
     contact = asp.press(heights((16, 16), 0), asp.solids.spring_lattice(**SOLID), load=10.0)
-    problem = contact.system().problem(
-        contact.system().mechanics.implicit_step(1.0), np.full((16, 16), np.nan)
-    )
+    step = contact.system().mechanics.implicit_step(1.0)
+    problem = contact.system().problem(step, np.full((1, 16, 16), np.nan))
     with refuses(kind=ConvergenceError):
         ActiveSet().solve(problem, Guess(contact.u, contact.in_contact), 1e-9)
 

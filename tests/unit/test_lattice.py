@@ -48,9 +48,9 @@ def test_other_shapes_are_refused(shape):
 def test_long_waves_are_those_of_the_same_wave_numbers(shape, coarse):
     fine, coarse = Lattice(shape), Lattice(coarse)
     scale = [n / m for n, m in zip(coarse.shape, fine.shape, strict=True)]
-    for axis, numbers in enumerate(fine.wave_numbers):
+    for axis, numbers in enumerate(fine.angles):
         spectrum = np.broadcast_to(numbers, fine.spectral_shape)
-        expected = np.broadcast_to(coarse.wave_numbers[axis] * scale[axis], coarse.spectral_shape)
+        expected = np.broadcast_to(coarse.angles[axis] * scale[axis], coarse.spectral_shape)
         np.testing.assert_allclose(np.abs(fine.long_waves(spectrum, coarse)), np.abs(expected), atol=1e-15)
 
 

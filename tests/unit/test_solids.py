@@ -10,8 +10,9 @@ def test_spring_lattice_spectra():
     lattice = Lattice((6, 5))
     spectra = spring_lattice(k0=2.0, k1=3.0, R=0.5, R_viscous=0.1).on(lattice)
     np.testing.assert_allclose(spectra.permanent, 2.0 * lattice.lam)
-    np.testing.assert_allclose(spectra.creeping, 3.0)
-    np.testing.assert_allclose(spectra.mobility, 0.5 * lattice.lam + 0.1)
+    np.testing.assert_array_equal(spectra.creeping, np.full((1, 6, 3), 3.0))
+    np.testing.assert_allclose(spectra.rate[0], 3.0 * (0.5 * lattice.lam + 0.1))
+    np.testing.assert_array_equal(spectra.mean_mobility, [0.1])
 
 
 @pytest.mark.parametrize("name", ["k0", "k1", "R", "R_viscous"])
@@ -51,7 +52,6 @@ def solid(permanent=None, stiffness=None, mobility=None):
 @pytest.mark.parametrize(
     ("wrong", "name"),
     [
-        (solid(permanent=LaplacianSpectrum(uniform=1.0)), "permanent stiffness"),
         (solid(stiffness=LaplacianSpectrum(laplacian=1.0)), "creeping stiffness"),
         (solid(mobility=LaplacianSpectrum(uniform=-1.0)), "mobility"),
         (solid(stiffness=lambda _: np.ones(3)), "creeping stiffness"),
@@ -63,26 +63,20 @@ def test_spectra_are_checked_on_the_lattice(wrong, name):
         wrong.on(Lattice((4, 4)))
 
 
-def test_exactly_one_branch_for_now():
-    with refuses("branches"):
-        Solid(permanent=LaplacianSpectrum(laplacian=1.0), branches=())
-
-
 def test_half_space_spectra():
     lattice = Lattice((6, 8))
     q = np.hypot(*np.meshgrid(2 * np.pi * np.fft.fftfreq(6), 2 * np.pi * np.fft.rfftfreq(8), indexing="ij"))
-    spectra = half_space(modulus=3.0, creeping=0.25, relaxation_time=4.0).on(lattice)
+    spectra = half_space(modulus=3.0, branches=[(0.25, 4.0)]).on(lattice)
     np.testing.assert_allclose(spectra.permanent, 0.75 * 3.0 * q / 2)
-    np.testing.assert_allclose(spectra.creeping, 0.25 * 3.0 * q / 2)
-    rate = spectra.mobility * spectra.creeping
+    np.testing.assert_allclose(spectra.creeping, 0.25 * 3.0 * q[np.newaxis] / 2)
+    (rate,) = spectra.rate
     assert rate[0, 0] == 0
     np.testing.assert_allclose(rate.flat[1:], 0.25)  # every wave but the mean relaxes in the same time
 
 
 def test_a_half_space_that_does_not_creep():
     spectra = half_space(modulus=1.0).on(Lattice((8,)))
-    assert not spectra.creeping.any()
-    assert not spectra.mobility.any()
+    assert spectra.creeping.shape == spectra.rate.shape == (0, 5)
 
 
 @pytest.mark.parametrize(
@@ -90,9 +84,12 @@ def test_a_half_space_that_does_not_creep():
     [
         ({"modulus": 0.0}, "modulus"),
         ({"modulus": "1"}, "modulus"),
-        ({"relaxation_time": -1.0}, "relaxation_time"),
-        ({"creeping": 1.5}, "creeping"),
-        ({"creeping": np.nan}, "creeping"),
+        ({"branches": [(0.5, -1.0)]}, "branches[0]"),
+        ({"branches": [(1.5, 1.0)]}, "branches[0]"),
+        ({"branches": [(0.5, 1.0), (np.nan, 1.0)]}, "branches[1]"),
+        ({"branches": [(0.5, 1.0), (0.6, 1.0)]}, "branches"),
+        ({"flow": (1.0, 0.0), "branches": [(0.5, 1.0)]}, "flow"),
+        ({"apparatus": 0.0}, "apparatus"),
     ],
 )
 def test_half_space_parameters_are_checked(wrong, name):

@@ -49,6 +49,7 @@ def follow(
     *,
     rtol: float,
     solver: ContactSolver | None,
+    exact: bool = True,
     resume: LegMidway | None = None,
     after_step: Callable[[LegMidway], None] | None = None,
 ) -> Iterator[Frame]:
@@ -62,7 +63,7 @@ def follow(
         The history.
     times
         Strictly increasing times > 0, none after the end of the last leg.
-    rtol, solver
+    rtol, solver, exact
         As in `asperity.age`.
     resume
         Go on from here, with the frames after it; all other arguments as at first.
@@ -103,6 +104,7 @@ def follow(
             keep_area=isinstance(leg, Hold) and leg.hold == "area",
             rtol=rtol,
             solver=solver,
+            exact=exact,
             midway=None if here is None else here.midway,
             after_step=keep,
         )

@@ -16,6 +16,7 @@ import numpy as np
 
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control
+from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
 from asperity.contact.state import Contact
 from asperity.contact.system import System
@@ -37,41 +38,39 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
             got="some without, along which the limit depends on the path",
             advice="asperity.age with late times",
         )
+    before, position = contact.anchors - system.datum, contact.separation - system.datum
+    step = mechanics.implicit_step(np.inf)
     if some_soft:
-        solution, anchors = _without_stiffness(contact, system)
+        solution = _without_stiffness(system, step, before, position)
     elif system.free_mean:
-        solution, anchors = _unloaded(contact, system)
+        return contact.become(system, *_unloaded(contact, system), position)
     else:
-        before = contact.u0 - system.datum
-        step = mechanics.implicit_step(np.inf)
         guess = Guess(contact.u - system.datum, contact.in_contact, disposable=True)
-        problem = system.problem(step, before)
+        problem = system.problem(step, before, position)
         solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
-        anchors = solution.u - system.stretch(step, solution, before)
-    return contact.become(system, solution, anchors)
+    stretch, position = system.stretch(step, solution, before, position)
+    return contact.become(system, solution, solution.u - stretch, position)
 
 
-def _without_stiffness(start: Contact, system: System) -> tuple[Solution, Field]:
+def _without_stiffness(system: System, step: ImplicitStep, before: Field, position: float) -> Solution:
     """Nothing permanent resists (k0 = 0): the load spreads evenly over full contact."""
-    stretch = system.mean_stretch
-    if stretch is None:
-        stretch = float(np.mean(start.heights - start.u0))
-    mean_force = system.mechanics.mean_stiffness * stretch
-    if system.load is not None:
-        mean_force = system.load / system.sites
-    if mean_force <= 0 or system.free_mean:
+    everywhere = Solution(system.heights, np.ones(system.heights.shape, dtype=bool), 0, 0)
+    stretch, position = system.stretch(step, everywhere, before, position)
+    load = system.load
+    if load is None:
+        load = system.carried(system.heights, stretch, position) or 0.0
+    if load <= 0 or system.free_mean:
         raise InputError(
             "contact",
-            expected="a load that lasts until full contact, as k0 = 0",
+            expected="a load that lasts until full contact, as nothing permanent resists (k0 = 0)",
             got="a separation at which it dies out before, on a path-dependent shape",
-            advice="asperity.age with late times, or k0 > 0",
+            advice="asperity.age with late times, or permanent stiffness (k0 > 0)",
         )
-    everywhere = np.ones(system.heights.shape, dtype=bool)
-    return Solution(system.heights, everywhere, 0, 0), system.heights - stretch
+    return everywhere
 
 
 def _unloaded(start: Contact, system: System) -> tuple[Solution, Field]:
     """The load has died out: flat, touching the highest point unless the body hung above it."""
     level = 0.0 if start.in_contact.any() else max(0.0, start.separation - system.datum)
     flat = np.full(system.heights.shape, level)
-    return Solution(flat, system.heights >= level, 0, 0), flat
+    return Solution(flat, system.heights >= level, 0, 0), flat[np.newaxis]

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 import asperity.checks as checks
 from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
+from asperity.aging.separable import SeparableSteps
 from asperity.aging.spring_steps import SpringSteps
-from asperity.aging.tr_bdf2 import FieldSteps, Point, Steps
+from asperity.aging.tr_bdf2 import FieldSteps, Steps
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Load
 from asperity.contact.mechanics import SpringMechanics
@@ -78,6 +79,8 @@ class Frame:
         previous frame.
     leg
         Number of the leg of the history that it belongs to, from 0.
+    exact
+        Whether the contacts have no error of time steps; see `asperity.aging.separable`.
     """
 
     time: float
@@ -87,6 +90,7 @@ class Frame:
     rejected: int
     iterations: int
     leg: int = 0
+    exact: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +133,7 @@ def creep(
     keep_area: bool = False,
     rtol: float = DEFAULT_RTOL,
     solver: ContactSolver | None = None,
+    exact: bool = True,
     midway: Midway | None = None,
     after_step: Callable[[Midway], None] | None = None,
 ) -> Iterator[Frame]:
@@ -150,6 +155,8 @@ def creep(
         where the mean of u0 creeps too or u is flat). See `STEP_TOLERANCE`.
     solver
         How to solve the contact problems; by default as `asperity.press` does.
+    exact
+        Whether to use the exact contact of a separable solid where it holds.
     midway
         Go on from here, with the frames after it; all other arguments as at first, but for the contact,
         which may be any above the same surface.
@@ -177,10 +184,28 @@ def creep(
         )
     if keep_area and midway is None and system.load is not None:
         area = ConstantArea(float(contact.area), 0.0, system.load, float(contact.area))
-    march = _March(contact, system, chosen_solver(solver, system), tolerance, area, midway, after_step)
+    exact = exact and not keep_area
+    march = _March(contact, system, chosen_solver(solver, system), tolerance, area, exact, midway, after_step)
     if midway is not None:
         stops = stops[stops >= midway.time]
     return _frames(contact, stops, march, from_start=midway is None)
+
+
+def _begin(system: System, solver: ContactSolver, start: Contact, exact: bool) -> Steps:
+    """The steps that suit a system."""
+    steps = SeparableSteps.begin(system, solver, start) if exact else None
+    if steps is not None:
+        return steps
+    kind: Any = _kind_of_steps(system, solver)
+    begun: Steps = kind.begin(system, solver, start)
+    return begun
+
+
+def _resume(system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> Steps:
+    """The steps that left a state."""
+    kind: Any = SeparableSteps if "loads" in arrays else _kind_of_steps(system, solver)
+    steps: Steps = kind(system, solver, arrays)
+    return steps
 
 
 def _kind_of_steps(system: System, solver: ContactSolver) -> type[FieldSteps] | type[SpringSteps]:
@@ -245,6 +270,7 @@ class _March:
         solver: ContactSolver,
         rtol: float,
         area: ConstantArea | None,
+        exact: bool,
         midway: Midway | None,
         after_step: Callable[[Midway], None] | None,
     ) -> None:
@@ -252,10 +278,9 @@ class _March:
         self.tolerance = (STEP_TOLERANCE * rtol) ** 1.5
         self.passing = max(TOLERANCE, rtol / 2000)
         self.reset_counts()
-        kind: Any = _kind_of_steps(self.system, solver)
         if midway is None:
             self.separation, self.impulse, self.area = start.separation, 0.0, area
-            self.now: Steps = kind.begin(self.system, solver, Point.of(self.system, start))
+            self.now = _begin(self.system, solver, start, exact)
             self.deformation = 0.0
             self.raise_deformation()
             # The first step: u0 changes by a small part of the deformation.
@@ -264,7 +289,7 @@ class _March:
             if speed > 0:
                 self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / speed
         else:
-            self.now = kind(self.system, solver, midway.resume_state)
+            self.now = _resume(self.system, solver, midway.resume_state)
             self.separation, self.impulse = midway.separation, midway.impulse
             self.area = midway.area and replace(midway.area)
             self.deformation, self.length = midway.deformation, midway.length
@@ -285,12 +310,14 @@ class _March:
 
     def frame(self, start: Contact) -> Frame:
         """Publish the present state."""
-        system, (u, stretch) = self.system.at(self.now.time), self.now.state()
+        system, (u, stretch, position) = self.system.at(self.now.time), self.now.state()
         stretch = system.balanced_stretch(u, stretch)
         solution = Solution(u, u <= system.heights, self.iterations, 0)
-        state = start.become(system, solution, u - stretch)
+        state = start.become(system, solution, u - stretch, position)
         approach = self.approach(state.separation)
-        return Frame(self.now.time, state, approach, self.steps, self.rejected, self.iterations)
+        exact = isinstance(self.now, SeparableSteps)
+        counts = (self.steps, self.rejected, self.iterations)
+        return Frame(self.now.time, state, approach, *counts, exact=exact)
 
     def approach(self, separation: float) -> float:
         """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""

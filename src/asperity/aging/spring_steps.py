@@ -40,6 +40,7 @@ from asperity.contact.arrays import largest
 from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.multigrid.grids import Single, join_all, parted
+from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.lattice import Field
 
@@ -82,16 +83,17 @@ class SpringSteps:
         self.measure()
 
     @classmethod
-    def begin(cls, system: System, solver: Multigrid, point: Point) -> SpringSteps:
+    def begin(cls, system: System, solver: Multigrid, start: Contact) -> SpringSteps:
         """At the start of a history."""
-        u, w = np.maximum(point.u, system.heights), point.stretch
+        u, stretch = np.maximum(start.u - system.datum, system.heights), start.u - start.anchors
+        (rate,), w = system.creep_rate(stretch), stretch[0]
         unit = max(largest(u, np), largest(w, np)) or 1.0
         arrays = {
-            "times": np.array([point.time]),
+            "times": np.array([0.0]),
             "scales": np.array([unit, u.mean(), u.mean() - w.mean(), 0.0]),
             "u": u,
             "stretch": w,
-            "rate": parted(point.rate / unit),
+            "rate": parted(rate / unit),
         }
         for n in range(2):
             arrays[f"change_{n}_u"], arrays[f"change_{n}_stretch"] = solver.two_fields(u.shape).pair()
@@ -121,12 +123,13 @@ class SpringSteps:
             return int(np.count_nonzero(self.by_fields.end.u <= self.heights))
         return int(np.count_nonzero(self.work.correction[0] <= self.work.bound))
 
-    def state(self) -> tuple[Field, Field]:
-        """U and w, the mean of w exact: what creep conserves must not drift."""
+    def state(self) -> tuple[Field, Field, float]:
+        """See `Steps`; the mean of w is exact: what creep conserves must not drift."""
         mean = self.system.at(self.time).mean_stretch
         if mean is None:
             mean = float(self.u.mean()) - self.mean_u0
-        return self.u, self.w + (mean - float(self.w.mean()))
+        stretch = self.w + (mean - float(self.w.mean()))
+        return self.u, stretch[np.newaxis], self.mean_u0
 
     def extent(self) -> Extent:
         """How large the deformation is."""
@@ -146,7 +149,7 @@ class SpringSteps:
             done, cycles, error = self._attempt(duration, allowed_errors)
             if done:
                 return Attempt(error, cycles)
-        point = Point(self.time, *self.state(), self.unit * join_all(self.rate, self.u.shape))
+        point = Point.of(self.system, self.time, *self.state())
         step = take_step(self.system, ActiveSet(), duration, point, None, tolerances=tolerances)
         self.by_fields = step
         return Attempt(step.error, cycles + step.iterations)
@@ -211,12 +214,15 @@ class SpringSteps:
         (last_u, last_w), before = self.changes
         work, unit = self.work, self.unit
         if self.by_fields is not None:
-            end = self.by_fields.end
-            for change, now, then in zip(before, (end.u, end.stretch), (self.u, self.w), strict=True):
+            end, lattice = self.by_fields.end, self.system.mechanics.lattice
+            u, (w,), (rate,) = end.u, lattice.backward(end.stretch), lattice.backward(end.rate(self.system))
+            if self.system.control.load_controlled:
+                rate -= rate.mean()
+            for change, now, then in zip(before, (u, w), (self.u, self.w), strict=True):
                 change[...] = parted((now - then) / unit)
             self.changes.reverse()
-            self.u, self.w, self.rate = end.u, end.stretch, parted(end.rate / unit)
-            self.mean_u0 = float(end.u.mean()) - float(end.stretch.mean())
+            self.u, self.w, self.rate = u, w, parted(rate / unit)
+            self.mean_u0 = float(u.mean()) - float(w.mean())
             self.measure()
             return
         if self.system.free_mean or self.system.drift:

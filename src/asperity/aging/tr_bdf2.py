@@ -1,23 +1,26 @@
-r"""TR-BDF2: the second-order, L-stable method by which u0 creeps; each stage is a contact problem.
+r"""TR-BDF2: the second-order, L-stable method by which anchors creep; each stage is a contact problem.
 
-One step of length h from (u0, f0), with f = M C (u - u0) the rate:
+One step of length h from anchors u_b with rates f0_b = M_b C_b (u - u_b), for all branches at once:
 
-    stage 1   v = u0 + d h f0                    (trapezoid to t + 2 d h)
-    stage 2   v = u0 + w h (f0 + f1)             (backward differences to t + h)
-    each:     solve the implicit step of duration d h from v for u and u0, then f = M C (u - u0)
+    stage 1   v = u_b + d h f0                   (trapezoid to t + 2 d h)
+    stage 2   v = u_b + w h (f0 + f1)            (backward differences to t + h)
+    each:     solve the implicit step of duration d h from v for u and u_b, then f = M_b C_b (u - u_b)
 
     d = 1 - 1/sqrt 2,   w = sqrt 2 / 4
 
 Stage 2 is the result (stiffly accurate). The difference to the companion of order three,
 
-    e = h [ (1 - 4 w)/3 f0 + 1/3 f1 - 2 d/3 f2 ] / (1 + d h z),     z = M C H / (H + C),
+    e = h [ (1 - 4 w)/3 f0 + 1/3 f1 - 2 d/3 f2 ] / (1 + d h z),     z = M C (1 - C / (H + sum of C)),
 
-estimates its error. The denominator, with the free surface's decay rates z, keeps stiff modes from
-being overrated. A load that changes in time enters at the stages' own times; a rigid body that moves
-adds its velocity V to f, and the contact problem of a stage starts from v + d h V.
+estimates its error. The denominator, with the decay rates z off contact, keeps stiff modes from
+being overrated; branches count by their stiffness. A load that changes in time enters at the stages' own
+times; a rigid body that moves adds its velocity V to f, and the contact problem of a stage starts from
+v + d h V.
 (R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985),
 DOI 10.1109/T-ED.1985.22232; M. E. Hosea, L. F. Shampine, Appl. Numer. Math. 20, 21 (1996),
 DOI 10.1016/0168-9274(95)00115-8.)
+
+Anchors, stretches and rates are Fourier modes, so that a branch costs no transform.
 """
 
 from __future__ import annotations
@@ -31,12 +34,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
-from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
 from asperity.contact.stencils import combined
 from asperity.contact.system import System
-from asperity.lattice import Field
+from asperity.lattice import Field, Modes
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
@@ -47,24 +49,38 @@ ERROR_WEIGHTS = ((1 - 4 * WEIGHT) / 3, 1 / 3, -2 * DIAGONAL / 3)
 class Point:
     """The state of the creeping system at one time, relative to the system's datum.
 
-    ``stretch`` is w = u - u0, ``rate`` is d u0 / dt.
+    Attributes
+    ----------
+    time
+        The time.
+    u
+        The surface, a field.
+    modes
+        Its Fourier modes.
+    stretch
+        w_b = u - u_b, Fourier modes, branches first.
+    position
+        That of the rigid body.
     """
 
     time: float
     u: Field
-    stretch: Field
-    rate: Field
-
-    @property
-    def u0(self) -> Field:
-        """The creeping shape."""
-        return combined((1.0, self.u), (-1.0, self.stretch))
+    modes: Modes
+    stretch: Modes
+    position: float
 
     @classmethod
-    def of(cls, system: System, contact: Contact) -> Point:
-        """Take a published contact as the state at time 0."""
-        stretch = contact.u - contact.u0
-        return cls(0.0, contact.u - system.datum, stretch, system.creep_rate(stretch))
+    def of(cls, system: System, time: float, u: Field, stretch: Field, position: float) -> Point:
+        """A state whose stretches are fields."""
+        lattice = system.mechanics.lattice
+        return cls(time, u, lattice.forward(u), lattice.forward(stretch), position)
+
+    def rate(self, system: System) -> Modes:
+        """Rates d u_b / dt, Fourier modes."""
+        rate = system.mechanics.spectral.spectra.rate * self.stretch
+        if system.drift:
+            rate[system.mechanics.lattice.mean] += system.drift * system.sites
+        return np.asarray(rate)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +98,7 @@ class Past:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The outcome of one time step: its end, the error of u0 (rms over sites) and the iterations spent."""
+    """The outcome of one time step: its end, the error of the anchors (rms over sites), iterations spent."""
 
     end: Point
     error: float
@@ -103,33 +119,43 @@ def take_step(
     ``earlier`` helps to guess where the contacts will be; ``tolerances`` are those of the two contact
     problems.
     """
-    implicit = system.mechanics.implicit_step(DIAGONAL * duration)
-    u0, f0 = start.u0, start.rate
-
+    implicit = Implicit(system, DIAGONAL * duration)
+    anchors, f0 = start.modes - start.stretch, start.rate(system)
     middle, spent = _stage(
         system,
         implicit,
-        DIAGONAL * duration,
         solver,
         time=start.time + 2 * DIAGONAL * duration,
-        before=combined((1.0, u0), (DIAGONAL * duration, f0)),
+        before=anchors + (DIAGONAL * duration) * f0,
+        position=start.position,
         known=(earlier, start),
         tolerance=tolerances[0],
     )
+    f1 = middle.rate(system)
     end, spent_again = _stage(
         system,
         implicit,
-        DIAGONAL * duration,
         solver,
         time=start.time + duration,
-        before=combined((1.0, u0), (WEIGHT * duration, f0), (WEIGHT * duration, middle.rate)),
+        before=anchors + (WEIGHT * duration) * (f0 + f1),
+        position=start.position,
         known=(Past.of(start), middle),
         tolerance=tolerances[1],
     )
-    rates = (f0, middle.rate, end.rate)
-    defect = combined(*zip(ERROR_WEIGHTS, rates, strict=True))
-    error = duration * system.damped_rms(defect, DIAGONAL * duration)
-    return Step(end, error, spent + spent_again)
+    defect = ERROR_WEIGHTS[0] * f0 + ERROR_WEIGHTS[1] * f1 + ERROR_WEIGHTS[2] * end.rate(system)
+    mechanics = system.mechanics.spectral
+    defect /= 1.0 + DIAGONAL * duration * mechanics.free_decay_rate
+    if system.control.load_controlled:  # the load decides the mean
+        defect[system.mechanics.lattice.mean] = 0.0
+    return Step(end, duration * mechanics.rms(defect), spent + spent_again)
+
+
+class Implicit:
+    """The implicit step of one duration: by which problem, and how the anchors follow."""
+
+    def __init__(self, system: System, tau: float) -> None:
+        self.tau, self.by = tau, system.mechanics.implicit_step(tau)
+        self.spectral = system.mechanics.spectral.implicit_step(tau)
 
 
 def rms(field: Field) -> float:
@@ -143,26 +169,27 @@ def rms(field: Field) -> float:
 
 def _stage(
     system: System,
-    implicit: ImplicitStep,
-    tau: float,
+    implicit: Implicit,
     solver: ContactSolver,
     *,
     time: float,
-    before: Field,
+    before: Modes,
+    position: float,
     known: tuple[Past | None, Point],
     tolerance: float,
 ) -> tuple[Point, int]:
-    """Solve one implicit stage that ends at ``time``; its end and the iterations spent."""
-    anchors = before + tau * system.drift if system.drift else before
-    system = system.at(time)
-    guess = _extrapolate(time, *known)
-    solution = solver.solve(system.problem(implicit, anchors), guess, tolerance)
-    stretch = system.stretch(implicit, solution, anchors)
-    pace = 1.0 / tau
-    rate = combined((pace, solution.u), (-pace, stretch), (-pace, before))
-    if system.control.load_controlled:
-        rate -= rate.mean()
-    return Point(time, solution.u, stretch, rate), solution.iterations
+    """Solve one implicit stage that ends at ``time``; its end and the iterations spent.
+
+    ``before`` are the anchors v while the rigid body is at ``position``.
+    """
+    if system.drift:
+        before[system.mechanics.lattice.mean] += implicit.tau * system.drift * system.sites
+    held = system.at(time).held(position)
+    problem = implicit.by.problem_of_modes(system.heights, before, held)
+    solution = solver.solve(problem, _extrapolate(time, *known), tolerance)
+    modes = system.mechanics.lattice.forward(solution.u)
+    stretch, position = implicit.spectral.stretch_modes(modes, before, held)
+    return Point(time, solution.u, modes, stretch, position), solution.iterations
 
 
 def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
@@ -211,8 +238,8 @@ class Steps(Protocol):
         """Number of sites in contact at the end of the time step that was tried."""
         ...
 
-    def state(self) -> tuple[Field, Field]:
-        """U and w = u - u0, not to be changed."""
+    def state(self) -> tuple[Field, Field, float]:
+        """U, the stretches w_b = u - u_b, not to be changed, and the position of the rigid body."""
         ...
 
     def extent(self) -> Extent:
@@ -220,7 +247,7 @@ class Steps(Protocol):
         ...
 
     def speed(self) -> float:
-        """Rate of u0, rms over the sites."""
+        """Rate of the anchors, rms over the sites."""
         ...
 
     def attempt(
@@ -243,22 +270,20 @@ class FieldSteps:
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> None:
         self.system, self.solver = system, solver
-        self.point = Point(float(arrays["time"]), arrays["u"], arrays["stretch"], arrays["rate"])
+        u, (time, position) = arrays["u"], arrays["time"].tolist()
+        self.point = Point(time, u, system.mechanics.lattice.forward(u), arrays["stretch"], position)
         self.earlier = None
         if "earlier" in arrays:
             self.earlier = Past(float(arrays["earlier"]), arrays["earlier_u"])
         self.end = self.point
 
     @classmethod
-    def begin(cls, system: System, solver: ContactSolver, point: Point) -> FieldSteps:
+    def begin(cls, system: System, solver: ContactSolver, start: Contact) -> FieldSteps:
         """At the start of a history."""
-        arrays = {
-            "time": np.asarray(point.time),
-            "u": point.u,
-            "stretch": point.stretch,
-            "rate": point.rate,
-        }
-        return cls(system, solver, arrays)
+        point = Point.of(
+            system, 0.0, start.u - system.datum, start.u - start.anchors, start.separation - system.datum
+        )
+        return cls(system, solver, _arrays(point))
 
     @property
     def time(self) -> float:
@@ -269,18 +294,19 @@ class FieldSteps:
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.end.u <= self.system.heights))
 
-    def state(self) -> tuple[Field, Field]:
-        """U and w."""
-        return self.point.u, self.point.stretch
+    def state(self) -> tuple[Field, Field, float]:
+        """See `Steps`."""
+        point = self.point
+        return point.u, self.system.mechanics.lattice.backward(point.stretch), point.position
 
     def extent(self) -> Extent:
         """How large the deformation is."""
-        u, stretch = self.state()
-        return Extent(float(u.std()), rms(stretch), largest(u, np))
+        u, stretch = self.point.u, self.system.mechanics.spectral.rms(self.point.stretch)
+        return Extent(float(u.std()), stretch, largest(u, np))
 
     def speed(self) -> float:
-        """Rate of u0, rms over the sites."""
-        return rms(self.point.rate)
+        """Rate of the anchors, rms over the sites."""
+        return self.system.mechanics.spectral.rms(self.point.rate(self.system))
 
     def attempt(
         self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
@@ -298,13 +324,11 @@ class FieldSteps:
 
     def resume_state(self) -> dict[str, NDArray[Any]]:
         """See `Steps`."""
-        point, earlier = self.point, self.earlier
-        arrays = {
-            "time": np.asarray(point.time),
-            "u": point.u,
-            "stretch": point.stretch,
-            "rate": point.rate,
-        }
-        if earlier is None:
+        arrays = _arrays(self.point)
+        if self.earlier is None:
             return arrays
-        return arrays | {"earlier": np.asarray(earlier.time), "earlier_u": earlier.u}
+        return arrays | {"earlier": np.asarray(self.earlier.time), "earlier_u": self.earlier.u}
+
+
+def _arrays(point: Point) -> dict[str, NDArray[Any]]:
+    return {"time": np.array([point.time, point.position]), "u": point.u, "stretch": point.stretch}

@@ -49,7 +49,7 @@ def _coarsen(problem: SpectralProblem) -> SpectralProblem:
     """The problem on every second site."""
     fine = problem.lattice
     heights = problem.heights[(slice(None, None, 2),) * fine.dimension]
-    coarse = Lattice(heights.shape)
+    coarse = Lattice(heights.shape, tuple(2 * length for length in fine.spacing), fine.edges)
     rhs = fine.long_waves(problem.rhs, coarse) * (coarse.sites / fine.sites)
     return SpectralProblem(
         coarse,

@@ -79,5 +79,5 @@ Hold = Literal["load", "separation", "area"]
 
 def control_from(load: float | None, separation: float | None) -> Control:
     """One control from two arguments of which exactly one is given."""
-    checks.one_of_two("load=800.0", load=load, separation=separation)
+    checks.one_of("load=800.0", load=load, separation=separation)
     return Load(load) if load is not None else Separation(cast(float, separation))

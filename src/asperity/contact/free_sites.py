@@ -119,9 +119,9 @@ class FreeSites:
 
         pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
         lattices = _coarse_lattices(lattice)
-        cuts, longest = [pinning], (2,) * lattice.dimension
+        cuts, longest = [pinning], Lattice((2,) * lattice.dimension)
         for coarse in reversed(lattices):
-            cut = _stiffness_of_waves(spectrum, coarse.shape) - _stiffness_of_waves(spectrum, longest)
+            cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
             cuts.append(max(cuts[-1], cut))
         cuts = [cut / unit for cut in reversed(cuts)]
         self.compliance = 1.0 / (stiffness + cuts[0])
@@ -224,7 +224,7 @@ def _coarse_lattices(lattice: Lattice) -> list[Lattice]:
     shape = lattice.shape
     while min(shape) // _COARSER >= _COARSEST:
         shape = tuple(_odd_length(n // _COARSER) for n in shape)
-        lattices.append(Lattice(shape))
+        lattices.append(Lattice(shape, edges=lattice.edges))
     return lattices
 
 
@@ -241,12 +241,12 @@ def _odd_length(most: int) -> int:
         length -= 2
 
 
-def _stiffness_of_waves(spectrum: Spectrum, counts: tuple[int, ...]) -> float:
-    """Mean stiffness of waves along the axes, the shortest that lattices of these lengths hold."""
+def _stiffness_of_waves(spectrum: Spectrum, coarse: Lattice) -> float:
+    """Mean stiffness of waves along the axes, the shortest that a coarse lattice holds."""
     values = []
-    for axis, count in enumerate(counts):
-        index = [0] * len(counts)
-        index[axis] = count // 2
+    for axis, count in enumerate(coarse.shape):
+        index = [0] * coarse.dimension
+        index[axis] = count - 1 if coarse.reflecting else count // 2
         values.append(float(spectrum[tuple(index)]))
     return float(np.mean(values))
 
@@ -254,7 +254,7 @@ def _stiffness_of_waves(spectrum: Spectrum, counts: tuple[int, ...]) -> float:
 def _blurred(lattice: Lattice, modes: Any, coarse: Lattice, xp: Any) -> Field:
     """A field of these modes, smoothed, on a coarse lattice; between 0 and 1."""
     long = lattice.long_waves(modes, coarse)
-    exponent = sum(q**2 for q in coarse.wave_numbers) * (_DENSITY_WIDTH**2 / 2)
+    exponent = sum(q**2 for q in coarse.angles) * (_DENSITY_WIDTH**2 / 2)
     long *= xp.asarray(np.exp(-exponent) * (coarse.sites / lattice.sites), dtype=xp.float32)
     density: Field = xp.clip(coarse.backward(long, overwrite=True), 0.0, 1.0)
     return density

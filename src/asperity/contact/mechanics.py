@@ -1,19 +1,25 @@
 r"""What a solid on a lattice does: forces, energies, rates of creep, and implicit steps of creep.
 
-An implicit step of duration tau from anchors v is u0 = v + tau M C (u - u0). Eliminating u0,
+An implicit step of duration tau from anchors v_b is u_b = v_b + tau M_b C_b (u - u_b). Eliminating u_b,
 
-    u - u0 = D (u - v),    D = 1 / (1 + tau M C),
-    r      = S u - C D v,  S = H + C D,
+    w_b = u - u_b = D_b (u - v_b),    D_b = 1 / (1 + tau M_b C_b),
+    r   = S u - sum_b C_b D_b v_b,    S = H + sum_b C_b D_b,
 
-a contact problem. tau = 0 is the instantaneous contact; tau = infinity is the relaxed state, where
-D = 0 wherever M C > 0 and D = 1 elsewhere. Under load control wave vector 0 drops out of S, its
-right-hand side is minus the load, and the mean of u - u0 is F / (N C(0)). A solid with C(0) = 0, such as a
-half-space, carries the load as a rigid body: there mean(u0) = mean(u).
-Under separation control wave vector 0 is a mode like any other.
+one contact problem however many branches there are. tau = 0 is the instantaneous contact; tau = infinity is
+the relaxed state, where D_b = 0 wherever M_b C_b > 0 and D_b = 1 elsewhere.
+
+At wave vector 0 the surface hangs on the rigid body, whose position is X: H acts on u - X there. Under
+separation control X is known, and wave vector 0 is a mode like any other. Under load control it drops out
+of S, its right-hand side is minus the load F, and the body moves, with all anchors, by what the load demands:
+
+    H (u - X) + sum_b C_b D_b (u - v_b) = F / N        in the means over the N sites.
+
+A solid with H = C_b = 0 there, such as a half-space, carries the load as a rigid body: the means of u and of
+u_b are X.
 
 There are two: `SpectralMechanics` states these things in Fourier modes, for any solid. `SpringMechanics`
 states them in terms of neighbors, for the lattice of springs in two dimensions, where a stencil costs
-a small part of a transform.
+a small part of a transform. Fields of anchors and stretches have the branches as their first axis.
 """
 
 from __future__ import annotations
@@ -24,6 +30,7 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
@@ -31,11 +38,22 @@ from asperity.lattice import Field, Lattice, Modes, Spectrum
 from asperity.solids import Solid, Spectra, SpringConstants
 
 
+@dataclass(frozen=True)
+class Prescribed:
+    """What is prescribed at a moment: the load, if that is held, and the position X of the rigid body.
+
+    Where the load is prescribed, X is where the body was before.
+    """
+
+    load: float | None
+    position: float
+
+
 class ImplicitStep(ABC):
     """An implicit step of creep of one duration."""
 
     @abstractmethod
-    def problem(self, heights: Field, anchors: Field | float, load: float | None) -> ContactProblem:
+    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> ContactProblem:
         """The contact problem of the step.
 
         Parameters
@@ -43,17 +61,18 @@ class ImplicitStep(ABC):
         heights
             The obstacle; its maximum is 0.
         anchors
-            v, that is u0 before the step: a field, or the level of a flat one.
-        load
-            The normal load at the end of the step; None under separation control.
+            v_b, that is u_b before the step: fields, or the level at which all are flat.
+        held
+            What is prescribed at the end of the step.
         """
 
     @abstractmethod
-    def stretch(self, u: Field, anchors: Field | float, mean: float | None) -> Field:
-        """Stretch w = u - u0 after the step, from the solved u and the anchors v before it.
+    def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> ContactProblem:
+        """The same from the Fourier modes of the anchors."""
 
-        ``mean`` is the mean of w where the load prescribes it, else None.
-        """
+    @abstractmethod
+    def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
+        """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
 
 
 class Mechanics(ABC):
@@ -61,21 +80,39 @@ class Mechanics(ABC):
 
     Attributes
     ----------
-    mean_stiffness
-        C at wave vector 0, through which the load passes.
+    branches
+        How many branches the solid has.
+    hanging
+        H and then each C_b at wave vector 0: what hangs on the rigid body.
     mean_mobility
-        M at wave vector 0.
+        Of a solid of one branch that hangs on it alone: M at wave vector 0.
     greatest_stiffness
-        Largest H + C.
+        Largest H + sum of C_b.
     fastest_creep
-        Largest M C, the rate at which the fastest mode creeps at a given u.
+        Largest M_b C_b, the rate at which the fastest mode creeps at a given u.
     """
 
     lattice: Lattice
-    mean_stiffness: float
+    branches: int
+    hanging: NDArray[np.float64]
     mean_mobility: float
     greatest_stiffness: float
     fastest_creep: float
+
+    @property
+    def mean_stiffness(self) -> float:
+        """H + sum of C_b at wave vector 0."""
+        return float(self.hanging.sum())
+
+    @property
+    def hangs_on_one_branch(self) -> bool:
+        """Whether the rigid body is where the anchors of the only branch are, on average."""
+        return self.branches == 1 and self.hanging[0] == 0 and self.hanging[1] > 0
+
+    @property
+    @abstractmethod
+    def spectral(self) -> SpectralMechanics:
+        """The same in Fourier modes."""
 
     @property
     @abstractmethod
@@ -87,29 +124,22 @@ class Mechanics(ABC):
         """Prepare implicit steps of duration tau >= 0, which may be infinite."""
 
     @abstractmethod
-    def force(self, u: Field, stretch: Field, load: float | None) -> Field:
-        """Contact force H u + C w at every site, w = u - u0; a load from afar where C(0) = 0."""
+    def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
+        """Contact force H u + sum of C_b w_b at every site; a load from afar where nothing hangs."""
 
     @abstractmethod
     def creep_rate(self, stretch: Field) -> Field:
-        """Rate d u0 / dt = M C w."""
+        """Rates d u_b / dt = M_b C_b w_b."""
 
     @abstractmethod
-    def energy(self, u: Field, stretch: Field) -> float:
-        """Elastic energy 1/2 sum_q [ H |u|^2 + C |w|^2 ]."""
+    def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
+        """Elastic energy 1/2 sum_q [ H |u|^2 + sum of C_b |w_b|^2 ]."""
 
     @abstractmethod
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
-        """Stretch with which the surface u is in exact equilibrium, near one with which it almost is.
+        """Stretches with which the surface u is in exact equilibrium, near some with which it almost is.
 
-        ``total`` is the sum of w, where it is known.
-        """
-
-    @abstractmethod
-    def damped_power(self, modes: Modes, tau: float) -> float:
-        """Mean over the modes of |mode / (1 + tau z)|^2.
-
-        z = M C H / (H + C) is the rate at which a mode decays off contact (the paper's z_q).
+        ``total`` is the sum of w, where it is known and the solid has one branch.
         """
 
 
@@ -118,32 +148,38 @@ class SpectralMechanics(Mechanics):
     """Any solid, in Fourier modes."""
 
     def __init__(self, solid: Solid, lattice: Lattice) -> None:
-        self.solid, self.lattice = solid, lattice
+        self.solid, self.lattice, self.branches = solid, lattice, len(solid.branches)
+
+    @property
+    def spectral(self) -> SpectralMechanics:
+        """The mechanics itself."""
+        return self
 
     @cached_property
     def spectra(self) -> Spectra:
-        """H, C and M on this lattice."""
+        """H, C_b and M_b C_b on this lattice."""
         return self.solid.on(self.lattice)
 
     @cached_property
-    def mean_stiffness(self) -> float:  # type: ignore[override]
-        """C at wave vector 0."""
-        return float(self.spectra.creeping.flat[0])
+    def hanging(self) -> NDArray[np.float64]:  # type: ignore[override]
+        """See `Mechanics`."""
+        spectra, mean = self.spectra, self.lattice.mean
+        return np.concatenate(([spectra.permanent[mean]], spectra.creeping[mean]))
 
     @cached_property
     def mean_mobility(self) -> float:  # type: ignore[override]
-        """M at wave vector 0."""
-        return float(self.spectra.mobility.flat[0])
+        """See `Mechanics`."""
+        return float(self.spectra.mean_mobility[0]) if self.hangs_on_one_branch else 0.0
 
     @cached_property
     def greatest_stiffness(self) -> float:  # type: ignore[override]
-        """Largest H + C."""
-        return float(np.max(self.spectra.permanent + self.spectra.creeping))
+        """See `Mechanics`."""
+        return float(np.max(self.spectra.permanent + self.spectra.creeping.sum(axis=0)))
 
     @cached_property
     def fastest_creep(self) -> float:  # type: ignore[override]
-        """Largest M C."""
-        return float(np.max(self.spectra.mobility * self.spectra.creeping))
+        """See `Mechanics`."""
+        return float(np.max(self.spectra.rate, initial=0.0))
 
     @property
     def soft_modes(self) -> tuple[bool, bool]:
@@ -155,61 +191,87 @@ class SpectralMechanics(Mechanics):
         """See `Mechanics`."""
         return SpectralStep(self, tau)
 
-    def force(self, u: Field, stretch: Field, load: float | None) -> Field:
+    def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
         """See `Mechanics`."""
         lattice, spectra = self.lattice, self.spectra
-        modes = spectra.permanent * lattice.forward(u) + spectra.creeping * lattice.forward(stretch)
-        if self.mean_stiffness == 0 and load is not None:
-            modes.flat[0] = load
+        modes = spectra.permanent * lattice.forward(u)
+        modes.flat[0] -= self.hanging[0] * lattice.sites * held.position
+        for stiffness, w in zip(spectra.creeping, stretch, strict=True):
+            modes += stiffness * lattice.forward(w)
+        if self.mean_stiffness == 0 and held.load is not None:
+            modes.flat[0] = held.load
         return lattice.backward(modes)
 
     def creep_rate(self, stretch: Field) -> Field:
         """See `Mechanics`."""
-        return self.lattice.apply(self.spectra.mobility * self.spectra.creeping, stretch)
+        return self.lattice.backward(self.spectra.rate * self.lattice.forward(stretch))
 
-    def energy(self, u: Field, stretch: Field) -> float:
+    def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """See `Mechanics`."""
         lattice, spectra = self.lattice, self.spectra
-        density = spectra.permanent * np.abs(lattice.forward(u)) ** 2
-        density += spectra.creeping * np.abs(lattice.forward(stretch)) ** 2
+        modes = lattice.forward(u)
+        modes.flat[0] -= lattice.sites * held.position
+        density = spectra.permanent * np.abs(modes) ** 2
+        for stiffness, w in zip(spectra.creeping, stretch, strict=True):
+            density += stiffness * np.abs(lattice.forward(w)) ** 2
         return lattice.mean_over_modes(density) / 2
 
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
-        """Return the stretch as it is: forces are not local, and need no balance."""
+        """Return the stretches as they are: forces are not local, and need no balance."""
         del u, heights, total
         return stretch
 
-    def damped_power(self, modes: Modes, tau: float) -> float:
-        """See `Mechanics`."""
-        damped = np.abs(modes) / (1 + np.float32(tau) * self._free_decay_rate)
-        return self.lattice.mean_over_modes(damped**2)
+    def rms(self, modes: Modes) -> float:
+        """Rms over the sites of fields, one a branch, which count by the stiffness of the branches."""
+        power = np.einsum("b...,b...->...", self.weights, modes.real**2)
+        if np.iscomplexobj(modes):
+            power += np.einsum("b...,b...->...", self.weights, modes.imag**2)
+        return float(np.sqrt(self.lattice.mean_over_modes(power) / self.lattice.sites))
 
     @cached_property
-    def _free_decay_rate(self) -> Spectrum:
-        H, C, M = self.spectra.permanent, self.spectra.creeping, self.spectra.mobility
-        # Where both vanish, at wave vector 0 of a half-space, nothing creeps either.
-        rate = np.divide(M * C * H, H + C, out=np.zeros_like(H), where=H + C > 0)
-        return np.asarray(rate, dtype=np.float32)
+    def weights(self) -> Spectrum:
+        """C_b over the sum of C_b, at each wave vector: how much the error of a branch counts."""
+        total = self.spectra.creeping.sum(axis=0)
+        even = 1.0 / max(self.branches, 1)
+        shares = np.full_like(self.spectra.creeping, even)
+        return np.asarray(np.divide(self.spectra.creeping, total, out=shares, where=total > 0))
+
+    @cached_property
+    def free_decay_rate(self) -> Spectrum:
+        """Rates z_b = M_b C_b (1 - C_b / (H + sum of C)) at which a branch alone decays off contact.
+
+        That is the paper's z_q for one branch, M C H / (H + C).
+        """
+        H, C = self.spectra.permanent, self.spectra.creeping
+        whole = H + C.sum(axis=0)
+        # Where all vanish, at wave vector 0 of a half-space, nothing creeps either.
+        share = np.divide(whole - C, whole, out=np.zeros_like(C), where=whole > 0)
+        return np.asarray(self.spectra.rate * share)
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class SpectralStep(ImplicitStep):
-    """An implicit step in Fourier modes: D, C D and S of the module's formulas."""
+    """An implicit step in Fourier modes: D_b, C_b D_b and S of the module's formulas."""
 
     mechanics: SpectralMechanics
     tau: float
 
     @cached_property
     def damping(self) -> Spectrum:
-        """D."""
-        rate = self.mechanics.spectra.mobility * self.mechanics.spectra.creeping
+        """D_b."""
+        rate = self.mechanics.spectra.rate
         return np.where(rate > 0, 0.0, 1.0) if np.isinf(self.tau) else 1.0 / (1.0 + self.tau * rate)
+
+    @cached_property
+    def damped_stiffness(self) -> Spectrum:
+        """C_b D_b."""
+        return self.mechanics.spectra.creeping * self.damping
 
     @cached_property
     def stiffness(self) -> Spectrum:
         """S."""
-        return np.asarray(self.mechanics.spectra.permanent + self.mechanics.spectra.creeping * self.damping)
+        return np.asarray(self.mechanics.spectra.permanent + self.damped_stiffness.sum(axis=0))
 
     @cached_property
     def _load_controlled_stiffness(self) -> Spectrum:
@@ -217,30 +279,52 @@ class SpectralStep(ImplicitStep):
         stiffness.flat[0] = 0.0
         return stiffness
 
-    def problem(self, heights: Field, anchors: Field | float, load: float | None) -> SpectralProblem:
+    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpectralProblem:
         """See `ImplicitStep`."""
+        return self.problem_of_modes(heights, self._modes(anchors), held)
+
+    def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpectralProblem:
+        """See `ImplicitStep`."""
+        mechanics, lattice = self.mechanics, self.mechanics.lattice
+        rhs = np.asarray((self.damped_stiffness * anchors).sum(axis=0))
+        stiffness = self.stiffness
+        if held.load is None:
+            rhs.flat[0] += mechanics.hanging[0] * lattice.sites * held.position
+        else:
+            stiffness = self._load_controlled_stiffness
+            rhs.flat[0] = -held.load
+        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None)
+
+    def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
+        """See `ImplicitStep`."""
+        modes, position = self.stretch_modes(self.mechanics.lattice.forward(u), self._modes(anchors), held)
+        return self.mechanics.lattice.backward(modes), position
+
+    def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
+        """The same in Fourier modes."""
+        modes = self.damping * (u - anchors)
+        if held.load is None:
+            return modes, held.position
+        mechanics, mean = self.mechanics, self.mechanics.lattice.mean
+        sites, springs = mechanics.lattice.sites, self.damped_stiffness[mean]
+        hanging = float(mechanics.hanging[0] + springs.sum())
+        surface, before = float(u.flat[0].real), anchors[mean].real
+        if hanging == 0:  # nothing hangs, or all that hangs has yielded: the load is shared as it flows
+            flow = np.where(mechanics.hanging[1:] > 0, mechanics.spectra.mean_mobility, np.inf)
+            modes[mean] = 0.0
+            if mechanics.mean_stiffness > 0:
+                modes[mean] = held.load / flow / (1 / flow).sum() / mechanics.hanging[1:]
+            return modes, surface / sites
+        pull = held.load + mechanics.hanging[0] * sites * held.position + float(np.dot(springs, before))
+        modes[mean] = self.damping[mean] * (pull / hanging - before)
+        return modes, held.position + (surface - pull / hanging) / sites
+
+    def _modes(self, anchors: Field | float) -> Modes:
         mechanics = self.mechanics
-        stiffness = self.stiffness if load is None else self._load_controlled_stiffness
-        rhs = mechanics.spectra.creeping * self.damping * self._modes(anchors)
-        if load is not None:
-            rhs.flat[0] = -load
-        return SpectralProblem(mechanics.lattice, heights, stiffness, rhs, load is not None)
-
-    def stretch(self, u: Field, anchors: Field | float, mean: float | None) -> Field:
-        """See `ImplicitStep`."""
-        lattice = self.mechanics.lattice
-        modes = self.damping * (lattice.forward(u) - self._modes(anchors))
-        if mean is not None:
-            modes.flat[0] = mean * lattice.sites
-        return lattice.backward(modes)
-
-    def _modes(self, field: Field | float) -> Modes:
-        lattice = self.mechanics.lattice
-        if isinstance(field, np.ndarray):
-            return lattice.forward(field)
-        modes = np.zeros(lattice.spectral_shape, dtype=complex)
-        modes.flat[0] = lattice.sites * field
-        return modes
+        if isinstance(anchors, np.ndarray):
+            return mechanics.lattice.forward(anchors)
+        flat = mechanics.lattice.flat_modes(anchors)
+        return np.broadcast_to(flat, (mechanics.branches, *flat.shape))
 
 
 @final
@@ -251,15 +335,20 @@ class SpringMechanics(Mechanics):
     ----------
     springs
         The spring constants.
-    spectral
-        The same in Fourier modes.
     """
 
+    branches = 1
+
     def __init__(self, springs: SpringConstants, spectral: SpectralMechanics) -> None:
-        self.springs, self.spectral, self.lattice = springs, spectral, spectral.lattice
-        self.mean_stiffness, self.mean_mobility = springs.k1, springs.R_viscous
+        self.springs, self._spectral, self.lattice = springs, spectral, spectral.lattice
+        self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.R_viscous
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
         self.fastest_creep = springs.k1 * (8 * springs.R + springs.R_viscous)
+
+    @property
+    def spectral(self) -> SpectralMechanics:
+        """The same in Fourier modes."""
+        return self._spectral
 
     @property
     def soft_modes(self) -> tuple[bool, bool]:
@@ -270,27 +359,29 @@ class SpringMechanics(Mechanics):
         """See `Mechanics`."""
         return NeighborStep(self, tau)
 
-    def force(self, u: Field, stretch: Field, load: float | None) -> Field:
+    def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
         """See `Mechanics`."""
-        del load
-        return lattice_force(u, stretch, self.springs.k0, self.springs.k1)
+        del held
+        return lattice_force(u, stretch[0], self.springs.k0, self.springs.k1)
 
     def creep_rate(self, stretch: Field) -> Field:
         """See `Mechanics`."""
         k1, R, R_viscous = self.springs.k1, self.springs.R, self.springs.R_viscous
-        return lattice_force(stretch, stretch, k1 * R, k1 * R_viscous)
+        return lattice_force(stretch[0], stretch[0], k1 * R, k1 * R_viscous)[np.newaxis]
 
-    def energy(self, u: Field, stretch: Field) -> float:
+    def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """See `Mechanics`."""
-        bulk = float(np.einsum("ij,ij->", stretch, stretch))
+        del held
+        bulk = float(np.einsum("ij,ij->", stretch[0], stretch[0]))
         return (self.springs.k0 * bond_energy(u) + self.springs.k1 * bulk) / 2
 
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
         """Off contact w = -k0 L u / k1; in contact w is kept where the force is no tension, and scaled."""
-        return balanced(u, stretch, heights, self.springs.k0, self.springs.k1, total)
+        w = balanced(u, stretch[0], heights, self.springs.k0, self.springs.k1, total)
+        return np.asarray(w)[np.newaxis]
 
     def damped_power(self, modes: Modes, tau: float) -> float:
-        """See `Mechanics`."""
+        """Mean over the modes of |mode / (1 + tau z)|^2, with the decay rate z of the free surface."""
         return damped_power(modes, self.lattice.shape, self.springs, tau)
 
 
@@ -307,23 +398,29 @@ class NeighborStep(ImplicitStep):
         """The same in Fourier modes."""
         return self.mechanics.spectral.implicit_step(self.tau)
 
-    def problem(self, heights: Field, anchors: Field | float, load: float | None) -> SpringProblem:
+    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
         springs = self.mechanics.springs
         relaxed = bool(np.isinf(self.tau)) and springs.creep
         rate = self.tau * springs.k1 if springs.creep and not relaxed else 0.0
         spread, drag = rate * springs.R, rate * springs.R_viscous
-        step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, anchors, load)
-        return SpringProblem(heights, step, lambda: self.spectral.problem(heights, anchors, load))
+        level = anchors[0] if isinstance(anchors, np.ndarray) else anchors
+        step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, level, held.load)
+        return SpringProblem(heights, step, lambda: self.spectral.problem(heights, anchors, held))
 
-    def stretch(self, u: Field, anchors: Field | float, mean: float | None) -> Field:
+    def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
-        return self.spectral.stretch(u, anchors, mean)
+        return self.problem(heights, self.mechanics.lattice.backward(anchors), held)
+
+    def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
+        """See `ImplicitStep`."""
+        return self.spectral.stretch(u, anchors, held)
 
 
 def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:
     """Mechanics of a solid on a lattice: in terms of neighbors where there is such a form."""
     spectral, springs = SpectralMechanics(solid, lattice), solid.springs
-    if springs is None or lattice.dimension != 2 or not (springs.k0 > 0 and springs.k1 > 0):
+    plane = lattice.dimension == 2 and not lattice.reflecting
+    if springs is None or not plane or not (springs.k0 > 0 and springs.k1 > 0):
         return spectral
     return SpringMechanics(springs, spectral)

@@ -10,11 +10,13 @@ from functools import cached_property
 import numpy as np
 
 import asperity.checks as checks
+from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.problem import Solution, residual
+from asperity.contact.response import RIM, normal_stiffness, rim_sides
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
 
 _BLOCK = 2**20
@@ -28,27 +30,34 @@ ACCEPTED_RESIDUAL = 1e-8
 class Contact:
     """Two bodies in contact at one moment; made by `press`, `age` and `relax` alone, which judge it.
 
+    Lengths are in the unit of the heights, forces in stiffness times length; where ``si``, in m and N.
+
     Attributes
     ----------
     heights
         The rigid rough surface, length; an array over the sites, like all fields below.
+    lattice
+        The sites: shape, spacing, edges.
     solid
         The elastic solid above it.
     control
         What is prescribed: `Load` or `Separation`.
     u
         Height of the elastic surface, length; equal to `heights` in contact, above it elsewhere.
-    u0
-        The creeping shape, length.
+    anchors
+        The creeping shapes u_b of the branches, length; shape (branches, *heights.shape).
     force
         Contact force, >= 0; zero off contact.
     in_contact
         Whether a site is in contact.
+    separation
+        Position of the rigid body, length. On the lattice of springs it is the mean of u0; on a half-space
+        without an apparatus, the mean of u.
     energy
         Elastic energy, force times length (Jagla, Eq. e).
     residual
         Largest force off contact (or tension in contact) that the fields above leave, relative to the
-        mean contact force; evaluated from `u` and `u0` as they are, rounding included. Where the
+        mean contact force; evaluated from `u` and `anchors` as they are, rounding included. Where the
         separation is held and the load has died out, relative to the smallest force that double
         precision can resolve to as many digits.
     residual_scale
@@ -57,20 +66,25 @@ class Contact:
         Iterations spent: multigrid cycles, or those of conjugate gradients.
     surface
         Where the heights came from, as far as known.
+    si
+        Whether lengths are in metres, forces in newtons and times in seconds.
     """
 
     heights: Field
+    lattice: Lattice
     solid: Solid
     control: Control
     u: Field
-    u0: Field
+    anchors: Field
     force: Field
     in_contact: Mask
+    separation: float
     energy: float
     residual: float
     residual_scale: float
     iterations: int
     surface: Mapping[str, object]
+    si: bool
 
     def __init__(self, *_: object, **__: object) -> None:
         raise TypeError(
@@ -91,15 +105,21 @@ class Contact:
         self._close()
 
     def _close(self) -> None:
-        for field in (self.heights, self.u, self.u0, self.force, self.in_contact):
+        for field in (self.heights, self.u, self.anchors, self.force, self.in_contact):
             field.flags.writeable = False  # the residual vouches for exactly these numbers
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.heights.shape))
+        force, length = (" N", " m") if self.si else ("", "")
         return (
-            f"<Contact: {self.area} of {shape} sites touch, load {self.load:g}, "
-            f"separation {self.separation:g}, residual {self.residual:.1e}>"
+            f"<Contact: {self.area} of {shape} sites touch, load {self.load:g}{force}, "
+            f"separation {self.separation:g}{length}, residual {self.residual:.1e}>"
         )
+
+    @property
+    def u0(self) -> Field:
+        """The creeping shape, length: of the only branch, or `anchors` of several."""
+        return self.anchors[0] if len(self.anchors) == 1 else self.anchors
 
     @cached_property
     def area(self) -> int:
@@ -111,28 +131,72 @@ class Contact:
         """Normal load: the sum of the contact forces."""
         return float(self.force.sum())
 
+    @property
+    def nominal_area(self) -> float:
+        """Area of the whole surface, length^2; of a line, its length, as of all areas below."""
+        return self.lattice.sites * self.lattice.cell
+
+    @property
+    def contact_area(self) -> float:
+        """Real contact area: that of the sites in contact, length^2. It overestimates smooth contacts."""
+        return self.area * self.lattice.cell
+
     @cached_property
-    def separation(self) -> float:
-        """Mean of u0, length."""
-        # Relative to the highest point, so that a large offset of the heights costs no digits.
-        datum = self.heights.max()
-        return float(datum + np.mean(self.u0 - datum))
+    def contact_area_corrected(self) -> float:
+        """Real contact area less what counting sites adds at the rim, length^2; see `response.RIM`.
+
+        On a line nothing is subtracted.
+        """
+        if self.lattice.dimension == 1:
+            return self.contact_area
+        return (self.area - RIM * rim_sides(self.in_contact, self.lattice)) * self.lattice.cell
+
+    @property
+    def gap(self) -> Field:
+        """Gap u - heights >= 0, length."""
+        return self.u - self.heights
+
+    @property
+    def mean_gap(self) -> float:
+        """Mean of the gap over all sites, length."""
+        return float(self.gap.mean())
+
+    @property
+    def pressure(self) -> Field:
+        """Contact pressure, force / length^2: the force of a site over its area."""
+        return self.force / self.lattice.cell
+
+    @property
+    def mean_pressure(self) -> float:
+        """Load over nominal area, force / length^2."""
+        return self.load / self.nominal_area
+
+    @property
+    def mean_contact_pressure(self) -> float:
+        """Load over real contact area, force / length^2; 0 without contact."""
+        return self.load / self.contact_area if self.area else 0.0
+
+    @property
+    def largest_pressure(self) -> float:
+        """Largest contact pressure, force / length^2."""
+        return float(self.force.max()) / self.lattice.cell
+
+    @cached_property
+    def normal_stiffness(self) -> float:
+        """Normal contact stiffness dF / d(approach) at once, force / length.
+
+        The contacts stay what they are, and nothing creeps; so it solves one linear problem. Without an
+        apparatus, the approach of a half-space is that of the mean of its surface.
+        """
+        return normal_stiffness(self.system(), self.in_contact)
 
     def system(self, control: Control | None = None) -> System:
         """Set up the system that this contact is a state of, under its own control or another."""
-        return System.of(self.heights, self.solid, control or self.control)
+        return System.of(self.heights, self.lattice, self.solid, control or self.control)
 
-    def become(self, system: System, solution: Solution, anchors: Field) -> Contact:
+    def become(self, system: System, solution: Solution, anchors: Field, position: float) -> Contact:
         """Publish what the same bodies have become; see `contact_from`. The load may have died out."""
-        return contact_from(
-            system,
-            solution,
-            anchors,
-            solid=self.solid,
-            heights=self.heights,
-            surface=self.surface,
-            load_may_vanish=True,
-        )
+        return contact_from(system, solution, anchors, position, bodies=self, load_may_vanish=True)
 
 
 def control_of(contact: Contact, hold: Hold | None) -> Control:
@@ -161,10 +225,9 @@ def contact_from(
     system: System,
     solution: Solution,
     anchors: Field | float,
+    position: float,
     *,
-    solid: Solid,
-    heights: Field,
-    surface: Mapping[str, object],
+    bodies: Bodies | Contact,
     load_may_vanish: bool = False,
 ) -> Contact:
     """Publish a solution: fields measured like the user's heights, checked once more as published.
@@ -176,9 +239,11 @@ def contact_from(
     solution
         The solved contact problem.
     anchors
-        u0 relative to the system's datum: a field, or the level of a flat one.
-    solid, heights, surface
-        As in `Contact`.
+        u_b relative to the system's datum: fields, or the level at which all are flat.
+    position
+        That of the rigid body, relative to the datum.
+    bodies
+        What the contact is of.
     load_may_vanish
         Whether the load may be so small that the heights cannot resolve it, as it dies out at a held
         separation.
@@ -188,19 +253,20 @@ def contact_from(
     ConvergenceError
         In double precision the heights cannot resolve a load this small.
     """
-    u = solution.u + system.datum
+    heights, datum = bodies.heights, system.datum
+    u = solution.u + datum
     np.maximum(u, heights, out=u)
     np.copyto(u, heights, where=solution.in_contact)
     in_contact = u == heights
-    u0 = _rounded_keeping_load(anchors, solution.u, u, system.datum)
-    relative, stretch = u - system.datum, u - u0
-    force = system.force(relative, stretch)
+    published = _rounded(anchors, solution.u, u, datum, system.mechanics.branches)
+    relative, stretch = u - datum, u - published
+    position = system.position(relative, published - datum, position)
+    force = system.force(relative, stretch, position)
     vanishing = load_may_vanish and system.load is None
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
     left = residual(force, in_contact, floor)
-    stiffness = system.mechanics.mean_stiffness
-    if system.load is not None and stiffness > 0:
-        carried = float(stiffness * np.sum(stretch))
+    carried = system.carried(relative, stretch, position)
+    if system.load is not None and carried is not None:
         left = max(left, abs(carried / system.load - 1))
     if not left <= ACCEPTED_RESIDUAL:
         raise ConvergenceError(
@@ -212,17 +278,20 @@ def contact_from(
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
     return Contact._judged(
         heights=heights,
-        solid=solid,
+        lattice=bodies.lattice,
+        solid=bodies.solid,
         control=system.control,
         u=u,
-        u0=u0,
+        anchors=published,
         force=force,
         in_contact=in_contact,
-        energy=system.energy(relative, stretch),
+        separation=datum + position,
+        energy=system.energy(relative, stretch, position),
         residual=left,
         residual_scale=max(mean_force, floor),
         iterations=solution.iterations,
-        surface=surface,
+        surface=bodies.surface,
+        si=bodies.si,
     )
 
 
@@ -231,6 +300,15 @@ def _smallest_force(system: System, u: Field) -> float:
     stiffest = system.mechanics.greatest_stiffness
     largest = max(float(np.abs(field).max()) for field in (u, u - system.datum, system.heights))
     return 4 * float(np.spacing(largest)) * stiffest / ACCEPTED_RESIDUAL
+
+
+def _rounded(anchors: Field | float, surface: Field, u: Field, datum: float, branches: int) -> Field:
+    """Move all anchors to the user's datum; see `_rounded_keeping_load`. Flat ones take no memory."""
+    if isinstance(anchors, np.ndarray):
+        moved = [_rounded_keeping_load(v, surface, u, datum) for v in anchors]
+        return moved[0][np.newaxis] if branches == 1 else np.array(moved).reshape(branches, *u.shape)
+    one = _rounded_keeping_load(anchors, surface, u, datum)
+    return np.broadcast_to(one, (branches, *u.shape))
 
 
 def _rounded_keeping_load(anchors: Field | float, surface: Field, u: Field, datum: float) -> Field:

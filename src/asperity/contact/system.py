@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
 from asperity.contact.controls import Control
-from asperity.contact.mechanics import ImplicitStep, Mechanics, mechanics_of
+from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, SpringMechanics, mechanics_of
 from asperity.contact.problem import ContactProblem, Solution
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
@@ -21,7 +21,8 @@ from asperity.solids import Solid
 class System:
     """A solid, a rough surface and what is prescribed.
 
-    Heights, u and u0 are measured from `datum`, the highest point of the rough surface.
+    Heights, u, u_b and the position of the rigid body are measured from `datum`, the highest point of the
+    rough surface.
     """
 
     mechanics: Mechanics
@@ -30,7 +31,7 @@ class System:
     control: Control
 
     @classmethod
-    def of(cls, heights: Field, solid: Solid, control: Control) -> System:
+    def of(cls, heights: Field, lattice: Lattice, solid: Solid, control: Control) -> System:
         """Set up from checked heights.
 
         Raises
@@ -39,13 +40,13 @@ class System:
             The solid cannot be used, or not with this control.
         """
         datum = float(heights.max())
-        mechanics = mechanics_of(solid, Lattice(heights.shape))
+        mechanics = mechanics_of(solid, lattice)
         if mechanics.mean_stiffness == 0 and not control.load_controlled:
             raise InputError(
                 "separation",
-                expected="a solid that hangs on springs: C > 0 at wave vector 0",
+                expected="a solid that hangs on springs or on an apparatus",
                 got="one that carries the load as a rigid body, whose separation moves with it",
-                advice="load=...",
+                advice="load=..., or half_space(..., apparatus=math.inf)",
             )
         return cls(mechanics, heights - datum, datum, control)
 
@@ -63,9 +64,15 @@ class System:
         """The normal load, where it is prescribed."""
         return self.control.value if self.control.load_controlled else None
 
+    def held(self, position: float = 0.0) -> Prescribed:
+        """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
+        if self.load is not None:
+            return Prescribed(self.load, position)
+        return Prescribed(None, self.control.value - self.datum)
+
     @property
     def drift(self) -> float:
-        """Velocity at which a moving rigid body carries u0 along; 0 under load control."""
+        """Velocity at which a moving rigid body carries the anchors along; 0 under load control."""
         return 0.0 if self.control.load_controlled else self.control.rate
 
     @property
@@ -75,33 +82,61 @@ class System:
 
     @property
     def mean_stretch(self) -> float | None:
-        """Mean of u - u0 as the load prescribes it, 0 where it comes from afar; else None."""
-        if self.load is None:
+        """Mean of u - u0 of the only branch as the load prescribes it; else None."""
+        if self.load is None or not self.mechanics.hangs_on_one_branch:
             return None
-        stiffness = self.mechanics.mean_stiffness
-        return self.load / (self.sites * stiffness) if stiffness > 0 else 0.0
+        return self.load / (self.sites * self.mechanics.mean_stiffness)
 
-    @property
-    def virgin_anchors(self) -> float:
-        """Level of the flat u0 from which a press starts; under load control it is irrelevant."""
-        return 0.0 if self.control.load_controlled else self.control.value - self.datum
+    def displacement(self, u: Field, anchors: Field | float, position: float) -> float:
+        """How far the load moves the rigid body and the anchors at once, to balance a surface u."""
+        mechanics = self.mechanics
+        own = [float((u - v).mean()) for v in anchors] if isinstance(anchors, np.ndarray) else None
+        if own is None:
+            own = [float(u.mean()) - float(anchors)] * mechanics.branches
+        if mechanics.mean_stiffness == 0:
+            return own[0] if own else float(u.mean()) - position
+        parts = [float(u.mean()) - position, *own]
+        shares = mechanics.hanging / mechanics.mean_stiffness
+        moved = math.fsum(share * part for share, part in zip(shares.tolist(), parts, strict=True) if share)
+        assert self.load is not None
+        return moved - self.load / (self.sites * mechanics.mean_stiffness)
 
-    def problem(self, step: ImplicitStep, anchors: Field | float) -> ContactProblem:
-        """The contact problem of an implicit step from anchors v, a field or the level of a flat one."""
-        return step.problem(self.heights, anchors, self.load)
+    def problem(self, step: ImplicitStep, anchors: Field | float, position: float = 0.0) -> ContactProblem:
+        """The contact problem of an implicit step from anchors v_b: fields, or the level of flat ones."""
+        return step.problem(self.heights, anchors, self.held(position))
 
-    def stretch(self, step: ImplicitStep, solution: Solution, anchors: Field | float) -> Field:
-        """Stretch w = u - u0 after a step."""
+    def stretch(
+        self, step: ImplicitStep, solution: Solution, anchors: Field | float, position: float
+    ) -> tuple[Field, float]:
+        """Stretches w_b = u - u_b after a step, and where the rigid body then is."""
         if solution.stretch is not None:
-            return solution.stretch
-        return step.stretch(solution.u, anchors, self.mean_stretch)
+            return solution.stretch[np.newaxis], position
+        return step.stretch(solution.u, anchors, self.held(position))
 
-    def force(self, u: Field, stretch: Field) -> Field:
+    def force(self, u: Field, stretch: Field, position: float) -> Field:
         """Contact force at every site."""
-        return self.mechanics.force(u, stretch, self.load)
+        return self.mechanics.force(u, stretch, self.held(position))
+
+    def carried(self, u: Field, stretch: Field, position: float) -> float | None:
+        """Load that the solid carries at wave vector 0, in terms of what hangs; None where nothing does."""
+        hanging = self.mechanics.hanging
+        if self.mechanics.mean_stiffness == 0:
+            return None
+        own = 0.0
+        if hanging[0] > 0:
+            own = float(hanging[0]) * (float(u.sum()) - self.sites * position)
+        return own + sum(
+            float(stiffness * np.sum(w)) for stiffness, w in zip(hanging[1:], stretch, strict=True)
+        )
+
+    def position(self, u: Field, anchors: Field, position: float) -> float:
+        """Where the rigid body is: at the mean of the only branch's anchors, if the surface hangs on it."""
+        if self.mechanics.hangs_on_one_branch:
+            return float(np.mean(anchors[0]))
+        return position if self.mechanics.mean_stiffness > 0 else float(u.mean())
 
     def creep_rate(self, stretch: Field) -> Field:
-        """Rate d u0 / dt; under load control without its mean, which the load decides."""
+        """Rate d u0 / dt on the lattice of springs; under load control the load decides its mean."""
         rate = self.mechanics.creep_rate(stretch)
         if self.control.load_controlled:
             rate -= rate.mean()
@@ -110,23 +145,24 @@ class System:
         return rate
 
     def balanced_stretch(self, u: Field, stretch: Field) -> Field:
-        """Stretch with which the surface u is in exact equilibrium, near one with which it almost is."""
+        """Stretches with which the surface u is in exact equilibrium, near some with which it almost is."""
         total = None
-        if self.load is not None and self.mechanics.mean_stiffness > 0:
+        if self.load is not None and self.mechanics.hangs_on_one_branch:
             total = self.load / self.mechanics.mean_stiffness
         elif not self.free_mean:  # then the mean of u0 stays, and of u - u0 with it
             total = float(stretch.sum())
         return self.mechanics.balanced_stretch(u, stretch, self.heights, total)
 
-    def energy(self, u: Field, stretch: Field) -> float:
+    def energy(self, u: Field, stretch: Field, position: float) -> float:
         """Elastic energy."""
-        return self.mechanics.energy(u, stretch)
+        return self.mechanics.energy(u, stretch, self.held(position))
 
     def damped_rms(self, error: NDArray[np.floating], tau: float) -> float:
-        """Rms over the sites of an error of u0, each mode divided by 1 + tau z; see `Mechanics`.
+        """Rms over the sites of an error of u0 on the lattice of springs, each mode divided by 1 + tau z.
 
         Under load control the mean does not count. Single precision does for the size of an error.
         """
+        assert isinstance(self.mechanics, SpringMechanics)
         scale = largest(error, np)
         if not 0 < scale < math.inf:
             return scale

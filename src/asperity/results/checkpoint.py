@@ -23,7 +23,7 @@ from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
 from asperity.errors import CheckpointError, OutputError
-from asperity.lattice import Field, Lattice
+from asperity.lattice import Field
 from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
 from asperity.results.store import remove_parts, whole_file
@@ -123,17 +123,23 @@ class Keeper:
 
 
 def fingerprint_of(
-    start: Contact, schedule: Schedule, times: Field, fields_at: Field, rtol: float, solver: ContactSolver
+    start: Contact,
+    schedule: Schedule,
+    times: Field,
+    fields_at: Field,
+    rtol: float,
+    solver: ContactSolver,
+    exact: bool,
 ) -> str:
     """Hash all that a history depends on."""
     solid = start.solid
-    laws = () if solid.springs else tuple(vars(solid.on(Lattice(start.heights.shape))).values())
-    facts = (__version__, start.control, schedule, solid.springs, rtol, solver)
+    laws = () if solid.springs else tuple(vars(solid.on(start.lattice)).values())
+    facts = (__version__, start.control, start.lattice, schedule, solid.springs, rtol, solver, exact)
     digest = hashlib.sha256(repr(facts).encode())
     for array in (
         start.heights,
         start.u,
-        start.u0,
+        start.anchors,
         *laws,
         times,
         fields_at,

@@ -59,7 +59,9 @@ class Snapshot:
 
 def row_of(frame: Frame) -> Row:
     """Take the entry of the time series from a frame."""
-    return {"time": frame.time, "leg": frame.leg} | {name: _value(frame, name) for name in SERIES}
+    return {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
+        name: _value(frame, name) for name in SERIES
+    }
 
 
 def snapshot_of(frame: Frame) -> Snapshot:
@@ -108,9 +110,11 @@ def dataset_of(
         dataset = dataset.assign_coords(leg=("time", [int(row["leg"]) for row in rows]))
     if snapshots:
         dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
+        several = len(start.anchors) != 1
         for name in FIELDS:
+            axes = ("branch",) if name == "u0" and several else ()
             fields = np.stack([getattr(snapshot, name) for snapshot in snapshots])
-            dataset[name] = (("field_time", *sites), fields)
+            dataset[name] = (("field_time", *axes, *sites), fields)
         if protocol is not None:
             legs = [snapshot.leg for snapshot in snapshots]
             dataset = dataset.assign_coords(field_leg=("field_time", legs))
@@ -118,6 +122,9 @@ def dataset_of(
     attributes = _attributes(start, control, rtol)
     if keeps_area:
         attributes |= {"held": "area", "held_area": start.area}
+    exact = {bool(row["exact"]) for row in rows if row["time"] > 0}
+    if True in exact:
+        attributes["exact_contact"] = "at all times" if exact == {True} else "at some times"
     if protocol is not None:
         attributes["protocol"] = json.dumps([described(leg) for leg in protocol])
     return dataset.assign_attrs(attributes)
@@ -152,7 +159,7 @@ def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, st
     return {
         "title": "Aging of a rough contact",
         "asperity_version": __version__,
-        **dict(contact.solid.parameters),
+        **{name: _recorded(value) for name, value in contact.solid.parameters.items()},
         "held": control.name,
         f"held_{control.name}": control.value,
         "rtol": rtol,
@@ -160,3 +167,8 @@ def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, st
         "heights_sha256": hashlib.sha256(np.ascontiguousarray(contact.heights).tobytes()).hexdigest(),
         "surface": json.dumps(dict(contact.surface)),
     }
+
+
+def _recorded(value: object) -> str | float:
+    """A parameter as an attribute: a number, or JSON."""
+    return value if isinstance(value, float) else json.dumps(value)

@@ -32,7 +32,10 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     tell(COMPILING)
     # Even, and large enough for the Fourier solver to start from a coarser lattice.
     heights = np.random.default_rng(0).normal(size=(66, 66))
-    for solid in (spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1), half_space(modulus=1.0, creeping=0.5)):
+    for solid in (
+        spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1),
+        half_space(modulus=1.0, branches=[(0.5, 1.0)]),
+    ):
         contact = press(heights, solid, load=80.0)
         relax(press(age(contact, [1.0, 100.0]).final, load=40.0))
     # Contacts in patches under stiff springs to the bulk, where cycles are slow and steps are combined.

@@ -6,14 +6,14 @@ import dataclasses
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from asperity.checks import number as checked_number
 from asperity.errors import InputError, SurfaceFileError
-from asperity.lattice import Field
+from asperity.lattice import Edges, Field
 from asperity.surfaces import prepare
 from asperity.surfaces.heights import check_heights
 from asperity.surfaces.instruments import read_instrument
@@ -77,6 +77,21 @@ class Surface:
                 advice=f"resample = true (--resample): means over {max(self.pixel_size):.4g}{unit}",
             )
         return np.array(self.heights, dtype=dtype, copy=copy)
+
+    edges: ClassVar[Edges] = "periodic"
+
+    @property
+    def has_lengths(self) -> bool:
+        """Whether the heights have a unit of length."""
+        return prepare.is_length(self.unit)
+
+    def in_meters(self) -> tuple[Field, tuple[float, ...]]:
+        """Heights and spacing in m."""
+        assert self.pixel_size
+        assert self.length_unit
+        lateral = prepare.length_factor(self.length_unit, "m")
+        heights = self.heights * prepare.length_factor(self.unit, "m")
+        return heights, tuple(size * lateral for size in self.pixel_size)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -1,0 +1,219 @@
+r"""The exact contact of a separable solid under a load that never falls.
+
+If all stiffnesses are multiples of one, K, with shares g_b and times tau_b, the force on the surface is
+
+    r = K [ u - sum_b g_b u_b ],        tau_b d u_b/dt = u - u_b .
+
+While no site loses contact, u is the surface of an elastic solid of stiffness K under the effective load
+
+    L = F + sum_b g_b L_b ,             tau_b d L_b/dt = L - L_b ,
+
+that is E* times the integral of J(t - s) dF(s) with the creep compliance J (E. H. Lee, J. R. M. Radok, J.
+Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech. 33, 845 (1966), DOI
+10.1115/1.3625192). L never falls if F does not. So one elastic contact gives u and the contacts at any time,
+with no error of time steps. The anchors, and with them the forces, are averages of u over the past: u is
+taken as linear in L between the ends of a step, which keeps the balance of forces exact, and the error of
+that is what the length of the steps is chosen by.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from asperity.aging.tr_bdf2 import Attempt, Extent
+from asperity.contact.arrays import largest
+from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
+from asperity.contact.state import Contact
+from asperity.contact.system import System
+from asperity.lattice import Field, Spectrum
+
+_BALANCED = 1e-6
+"""Largest elastic force off contact, over the mean in contact, of a surface of an elastic solid."""
+
+
+class EffectiveLoad:
+    """The effective load L of branches of given shares and times, exact for a load linear in time."""
+
+    def __init__(self, shares: Field, times: Field) -> None:
+        self.shares, self.times = shares, times
+        # Symmetric in the variables sqrt(g tau) L_b: rates of retardation >= 0.
+        weight = np.sqrt(shares / times)
+        self.rates, self.modes = scipy.linalg.eigh(np.diag(1 / times) - np.outer(weight, weight))
+        self.rates = np.maximum(self.rates, 0.0)
+        self.scale = np.sqrt(shares * times)
+
+    def after(self, loads: Field, load: float, rate: float, duration: float) -> Field:
+        """L_b a time later, while the load grows from a value at a rate."""
+        y = self.modes.T @ (self.scale * loads)
+        forcing = self.modes.T @ np.sqrt(self.shares / self.times)
+        x = self.rates * duration
+        small = x < 1e-8
+        rates = np.where(small, 1.0, self.rates)
+        once = np.where(small, duration, -np.expm1(-x) / rates)
+        twice = np.where(small, duration**2 / 2, (duration - once) / rates)
+        return np.asarray(self.modes @ (np.exp(-x) * y + forcing * (load * once + rate * twice)) / self.scale)
+
+
+class SeparableSteps:
+    """A creeping state of a separable solid above a surface that keeps its contacts; see the module.
+
+    Attributes
+    ----------
+    u, before
+        The surface now and at the end of the step before.
+    loads, load_before
+        L and all L_b; L at the end of the step before.
+    anchors
+        Fourier modes of u_b.
+    """
+
+    def __init__(self, system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> None:
+        self.system, self.solver = system, solver
+        self.time, self.load_before, *loads = arrays["loads"].tolist()
+        self.loads = np.array(loads)
+        self.u, self.before, self.anchors = arrays["u"], arrays["before"], arrays["anchors"].copy()
+        self.stiffness, shares, times = parts_of(system)
+        self.effective = EffectiveLoad(shares, times)
+        self.tried = self.u, self.loads
+
+    @classmethod
+    def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
+        """At the start of a history, if its surface and anchors are those of an elastic solid."""
+        control = system.control
+        if not (
+            start.solid.separable and control.load_controlled and control.rate >= 0 and len(start.anchors)
+        ):
+            return None
+        stiffness, shares, _ = parts_of(system)
+        free = ~start.in_contact
+        if not free.any() or not (shares > 0).all():
+            return None
+        loads = []
+        for surface in (start.u, *start.anchors):
+            force = system.mechanics.lattice.apply(stiffness, surface - system.datum)
+            lifted = force[free]
+            loads.append(-float(lifted.mean()) * lifted.size * (system.sites / lifted.size))
+            if largest(lifted - lifted.mean(), np) > _BALANCED * max(loads[0], 0.0) / max(start.area, 1):
+                return None
+        if not 0 <= max(loads[1:]) <= loads[0] * (1 + _BALANCED):
+            return None
+        own = np.array(loads[1:])
+        if abs(control.value + float(shares @ own) - loads[0]) > _BALANCED * loads[0]:
+            return None
+        own = np.maximum(own, 0.0)
+        lattice = system.mechanics.lattice
+        arrays = {
+            "loads": np.array([0.0, math.nan, control.value + float(shares @ own), *own]),
+            "u": start.u - system.datum,
+            "before": start.u - system.datum,
+            "anchors": lattice.forward(start.anchors - system.datum),
+        }
+        return cls(system, solver, arrays)
+
+    def contacts_tried(self) -> int:
+        """Number of sites in contact at the end of the time step that was tried."""
+        return int(np.count_nonzero(self.tried[0] <= self.system.heights))
+
+    def state(self) -> tuple[Field, Field, float]:
+        """See `Steps`."""
+        mechanics, load = self.system.mechanics, self.system.at(self.time).load
+        lattice, hanging = mechanics.lattice, mechanics.hanging
+        stretch = lattice.forward(self.u) - self.anchors
+        assert load is not None
+        own = float(hanging[1:].sum())
+        drop = 0.0
+        if own > 0:  # the stiffness at wave vector 0 is the solid's own
+            stretch[lattice.mean] = (self.loads[0] - self.loads[1:]) / mechanics.mean_stiffness
+            drop = float(self.loads[0]) / mechanics.mean_stiffness
+        else:
+            stretch[lattice.mean] = 0.0
+            drop = load / float(hanging[0]) if hanging[0] > 0 else 0.0
+        position = float(self.u.mean()) - drop / self.system.sites
+        return self.u, lattice.backward(stretch), position
+
+    def extent(self) -> Extent:
+        """How large the deformation is."""
+        stretch = self._stretch()
+        return Extent(float(self.u.std()), self.system.mechanics.spectral.rms(stretch), largest(self.u, np))
+
+    def speed(self) -> float:
+        """Rate of the anchors, rms over the sites."""
+        mechanics = self.system.mechanics.spectral
+        return mechanics.rms(mechanics.spectra.rate * self._stretch())
+
+    def attempt(
+        self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
+    ) -> Attempt:
+        """Find the contact a time later; the error is that of the anchors."""
+        del tolerances, allowed_errors
+        system, effective = self.system, self.effective
+        now = system.at(self.time)
+        assert now.load is not None
+        own = effective.after(self.loads[1:], now.load, system.control.rate, duration)
+        own = np.maximum(own, self.loads[1:])
+        load = now.load + system.control.rate * duration
+        total = max(load + float(effective.shares @ own), float(self.loads[0]))
+        ahead = self._ahead(total)
+        guess = Guess(self.u + ahead * (self.u - self.before), disposable=True)
+        lattice = system.mechanics.lattice
+        rhs = lattice.flat_modes(-total / system.sites)
+        problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)
+        # Forces relax, and what is left off contact stays in the anchors: it is to be small beside them.
+        solution = self.solver.solve(problem, guess, TOLERANCE * load / total)
+        error = 0.0
+        if ahead > 0:
+            surprise = solution.u - self.u - ahead * (self.u - self.before)
+            error = float(np.std(surprise)) * ahead / (1 + ahead) / 4
+        self.tried = solution.u, np.array([total, *own])
+        return Attempt(error, solution.iterations)
+
+    def accept(self, time: float) -> None:
+        """Make the end of the time step that was tried the state at a time."""
+        lattice, (u, loads) = self.system.mechanics.lattice, self.tried
+        kept = np.exp(-(time - self.time) / self.effective.times)
+        grown = float(loads[0] - self.loads[0])
+        share = loads[1:] - kept * self.loads[1:] - (1 - kept) * self.loads[0]
+        share = np.clip(share / grown, 0.0, 1 - kept) if grown > 0 else 0 * share
+        start, end = lattice.forward(self.u), lattice.forward(u)
+        for anchor, old, new in zip(self.anchors, kept, share, strict=True):
+            anchor *= old
+            anchor += (1 - old - new) * start + new * end
+        self.before, self.load_before = self.u, float(self.loads[0])
+        self.u, self.loads, self.time = u, loads, time
+
+    def resume_state(self) -> dict[str, NDArray[Any]]:
+        """See `Steps`."""
+        return {
+            "loads": np.array([self.time, self.load_before, *self.loads]),
+            "u": self.u,
+            "before": self.before,
+            "anchors": self.anchors.copy(),
+        }
+
+    def _ahead(self, load: float) -> float:
+        """How far a load is beyond the present one, over how far that is beyond the one before; at most 2."""
+        last = float(self.loads[0]) - self.load_before
+        return min((load - float(self.loads[0])) / last, 2.0) if last > 0 else 0.0
+
+    def _stretch(self) -> NDArray[np.complex128]:
+        lattice = self.system.mechanics.lattice
+        stretch = lattice.forward(self.u) - self.anchors
+        stretch[lattice.mean] = 0.0
+        return np.asarray(stretch)
+
+
+def parts_of(system: System) -> tuple[Spectrum, Field, Field]:
+    """K, 0 at wave vector 0, with the shares and the times of the branches of a separable solid."""
+    spectra = system.mechanics.spectral.spectra
+    stiffness = spectra.permanent + spectra.creeping.sum(axis=0)
+    stiffness.flat[0] = 0.0
+    branches = len(spectra.creeping)
+    wave = np.argmax(stiffness)
+    creeping, rate = (field.reshape(branches, -1)[:, wave] for field in (spectra.creeping, spectra.rate))
+    return stiffness, creeping / stiffness.flat[wave], 1 / rate

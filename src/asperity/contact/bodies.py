@@ -1,0 +1,49 @@
+"""What a contact is of: a rough surface and a solid, whose units meet here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from asperity.lattice import Field, Lattice
+from asperity.solids import Solid
+from asperity.surfaces import Surface
+from asperity.surfaces.heights import check_heights
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """What a contact is of, and what its numbers mean; see `asperity.Contact`."""
+
+    heights: Field
+    lattice: Lattice
+    solid: Solid
+    surface: Mapping[str, object]
+    si: bool
+
+
+def bodies_of(heights: object, solid: Solid) -> Bodies:
+    """Put a solid above heights, in units that both have.
+
+    A solid that is a continuum takes a surface with units in metres, its own numbers being in pascals and
+    seconds. Anything else has the units of the user, and spacing 1 unless a surface without units gives
+    another. A solid that is defined on sites takes heights as they are.
+
+    Raises
+    ------
+    InputError
+        Heights are none, or the units of a surface are incomplete.
+    """
+    provenance = getattr(heights, "provenance", None)
+    origin = dict(provenance) if isinstance(provenance, dict) else {}
+    spacing: tuple[float, ...] = ()
+    si = False
+    if isinstance(heights, Surface) and solid.in_lengths:
+        si, spacing = heights.has_lengths, heights.pixel_size or ()
+        rough = check_heights(heights.heights)
+        if si:
+            rough, spacing = heights.in_meters()
+    else:
+        rough = check_heights(heights)
+    edges = heights.edges if isinstance(heights, Surface) else "periodic"
+    return Bodies(rough, Lattice(rough.shape, spacing, edges), solid, origin, si)

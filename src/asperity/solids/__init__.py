@@ -1,0 +1,26 @@
+"""Solids whose surface is elastic and creeps."""
+
+from asperity.solids.continua import contact_modulus, half_space, layer
+from asperity.solids.laws import FixedRate, LaplacianSpectrum, Scaled, WaveNumberSpectrum
+from asperity.solids.solid import CreepBranch, Solid, Spectra, SpringConstants
+from asperity.solids.springs import spring_lattice
+
+__all__ = [
+    "CreepBranch",
+    "FixedRate",
+    "LaplacianSpectrum",
+    "Scaled",
+    "Solid",
+    "Spectra",
+    "SpringConstants",
+    "WaveNumberSpectrum",
+    "contact_modulus",
+    "half_space",
+    "layer",
+    "spring_lattice",
+]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

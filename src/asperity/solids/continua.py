@@ -1,0 +1,230 @@
+"""Solids that are continua, in any consistent units: Pa, m and s where surfaces have units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import asperity.checks as checks
+from asperity.errors import LARGEST, InputError
+from asperity.solids.laws import (
+    FixedRate,
+    LayerSpectrum,
+    PowerMobility,
+    Scaled,
+    SpectrumOf,
+    WaveNumberSpectrum,
+    WithApparatus,
+)
+from asperity.solids.solid import CreepBranch, Parameters, Solid
+
+Branches = Sequence[tuple[float, float]]
+
+
+def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[float]) -> float:
+    r"""Contact modulus E* of two elastic bodies: 1/E* = sum of (1 - nu^2) / E.
+
+    Parameters
+    ----------
+    young
+        Young's modulus E of the one body that is not rigid, or of both, > 0.
+    poisson
+        Poisson's ratio nu of the same, from -1 to 0.5.
+
+    Returns
+    -------
+    float
+        E*, in the unit of ``young``.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or there are more of one kind than of the other.
+
+    References
+    ----------
+    K. L. Johnson, *Contact Mechanics* (Cambridge 1985), Eq. (4.24).
+    """
+    moduli = checks.positive("young", young).reshape(-1)
+    ratios = checks.floats("poisson", poisson).reshape(-1)
+    if not 1 <= moduli.size == ratios.size <= 2:
+        got = f"{moduli.size} moduli and {ratios.size} ratios"
+        raise InputError("young and poisson", expected="one of each for each of one or two bodies", got=got)
+    for ratio in ratios.tolist():
+        _poisson(ratio)
+    return 1.0 / float(((1 - ratios**2) / moduli).sum())
+
+
+def half_space(
+    *,
+    modulus: float,
+    branches: Branches = (),
+    flow: tuple[float, float] | None = None,
+    apparatus: float | None = None,
+) -> Solid:
+    r"""Build a half-space that is elastic, viscoelastic, or creeps by a mechanism of its surface.
+
+    A periodic pressure of wave vector q on a half-space displaces its surface by 2 / (E* abs(q)) of it, so
+    the stiffness is K = E* abs(q) / 2 for each area. Branch b takes the share g_b of it and relaxes, at
+    every wave vector, in the time tau_b (a generalized Maxwell solid); the rest is permanent:
+
+        H = (1 - sum g_b) K,    C_b = g_b K,    M_b = 1 / (tau_b C_b).
+
+    With ``flow``, all of the stiffness is one branch whose mobility is a power of the wave number.
+
+    Parameters
+    ----------
+    modulus
+        Contact modulus E* at once, before anything relaxes, force per area; see `contact_modulus`.
+    branches
+        Pairs (share of the modulus, relaxation time). Without any the half-space is elastic.
+    flow
+        Instead of branches: mobility m, velocity per pressure times length^n, and exponent n of
+        M = m abs(q)^n (-1: bulk flow, 0: dissolution, 1: diffusion in the volume, 2: along the surface).
+    apparatus
+        Stiffness of the apparatus, force per length, between the machine and the half-space, which may be
+        `math.inf`. With it the position of the machine can be prescribed (``separation=``). Infinite stands
+        for 1e6 times the largest stiffness of a mode.
+
+    Returns
+    -------
+    Solid
+        It is separable unless it has ``flow``.
+
+    Raises
+    ------
+    InputError
+        A number is not positive and finite, or the shares add up to more than 1.
+
+    Notes
+    -----
+    Without an apparatus nothing holds the mean of the surface: the load is prescribed, and the separation
+    is the mean of u.
+
+    References
+    ----------
+    K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 13.2, DOI 10.1017/CBO9781139171731.
+    """
+    modulus = checks.number("modulus", modulus, above=0)
+    law = WaveNumberSpectrum(modulus / 2)
+    parameters = {"modulus": modulus}
+    if flow is None:
+        return _solid("half_space", law, parameters, branches, apparatus, loaded_from_afar=True)
+    if len(branches):
+        raise InputError("flow", expected="no branches beside it", got=f"{len(branches)} branches")
+    mobility, exponent = checks.pair("flow", flow)
+    mobility = checks.number("flow", mobility, above=0, expected="a mobility above 0 and an exponent")
+    checks.number("flow", exponent, least=-2, most=4, expected="an exponent from -2 to 4")
+    return Solid(
+        permanent=_mounted(Scaled(law, 0.0), law, apparatus),
+        branches=(CreepBranch(Scaled(law, 1.0), PowerMobility(mobility, exponent)),),
+        parameters={**parameters, "flow": (mobility, exponent), **_named(apparatus)},
+        loaded_from_afar=True,
+        in_lengths=True,
+        kind="half_space",
+    )
+
+
+def layer(
+    *,
+    modulus: float,
+    poisson: float,
+    thickness: float,
+    branches: Branches = (),
+    bonded: bool = True,
+) -> Solid:
+    r"""Build an elastic or viscoelastic layer on a rigid base; see `asperity.solids.laws.LayerSpectrum`.
+
+    Parameters
+    ----------
+    modulus
+        Contact modulus E* = E / (1 - nu^2) of its material at once, force per area.
+    poisson
+        Its Poisson's ratio nu, from -1 to 0.5, which does not relax. A bonded layer of 0.5 keeps its volume.
+    thickness
+        Length.
+    branches
+        As in `half_space`.
+    bonded
+        Whether the layer is bonded to the base; else it slides on it without friction.
+
+    Returns
+    -------
+    Solid
+        It is separable.
+
+    Raises
+    ------
+    InputError
+        As for `half_space`; or Poisson's ratio is out of its range.
+    """
+    poisson = _poisson(poisson)
+    modulus = checks.number("modulus", modulus, above=0)
+    thickness = checks.number("thickness", thickness, above=0)
+    law = LayerSpectrum(modulus, poisson, thickness, bonded)
+    parameters = {"modulus": modulus, "poisson": poisson, "thickness": thickness, "bonded": float(bonded)}
+    return _solid("layer", law, parameters, branches)
+
+
+def checked_branches(branches: Branches) -> tuple[tuple[float, float], ...]:
+    """Check shares of a stiffness and relaxation times.
+
+    Raises
+    ------
+    InputError
+        They are no pairs, a share is negative, a time is not positive, or the shares exceed 1 in sum.
+    """
+    expected = "a share from 0 to 1 and a relaxation time above 0"
+    checked = []
+    for number, branch in enumerate(branches):
+        name = f"branches[{number}]"
+        share, time = checks.pair(name, branch)
+        share = checks.number(name, share, least=0, most=1, expected=expected, advice="(0.3, 10.0)")
+        time = checks.number(name, time, least=1 / LARGEST, expected=expected, advice="(0.3, 10.0)")
+        checked.append((share, time))
+    total = math.fsum(share for share, _ in checked)
+    if total > 1 + 1e-12:
+        raise InputError("branches", expected="shares of at most 1 in sum", got=f"{total:.6g}")
+    return tuple(checked)
+
+
+def _solid(
+    kind: str,
+    law: SpectrumOf,
+    parameters: Parameters,
+    branches: Branches,
+    apparatus: float | None = None,
+    *,
+    loaded_from_afar: bool = False,
+) -> Solid:
+    """A generalized Maxwell solid: the share of each branch of one law of stiffness."""
+    checked = checked_branches(branches)
+    parts = [(Scaled(law, share), time) for share, time in checked]
+    rest = 1.0 - math.fsum(share for share, _ in checked)
+    permanent = Scaled(law, rest if rest > 1e-12 else 0.0)
+    return Solid(
+        permanent=_mounted(permanent, law, apparatus),
+        branches=tuple(CreepBranch(part, FixedRate(1 / time, part)) for part, time in parts),
+        parameters={**parameters, "branches": checked, **_named(apparatus)},
+        loaded_from_afar=loaded_from_afar,
+        in_lengths=True,
+        kind=kind,
+    )
+
+
+def _mounted(permanent: SpectrumOf, law: SpectrumOf, apparatus: float | None) -> SpectrumOf:
+    if apparatus is None:
+        return permanent
+    if apparatus != math.inf:
+        expected = "a stiffness above 0, or math.inf"
+        apparatus = checks.number("apparatus", apparatus, above=0, expected=expected)
+    return WithApparatus(permanent, law, apparatus)
+
+
+def _named(apparatus: float | None) -> dict[str, float]:
+    return {} if apparatus is None else {"apparatus": apparatus}
+
+
+def _poisson(ratio: float) -> float:
+    expected = "Poisson's ratio, from -1 to 0.5"
+    return checks.number("poisson", ratio, above=-1, most=0.5, expected=expected, advice="0.3")

@@ -1,0 +1,165 @@
+r"""Laws of stiffness and of mobility: what a solid is at each wave vector of a lattice.
+
+The force at a site is the pressure times the area `Lattice.cell` that belongs to it, so a law of a continuum
+is a stiffness per area times that. The laws of the lattice of springs are defined on sites.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+import asperity.checks as checks
+from asperity.lattice import Lattice, Spectrum
+
+SpectrumOf = Callable[[Lattice], Spectrum]
+
+RIGID = 1e6
+"""Stiffness at wave vector 0, over the largest elsewhere, of what counts as rigid."""
+
+
+class Numbers:
+    """A dataclass whose fields that are called numbers become Python floats."""
+
+    def __post_init__(self) -> None:
+        for field_ in fields(self):  # type: ignore[arg-type]
+            if field_.type == "float":
+                value = checks.number(field_.name, getattr(self, field_.name))
+                object.__setattr__(self, field_.name, value)
+
+
+@dataclass(frozen=True)
+class LaplacianSpectrum(Numbers):
+    """The spectrum ``laplacian * lam(q) + uniform``: springs to the neighbors and to the bulk."""
+
+    laplacian: float = 0.0
+    uniform: float = 0.0
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice."""
+        return self.laplacian * lattice.lam + self.uniform
+
+
+@dataclass(frozen=True)
+class WaveNumberSpectrum(Numbers):
+    """The spectrum ``slope * abs(q)`` for each unit of area: a half-space under normal load."""
+
+    slope: float
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice."""
+        return self.slope * lattice.wave_number * lattice.cell
+
+
+@dataclass(frozen=True)
+class LayerSpectrum(Numbers):
+    r"""A layer on a rigid base under normal load: E* abs(q) / (2 S(abs(q) thickness)).
+
+    With x = abs(q) thickness and Poisson's ratio nu, where the layer is bonded to the base
+
+        S = [(3 - 4 nu) sinh 2x - 2x] / [(3 - 4 nu) cosh 2x + 2 x^2 + 5 - 12 nu + 8 nu^2],
+
+    and S = (cosh 2x - 1) / (sinh 2x + 2x) where it slides on it without friction (K. L. Johnson, *Contact
+    Mechanics* (1985), section 5.8; R. H. Bentall, K. L. Johnson, Int. J. Mech. Sci. 10, 637 (1968), DOI
+    10.1016/0020-7403(68)90070-2).
+    """
+
+    modulus: float
+    poisson: float
+    thickness: float
+    bonded: bool = True
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice; an incompressible bonded layer is `RIGID` at wave vector 0."""
+        q = lattice.wave_number
+        x, nu = q * self.thickness, self.poisson
+        decay = np.exp(-2 * x)  # numerator and denominator are multiplied by it
+        sinh, cosh = -np.expm1(-4 * x) / 2, (1 + decay**2) / 2
+        if self.bonded:
+            numerator = (3 - 4 * nu) * sinh - 2 * x * decay
+            denominator = (3 - 4 * nu) * cosh + (2 * x**2 + 5 - 12 * nu + 8 * nu**2) * decay
+            compressed = (1 - nu) ** 2 / (1 - 2 * nu) if nu < 0.5 else math.inf
+        else:
+            numerator, denominator = cosh - decay, sinh + 2 * x * decay
+            compressed = 1.0
+        q.flat[0] = numerator.flat[0] = 1.0
+        spectrum = self.modulus * lattice.cell * q * denominator / (2 * numerator)
+        spectrum.flat[0] = self.modulus * lattice.cell * compressed / self.thickness
+        if math.isinf(compressed):
+            spectrum.flat[0] = RIGID * spectrum.flat[1:].max(initial=self.modulus * lattice.cell)
+        return spectrum
+
+
+@dataclass(frozen=True)
+class Scaled(Numbers):
+    """A law times a factor: the part of a stiffness that a branch has."""
+
+    law: SpectrumOf
+    factor: float
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice."""
+        return self.factor * self.law(lattice)
+
+
+@dataclass(frozen=True)
+class WithApparatus:
+    """A law that vanishes at wave vector 0, and there the stiffness of an apparatus, force per length.
+
+    Parameters
+    ----------
+    law
+        The law; `whole` is that of all branches together.
+    whole
+        Its largest value is the scale of `RIGID`, for which an infinite stiffness stands.
+    stiffness
+        That of the apparatus, > 0; it may be infinite.
+    """
+
+    law: SpectrumOf
+    whole: SpectrumOf
+    stiffness: float
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice."""
+        spectrum = self.law(lattice)
+        rigid = math.isinf(self.stiffness)
+        spectrum.flat[0] = RIGID * self.whole(lattice).max() if rigid else self.stiffness / lattice.sites
+        return spectrum
+
+
+@dataclass(frozen=True)
+class FixedRate(Numbers):
+    """The mobility with which a branch relaxes at one rate at every wave vector: ``rate / C``, or 0."""
+
+    rate: float
+    stiffness: SpectrumOf
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice."""
+        stiffness = self.stiffness(lattice)
+        return np.divide(self.rate, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
+
+
+@dataclass(frozen=True)
+class PowerMobility(Numbers):
+    """The mobility ``mobility * abs(q)**exponent`` of a continuum, velocity per pressure; 0 at q = 0.
+
+    Bulk flow has the exponent -1, dissolution 0, diffusion through the volume 1, along the surface 2
+    (C. Herring, J. Appl. Phys. 21, 301 (1950), DOI 10.1063/1.1699656; W. W. Mullins, J. Appl. Phys. 30,
+    77 (1959), DOI 10.1063/1.1734979).
+    """
+
+    mobility: float
+    exponent: float
+
+    def __call__(self, lattice: Lattice) -> Spectrum:
+        """Evaluate on a lattice."""
+        q = lattice.wave_number
+        q.flat[0] = 1.0
+        spectrum = self.mobility * q**self.exponent / lattice.cell
+        spectrum.flat[0] = 0.0
+        return spectrum

@@ -1,0 +1,57 @@
+"""Jagla's lattice of springs."""
+
+from __future__ import annotations
+
+import asperity.checks as checks
+from asperity.errors import InputError
+from asperity.solids.laws import LaplacianSpectrum
+from asperity.solids.solid import CreepBranch, Solid
+
+
+def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0.0) -> Solid:
+    r"""Build Jagla's lattice of springs (Eqs. e and dosrs).
+
+    Parameters
+    ----------
+    k0
+        Stiffness of the springs between nearest neighbors, force per length; H = k0 lam(q). With
+        ``k0=0`` the surface is a bed of independent springs.
+    k1
+        Stiffness of the springs to the bulk, force per length; C = k1. With ``k1=0`` there is nothing
+        through which to press: `asperity.press` refuses.
+    R
+        Mobility of creep that conserves the mean of u0, velocity per force; M = R lam(q) + R_viscous.
+    R_viscous
+        Mobility of viscous creep, the paper's :math:`\tilde R`, velocity per force.
+
+    Returns
+    -------
+    Solid
+
+    Raises
+    ------
+    InputError
+        A value is negative or not finite, or both stiffnesses are zero.
+
+    References
+    ----------
+    E. A. Jagla, "Towards a modeling of the time dependence of contact area between solid bodies".
+    """
+    parameters = {
+        name: checks.number(name, value, least=0)
+        for name, value in {"k0": k0, "k1": k1, "R": R, "R_viscous": R_viscous}.items()
+    }
+    k0, k1, R, R_viscous = parameters.values()
+    if k0 == 0 and k1 == 0:
+        raise InputError("k0 and k1", expected="a stiffness above 0", got="both 0", advice="k0=1.0, k1=3.0")
+    return Solid(
+        permanent=LaplacianSpectrum(laplacian=k0),
+        branches=(
+            CreepBranch(
+                stiffness=LaplacianSpectrum(uniform=k1),
+                mobility=LaplacianSpectrum(laplacian=R, uniform=R_viscous),
+            ),
+        ),
+        parameters=parameters,
+        kind="spring_lattice",
+    )
