@@ -159,13 +159,14 @@ def not_negative(name: str, value: object, *, infinity: str = "") -> Floats:
     return array
 
 
-def pair(name: str, value: object) -> tuple[float, float]:
-    """Two finite numbers."""
-    array = _as_floats(name, value, "two numbers")
-    if array.shape != (2,) or not np.isfinite(array).all():
-        raise InputError(name, expected="two finite numbers", got=shown(value))
-    first, second = array.tolist()
-    return first, second
+def pairs(name: str, value: object, advice: str) -> Floats:
+    """Pairs of finite numbers, shape (n, 2); none is fine."""
+    array = _as_floats(name, value, "pairs of numbers", advice)
+    if array.size == 0:
+        return array.reshape(0, 2)
+    if array.ndim != 2 or array.shape[1] != 2 or not np.isfinite(array).all():
+        raise InputError(name, expected="pairs of finite numbers", got=shown(value), advice=advice)
+    return array
 
 
 def line(name: str, value: object) -> Floats:

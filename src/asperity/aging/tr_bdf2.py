@@ -197,7 +197,7 @@ def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
     if earlier is None:
         return Guess(latest.u)
     factor = ahead(earlier.time, latest.time, time)
-    u = combined((1.0 + factor, latest.u), (-factor, earlier.u))
+    u = combined(1.0 + factor, latest.u, -factor, earlier.u)
     return Guess(u, disposable=True)
 
 

@@ -1439,16 +1439,8 @@ def overlap(heights: Any, level: float, out: Any, low: int, high: int) -> None:
 
 
 @_compiled
-def combine_2(a: float, x: Any, b: float, y: Any, out: Any, low: int, high: int) -> None:
+def combine(a: float, x: Any, b: float, y: Any, out: Any, low: int, high: int) -> None:
     """Sum a x + b y."""
     for i in range(low, high):
         for j in range(x.shape[1]):
             out[i, j] = a * x[i, j] + b * y[i, j]
-
-
-@_compiled
-def combine_3(a: float, x: Any, b: float, y: Any, c: float, z: Any, out: Any, low: int, high: int) -> None:
-    """Sum a x + b y + c z."""
-    for i in range(low, high):
-        for j in range(x.shape[1]):
-            out[i, j] = a * x[i, j] + b * y[i, j] + c * z[i, j]

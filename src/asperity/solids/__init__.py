@@ -1,7 +1,14 @@
 """Solids whose surface is elastic and creeps."""
 
 from asperity.solids.continua import contact_modulus, half_space, layer
-from asperity.solids.laws import FixedRate, LaplacianSpectrum, Scaled, WaveNumberSpectrum
+from asperity.solids.laws import (
+    FixedRate,
+    LaplacianSpectrum,
+    LayerSpectrum,
+    PowerMobility,
+    Scaled,
+    WaveNumberSpectrum,
+)
 from asperity.solids.solid import CreepBranch, Solid, Spectra, SpringConstants
 from asperity.solids.springs import spring_lattice
 
@@ -9,6 +16,8 @@ __all__ = [
     "CreepBranch",
     "FixedRate",
     "LaplacianSpectrum",
+    "LayerSpectrum",
+    "PowerMobility",
     "Scaled",
     "Solid",
     "Spectra",

@@ -106,13 +106,16 @@ def half_space(
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 13.2, DOI 10.1017/CBO9781139171731.
     """
     modulus = checks.number("modulus", modulus, above=0)
+    if apparatus is not None and apparatus != math.inf:
+        expected = "a stiffness above 0, or math.inf"
+        apparatus = checks.number("apparatus", apparatus, above=0, expected=expected)
     law = WaveNumberSpectrum(modulus / 2)
     parameters = {"modulus": modulus}
     if flow is None:
         return _solid("half_space", law, parameters, branches, apparatus, loaded_from_afar=True)
-    if len(branches):
+    if checked_branches(branches):
         raise InputError("flow", expected="no branches beside it", got=f"{len(branches)} branches")
-    mobility, exponent = checks.pair("flow", flow)
+    mobility, exponent = checks.pairs("flow", [flow], "(1e-20, 0), mobility and exponent")[0].tolist()
     mobility = checks.number("flow", mobility, above=0, expected="a mobility above 0 and an exponent")
     checks.number("flow", exponent, least=-2, most=4, expected="an exponent from -2 to 4")
     return Solid(
@@ -174,14 +177,12 @@ def checked_branches(branches: Branches) -> tuple[tuple[float, float], ...]:
     InputError
         They are no pairs, a share is negative, a time is not positive, or the shares exceed 1 in sum.
     """
-    expected = "a share from 0 to 1 and a relaxation time above 0"
-    checked = []
-    for number, branch in enumerate(branches):
-        name = f"branches[{number}]"
-        share, time = checks.pair(name, branch)
-        share = checks.number(name, share, least=0, most=1, expected=expected, advice="(0.3, 10.0)")
-        time = checks.number(name, time, least=1 / LARGEST, expected=expected, advice="(0.3, 10.0)")
-        checked.append((share, time))
+    advice = "[(0.3, 10.0)], pairs of share and relaxation time"
+    checked = [(share, time) for share, time in checks.pairs("branches", branches, advice).tolist()]
+    for number, (share, time) in enumerate(checked):
+        if not (0 <= share <= 1 and 1 / LARGEST <= time <= LARGEST):
+            expected = "a share from 0 to 1 and a relaxation time above 0"
+            raise InputError(f"branches[{number}]", expected=expected, got=f"{share:g} and {time:g}")
     total = math.fsum(share for share, _ in checked)
     if total > 1 + 1e-12:
         raise InputError("branches", expected="shares of at most 1 in sum", got=f"{total:.6g}")
@@ -213,12 +214,7 @@ def _solid(
 
 
 def _mounted(permanent: SpectrumOf, law: SpectrumOf, apparatus: float | None) -> SpectrumOf:
-    if apparatus is None:
-        return permanent
-    if apparatus != math.inf:
-        expected = "a stiffness above 0, or math.inf"
-        apparatus = checks.number("apparatus", apparatus, above=0, expected=expected)
-    return WithApparatus(permanent, law, apparatus)
+    return permanent if apparatus is None else WithApparatus(permanent, law, apparatus)
 
 
 def _named(apparatus: float | None) -> dict[str, float]:
