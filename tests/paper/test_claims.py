@@ -2,27 +2,24 @@
 
 import math
 import re
+import tomllib
 from collections import Counter
 from pathlib import Path
 from typing import cast
 
+import jinja2
 import numpy as np
 import pytest
 import xarray as xr
 
 from asperity._version import __version__
-from asperity.paper.claims import (
-    area_and_load,
-    discussion,
-    few_contacts,
-    growth,
-    ledger,
-    self_affine,
-    spots,
-)
+from asperity.paper import claims
+from asperity.paper.claims import CLAIMS, ledger
+from asperity.paper.claims.claim import Claim
 from asperity.paper.evidence import Evidence
 from asperity.paper.ledger import Verdict
 from asperity.paper.typeset import plain
+from asperity.paper.wording import LOAD, STIFFNESS_RATIO, spelled
 from asperity.surfaces import gaussian
 from asperity.theory import (
     GaussianHeights,
@@ -51,6 +48,10 @@ class Altered(Evidence):
         self._opened[study] = data.assign(new)
 
 
+def judged(name, evidence):
+    return CLAIMS[name].judge(evidence)
+
+
 def numbers(measured):
     return [float(one.estimate.value) for one in measured]
 
@@ -58,6 +59,29 @@ def numbers(measured):
 @pytest.fixture(scope="module")
 def findings(evidence):
     return {finding.key: finding for finding in ledger(evidence)}
+
+
+def test_every_claim_has_its_sentences():
+    texts = [tomllib.loads(path.read_text("utf-8")) for path in Path(claims.__path__[0]).glob("*.toml")]
+    assert sorted(name for text in texts for name in text) == sorted(CLAIMS)
+    for claim in CLAIMS.values():
+        spoken = claim.sentences
+        assert {*spoken["measured"], *spoken.get("corrected", {})} == {*claim.ranges}, claim.name
+        assert ("corrected" in spoken) == ("correction" in spoken), claim.name
+
+
+def test_a_sentence_holds_its_facts():
+    with_facts = spelled("{{LOAD}} at\n{{ratio(k1)}}, {{'%.3f' % theory}}", {"k1": 1e6, "theory": 0.25})
+    assert with_facts == f"{LOAD} at {STIFFNESS_RATIO} = 1e+06, 0.250"
+    assert spelled("{{per_site(8.0, 1600.0)}}").endswith(" = 0.005")
+    with pytest.raises(jinja2.UndefinedError, match="theory"):
+        spelled("{{theory}}")
+
+
+def test_a_number_without_a_range_is_no_part_of_a_claim():
+    claim = Claim("a0", CLAIMS["a0"].statistic, {"other": (0, 1)})
+    with pytest.raises(KeyError, match="slope"):
+        claim.judge(cast(Evidence, None))
 
 
 def test_every_claim_is_judged_by_numbers(findings):
@@ -94,33 +118,33 @@ def test_claims_without_chance_hold_on_any_lattice(findings):
     ("claim", "study", "name", "change"),
     [
         # Areas that shrink, that stop on the way, that stay below full contact: each claim must notice.
-        (area_and_load.relaxed_is_larger, "load", "relaxed_area", lambda d: d["relaxed_area"] * 0),
-        (area_and_load.relaxed_forgets_k1, "aging", "relaxed_area", lambda d: d["relaxed_area"] * 1.5),
-        (area_and_load.relaxed_full_contact, "load", "relaxed_area", lambda d: d["relaxed_area"] - 1),
-        (area_and_load.no_lateral_spring, "no_lateral", "area", lambda d: d["area"] * 0.9),
-        (growth.load_drifts, "separation", "load", lambda d: xr.ones_like(d["load"])),
-        (discussion.viscous_creep_kills_the_load, "separation", "load", lambda d: xr.ones_like(d["load"])),
-        (discussion.line_contact, "line_point", "approach", lambda d: d["approach"] ** 2),
-        (few_contacts.compliance_in_the_engine, "point", "approach", lambda d: d["approach"] * 1.01),
-        (discussion.mean_is_kept, "separation", "separation", lambda d: d["separation"] + 1e-6 * d["time"]),
-        (discussion.mobility_sets_the_clock, "mobility", "area", lambda d: 1 + d["R"] * np.log1p(d["time"])),
+        ("relaxed-larger", "load", "relaxed_area", lambda d: d["relaxed_area"] * 0),
+        ("relaxed-k1", "aging", "relaxed_area", lambda d: d["relaxed_area"] * 1.5),
+        ("relaxed-full", "load", "relaxed_area", lambda d: d["relaxed_area"] - 1),
+        ("no-lateral", "no_lateral", "area", lambda d: d["area"] * 0.9),
+        ("load-drift", "separation", "load", lambda d: xr.ones_like(d["load"])),
+        ("viscous-load", "separation", "load", lambda d: xr.ones_like(d["load"])),
+        ("line", "line_point", "approach", lambda d: d["approach"] ** 2),
+        ("compliance-engine", "point", "approach", lambda d: d["approach"] * 1.01),
+        ("mean-u0", "separation", "separation", lambda d: d["separation"] + 1e-6 * d["time"]),
+        ("b-mobility", "mobility", "area", lambda d: 1 + d["R"] * np.log1p(d["time"])),
     ],
 )
 def test_a_claim_that_is_wrong_differs(evidence, claim, study, name, change):
-    assert claim(Altered(evidence, study, **{name: change})).verdict is Verdict.DIFFERS
+    assert judged(claim, Altered(evidence, study, **{name: change})).verdict is Verdict.DIFFERS
 
 
 def test_exponents_of_the_load_curves(evidence):
     def power(exponent):
         return lambda d: d["sites"] * (d["load"] / d["sites"] / 30) ** exponent
 
-    finding = area_and_load.proportional_to_load(Altered(evidence, "load", initial_area=power(0.7)))
+    finding = judged("slope-1", Altered(evidence, "load", initial_area=power(0.7)))
     assert numbers(finding.measured) == pytest.approx([0.7] * 5, abs=1e-12)
     assert finding.verdict is Verdict.DIFFERS
     relaxed = Altered(evidence, "load", relaxed_area=power(0.8))
-    assert numbers(area_and_load.relaxed_exponent(relaxed).measured) == pytest.approx([0.8, 0], abs=1e-12)
+    assert numbers(judged("relaxed-0.8", relaxed).measured) == pytest.approx([0.8, 0], abs=1e-12)
     steep = Altered(evidence, "self_affine_load", initial_area=power(0.6))
-    assert numbers(self_affine.load_exponent(steep).measured) == pytest.approx([0.6, 0.6], abs=1e-12)
+    assert numbers(judged("self-affine-0.8", steep).measured) == pytest.approx([0.6, 0.6], abs=1e-12)
 
 
 def test_crossover_and_independent_springs(evidence):
@@ -133,11 +157,11 @@ def test_crossover_and_independent_springs(evidence):
 
     # Springs of stiffness k1 + 1: the crossover goes with the stiffer one.
     both = Altered(evidence, "load", initial_area=lambda d: of_springs(d, lambda k: k + 1))
-    soft, stiff = numbers(area_and_load.stiffer_spring_sets_crossover(both).measured)
+    soft, stiff = numbers(judged("crossover", both).measured)
     assert soft == pytest.approx(1.01 / 1.1, rel=0.01)  # read between loads half a decade apart
     assert stiff == pytest.approx(1.01, rel=0.01)
     alone = Altered(evidence, "load", initial_area=lambda d: of_springs(d, lambda k: k))
-    full, over = numbers(area_and_load.independent_springs(alone).measured)
+    full, over = numbers(judged("winkler", alone).measured)
     seeds, side = evidence["load"]["seed"].values, round(evidence.sites("load") ** 0.5)
     lowest = np.mean([gaussian((side, side), seed=int(seed)).min() for seed in seeds])
     assert full == pytest.approx(-lowest, rel=0.05)  # to k0/k1 = 1/100, and the surface's own mean
@@ -153,12 +177,14 @@ def test_parameters_of_the_saturation_law(evidence):
         return saturating(d, a=1 + 0.4 / (d["load"] / 1600) ** 0.5, q=(d["load"] / 1600) ** 0.5, t0=0.5)
 
     altered = Altered(evidence, "aging", area=law, relaxed_area=lambda d: d["load"] * 0 + 200.0)
-    assert max(numbers(growth.saturation_law(altered).measured)) < 1e-6
-    assert numbers(growth.exponent_of_q(altered).measured) == pytest.approx([0.5, 0.5], abs=1e-5)
-    assert numbers(growth.finite_slope(altered).measured) == pytest.approx([0, 0], abs=1e-5)
+    assert max(numbers(judged("saturation", altered).measured)) < 1e-6
+    assert numbers(judged("q-beta", altered).measured) == pytest.approx([0.5, 0.5], abs=1e-5)
+    assert numbers(judged("c-finite", altered).measured) == pytest.approx([0, 0], abs=1e-5)
     loads = np.array(evidence.values("aging", "load"))[[0, -1]] / 1600
     fitted = (1 + 0.4 / loads**0.5) / 2  # over a limit of twice A(0)
-    assert numbers(growth.saturation_limit(altered).measured) == pytest.approx([*fitted, *fitted], rel=1e-4)
+    assert numbers(judged("saturation-limit", altered).measured) == pytest.approx(
+        [*fitted, *fitted], rel=1e-4
+    )
 
 
 def test_logarithms_are_even_and_powers_are_not(evidence):
@@ -166,16 +192,16 @@ def test_logarithms_are_even_and_powers_are_not(evidence):
         return 10 * (1 + 0.3 * np.log1p(1e3 * d["time"]))
 
     altered = Altered(evidence, "aging", area=logarithm)
-    assert numbers(growth.logarithm_at_light_load(altered).measured) == pytest.approx([1, 1], rel=1e-3)
-    assert numbers(growth.slope_and_load(altered).measured) == pytest.approx([0, 0], abs=1e-12)
+    assert numbers(judged("logarithm", altered).measured) == pytest.approx([1, 1], rel=1e-3)
+    assert numbers(judged("b-load", altered).measured) == pytest.approx([0, 0], abs=1e-12)
     for claim, study in (
-        (self_affine.slope_and_load, "self_affine_aging"),
-        (self_affine.other_hurst_exponents, "hurst"),
+        ("slope-load", "self_affine_aging"),
+        ("hurst", "hurst"),
     ):
-        late_over_early = numbers(claim(Altered(evidence, study, area=logarithm)).measured)[1::2]
+        late_over_early = numbers(judged(claim, Altered(evidence, study, area=logarithm)).measured)[1::2]
         assert late_over_early == pytest.approx([1] * len(late_over_early), rel=1e-3)
         power = Altered(evidence, study, area=lambda d: 10 * (1 + d["time"] ** 0.25))
-        late_over_early = numbers(claim(power).measured)[1::2]
+        late_over_early = numbers(judged(claim, power).measured)[1::2]
         assert late_over_early == pytest.approx([10 ** (1.5 / 4)] * len(late_over_early), rel=0.02)
 
 
@@ -186,16 +212,16 @@ def growing(d, slope):
 
 @pytest.mark.parametrize(
     ("claim", "study"),
-    [(self_affine.slope_and_stiffness, "self_affine_aging"), (discussion.stiffness_ratio_sets_b, "aging")],
+    [("slope-stiffness", "self_affine_aging"), ("b-stiffness", "aging")],
 )
 def test_slopes_against_stiffness(evidence, claim, study):
     k1 = evidence.values(study, "k1")
-    finding = claim(Altered(evidence, study, area=lambda d: growing(d, d["k1"] / 10)))
+    finding = judged(claim, Altered(evidence, study, area=lambda d: growing(d, d["k1"] / 10)))
     assert finding.verdict is Verdict.AGREES
     assert numbers(finding.measured) == pytest.approx([k1[-1] / k1[0]], rel=1e-3)
     stiffness = site_stiffness(np.array(k1))
     by_site = xr.DataArray(stiffness, dims="k1", coords={"k1": k1})
-    finding = claim(Altered(evidence, study, area=lambda d: growing(d, by_site / 20)))
+    finding = judged(claim, Altered(evidence, study, area=lambda d: growing(d, by_site / 20)))
     assert finding.verdict is Verdict.CORRECTED
     assert numbers(finding.corrected) == pytest.approx([stiffness[-1] / stiffness[0]], rel=1e-3)
 
@@ -205,8 +231,8 @@ def test_slope_that_depends_on_the_load(evidence):
         return growing(d, 0.1 * (d["load"] / d["load"][0]) ** 0.3)
 
     for finding in (
-        growth.slope_and_load(Altered(evidence, "aging", area=steeper)),
-        self_affine.slope_and_load(Altered(evidence, "self_affine_aging", area=steeper)),
+        judged("b-load", Altered(evidence, "aging", area=steeper)),
+        judged("slope-load", Altered(evidence, "self_affine_aging", area=steeper)),
     ):
         assert numbers(finding.measured)[0] == pytest.approx(0.3, rel=1e-3)
         assert finding.verdict is Verdict.DIFFERS
@@ -215,7 +241,7 @@ def test_slope_that_depends_on_the_load(evidence):
 def test_size(evidence):
     sizes = evidence.values("self_affine_load", "size")
     altered = Altered(evidence, "self_affine_load", initial_area=lambda d: d["load"] ** 0.8 * d["size"] / 32)
-    (measured,) = numbers(self_affine.size_independence(altered).measured)
+    (measured,) = numbers(judged("self-affine-size", altered).measured)
     assert measured == pytest.approx(sizes[1] / sizes[0], rel=1e-12)
 
 
@@ -234,27 +260,25 @@ def test_few_contacts(evidence):
         curves = xr.DataArray(grown, dims=("k1", "time"), coords={"k1": d["k1"].values})
         return 1 + (start(d) - 1) * curves
 
-    finding = few_contacts.number_at_start(Altered(evidence, "exponential", initial_area=start))
+    finding = judged("n-start", Altered(evidence, "exponential", initial_area=start))
     assert numbers(finding.corrected) == pytest.approx([1, 1], abs=1e-12)
     k1 = np.array(evidence.values("exponential", "k1"))
     letter = (1 + load / site_stiffness(k1)) * k1 / load
     assert numbers(finding.measured) == pytest.approx(letter, rel=1e-12)
     true = Altered(evidence, "exponential", area=lambda d: law(d, exponential_growth))
-    assert numbers(few_contacts.growth_of_contacts(true).corrected) == pytest.approx([1, 1], abs=1e-12)
-    assert numbers(few_contacts.late_slope_of_area(true).corrected) == pytest.approx([1, 1], rel=0.05)
-    assert few_contacts.growth_of_contacts(true).verdict is Verdict.CORRECTED
+    assert numbers(judged("n-growth", true).corrected) == pytest.approx([1, 1], abs=1e-12)
+    assert numbers(judged("n-slope", true).corrected) == pytest.approx([1, 1], rel=0.05)
+    assert judged("n-growth", true).verdict is Verdict.CORRECTED
     printed = Altered(evidence, "exponential", area=lambda d: law(d, exponential_growth_paper))
-    assert numbers(few_contacts.growth_of_contacts(printed).measured) == pytest.approx([1, 1], abs=1e-12)
-    assert numbers(few_contacts.late_slope_of_area(printed).measured) == pytest.approx([1, 1], rel=0.05)
+    assert numbers(judged("n-growth", printed).measured) == pytest.approx([1, 1], abs=1e-12)
+    assert numbers(judged("n-slope", printed).measured) == pytest.approx([1, 1], rel=0.05)
 
 
 def test_viscous_creep(evidence):
     def tripled(d):
         return 1 + growing(d, 0.1 * (1 + 2 * (d["R_viscous"] > 0)))
 
-    measured = numbers(
-        discussion.viscous_creep_doubles_b(Altered(evidence, "exponential", area=tripled)).measured
-    )
+    measured = numbers(judged("b-viscous", Altered(evidence, "exponential", area=tripled)).measured)
     assert measured == pytest.approx([2, 3], rel=1e-3)
 
 
@@ -289,7 +313,8 @@ class Spotted:
 
 
 def test_spots():
-    grow, detach, scattered = spots.findings(cast(Evidence, Spotted()))
+    evidence = cast(Evidence, Spotted())
+    grow, detach, scattered = (judged(f"spots-{what}", evidence) for what in ("grow", "detach", "scattered"))
     assert numbers(grow.measured) == pytest.approx([36 / 76])
     assert numbers(detach.measured) == pytest.approx([0.5, 0.0])
     assert scattered.measured[0].what.startswith("index of dispersion in boxes of 2 × 2")

@@ -1,19 +1,17 @@
 """What is misprinted or inexact in the paper: what it should be, why, and numbers that show it.
 
-The words are in ``templates/corrections.toml``, the numbers are computed here by `asperity.theory`, and
-docs/paper.md has each proof in full. Source: E. A. Jagla, *Towards a modeling of the time dependence of
-contact area between solid bodies*, J. Stat. Mech. P06006 (2010), doi:10.1088/1742-5468/2010/06/P06006.
+The words are in ``corrections.toml``, the numbers are computed here by `asperity.theory`, and docs/paper.md
+has each proof in full. Source: E. A. Jagla, *Towards a modeling of the time dependence of contact area
+between solid bodies*, J. Stat. Mech. P06006 (2010), doi:10.1088/1742-5468/2010/06/P06006.
 """
 
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 
-from asperity.paper.wording import K0, K1, LOAD, REDUCED_TIME, SITES
+from asperity.paper.wording import sentences, spelled
 from asperity.theory import (
     LATE_INTERCEPT,
     LATE_SLOPE,
@@ -38,9 +36,6 @@ class Number:
 
     what: str
     value: float
-
-
-Numbers = tuple[Number, ...]
 
 
 @dataclass(frozen=True)
@@ -68,7 +63,7 @@ class Correction:
     printed: str
     correct: str
     why: str
-    numbers: Numbers
+    numbers: tuple[Number, ...]
 
     @property
     def title(self) -> str:
@@ -78,198 +73,105 @@ class Correction:
 
 def corrections() -> tuple[Correction, ...]:
     """Return all of them, in the order of the paper, their numbers computed."""
-    words = files("asperity.paper").joinpath("templates/corrections.toml").read_text(encoding="utf-8")
-    return tuple(
-        Correction(key=key, numbers=_NUMBERS[key]() if key in _NUMBERS else (), **entry)
-        for key, entry in tomllib.loads(words).items()
+    return tuple(_correction(key, **words) for key, words in sentences("corrections.toml").items())
+
+
+def _correction(key: str, *, numbers: Sequence[str] = (), **words: str) -> Correction:
+    shown = zip(numbers, _NUMBERS[key]() if numbers else (), strict=True)
+    return Correction(
+        key=key,
+        numbers=tuple(Number(spelled(what), value) for what, value in shown),
+        **{name: spelled(text) for name, text in words.items()},
     )
 
 
-_RATIO = f"{K1}/{K0}"
-_LOAD = f"{LOAD}/({SITES}{K0})"
-_GROWN = "<i>A</i>(<i>t</i>)/<i>A</i>(0)"
 _LATE = 1e6
 """A late time, in units of 1/(k0 R)."""
 
 
-def _falling_energy() -> Numbers:
+def _falling_energy() -> list[float]:
     before, after = (float(torus_compliance(3.0, x2, (64, 64))) for x2 in (0.0, math.inf))
-    return (
-        Number(f"<i>E</i>(∞)/<i>E</i>(0) of a lone contact on 64 × 64 sites, {_RATIO} = 3", after / before),
-    )
+    return [after / before]
 
 
-def _three_exponents() -> Numbers:
+def _three_exponents() -> list[float]:
     of_start, of_end, of_q = 1.0, 0.8, 0.5
-    return (Number("exponent of the load in <i>C</i>, by those printed", of_end - of_start + of_q),)
+    return [of_end - of_start + of_q]
 
 
-def _laplacian() -> Numbers:
+def _laplacian() -> list[float]:
     late = 1e12
     square = float(compliance(3.0, late, dispersion="continuum")) - LATE_SLOPE * math.log(late)
-    return (
-        Number("<i>a</i><sub>1</sub> with <i>λ</i>", LATE_INTERCEPT),
-        Number("<i>a</i><sub>1</sub> with <i>q</i>² on the square zone", square),
-    )
+    return [LATE_INTERCEPT, square]
 
 
-def _late_constants() -> Numbers:
+def _late_constants() -> list[float]:
     late = 1e12
     rest = float(compliance(3.0, late)) - LATE_SLOPE * math.log(late) - LATE_INTERCEPT
-    return (
-        Number("<i>a</i><sub>0</sub>", LATE_SLOPE),
-        Number("<i>a</i><sub>1</sub>", LATE_INTERCEPT),
-        Number(
-            "<i>G</i> − <i>a</i><sub>0</sub> ln <i>x</i><sub>2</sub> − <i>a</i><sub>1</sub> "
-            "at <i>x</i><sub>1</sub> = 3, <i>x</i><sub>2</sub> = 10<sup>12</sup>",
-            rest,
-        ),
-    )
+    return [LATE_SLOPE, LATE_INTERCEPT, rest]
 
 
-def _instantaneous_response() -> Numbers:
-    return (Number(f"<i>G</i>({_RATIO}, 0), {_RATIO} = 3", float(compliance(3.0, 0.0))),)
+def _instantaneous_response() -> list[float]:
+    return [float(compliance(3.0, 0.0))]
 
 
-def _lost_sign() -> Numbers:
+def _lost_sign() -> list[float]:
     law, load = GaussianHeights(), 1e-3
     before, after = (float(law.separation_for(load * compliance(3.0, x2))) for x2 in (0.0, 1e4))
-    where = f"Gaussian heights, {_LOAD} = 10<sup>−3</sup>, {_RATIO} = 3"
-    return (
-        Number(
-            f"change of mean <i>u</i><sup>0</sup> in rms heights until {REDUCED_TIME} = 10<sup>4</sup>: "
-            f"{where}",
-            after - before,
-        ),
-    )
+    return [after - before]
 
 
-def _load_and_force() -> Numbers:
-    sites = 200 * 200
-    touching = {
-        load: sites * float(dilute_area(load / sites, compliance(3.0, 0.0), ExponentialHeights()))
-        for load in (80.0, 160.0)
-    }
-    where = f"exponential heights, <i>γ</i> = 1, 200 × 200 sites, {_RATIO} = 3"
-    return tuple(
-        number
-        for load, count in touching.items()
-        for number in (
-            Number(f"<i>N</i>(0) at {LOAD}/{K0} = {load:g}: {where}", count),
-            Number("mean force on one contact, over <i>k</i><sub>0</sub>", load / count),
-        )
-    )
+def _load_and_force() -> list[float]:
+    sites, loads, law = 200 * 200, (80.0, 160.0), ExponentialHeights()
+    counts = [sites * float(dilute_area(load / sites, compliance(3.0, 0.0), law)) for load in loads]
+    return [shown for load, count in zip(loads, counts, strict=True) for shown in (count, load / count)]
 
 
-def _gaussian_integral() -> Numbers:
-    return (
-        Number(
-            f"<i>A</i>/{SITES} at {_LOAD} = 10<sup>−3</sup>, {_RATIO} = 3, {REDUCED_TIME} = 10<sup>4</sup>",
-            float(dilute_area(1e-3, compliance(3.0, 1e4), GaussianHeights())),
-        ),
-    )
+def _gaussian_integral() -> list[float]:
+    return [float(dilute_area(1e-3, compliance(3.0, 1e4), GaussianHeights()))]
 
 
-def _dimensions() -> Numbers:
-    where = f"<i>N</i>(<i>t</i>)/<i>N</i>(0) at {_RATIO} = 1, {REDUCED_TIME} = 10<sup>6</sup>"
-    return (
-        Number(where, float(exponential_growth(1.0, _LATE))),
-        Number(
-            f"with {LOAD} divided out, but <i>k</i><sub>1</sub> for <i>k</i><sub>eff</sub>",
-            float(exponential_growth_paper(1.0, _LATE)),
-        ),
-    )
+def _dimensions() -> list[float]:
+    return [float(law(1.0, _LATE)) for law in (exponential_growth, exponential_growth_paper)]
 
 
-def _contact_stiffness() -> Numbers:
-    return tuple(
-        Number(
-            f"<i>k</i><sub>eff</sub>/<i>k</i><sub>1</sub> at {_RATIO} = {x1:g}",
-            float(site_stiffness(x1)) / x1,
-        )
-        for x1 in (1.0, 3.0, 10.0)
-    )
+def _contact_stiffness() -> list[float]:
+    return [float(site_stiffness(x1)) / x1 for x1 in (1.0, 3.0, 10.0)]
 
 
-def _late_growth() -> Numbers:
-    printed = float(late_slope_paper(1.0))
-    return (
-        Number(
-            f"<i>N</i>(<i>t</i>)/<i>N</i>(0) as printed, {_RATIO} = 1, {REDUCED_TIME} = 10<sup>6</sup>",
-            printed * math.log(_LATE),
-        ),
-        Number("corrected", float(exponential_growth(1.0, _LATE))),
-        Number(f"{REDUCED_TIME} at which the printed one reaches 1", math.exp(1 / printed)),
-        Number("slope as printed", printed),
-        Number("corrected", float(late_slope(1.0))),
-    )
+def _late_growth() -> list[float]:
+    printed, grown = float(late_slope_paper(1.0)), float(exponential_growth(1.0, _LATE))
+    return [printed * math.log(_LATE), grown, math.exp(1 / printed), printed, float(late_slope(1.0))]
 
 
-def _gaussian_growth() -> Numbers:
+def _gaussian_growth() -> list[float]:
     start, later, law = compliance(3.0, 0.0), compliance(3.0, 1e4), GaussianHeights()
-    return (
-        Number(
-            f"{_GROWN}, exponential heights, {_RATIO} = 3, {REDUCED_TIME} = 10<sup>4</sup>",
-            float(later / start),
-        ),
-        *(
-            Number(
-                f"Gaussian heights, {_LOAD} = 10<sup>−{power}</sup>",
-                float(dilute_area(10.0**-power, later, law) / dilute_area(10.0**-power, start, law)),
-            )
-            for power in (3, 6)
-        ),
-    )
+    light = [float(dilute_area(load, later, law) / dilute_area(load, start, law)) for load in (1e-3, 1e-6)]
+    return [float(later / start), *light]
 
 
-def _how_late() -> Numbers:
-    return (
-        Number(
-            f"{REDUCED_TIME} that ends the range, <i>A</i>/{SITES} = 0.01",
-            float(dilute_horizon(0.01)),
-        ),
-    )
+def _how_late() -> list[float]:
+    return [float(dilute_horizon(0.01))]
 
 
-def _aging_rate() -> Numbers:
-    slope = {x1: float(site_stiffness(x1) * _LATE * compliance_rate(x1, _LATE)) for x1 in (1.0, 10.0)}
-    return tuple(
-        number
-        for x1, steep in slope.items()
-        for number in (
-            Number(
-                f"d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> at {_RATIO} = {x1:g}, "
-                f"{REDUCED_TIME} = 10<sup>6</sup>",
-                steep,
-            ),
-            Number("d ln <i>A</i>/d ln <i>t</i>, same place", steep / float(exponential_growth(x1, _LATE))),
-        )
-    )
+def _aging_rate() -> list[float]:
+    rates = []
+    for x1 in (1.0, 10.0):
+        slope = float(site_stiffness(x1) * _LATE * compliance_rate(x1, _LATE))
+        rates += [slope, slope / float(exponential_growth(x1, _LATE))]
+    return rates
 
 
-def _viscous_slope() -> Numbers:
-    relative = [
+def _viscous_slope() -> list[float]:
+    slopes = [8 * math.pi * time * float(compliance_rate(3.0, time, 0.01)) for time in (1e2, 1e4, 1e8)]
+    without, viscous = (
         _LATE * float(compliance_rate(3.0, _LATE, viscous) / compliance(3.0, _LATE, viscous))
         for viscous in (0.0, 1.0)
-    ]
-    return (
-        *(
-            Number(
-                f"8π d<i>G</i>/d ln <i>t</i> at <i>R̃</i>/<i>R</i> = 0.01, {_RATIO} = 3, "
-                f"{REDUCED_TIME} = 10<sup>{power}</sup>",
-                8 * math.pi * 10.0**power * float(compliance_rate(3.0, 10.0**power, 0.01)),
-            )
-            for power in (2, 4, 8)
-        ),
-        Number(
-            "d ln <i>A</i>/d ln <i>t</i> with <i>R̃</i> = <i>R</i>, over that with <i>R̃</i> = 0, "
-            f"{REDUCED_TIME} = 10<sup>6</sup>",
-            relative[1] / relative[0],
-        ),
     )
+    return [*slopes, viscous / without]
 
 
-_NUMBERS: Mapping[str, Callable[[], Numbers]] = {
+_NUMBERS: dict[str, Callable[[], list[float]]] = {
     "falling-energy": _falling_energy,
     "three-exponents": _three_exponents,
     "laplacian": _laplacian,

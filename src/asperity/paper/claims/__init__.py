@@ -6,8 +6,14 @@ from asperity.paper.claims import area_and_load, discussion, few_contacts, growt
 from asperity.paper.evidence import Evidence
 from asperity.paper.ledger import Finding
 
+CLAIMS = {
+    claim.name: claim
+    for part in (area_and_load, growth, self_affine, spots, few_contacts, discussion)
+    for claim in part.CLAIMS
+}
+"""All claims by name, in the order of the paper's sections."""
+
 
 def ledger(evidence: Evidence) -> tuple[Finding, ...]:
-    """Judge every claim by the evidence, in the order of the paper's sections."""
-    parts = (area_and_load, growth, self_affine, spots, few_contacts, discussion)
-    return tuple(finding for part in parts for finding in part.findings(evidence))
+    """Judge every claim by the evidence."""
+    return tuple(claim.judge(evidence) for claim in CLAIMS.values())

@@ -12,13 +12,15 @@ from scipy.special import ndtri
 from asperity.fits import growth_rate
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.lattice import Field, Mask
-from asperity.paper.wording import AREA, REDUCED_TIME
 
 LOGARITHMIC = (1.0, 1e3)
 """Reduced times between which growth at light load is nearly that of a logarithm."""
 
 EVEN = (2 / 3, 3 / 2)
 """Late over early growth in that time that still counts as a logarithm; a power law t^(1/4) has 2.4."""
+
+ROUGHLY = (0.75, 1.25)
+"""Over what is expected: what counts as roughly proportional."""
 
 
 def mean_of(statistic: Callable[..., float | Field], samples: Field) -> Estimate:
@@ -49,16 +51,6 @@ def evenness(time: Field, area: Field) -> float:
     first, last = LOGARITHMIC
     middle = math.sqrt(first * last)
     return growth_slope(time, area, middle, last) / growth_slope(time, area, first, middle)
-
-
-def evenness_in_words() -> str:
-    """Spell what `evenness` measures."""
-    first, last = LOGARITHMIC
-    middle = f"{math.sqrt(first * last):.0f}"
-    return (
-        f"growth of {AREA}/{AREA}(0) from {REDUCED_TIME} = {middle} to {last:g} over that from {first:g} to "
-        f"{middle}"
-    )
 
 
 def between(values: Field, low: float, high: float) -> Mask:
