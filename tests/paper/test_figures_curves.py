@@ -30,6 +30,7 @@ from asperity.paper.figures.figure_9 import figure_9
 from asperity.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
 from asperity.paper.studies import PEAK
 from asperity.paper.typeset import rich
+from asperity.paper.wording import spelled
 
 SITES = 900
 TIMES = np.concatenate([[0.0], np.geomspace(1e-2, 1e6, 25)])
@@ -198,7 +199,8 @@ def test_over_seeds_leaves_out_what_is_not_finished():
     assert list(here["seeds"]) == [4, 3]
     left = study["initial_area"].sel(k1=1.0, load=27.0).dropna("seed")
     assert here["area"].iloc[1] == pytest.approx(float(left.mean()), rel=1e-12)
-    assert curves.ensemble_note(table["seeds"], "bars").startswith("Means over 3 to 4 surfaces; bars: 95 %")
+    caption = spelled("{{ensemble(seeds, 'bars')}}", {"seeds": table["seeds"]})
+    assert caption.startswith("Means over 3 to 4 surfaces; bars: 95 %")
 
 
 def test_over_seeds_of_nothing_finished_is_an_empty_table():
@@ -238,11 +240,7 @@ def test_looks_darken_in_order_and_differ_in_markers():
     ("values", "words"), [([2.0], "2"), ([10.0, 1.0], "1 and 10"), ([1, 3, 3, 0.1], "0.1, 1 and 3")]
 )
 def test_several(values, words):
-    assert curves.several(values) == words
-
-
-def test_power():
-    assert curves.power(2.4e-4) == "2 × 10<sup>−4</sup>"
+    assert spelled("({{several(values)}})", {"values": values}) == f"({words})"
 
 
 # -- figure by figure

@@ -2,9 +2,9 @@
 
 What a claim says in sentences stands under its name in a text file beside the module of its statistic: the
 place in the paper, the claim, what each number is (as the claim stands, or once corrected), the correction
-and a note. The sentences may use the symbols of `asperity.paper.wording`, the constants of `measures` and of
-the statistic's module, and the facts of the numbers: each sentence on a number its own, the others all, as
-``numbers``.
+and a note. The sentences may use the symbols and phrases of `asperity.paper.wording`, the constants of
+`measures` and of the statistic's module, and the facts of the numbers: each sentence on a number its own, the
+others all, as ``numbers``.
 """
 
 from __future__ import annotations

@@ -277,25 +277,3 @@ def note(
 ) -> None:
     """Write a few words that begin, end or are centered (`where`) at a point in the units of the axes."""
     axes.annotate(text, at, ha=where, va="center", fontsize=SMALL, color=style.INK)
-
-
-def ensemble_note(seeds: pd.Series, marks: str) -> str:
-    """Say in a caption how many surfaces there are, and what the error bars or bands (`marks`) are."""
-    fewest, most = int(seeds.min()), int(seeds.max())
-    if most == 1:
-        return f"One surface, and so no {marks}."
-    many = f"{most}" if fewest == most else f"{fewest} to {most}"
-    what = "95 % confidence intervals (jackknife over surfaces, Student's t)"
-    return f"Means over {many} surfaces; {marks}: {what}."
-
-
-def several(values: ArrayLike) -> str:
-    """List different numbers in words: ``1, 3 and 10``."""
-    words = [f"{value:g}" for value in np.unique(values)]
-    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
-
-
-def power(value: float) -> str:
-    """Write a small number for a caption: ``2 × 10<sup>−4</sup>``."""
-    mantissa, exponent = f"{value:.0e}".split("e")
-    return f"{mantissa} × 10<sup>{int(exponent):d}</sup>".replace("-", "−")

@@ -14,29 +14,13 @@ from matplotlib.patches import Patch
 from asperity.figures import style
 from asperity.lattice import Field
 from asperity.paper.evidence import Evidence
-from asperity.paper.figures.paper_figure import PAGE, PaperFigure
+from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 
 _BEFORE = "before contact"
 _STUDY = "sketch"
 _BAR = "0.72"
 _BULK = "0.90"
 _TEXT = 8.0
-
-_CAPTION = (
-    "A line contact of the model, to scale. Bars: the rigid rough surface, <i>ξ</i>(<i>r</i>) at site "
-    "<i>r</i>. Dots: the elastic surface, <i>u</i>(<i>r</i>); diamonds where it rests on the rough one. "
-    "Springs <i>k</i><sub>0</sub> join each dot to its neighbors (the line is periodic: the last dot is "
-    "joined to the first); springs <i>k</i><sub>1</sub> join it to the bulk (shaded) at "
-    "<i>u</i><sup>0</sup>(<i>r</i>), open circles. All act vertically. (a) Before contact all springs "
-    "are at rest. (b) Pressed together under <i>F</i><sub>N</sub>/<i>k</i><sub>0</sub> = {load:g} "
-    "(<i>k</i><sub>1</sub>/<i>k</i><sub>0</sub> = 1), the elastic surface rests on asperities and bends "
-    "between them; <i>u</i><sup>0</sup> has only moved as a whole. (c) Under the same load "
-    "<i>u</i><sup>0</sup> creeps along the line so as to even out the forces of the vertical springs, "
-    "and more asperities may be reached. Dashed lines and arrows: the mean of <i>u</i><sup>0</sup>, "
-    "which measures the distance between the bodies. Circles and dashed lines are drawn higher than "
-    "<i>u</i><sup>0</sup> by the same length in all panels, that of a vertical spring at rest, to make "
-    "room for the springs. One simulation; the heights are independent and Gaussian, of rms 1."
-)
 
 
 def figure_1(evidence: Evidence) -> PaperFigure:
@@ -47,13 +31,7 @@ def figure_1(evidence: Evidence) -> PaperFigure:
     sites = _sites(fields)
     load = float(dataset["load"].sel(seed=seed)[0])
     states = list(sites["state"].unique())
-    return PaperFigure(
-        number=1,
-        title="The model: an elastic surface on springs, pressed onto a rigid rough one",
-        caption=_CAPTION.format(load=load),
-        figure=_drawn(sites, states),
-        tables={"sites": sites},
-    )
+    return captioned(1, _drawn(sites, states), {"sites": sites}, {"load": load})
 
 
 def _sites(fields: xr.Dataset) -> pd.DataFrame:

@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from asperity.figures import style
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
-from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
-from asperity.paper.wording import K0, STIFFNESS_RATIO
+from asperity.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity.theory import GaussianHeights, compliance, dilute_area
 
 _FAR_APART = 3.0
@@ -41,13 +40,9 @@ def figure_2(evidence: Evidence) -> PaperFigure:
         "relaxed": _fractions(evidence, "relaxed_area", sites),
     }
     tables["dilute"] = _dilute(tables["instantaneous"])
-    return PaperFigure(
-        number=2,
-        title="Contact area against normal load",
-        caption=_caption(tables, sites),
-        figure=_draw(tables),
-        tables=tables,
-    )
+    spread = float(tables["relaxed"].groupby("load")["area"].agg(np.ptp).max())
+    facts = {"sites": sites, "spread": spread, "far_apart": _FAR_APART, "dilute_fraction": _DILUTE}
+    return captioned(2, _draw(tables), tables, facts)
 
 
 def _fractions(evidence: Evidence, area: str, sites: float) -> pd.DataFrame:
@@ -94,21 +89,3 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
     curves.legend(axes, "lower right", r"$k_1/k_0$")
     return figure
-
-
-def _caption(tables: Mapping[str, pd.DataFrame], sites: float) -> str:
-    areas, relaxed = tables["instantaneous"], tables["relaxed"]
-    spread = relaxed.groupby("load")["area"].agg(np.ptp).max()
-    return (
-        "Real contact area, the number <i>A</i> of sites at which the bodies touch over the number "
-        f"<i>N</i><sub>0</sub> = {sites:g} of all sites, against the load per site, in units of "
-        f"{K0} times the rms height σ of the rough surface (heights independent and Gaussian). "
-        f"Full symbols: the instantaneous contact, before any creep, for the ratios {STIFFNESS_RATIO} in the "
-        "legend. Open symbols: the fully relaxed state, in which all springs <i>k</i><sub>1</sub> carry the "
-        "same force, so that <i>k</i><sub>1</sub> drops out; one set is drawn for all ratios (largest "
-        f"difference of their mean areas: {spread:g} sites). Lines: independent asperities, each with the "
-        "compliance of a site of the lattice, without any fitted number, drawn where contacts are "
-        f"{_FAR_APART:g} widths of their dips apart or more and cover at most {100 * _DILUTE:g} % of the "
-        "sites. Dotted: proportionality. "
-        f"{curves.ensemble_note(areas['seeds'], 'error bars, where larger than the symbols')}"
-    )

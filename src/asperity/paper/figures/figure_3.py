@@ -14,8 +14,7 @@ from asperity.figures import style
 from asperity.fits import EnsembleFit, SaturationFit, ensemble, saturation
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
-from asperity.paper.figures.paper_figure import PAGE, PaperFigure
-from asperity.paper.wording import STIFFNESS_RATIO
+from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 
 _SLOPE = 0.5
 """The paper's beta, of q against the load."""
@@ -47,13 +46,7 @@ def figure_3(evidence: Evidence) -> PaperFigure:
             growth.loc[here, "fitted"] = fit.mean.area_ratio(growth.loc[here, "time"])
             rows.append({"k1": k1, "load": load, "load_per_site": load / sites, **_numbers(fit)})
     tables = {"growth": growth, "fits": pd.DataFrame(rows, columns=_FITTED)}
-    return PaperFigure(
-        number=3,
-        title="Growth of the contact area with time",
-        caption=_caption(tables, sites),
-        figure=_draw(tables),
-        tables=tables,
-    )
+    return captioned(3, _draw(tables), tables, {"sites": sites, "slope": _SLOPE})
 
 
 _PARAMETERS = ("a", "q", "t0", "C")
@@ -123,25 +116,3 @@ def _exponents(axes: Axes, fits: pd.DataFrame, ratios: np.ndarray) -> None:
             ends, middle[0] * (ends / middle[1]) ** _SLOPE, ":", color=style.INK, label=f"slope {_SLOPE:g}"
         )
         curves.legend(axes, "lower right")
-
-
-def _caption(tables: Mapping[str, pd.DataFrame], sites: float) -> str:
-    growth, fits = tables["growth"], tables["fits"]
-    worst = (
-        f"; it misses the means by up to {100 * fits['rms_misfit'].max():.1f} % (rms)" if len(fits) else ""
-    )
-    ratios = np.unique(growth["k1"])
-    panels = [f"({letter})" for letter, _ in zip("abcdefgh", [*ratios, "q"], strict=False)]
-    each = " and ".join(f"{k1:g} {panel}" for panel, k1 in zip(panels, ratios, strict=False))
-    return (
-        "Area of contact against the time for which a constant load has been held, over the area at time 0, "
-        f"for {STIFFNESS_RATIO} = {each}, and the loads per site in the legend. "
-        f"Independent Gaussian heights of rms height σ, {sites:g} sites. "
-        f"{curves.ensemble_note(growth['seeds'], 'bands')} Thin lines: the law of saturation "
-        "<i>A</i>(<i>t</i>)/<i>A</i>(0) = <i>a</i> − (<i>a</i> − 1)/(1 + "
-        f"<i>t</i>/<i>t</i><sub>0</sub>)<sup><i>q</i></sup>, fitted to each mean{worst}. "
-        f"{panels[-1]}, the inset of the paper's figure: the exponents <i>q</i> of these fits against the "
-        "load, with intervals of the same kind; the dotted "
-        f"line has a slope of {_SLOPE:g}. The smaller <i>q</i> is, the longer the area grows like the "
-        "logarithm of time."
-    )

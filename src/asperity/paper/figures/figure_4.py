@@ -14,8 +14,7 @@ from asperity.analysis import SiteState
 from asperity.figures import style
 from asperity.figures.marks import SMALLEST, draw_marks, site_side, width_in_words
 from asperity.paper.evidence import Evidence
-from asperity.paper.figures.paper_figure import PAGE, PaperFigure
-from asperity.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
+from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity.words import thousands
 
 _STUDY = "load_maps"
@@ -24,39 +23,12 @@ _TEXT = 8.0
 _FAINT = LinearSegmentedColormap.from_list("faint", ["0.80", "1.0"])
 """A relief light enough that black sites stand out on it."""
 
-_CAPTION = (
-    f"(a) Topography of one self-affine surface (Hurst exponent <i>H</i> = {HURST:g}, small-scale roughness "
-    f"Δ = {DELTA:g}, "
-    "{shape} sites, periodic): the higher, the lighter; heights <i>ξ</i> run from {low} to {high}. "
-    "{panels} Its contact right after loading, without creep, for growing normal loads "
-    f"<i>F</i><sub>N</sub>/<i>k</i><sub>0</sub>; <i>k</i><sub>1</sub>/<i>k</i><sub>0</sub> = "
-    f"{SELF_AFFINE_RATIO:g}. "
-    "Black: sites "
-    "in contact, drawn {width}; <i>A</i> is their number, in brackets their part of all sites. Behind them "
-    "the topography once more, faintly, to show which summits carry the load."
-)
-
 
 def figure_4(evidence: Evidence) -> PaperFigure:
     """Draw the topography, and for each load a map of the sites in contact."""
     tables = _tables(evidence)
-    topography, area = tables["topography"], tables["area"]
     figure, width = _drawn(tables)
-    last = chr(ord("a") + len(area))
-    caption = _CAPTION.format(
-        shape=f"{topography['y'].max() + 1} × {topography['x'].max() + 1}",
-        low=f"{topography['height'].min():.2f}".replace("-", "−"),
-        high=f"{topography['height'].max():.2f}",
-        panels="(b)" if last == "b" else f"(b) to ({last})",
-        width=width,
-    )
-    return PaperFigure(
-        number=4,
-        title="A self-affine surface, and where it touches as the load grows",
-        caption=caption,
-        figure=figure,
-        tables=tables,
-    )
+    return captioned(4, figure, tables, {"width": width})
 
 
 def _tables(evidence: Evidence) -> dict[str, pd.DataFrame]:

@@ -12,9 +12,7 @@ from matplotlib.figure import Figure
 from asperity.figures import style
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
-from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
-from asperity.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
-from asperity.paper.wording import LOAD, STIFFNESS_RATIO
+from asperity.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 
 _EXPONENT = 0.8
 """The paper's, of the area against the load."""
@@ -40,13 +38,7 @@ def figure_5(evidence: Evidence) -> PaperFigure:
         state: curves.over_seeds(evidence, "self_affine_load", area, called="area")
         for state, area in (("instantaneous", "initial_area"), ("relaxed", "relaxed_area"))
     }
-    return PaperFigure(
-        number=5,
-        title="Contact area against normal load, self-affine surfaces",
-        caption=_caption(tables),
-        figure=_draw(tables),
-        tables=tables,
-    )
+    return captioned(5, _draw(tables), tables, {"exponent": _EXPONENT})
 
 
 def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -80,17 +72,3 @@ def _power_law(axes: Axes, areas: pd.DataFrame) -> None:
     axes.plot(ends, prefactor * ends**_EXPONENT, ":", color=style.INK, linewidth=1.2)
     middle = float(np.sqrt(ends.prod()))
     curves.note(axes, f"$F_N^{{{_EXPONENT:g}}}$", (1.5 * middle, 0.7 * prefactor * middle**_EXPONENT))
-
-
-def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
-    areas = tables["instantaneous"]
-    return (
-        "Real contact area in sites against the normal load, for self-affine rough surfaces of Hurst "
-        f"exponent <i>H</i> = {HURST:g} (Δ = {DELTA:g}, successive random midpoints), {STIFFNESS_RATIO} = "
-        f"{SELF_AFFINE_RATIO:g}, on square lattices of {curves.several(areas['size'])} sites a side. Full "
-        "symbols: the instantaneous contact, before any creep. Open symbols: the fully relaxed state. Where "
-        "full symbols of different sizes lie on each other, the area depends on the load and not on the "
-        "nominal area; horizontal dashes: full contact, every site of that lattice. Dotted, for reference: "
-        f"the power law <i>A</i> ∝ {LOAD}<sup>{_EXPONENT:g}</sup>, displaced downward. "
-        f"{curves.ensemble_note(areas['seeds'], 'error bars, where larger than the symbols')}"
-    )

@@ -15,9 +15,7 @@ from asperity.figures import style
 from asperity.fits import logarithm
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
-from asperity.paper.figures.paper_figure import PAGE, PaperFigure
-from asperity.paper.studies import DELTA, HURST
-from asperity.paper.wording import K0, LOAD, STIFFNESS_RATIO
+from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 
 _LAST = 1e4
 """Latest time (1/(k0 R)) to which the logarithm is fitted: the paper excepts very long times."""
@@ -46,13 +44,7 @@ def figure_6(evidence: Evidence) -> PaperFigure:
         "fits": fits,
         "fitted": _fitted(fits, growth["time"]),
     }
-    return PaperFigure(
-        number=6,
-        title="Growth of the contact area with time, self-affine surfaces",
-        caption=_caption(tables),
-        figure=_draw(tables),
-        tables=tables,
-    )
+    return captioned(6, _draw(tables), tables, {"last": _LAST})
 
 
 def _fits(growth: pd.DataFrame) -> pd.DataFrame:
@@ -168,24 +160,3 @@ def _explain(axes: Axes, table: pd.DataFrame) -> None:
     axes.plot([], [], "--", color=style.INK, linewidth=1.0, label="logarithm")
     ordered = sorted(entries.items(), key=lambda entry: "sites" in entry[0])
     curves.legend(axes, "upper left", together=dict(ordered))
-
-
-def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
-    area, fits = tables["area"], tables["fits"]
-    pairs = fits[["k1", "C"]].to_numpy(np.float64)
-    slopes = ", ".join(f"{C:.2f} for {k1:g}" for k1, C in pairs) or "not determined"
-    return (
-        "Growth of the contact area with time at constant load, for self-affine surfaces of Hurst exponent "
-        f"<i>H</i> = {HURST:g} (Δ = {DELTA:g}), on lattices of {curves.several(area['size'])} sites a side. "
-        f"(a) Area in sites for {STIFFNESS_RATIO} = {area['k1'].max():g} and loads "
-        f"{LOAD}/{K0} = {curves.several(area['load'])} (colors and "
-        "shapes of the symbols); sizes differ in full "
-        "and open symbols. (b) The same over the area at time 0, for "
-        f"{STIFFNESS_RATIO} = {curves.several(area['k1'])}; the symbols of the curves take turns; "
-        "where curves of different loads and sizes fall together, the relative growth does not depend on "
-        "them. Dashed: the logarithm <i>A</i>(<i>t</i>)/<i>A</i>(0) = 1 + <i>C</i> ln(1 + "
-        f"<i>t</i>/<i>t</i><sub>0</sub>), one for each {STIFFNESS_RATIO}, fitted to all its means up to "
-        f"<i>t</i> {K0} <i>R</i> = {_LAST:g} (<i>C</i> = {slopes}) and drawn beyond. "
-        f"{curves.ensemble_note(area['seeds'], 'bands in (a) and bars in (b)')} In (b) the bars belong to "
-        "the values at the last time and stand side by side to the right of it."
-    )

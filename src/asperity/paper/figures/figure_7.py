@@ -18,8 +18,8 @@ from asperity.figures.marks import COLORS, draw_marks, show_lattice, site_side, 
 from asperity.fits.result import student
 from asperity.lattice import Field
 from asperity.paper.evidence import Evidence
-from asperity.paper.figures.paper_figure import PAGE, PaperFigure
-from asperity.paper.studies import DELTA, HURST, MAP_BOXES, SELF_AFFINE_RATIO
+from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
+from asperity.paper.studies import MAP_BOXES
 from asperity.words import thousands
 
 _STUDY = "maps"
@@ -48,23 +48,6 @@ _CURVES = {
     "lost": (_LOST, "^", "-.", "lost"),
 }
 
-_CAPTION = (
-    f"Contact of a self-affine surface (<i>H</i> = {HURST:g}, Δ = {DELTA:g}, "
-    "{shape} sites) under the constant load "
-    "<i>F</i><sub>N</sub>/<i>k</i><sub>0</sub> = {load:g} as it ages; "
-    f"<i>k</i><sub>1</sub>/<i>k</i><sub>0</sub> = {SELF_AFFINE_RATIO:g}. "
-    "Maps, one simulation: sites in contact then and at "
-    "<i>t</i> = 0 (black squares), sites new since <i>t</i> = 0 (lighter squares), and sites in contact "
-    "at <i>t</i> = 0 that have come off (open circles), drawn {width}; <i>A</i> is the number of "
-    "sites in contact, in brackets those gained and lost since <i>t</i> = 0. The state of <i>t</i> → ∞ "
-    "is computed directly: the one in which all vertical springs carry the same force. Curves, {seeds}: "
-    "number of patches (sites in contact joined through nearest neighbors); their mean size; sites new "
-    "since <i>t</i> = 0 that extend patches of <i>t</i> = 0, sites in new patches, and sites that have "
-    "come off (zeros are left out); index of dispersion, the variance of the number of contacts in "
-    "boxes of {box} × {box} sites over that of contacts strewn at random, for which it is 1 (dotted): "
-    "the larger, the more clustered. {bars} Open symbols: <i>t</i> → ∞."
-)
-
 
 def figure_7(evidence: Evidence) -> PaperFigure:
     """Draw the contact at all kept times, and the statistics of its patches over all seeds."""
@@ -76,24 +59,9 @@ def figure_7(evidence: Evidence) -> PaperFigure:
     samples = pd.concat([_statistics(seed, maps, box) for seed, maps in every.items()], ignore_index=True)
     tables = {"contacts": _contacts(first), "patches": samples, "patches_ensemble": _ensemble(samples)}
     figure, width = _drawn(first, tables)
-    several = len(seeds) > 1
-    caption = _CAPTION.format(
-        shape=" × ".join(map(str, first.heights.shape)),
-        load=float(dataset["load"].isel(seed=0, time=0)),
-        width=width,
-        box=box,
-        seeds=f"means over {len(seeds)} surfaces" if several else "the same simulation",
-        bars="Error bars: 95 % intervals of the mean (Student's t); those that reach 0 end at the axis."
-        if several
-        else "There are no error bars.",
-    )
-    return PaperFigure(
-        number=7,
-        title="Where a self-affine surface touches as the contact ages",
-        caption=caption,
-        figure=figure,
-        tables=tables,
-    )
+    load = float(dataset["load"].isel(seed=0, time=0))
+    facts = {"shape": first.heights.shape, "load": load, "width": width, "box": box, "seeds": len(seeds)}
+    return captioned(7, figure, tables, facts)
 
 
 def _contacts(maps: ContactMaps) -> pd.DataFrame:

@@ -13,20 +13,16 @@ from matplotlib.figure import Figure
 from asperity.figures import style
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
-from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
+from asperity.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity.paper.studies import PEAK
-from asperity.paper.wording import K0, STIFFNESS_RATIO
 from asperity.theory import compliance, compliance_asymptote, compliance_asymptote_paper, torus_compliance
 
 _STIFFNESS_RATIOS = (0.1, 1.0, 3.0, 10.0, 100.0)
 
 _TIMES = np.geomspace(1e-3, 1e8, 177)
 
-_LARGE_LATTICE = 0.01
+LARGE_LATTICE = 0.01
 """Relative difference of the closed forms up to which a finite lattice stands for an endless one."""
-
-WHILE_LARGE = f"drawn while the lattice stands for an endless one to {100 * _LARGE_LATTICE:g} %"
-"""What captions say of it."""
 
 _LATE = 1e-2
 """From where on the late form is drawn."""
@@ -61,13 +57,8 @@ def figure_8(evidence: Evidence) -> PaperFigure:
         ),
         "simulated": simulated.reset_index(drop=True),
     }
-    return PaperFigure(
-        number=8,
-        title="The function G: indentation of the surface by a constant force at one site",
-        caption=_caption(tables),
-        figure=_draw(tables),
-        tables=tables,
-    )
+    rounding = (tables["asymptotes"]["paper"] - tables["asymptotes"]["G"]).abs().max()
+    return captioned(8, _draw(tables), tables, {"rounding": rounding, "large": LARGE_LATTICE})
 
 
 def indentation(evidence: Evidence) -> pd.DataFrame:
@@ -107,7 +98,7 @@ def indentation(evidence: Evidence) -> pd.DataFrame:
         columns |= {"depth": depth, "lattice": lattice, "deviation": depth / lattice - 1}
         plane = compliance(k1, time, viscous)
         # Once the dip has come round the lattice, chance crossings of the closed forms mean nothing.
-        far = np.logical_or.accumulate(np.abs(lattice / plane - 1) > _LARGE_LATTICE)
+        far = np.logical_or.accumulate(np.abs(lattice / plane - 1) > LARGE_LATTICE)
         frames.append(pd.DataFrame(columns | {"plane": plane, "drawn": ~far & (time > 0)}))
     return pd.concat(frames, ignore_index=True)
 
@@ -133,22 +124,3 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves.dress(below, r"reduced time  $x_2 = k_0 R\,t$", "deviation")
     curves.legend(above, "upper left", "$x_1 = k_1/k_0$", together={"simulated": marks})
     return figure
-
-
-def _caption(tables: Mapping[str, pd.DataFrame]) -> str:
-    run, late = tables["simulated"], tables["asymptotes"]
-    rounding = (late["paper"] - late["G"]).abs().max()
-    return (
-        "A constant force <i>f</i><sub>0</sub> pushes one site of the flat surface from time 0 on. Lines: "
-        f"the depth <i>u</i>(0, <i>t</i>) of that site, as <i>G</i> = {K0} "
-        "<i>u</i>/<i>f</i><sub>0</sub>, in closed form on an endless lattice, for several stiffness ratios. "
-        "What starts at different depths ends on one logarithm, whatever <i>k</i><sub>1</sub>. Dotted: that "
-        "late form, (ln <i>x</i><sub>2</sub> + 10 ln 2 + γ)/(8π), γ being Euler's constant; the paper's "
-        f"rounded 0.04 ln <i>x</i><sub>2</sub> + 0.3 differs from it by at most {rounding:.1g} here, less "
-        "than the line is thick. Symbols: simulations of one high asperity under constant load on a "
-        f"periodic lattice of {run['sites'].max():g} sites, for {STIFFNESS_RATIO} = "
-        f"{curves.several(run['k1'])}, {WHILE_LARGE}; nothing is random here, so there are no error "
-        "bars. Below: size of the relative deviation of these simulations, at all times, from the closed "
-        "form for the same lattice, at most "
-        f"{curves.power(run['deviation'].abs().max())}: the error that the time steps leave."
-    )

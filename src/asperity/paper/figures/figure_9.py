@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 from asperity.figures import style
 from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
-from asperity.paper.figures.figure_8 import WHILE_LARGE, indentation
-from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
-from asperity.paper.wording import STIFFNESS_RATIO
+from asperity.paper.figures.figure_8 import LARGE_LATTICE, indentation
+from asperity.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity.theory import LATE_SLOPE, compliance
 
 _STIFFNESS_RATIO = 3.0
@@ -47,13 +46,7 @@ def figure_9(evidence: Evidence) -> PaperFigure:
         ignore_index=True,
     )
     tables = {"theory": theory, "simulated": simulated}
-    return PaperFigure(
-        number=9,
-        title="Indentation by a constant force with viscous creep",
-        caption=_caption(simulated),
-        figure=_draw(tables),
-        tables=tables,
-    )
+    return captioned(9, _draw(tables), tables, {"k1": _STIFFNESS_RATIO, "large": LARGE_LATTICE})
 
 
 def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -82,23 +75,3 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
     curves.legend(axes, "upper left", r"$\tilde{R}/R$", together={"simulated": marks})
     return figure
-
-
-def _caption(simulated: pd.DataFrame) -> str:
-    return (
-        "Depth to which a constant force <i>f</i><sub>0</sub> pushes one site of the surface, against time, "
-        f"for {STIFFNESS_RATIO} = {_STIFFNESS_RATIO:g}, when the springs creep toward equal forces (mobility "
-        "<i>R</i>) and also flow under the force itself (mobility R̃; R̃/<i>R</i> in the legend). Lines: "
-        "closed form on an endless lattice. Without R̃ the depth ends as a logarithm of slope 1/(8π) in "
-        "ln <i>t</i>; with it, however small, as one of twice the slope, 1/(4π), the later the smaller R̃. "
-        "Dotted: these slopes, displaced to be seen. " + (_about(simulated) if len(simulated) else "")
-    )
-
-
-def _about(simulated: pd.DataFrame) -> str:
-    return (
-        "Symbols: simulations of one high asperity under constant load on a periodic lattice of "
-        f"{simulated['sites'].max():g} sites, for R̃/<i>R</i> = {curves.several(simulated['R_viscous'])}, "
-        f"{WHILE_LARGE}; at all times they deviate from the closed form for that lattice by at most "
-        f"{curves.power(simulated['deviation'].abs().max())}."
-    )

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 import pandas as pd
 from matplotlib.figure import Figure
 
+from asperity.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
+from asperity.paper.wording import sentences, spelled
+
 COLUMN = 3.4
 """Width of a journal column, inches."""
 
@@ -38,3 +41,13 @@ class PaperFigure:
     caption: str
     figure: Figure
     tables: Mapping[str, pd.DataFrame]
+
+
+def captioned(
+    number: int, figure: Figure, tables: Mapping[str, pd.DataFrame], facts: Mapping[str, object]
+) -> PaperFigure:
+    """Give a drawing its title and caption, from ``captions.toml``, with the tables and other facts in it."""
+    words = sentences("figures/captions.toml")[f"figure-{number}"]
+    studied = {"HURST": HURST, "DELTA": DELTA, "SELF_AFFINE_RATIO": SELF_AFFINE_RATIO}
+    caption = spelled(words["caption"], {**studied, **tables, **facts})
+    return PaperFigure(number, words["title"], caption, figure, tables)
