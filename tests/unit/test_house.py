@@ -19,7 +19,7 @@ ROOMS = [
     {"_version", "words"},
     {"errors"},
     {"checks"},
-    {"tables", "memory"},
+    {"tables", "memory", "units"},
     {"lattice"},
     {"surfaces", "solids", "protocols"},
     {"contact"},

@@ -1,0 +1,102 @@
+"""Texts with a unit, such as "1 MPa", as numbers in a stated unit.
+
+Pint knows the units. It is imported when the first text with a unit is read: that takes half a second.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+import tokenize
+from typing import TYPE_CHECKING, Any
+
+import asperity.checks as checks
+from asperity.errors import InputError
+
+if TYPE_CHECKING:
+    import pint
+
+_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+# A product of units with exponents of one digit, and no more: Pint evaluates whatever it reads.
+_FACTOR = r"\(?(?:1(?=[ /])|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
+_UNIT = re.compile(rf"{_FACTOR}(?:(?: ?[*/] ?| ){_FACTOR}){{0,5}}")
+_EXPONENT = re.compile(r"(?<=[A-Za-zΩÅ])(?:\*\*)?(-?\d)")
+_EXAMPLES = {
+    "Pa": ("a pressure", "1 MPa"),
+    "1/Pa": ("a compliance", "0.5 1/GPa"),
+    "N": ("a force", "10 N"),
+    "m": ("a length", "2 um"),
+    "s": ("a time", "3 h"),
+    "Hz": ("a frequency", "10 Hz"),
+    "rad/s": ("an angular frequency", "60 rad/s"),
+    "K": ("a temperature", "25 degC"),
+    "J/mol": ("an energy per mole", "100 kJ/mol"),
+    "J/m^2": ("an energy per area", "50 mJ/m^2"),
+}
+
+
+def quantity(value: object, unit: str, name: str = "quantity") -> float:
+    """Convert a text or a number to a number in a unit.
+
+    Parameters
+    ----------
+    value
+        A number with a unit, such as ``"1 MPa"``; or a number alone, as text or not, in `unit` already.
+    unit
+        The unit of the result, in Pint's spelling: ``"Pa"``, ``"N"``, ``"J/mol"``.
+    name
+        What it is, for the message.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        It is no number, or its unit is unknown or of another kind.
+    """
+    if not isinstance(value, str):
+        return checks.number(name, value)
+    kind, example = _EXAMPLES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
+    found = _NUMBER.fullmatch(value)
+    wrong = InputError(name, expected=f"{kind}, such as {example}", got=checks.shown(value))
+    if found is None:
+        raise wrong
+    amount = checks.number(name, float(found[1]), expected=f"{kind}, such as {example}")
+    if not found[2]:
+        return amount
+    converted = _converted(amount, found[2], unit)
+    if converted is None:
+        raise wrong
+    return checks.number(name, converted, expected=f"{kind}, such as {example}")
+
+
+def factor(unit: str, target: str) -> float | None:
+    """Value of one `unit` in `target`; None where `unit` is unknown or of another kind."""
+    return _converted(1.0, unit, target)
+
+
+def _converted(amount: float, unit: str, target: str) -> float | None:
+    unit = unit.replace("⁻", "-").replace("¹", "1").replace("²", "2").replace("³", "3").replace("·", "*")
+    unit = _EXPONENT.sub(r"^\1", unit)
+    if len(unit) > 40 or not _UNIT.fullmatch(unit):
+        return None
+    import pint
+
+    registry = _registry()
+    try:
+        return float(registry.Quantity(amount, registry.parse_units(unit)).to(target).magnitude)
+    except (pint.PintError, tokenize.TokenError, ArithmeticError, *_MISREAD):
+        return None
+
+
+# What Pint raises for texts that are no unit, besides its own errors.
+_MISREAD = (AssertionError, AttributeError, KeyError, IndexError, SyntaxError, TypeError, ValueError)
+
+
+@functools.cache
+def _registry() -> pint.UnitRegistry[Any]:
+    import pint
+
+    return pint.UnitRegistry(cache_folder=None)
