@@ -43,6 +43,11 @@ SATURATION, LOGARITHM = asp.fits.saturation(TIME, AREA), asp.fits.logarithm(TIME
 CREEP = {"x1": 3.0, "x2": [0.5, 2.0], "viscous": 0.5, "dimension": 2}
 FORCES = {"x1": 3.0, "x2": [0.0, 1.0, 2.0], "viscous": 0.5, "dimension": 1}
 
+MAXWELL = [[0.25, 0.5], [0.5, 8.0]]
+SERIES = asp.relaxation.PronySeries(2.0, ((0.25, 0.5), (0.5, 8.0)))
+RELAXED = (np.round(8 * SERIES.modulus_at(TIME)) / 8 + 0.0).tolist()
+STIFFENING = RELAXED[::-1]
+
 CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.press, {"heights": ROUGH, "solid": LATTICE, "load": 8.0}),
     (asp.press, {"heights": ROUGH, "solid": LATTICE, "separation": 0.5}),
@@ -70,6 +75,45 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.solids.LaplacianSpectrum, {"laplacian": 2.0, "uniform": 0.5}),
     (asp.solids.WaveNumberSpectrum, {"slope": 2.0}),
     (asp.solids.FixedRate, {"rate": 2.0, "stiffness": LATTICE.permanent}),
+    (asp.relaxation.check_branches, {"branches": MAXWELL}),
+    (asp.relaxation.PronySeries, {"modulus": 2.0, "branches": MAXWELL, "error": 0.5}),
+    (asp.relaxation.Relaxation, {"time": TIME, "modulus": RELAXED, "noise": 0.5}),
+    (asp.relaxation.Creep, {"time": TIME, "compliance": STIFFENING, "noise": 0.5}),
+    (asp.relaxation.Dynamic, {"frequency": TIME, "storage": STIFFENING, "loss": ERROR, "noise": 0.5}),
+    (
+        asp.relaxation.fit,
+        {"data": asp.relaxation.Relaxation(np.array(TIME), np.array(RELAXED)), "per_decade": 2.0},
+    ),
+    (asp.relaxation.from_retardation, {"compliance": 0.5, "delayed": MAXWELL, "fluidity": 2.0}),
+    (
+        asp.relaxation.power_law,
+        {"modulus": 2.0, "exponent": 0.5, "time": 4.0, "first": 0.5, "last": 64.0, "accuracy": 0.125},
+    ),
+    (
+        asp.relaxation.fractional_zener,
+        {
+            "instantaneous": 2.0,
+            "relaxed": 0.5,
+            "exponent": 0.5,
+            "time": 4.0,
+            "first": 0.5,
+            "last": 64.0,
+            "accuracy": 0.125,
+        },
+    ),
+    (asp.relaxation.contact_modulus, {"young": 2.0, "poisson": 0.5, "other": 4.0}),
+    (asp.relaxation.arrhenius, {"activation_energy": 64.0, "temperature": 320.0, "reference": 300.0}),
+    (asp.relaxation.wlf, {"c1": 16.0, "c2": 52.0, "temperature": 320.0, "reference": 300.0}),
+    *(
+        (method, {argument: [0.25, 0.5]})
+        for argument, methods in {
+            "time": (SERIES.modulus_at, SERIES.compliance_at),
+            "frequency": (SERIES.storage, SERIES.loss),
+        }.items()
+        for method in methods
+    ),
+    (SERIES.shifted, {"factor": 2.0}),
+    (SERIES.effective_load, {"times": [0.0, 0.5, 0.5, 2.0], "loads": [0.5, 1.0, 2.0, 4.0]}),
     (asp.surfaces.gaussian, {"shape": (4, 6), "rms": 2.0, "seed": 3}),
     (asp.surfaces.exponential, {"shape": (4, 6), "rms": 2.0, "seed": 3}),
     (asp.surfaces.self_affine, {"size": 4, "hurst": 0.5, "delta": 0.25, "seed": 3}),
@@ -144,9 +188,12 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.figures.aging_curve,
     asp.figures.contact_figure,
     asp.figures.fit_figure,
+    asp.figures.relaxation_figure,
     asp.figures.surface_figure,
     asp.fits.jackknife,
     asp.fits.read_measurements,
+    asp.relaxation.combined,
+    asp.relaxation.read,
     asp.results.load,
     asp.results.save,
 }

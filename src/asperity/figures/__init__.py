@@ -7,9 +7,17 @@ from asperity.figures.aging import aging_curve
 from asperity.figures.contacts import contact_figure
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
+from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.surface import surface_figure
 
-__all__ = ["aging_curve", "contact_figure", "fit_figure", "history_figure", "surface_figure"]
+__all__ = [
+    "aging_curve",
+    "contact_figure",
+    "fit_figure",
+    "history_figure",
+    "relaxation_figure",
+    "surface_figure",
+]
 
 
 def __dir__() -> list[str]:

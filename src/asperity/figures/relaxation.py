@@ -1,0 +1,97 @@
+"""Measured relaxation, creep or dynamic moduli, the fit, what it misses, and the branches that it found."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.figures import style
+from asperity.relaxation import Creep, Dynamic, Fit
+
+_COLORS = (style.BLUE, style.VERMILION)
+_MARKERS = ("o", "s")
+_UNITS = {1.0: "Pa", 1e3: "kPa", 1e6: "MPa", 1e9: "GPa"}
+
+
+def relaxation_figure(fit: Fit) -> Figure:
+    """Draw data and fit, and below them the deviations and the branches.
+
+    Parameters
+    ----------
+    fit
+        From `asperity.relaxation.fit`.
+
+    Returns
+    -------
+    Figure
+    """
+    figure = style.Drawing(figsize=(6.8, 7.0), layout="constrained")
+    upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=[3.0, 1.0, 1.3])
+    x, values = fit.data.columns
+    curve_x, curves = fit.curve()
+    scale, unit = _unit(fit)
+    deviations = fit.residuals()
+    for i, name in enumerate(fit.data.quantities):
+        color, marker = _COLORS[i], _MARKERS[i]
+        look = {"color": color, "markersize": 4.5, "markerfacecolor": "white"}
+        upper.plot(x, values[i] * scale, marker, label=name, **look)
+        upper.plot(curve_x, curves[i] * scale, "-", color=color, linewidth=1.4, label=f"fit of the {name}")
+        middle.plot(x, 100 * deviations[i], marker, **look)
+    upper.set_xscale("log")
+    drawn = np.concatenate(values)
+    if drawn.max() > 5 * drawn.min():
+        upper.set_yscale("log")
+    upper.yaxis.set_major_formatter("{x:g}")
+    upper.set_ylabel(f"{'compliance' if isinstance(fit.data, Creep) else 'modulus'} [{unit}]")
+    upper.legend(loc="best", fontsize=8, framealpha=0.95)
+    count = len(fit.series.branches)
+    upper.set_title(
+        f"{count} {'branch' if count == 1 else 'branches'} over {fit.decades:.1f} decades; "
+        f"data missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most",
+        fontsize=10,
+    )
+    middle.axhline(0, color=style.INK, linewidth=0.8)
+    reach = 1.25 * max(100 * fit.series.error, 1e-3)
+    middle.set_ylim(-reach, reach)
+    middle.set_ylabel("data − fit [%]")
+    _draw_branches(lower, fit)
+    for axes in (upper, middle, lower):
+        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+    return figure
+
+
+def _draw_branches(axes: Axes, fit: Fit) -> None:
+    """Shares against relaxation times, at 1/time where the axis is that of frequencies."""
+    branches = np.array(fit.series.branches).reshape(-1, 2)
+    dynamic = isinstance(fit.data, Dynamic)
+    at = 1 / branches[:, 1] if dynamic else branches[:, 1]
+    axes.vlines(at, 0, 100 * branches[:, 0], color=style.GRAY, linewidth=1.6)
+    axes.plot(at, 100 * branches[:, 0], "D", color=style.INK, markersize=4)
+    axes.set_ylim(0, 118 * max(branches[:, 0], default=1.0))
+    axes.set_ylabel("share of each\nbranch [%]")
+    axes.set_xlabel(
+        "angular frequency, 1 / relaxation time [rad/s]" if dynamic else "time, relaxation time [s]"
+    )
+    axes.text(
+        0.015,
+        0.93,
+        f"permanent share {100 * fit.series.permanent:.3g} % of {_modulus(fit.series.modulus)}",
+        transform=axes.transAxes,
+        va="top",
+        fontsize=8,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5},
+    )
+
+
+def _unit(fit: Fit) -> tuple[float, str]:
+    """By what the values are multiplied to be drawn, and their unit then."""
+    modulus = fit.series.modulus
+    factor = max((known for known in _UNITS if known <= modulus), default=1.0)
+    return (factor, f"1/{_UNITS[factor]}") if isinstance(fit.data, Creep) else (1 / factor, _UNITS[factor])
+
+
+def _modulus(value: float) -> str:
+    factor = max((known for known in _UNITS if known <= value), default=1.0)
+    return f"{value / factor:.3g} {_UNITS[factor]}"

@@ -1,0 +1,41 @@
+"""Viscoelastic relaxation: laws and measured data as branches of a generalized Maxwell solid.
+
+A law or a measured table becomes a `PronySeries`, of which the branches make a solid::
+
+    data   = asp.relaxation.read("relaxation.csv")
+    series = asp.relaxation.fit(data).series
+    solid  = asp.solids.half_space(modulus=asp.relaxation.contact_modulus(series.modulus, 0.37),
+                                   branches=series.branches)
+"""
+
+from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
+from asperity.relaxation.files import read
+from asperity.relaxation.fitting import Fit, fit
+from asperity.relaxation.laws import fractional_zener, power_law
+from asperity.relaxation.moduli import contact_modulus
+from asperity.relaxation.series import PronySeries, check_branches, combined, from_retardation
+from asperity.relaxation.temperature import arrhenius, wlf
+
+__all__ = [
+    "Creep",
+    "Dynamic",
+    "Fit",
+    "Measured",
+    "PronySeries",
+    "Relaxation",
+    "arrhenius",
+    "check_branches",
+    "combined",
+    "contact_modulus",
+    "fit",
+    "fractional_zener",
+    "from_retardation",
+    "power_law",
+    "read",
+    "wlf",
+]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return __all__

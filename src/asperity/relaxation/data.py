@@ -1,0 +1,281 @@
+"""Measured relaxation, creep or dynamic moduli, and how branches of given times fit them.
+
+Each kind of data is linear in the weights w of the branches:
+
+    relaxation    G(t)          = p + sum_b w_b exp(-t/tau_b)
+    creep         J(t)          = J0 + f t + sum_k w_k (1 - exp(-t/theta_k))
+    dynamic       G' + i G''    = p + sum_b w_b (i omega tau_b)/(1 + i omega tau_b)
+
+Creep is converted to relaxation exactly afterwards (`series.from_retardation`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+import asperity.checks as checks
+from asperity.checks import Floats
+from asperity.errors import LARGEST, InputError
+from asperity.relaxation.positive_sums import positive_weights
+from asperity.relaxation.series import PronySeries, from_retardation
+
+FEWEST = 5
+"""Points without which nothing is fitted."""
+
+_NOISE = 0.05
+_FLOWS = 0.01
+"""Steady flow is taken to be there where creep without it misses the data by this, rms, and twice as much."""
+_SMALLEST_LOSS = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxation:
+    """Relaxation modulus G(t): stress over a strain that was imposed at time 0.
+
+    Parameters
+    ----------
+    time
+        Rising times above 0, s, shape (n,), n >= 5.
+    modulus
+        Moduli above 0, Pa, shape (n,); they may rise by `noise` at most.
+    noise
+        Largest relative rise that is taken for noise.
+
+    Raises
+    ------
+    InputError
+        A number is out of its range, or the modulus rises.
+    """
+
+    time: Floats
+    modulus: Floats
+    noise: float = _NOISE
+
+    quantities: ClassVar[tuple[str, ...]] = ("relaxation modulus",)
+
+    def __post_init__(self) -> None:
+        _check_columns(self, "time", "modulus")
+        _check_trend("modulus", self.time, self.modulus, self.noise, falls=True)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time."""
+        return float(self.time[0]), float(self.time[-1])
+
+    @property
+    def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
+        """Times, and the moduli."""
+        return self.time, (self.modulus,)
+
+    def shifted(self, factor: float) -> Relaxation:
+        """Data at another temperature: times multiplied by `factor`."""
+        return replace(self, time=_factor(factor) * self.time)
+
+    def predicted(self, series: PronySeries, time: Floats) -> tuple[Floats, ...]:
+        """What a series says in place of the data."""
+        return (series.modulus_at(time),)
+
+    def series(self, times: Floats) -> PronySeries:
+        """Fit branches of these times."""
+        columns = np.column_stack([np.exp(-self.time[:, None] / times), np.ones_like(self.time)])
+        return _maxwell(positive_weights(columns, self.modulus, self.modulus), times)
+
+
+@dataclass(frozen=True, eq=False)
+class Creep:
+    """Creep compliance J(t): strain over a stress that was imposed at time 0.
+
+    Parameters
+    ----------
+    time
+        Rising times above 0, s, shape (n,), n >= 5.
+    compliance
+        Compliances above 0, 1/Pa, shape (n,); they may fall by `noise` at most.
+    noise
+        Largest relative fall that is taken for noise.
+
+    Raises
+    ------
+    InputError
+        A number is out of its range, or the compliance falls.
+    """
+
+    time: Floats
+    compliance: Floats
+    noise: float = _NOISE
+
+    quantities: ClassVar[tuple[str, ...]] = ("creep compliance",)
+
+    def __post_init__(self) -> None:
+        _check_columns(self, "time", "compliance")
+        _check_trend("compliance", self.time, self.compliance, self.noise, falls=False)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time."""
+        return float(self.time[0]), float(self.time[-1])
+
+    @property
+    def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
+        """Times, and the compliances."""
+        return self.time, (self.compliance,)
+
+    def shifted(self, factor: float) -> Creep:
+        """Data at another temperature: times multiplied by `factor`."""
+        return replace(self, time=_factor(factor) * self.time)
+
+    def predicted(self, series: PronySeries, time: Floats) -> tuple[Floats, ...]:
+        """What a series says in place of the data."""
+        return (series.compliance_at(time),)
+
+    def series(self, times: Floats) -> PronySeries:
+        """Fit a generalized Kelvin solid of these retardation times, which flows if it must; convert it."""
+        t, J = self.time[:, None], self.compliance
+        columns = np.hstack([t, np.ones_like(t), -np.expm1(-t / times)])
+        solid = np.append(0.0, positive_weights(columns[:, 1:], J, J))
+        fluid = positive_weights(columns, J, J)
+        missed, missed_by_fluid = (float(np.std(columns @ w / J - 1)) for w in (solid, fluid))
+        flows = missed > max(_FLOWS, 2 * missed_by_fluid)
+        weights = fluid if flows else solid
+        fluidity, instantaneous, delayed = float(weights[0]), float(weights[1]), weights[2:]
+        if not instantaneous > 1e-6 * self.compliance[0]:
+            raise InputError(
+                "compliance",
+                expected="creep that begins with an elastic strain",
+                got=f"one that vanishes before {self.time[0]:.3g} s",
+                advice="earlier times, or none of the first",
+            )
+        kept = delayed > 0
+        return from_retardation(instantaneous, np.column_stack([delayed, times])[kept], fluidity)
+
+
+@dataclass(frozen=True, eq=False)
+class Dynamic:
+    """Storage and loss modulus G', G'' against angular frequency.
+
+    Parameters
+    ----------
+    frequency
+        Angular frequencies above 0, rad/s, rising or falling, shape (n,), n >= 5; kept rising.
+    storage
+        Storage moduli above 0, Pa, shape (n,); they may fall with frequency by `noise` at most.
+    loss
+        Loss moduli, not below 0, Pa, shape (n,).
+    noise
+        Largest relative fall that is taken for noise.
+
+    Raises
+    ------
+    InputError
+        A number is out of its range, or the storage modulus falls with frequency.
+    """
+
+    frequency: Floats
+    storage: Floats
+    loss: Floats
+    noise: float = _NOISE
+
+    quantities: ClassVar[tuple[str, ...]] = ("storage modulus", "loss modulus")
+
+    def __post_init__(self) -> None:
+        frequency = checks.line("frequency", self.frequency)
+        if frequency.size > 1 and frequency[0] > frequency[-1]:
+            for name in ("frequency", "storage", "loss"):
+                object.__setattr__(self, name, checks.line(name, getattr(self, name))[::-1])
+        _check_columns(self, "frequency", "storage", "loss")
+        _check_trend("storage", self.frequency, self.storage, self.noise, falls=False)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Shortest and longest time that the data know of: 1/frequency."""
+        return 1 / float(self.frequency[-1]), 1 / float(self.frequency[0])
+
+    @property
+    def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
+        """Angular frequencies, and the moduli."""
+        return self.frequency, (self.storage, self.loss)
+
+    def shifted(self, factor: float) -> Dynamic:
+        """Data at another temperature: times multiplied, frequencies divided by `factor`."""
+        return replace(self, frequency=self.frequency / _factor(factor))
+
+    def predicted(self, series: PronySeries, frequency: Floats) -> tuple[Floats, ...]:
+        """What a series says in place of the data."""
+        return series.storage(frequency), series.loss(frequency)
+
+    def series(self, times: Floats) -> PronySeries:
+        """Fit branches of these times to both moduli."""
+        x = self.frequency[:, None] * times
+        still = np.ones((self.frequency.size, 1))
+        rows = [np.hstack([x / (x + 1 / x), still]), np.hstack([1 / (x + 1 / x), 0 * still])]
+        values, scale = np.concatenate([self.storage, self.loss]), np.concatenate(scales(self))
+        return _maxwell(positive_weights(np.vstack(rows), values, scale), times)
+
+
+Measured = Relaxation | Creep | Dynamic
+
+
+def _maxwell(weights: Floats, times: Floats) -> PronySeries:
+    """Series of weights of the branches, and of what is permanent at last."""
+    modulus = float(weights.sum())
+    some = weights[:-1] > 0
+    shares = weights[:-1][some] / modulus
+    return PronySeries(modulus, tuple(zip(shares.tolist(), times[some].tolist(), strict=True)))
+
+
+def scales(data: Measured) -> tuple[Floats, ...]:
+    """What deviations are relative to: the values; of a small loss, a thousandth of the storage modulus."""
+    _, (first, *others) = data.columns
+    return (first, *(np.maximum(loss, _SMALLEST_LOSS * first) for loss in others))
+
+
+def _factor(factor: float) -> float:
+    return checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
+
+
+def _check_columns(data: Measured, x: str, *names: str) -> None:
+    """Make the columns float64, of one length, and positive."""
+    object.__setattr__(data, "noise", checks.number("noise", data.noise, least=0, below=1))
+    for name in (x, *names):
+        object.__setattr__(data, name, checks.line(name, getattr(data, name)))
+    along = getattr(data, x)
+    if along.size < FEWEST:
+        raise InputError(x, expected=f"{FEWEST} points or more", got=along.size)
+    for name in names:
+        values = getattr(data, name)
+        if values.shape != along.shape:
+            raise InputError(name, expected=f"{along.size} values, as many as of {x}", got=values.size)
+    for name in (x, *names):
+        values, zero = getattr(data, name), name == "loss"
+        if (wrong := values < 0 if zero else values < 1 / LARGEST).any():
+            at = int(np.argmax(wrong))
+            expected = f"{name} {'not below' if zero else 'above'} 0"
+            raise InputError(
+                name, expected=expected, got=f"{values[at]:g} at point {at + 1} of {values.size}"
+            )
+    if not (rises := np.diff(along) > 0).all():
+        at = int(np.argmin(rises))
+        expected = f"{x} that rises from point to point"
+        got = f"{along[at + 1]:g} after {along[at]:g}, at point {at + 2}"
+        raise InputError(x, expected=expected, got=got)
+
+
+def _check_trend(name: str, x: Floats, values: Floats, noise: float, *, falls: bool) -> None:
+    """Refuse values that rise (or fall) by more than noise, against any value before them."""
+    extreme = np.minimum.accumulate(values) if falls else np.maximum.accumulate(values)
+    change = values / extreme - 1 if falls else 1 - values / extreme
+    at = int(np.argmax(change))
+    if change[at] > noise:
+        along = "frequency" if name == "storage" else "time"
+        before = int(np.flatnonzero(values[: at + 1] == extreme[at])[0])
+        least = math.ceil(100 * change[at] + 1e-9) / 100
+        raise InputError(
+            name,
+            expected=f"no {'rise' if falls else 'fall'} with {along} beyond {100 * noise:g} % of noise",
+            got=f"{values[before]:.4g} at {x[before]:.3g}, then {values[at]:.4g} at {x[at]:.3g}",
+            advice=f"noise={least:g}, if this is noise" if least < 0.5 else "",
+        )

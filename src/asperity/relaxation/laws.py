@@ -1,0 +1,228 @@
+r"""Power-law and fractional Zener relaxation, as Prony series of a stated accuracy over stated times.
+
+Both laws are completely monotonic: integrals of exponentials with a positive spectrum of relaxation times.
+So sums of exponentials with positive shares approach them. The shares are those of non-negative least
+squares, on times that are log-spaced, and as many times are taken as the accuracy needs.
+
+The fractional Zener solid relaxes with the Mittag-Leffler function E_n. Its spectral representation,
+integrated over the spectrum's own cumulative distribution c, is
+
+    E_n(-x^n) = integral_0^1 exp(-x r(c)) dc ,        r(c) = [ sin(n pi c) / sin(n pi (1 - c)) ]^(1/n)
+
+(the substitution makes the peak of the spectrum at n -> 1 harmless). With c = 1/(1 + exp(-w)) the
+trapezoidal rule converges exponentially.
+
+References
+----------
+R. Gorenflo, A. A. Kilbas, F. Mainardi, S. V. Rogosin, *Mittag-Leffler Functions, Related Topics and
+Applications* (Springer 2020), DOI 10.1007/978-3-662-61550-8.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from scipy.special import expit
+
+import asperity.checks as checks
+from asperity.checks import Floats
+from asperity.errors import LARGEST, InputError
+from asperity.relaxation.positive_sums import log_times, positive_weights
+from asperity.relaxation.series import PronySeries
+
+_DENSITIES = (1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5, 4, 5, 6, 8, 10)
+"""Times per decade, tried in this order."""
+
+_BEST = 1e-6
+_DECADES = 40
+
+
+def power_law(
+    *, modulus: float, exponent: float, time: float, first: float, last: float, accuracy: float = 0.01
+) -> PronySeries:
+    """Approximate the modulus ``modulus * (t / time)**-exponent`` between two times.
+
+    Before `first` the series tends to a finite instantaneous modulus, after `last` to a permanent one:
+    there it says nothing about the law.
+
+    Parameters
+    ----------
+    modulus
+        G at `time`, above 0.
+    exponent
+        Above 0 and below 1.
+    time
+        Time of reference, above 0.
+    first, last
+        Times between which the series stands for the law.
+    accuracy
+        Largest relative error of G between them, from 1e-6 to 0.5.
+
+    Returns
+    -------
+    PronySeries
+        With the error that it has, and the times as its `span`.
+
+    Raises
+    ------
+    InputError
+        A number is out of its range, or the times are in the wrong order.
+    """
+    modulus = checks.number("modulus", modulus, least=1 / LARGEST, expected="a finite modulus > 0")
+    n = checks.number("exponent", exponent, above=0, below=1)
+    time = checks.number("time", time, least=1 / LARGEST, expected="a finite time > 0")
+    first, last = _times(first, last)
+    accuracy = checks.number("accuracy", accuracy, least=_BEST, most=0.5)
+
+    def law(t: Floats) -> Floats:
+        return np.asarray((t / first) ** -n)
+
+    branches, permanent, error = _approximate(law, first, last, accuracy, through=first, permanent=None)
+    total = permanent + math.fsum(share for share, _ in branches)
+    scale = modulus * (first / time) ** -n * total
+    return PronySeries(scale, tuple((share / total, tau) for share, tau in branches), (first, last), error)
+
+
+def fractional_zener(
+    *,
+    instantaneous: float,
+    relaxed: float,
+    exponent: float,
+    time: float,
+    first: float,
+    last: float,
+    accuracy: float = 0.01,
+) -> PronySeries:
+    """Approximate the fractional Zener solid between two times; its ends G(0) and G(infinity) are exact.
+
+        G(t) = relaxed + (instantaneous - relaxed) E_n(-(t/time)^n)
+
+    with the Mittag-Leffler function E_n of the exponent n: a stretched exponential at first, a power law
+    t^-n at last, and an exponential for n = 1. What relaxes before `first` does so in one branch.
+
+    Parameters
+    ----------
+    instantaneous, relaxed
+        Moduli at time 0, above 0, and at the end, not below 0 and below the first.
+    exponent
+        n, above 0 and at most 1.
+    time
+        Relaxation time, above 0.
+    first, last
+        Times between which the series stands for the law.
+    accuracy
+        Largest relative error of G between them, from 1e-6 to 0.5.
+
+    Returns
+    -------
+    PronySeries
+        With the error that it has, and the times as its `span`.
+
+    Raises
+    ------
+    InputError
+        A number is out of its range, or the times are in the wrong order.
+    """
+    modulus = checks.number(
+        "instantaneous", instantaneous, least=1 / LARGEST, expected="a finite modulus > 0"
+    )
+    expected = f"a modulus >= 0 and below the instantaneous one, {modulus:g}"
+    permanent = checks.number("relaxed", relaxed, least=0, below=modulus, expected=expected) / modulus
+    n = checks.number("exponent", exponent, least=0.02, most=1)
+    time = checks.number("time", time, least=1 / LARGEST, expected="a finite time > 0")
+    first, last = _times(first, last)
+    accuracy = checks.number("accuracy", accuracy, least=_BEST, most=0.5)
+
+    def law(t: Floats) -> Floats:
+        return np.asarray(permanent + (1 - permanent) * mittag_leffler(n, t / time))
+
+    through = time if first <= time <= last else first
+    branches, _, error = _approximate(law, first, last, accuracy, through=through, permanent=permanent)
+    return PronySeries(modulus, branches, (first, last), error)
+
+
+def mittag_leffler(exponent: float, time: Floats) -> Floats:
+    """E_n(-t^n), for 0.02 <= n <= 1 and t >= 0 of any shape, to about 1e-13 absolutely."""
+    n = exponent
+    if n == 1:
+        return np.exp(-time)
+    step = min(0.28 * n, 0.2)
+    w = np.arange(-38, 38 + step, step)
+    c, rest = expit(w), expit(-w)
+    # sin(n pi c) = sin(pi (1 - n) + n pi (1 - c)), which is exact where c is near 1
+    upper = np.where(c < 0.5, np.sin(n * math.pi * c), np.sin(math.pi * (1 - n) + n * math.pi * rest))
+    lower = np.where(rest < 0.5, np.sin(n * math.pi * rest), np.sin(math.pi * (1 - n) + n * math.pi * c))
+    log_rate = np.log(upper / lower) / n
+    weights = step * c * rest
+    flat = np.atleast_1d(time).ravel()
+    with np.errstate(divide="ignore", over="ignore"):
+        values = [weights @ np.exp(-np.exp(log_rate + np.log(t))) for t in flat]
+    return np.reshape(values, np.shape(time))
+
+
+def _times(first: float, last: float) -> tuple[float, float]:
+    first = checks.number("first", first, least=1 / LARGEST, expected="a finite time > 0")
+    last = checks.number("last", last, above=first, expected=f"a time after the first, {first:g}")
+    if (decades := math.log10(last / first)) > _DECADES:
+        raise InputError(
+            "last", expected=f"at most {_DECADES} decades from the first time", got=f"{decades:.1f}"
+        )
+    return first, last
+
+
+def _approximate(
+    law: Callable[[Floats], Floats],
+    first: float,
+    last: float,
+    accuracy: float,
+    *,
+    through: float,
+    permanent: float | None,
+) -> tuple[tuple[tuple[float, float], ...], float, float]:
+    """Branches, permanent part and largest relative error of a law that relaxes.
+
+    Where the permanent part is given, the law is 1 at time 0.
+    """
+    between = _grid(first, last, 60)
+    exact = law(between)
+    if exact[-1] < 1 / LARGEST:
+        at = f"a modulus of 0 at {last:g}"
+        raise InputError("last", expected="times before all has relaxed, or a relaxed modulus", got=at)
+    best = math.inf
+    for density in _DENSITIES:
+        # Slower times than the last stand for what has not begun to relax; faster ones than the first have.
+        fastest = first / math.log(4 / accuracy)
+        slowest = last * (max(100, 0.1 / accuracy) if permanent is not None else 10)
+        times = log_times(fastest, slowest, density, through)
+        t = _grid(first, last, max(10, 4 * density))
+        columns, target, scale = np.exp(-t[:, None] / times), law(t), law(t)
+        if permanent is None:
+            columns = np.column_stack([columns, np.ones_like(t)])
+        else:
+            target = target - permanent
+        weights = positive_weights(columns, target, scale)
+        kept = permanent if permanent is not None else float(weights[-1])
+        shares = weights[: times.size]
+        if permanent is not None:
+            missing = 1 - permanent - shares.sum()
+            if missing > 0:  # what has relaxed before the first time
+                times, shares = np.append(first / 50, times), np.append(missing, shares)
+            else:
+                shares = shares * ((1 - permanent) / shares.sum())
+        found = kept + np.exp(-between[:, None] / times) @ shares
+        error = float(np.abs(found / exact - 1).max())
+        best = min(best, error)
+        if error <= accuracy:
+            some = shares > 0
+            pairs = tuple(zip(shares[some].tolist(), times[some].tolist(), strict=True))
+            return pairs, kept, error
+    raise InputError(
+        "accuracy", expected=f"{best:.1g} or more, for this law between these times", got=f"{accuracy:g}"
+    )
+
+
+def _grid(first: float, last: float, per_decade: float) -> Floats:
+    count = max(9, 1 + math.ceil(per_decade * math.log10(last / first)))
+    return np.geomspace(first, last, count)

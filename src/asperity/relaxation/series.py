@@ -1,0 +1,322 @@
+r"""A generalized Maxwell solid as a Prony series: its relaxation, its creep, and its answer to a load.
+
+    G(t) = G0 [ p + sum_b g_b exp(-t/tau_b) ],        p = 1 - sum_b g_b
+
+with the instantaneous modulus G0, shares g_b of it, relaxation times tau_b, and the permanent share p.
+The creep compliance is the inverse of G in the sense of Carson's transform, s J(s) = 1/(s G(s)). It has
+the same form, with retardation times theta_k that interlace the relaxation times:
+
+    J(t) = [ 1 + f t + sum_k j_k (1 - exp(-t/theta_k)) ] / G0
+
+The retardation rates are the zeros of s G(s) between its poles, found by bisection, so that J is exact for
+any number of branches over any number of decades. The fluidity f is 0 unless p = 0.
+
+References
+----------
+B. Gross, *Mathematical Structure of the Theories of Viscoelasticity* (Hermann 1953).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+import asperity.checks as checks
+from asperity.checks import Floats
+from asperity.errors import LARGEST, InputError
+from asperity.relaxation import interlacing
+from asperity.relaxation.interlacing import ROUNDING
+
+Branches = tuple[tuple[float, float], ...]
+
+
+def check_branches(branches: object) -> Branches:
+    """Check the branches of a generalized Maxwell solid.
+
+    Parameters
+    ----------
+    branches
+        Pairs of a share of the instantaneous modulus, above 0, and the relaxation time of that share,
+        above 0: a list of pairs or an array of shape (n, 2). The shares add up to 1 at most.
+
+    Returns
+    -------
+    tuple of (float, float)
+        The same pairs, in the order of their times.
+
+    Raises
+    ------
+    InputError
+        They are no pairs of numbers, a share or a time is not above 0, or the shares add up to more than 1.
+    """
+    expected = "pairs of a share and a relaxation time"
+    advice = "branches=[(0.3, 0.01), (0.3, 1.0)]"
+    if hasattr(branches, "__array__"):
+        array = checks.floats("branches", branches, expected=expected, advice=advice)
+        if array.size and array.ndim != 2:
+            raise InputError("branches", expected=expected, got=f"shape {array.shape}", advice=advice)
+        branches = array.tolist() if array.size else []
+    if isinstance(branches, (str, bytes, dict)) or not hasattr(branches, "__iter__"):
+        raise InputError("branches", expected=expected, got=checks.shown(branches), advice=advice)
+    found = []
+    for number, pair in enumerate(branches, 1):
+        of = f"of branch {number}"
+        try:
+            share, time = [] if isinstance(pair, (str, dict, set)) else pair
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"branch {number}",
+                expected="a share and a relaxation time",
+                got=checks.shown(pair),
+                advice=advice,
+            ) from error
+        found.append(
+            (
+                checks.number(
+                    f"share {of}", share, above=0, most=1 + ROUNDING, expected="a share > 0 and <= 1"
+                ),
+                checks.number(f"relaxation time {of}", time, least=1 / LARGEST, expected="a finite time > 0"),
+            )
+        )
+    total = math.fsum(share for share, _ in found)
+    if total > 1 + ROUNDING:
+        raise InputError(
+            "branches",
+            expected="shares of the instantaneous modulus, 1 together at most",
+            got=f"{total:.6g} together",
+            advice=f"each share divided by {total:.6g}, if nothing is permanent",
+        )
+    return tuple(sorted(found, key=lambda branch: branch[1]))
+
+
+@dataclass(frozen=True)
+class PronySeries:
+    """A generalized Maxwell solid: shares of one modulus, each of which relaxes with a time of its own.
+
+    Parameters
+    ----------
+    modulus
+        Instantaneous modulus G0, above 0: of any kind, in any unit. J is in its inverse, loads in theirs.
+    branches
+        Pairs of a share of G0 and a relaxation time, see `check_branches`. None: an elastic solid.
+    span
+        Times between which it stands for a law or for data.
+    error
+        Largest relative error with which it does so; 0 where it is itself the law.
+
+    Raises
+    ------
+    InputError
+        The modulus is not above 0, the branches are wrong, or the span is none.
+    """
+
+    modulus: float
+    branches: Branches = ()
+    span: tuple[float, float] = (0.0, math.inf)
+    error: float = 0.0
+
+    def __post_init__(self) -> None:
+        modulus = checks.number("modulus", self.modulus, least=1 / LARGEST, expected="a finite modulus > 0")
+        object.__setattr__(self, "modulus", modulus)
+        object.__setattr__(self, "branches", check_branches(self.branches))
+        object.__setattr__(self, "error", checks.number("error", self.error, least=0))
+        span = tuple(checks.not_negative("span", self.span, infinity="welcome").tolist())
+        if len(span) != 2 or not span[0] <= span[1]:
+            raise InputError("span", expected="a first and a last time", got=checks.shown(self.span))
+        object.__setattr__(self, "span", span)
+
+    def __repr__(self) -> str:
+        first, last = self.span
+        said = f"modulus {self.modulus:.4g}, {len(self.branches)} branches, permanent {self.permanent:.3g}"
+        good = f", to {100 * self.error:.2g} % from {first:.3g} to {last:.3g}" if self.error else ""
+        return f"<PronySeries: {said}{good}>"
+
+    @property
+    def permanent(self) -> float:
+        """Share of the modulus that does not relax; 0 for a fluid."""
+        share = 1 - math.fsum(share for share, _ in self.branches)
+        return share if share > ROUNDING else 0.0
+
+    def modulus_at(self, time: object) -> Floats:
+        """Relaxation modulus G(t): stress over a strain that was imposed at time 0.
+
+        Parameters
+        ----------
+        time
+            Times, not below 0; any shape.
+
+        Returns
+        -------
+        ndarray
+            In the unit of the modulus; the shape of `time`.
+        """
+        t = checks.not_negative("time", time)[..., None]
+        shares, times = self._columns
+        with np.errstate(over="ignore"):
+            return np.asarray(self.modulus * (self.permanent + (shares * np.exp(-t / times)).sum(-1)))
+
+    def compliance_at(self, time: object) -> Floats:
+        """Creep compliance J(t): strain over a stress that was imposed at time 0. Exact, see the module.
+
+        Parameters
+        ----------
+        time
+            Times, not below 0; any shape.
+
+        Returns
+        -------
+        ndarray
+            In the inverse of the modulus' unit; the shape of `time`.
+        """
+        t = checks.not_negative("time", time)
+        strengths, times, fluidity = self.retardation
+        with np.errstate(over="ignore"):
+            delayed = (strengths * -np.expm1(-t[..., None] / times)).sum(-1)
+        return np.asarray((1 + fluidity * t + delayed) / self.modulus)
+
+    def storage(self, frequency: object) -> Floats:
+        """Storage modulus G' at angular frequencies (radians per unit of time), the shape of `frequency`."""
+        shares, times = self._columns
+        x = checks.not_negative("frequency", frequency)[..., None] * times
+        with np.errstate(divide="ignore"):
+            return np.asarray(self.modulus * (self.permanent + (shares / (1 + (1 / x) ** 2)).sum(-1)))
+
+    def loss(self, frequency: object) -> Floats:
+        """Loss modulus G'' at angular frequencies (radians per unit of time), the shape of `frequency`."""
+        shares, times = self._columns
+        x = checks.not_negative("frequency", frequency)[..., None] * times
+        with np.errstate(divide="ignore"):
+            return np.asarray(self.modulus * (shares / (x + 1 / x)).sum(-1))
+
+    def shifted(self, factor: float) -> PronySeries:
+        """Multiply every time by a factor, such as `arrhenius` and `wlf` give for another temperature."""
+        factor = checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
+        branches = tuple((share, factor * time) for share, time in self.branches)
+        first, last = self.span
+        return dataclasses.replace(self, branches=branches, span=(factor * first, factor * last))
+
+    def effective_load(self, times: object, loads: object) -> Floats:
+        """Load on the instantaneous solid that makes the contact which a history of load has made.
+
+            effective(t) = G0 integral J(t - s) dF(s)
+
+        The load F is 0 before the first time, linear between the times, and may jump: at the first time,
+        and where a time stands twice. The integral is exact. The contact of a separable viscoelastic solid
+        is that of the elastic one at this load as long as F has never fallen.
+
+        Parameters
+        ----------
+        times
+            Times that do not fall, shape (n,).
+        loads
+            Loads F at these times, shape (n,); just before and just after a jump.
+
+        Returns
+        -------
+        ndarray
+            Effective loads at the same times, shape (n,).
+
+        Raises
+        ------
+        InputError
+            The shapes differ, or a time is before the one ahead of it.
+
+        References
+        ----------
+        E. H. Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960).
+        T. C. T. Ting, J. Appl. Mech. 33, 845 (1966).
+        """
+        t, F = checks.line("times", times), checks.line("loads", loads)
+        if t.shape != F.shape or not t.size:
+            raise InputError("loads", expected=f"a load for each of {t.size} times", got=f"{F.size} loads")
+        if (falls := np.diff(t) < 0).any():
+            at = int(np.argmax(falls))
+            raise InputError("times", expected="times that do not fall", got=f"{t[at]} before {t[at + 1]}")
+        strengths, retardation_times, fluidity = self.retardation
+        delayed, impulse = np.zeros_like(strengths), 0.0  # y_k: theta_k dy_k/dt = F - y_k; and integral F dt
+        effective = F.copy()
+        for i in range(t.size):
+            if i and (tau := t[i] - t[i - 1]) > 0:
+                x = tau / retardation_times
+                late = _late_weight(x)
+                delayed = delayed * np.exp(-x) + F[i - 1] * (-np.expm1(-x) - late) + F[i] * late
+                impulse += tau * (F[i - 1] + F[i]) / 2
+            effective[i] += strengths @ delayed + fluidity * impulse
+        return effective
+
+    @functools.cached_property
+    def retardation(self) -> tuple[Floats, Floats, float]:
+        """Creep of the solid: strengths j_k and retardation times theta_k, shape (m,), and fluidity f."""
+        shares, times = interlacing.merged(*self._columns)
+        return interlacing.retardation(shares, times, self.permanent)
+
+    @property
+    def _columns(self) -> tuple[Floats, Floats]:
+        columns = np.array(self.branches, dtype=np.float64).reshape(-1, 2).T
+        return columns[0], columns[1]
+
+
+def from_retardation(compliance: float, delayed: object, fluidity: float = 0.0) -> PronySeries:
+    """Convert creep to relaxation: the Prony series of a generalized Kelvin solid, exactly.
+
+        J(t) = J0 + f t + sum_k J_k (1 - exp(-t/theta_k))
+
+    Parameters
+    ----------
+    compliance
+        Instantaneous compliance J0, above 0.
+    delayed
+        Pairs of a compliance J_k, above 0, and its retardation time theta_k, above 0; or none.
+    fluidity
+        Rate of flow f under unit stress, compliance per time; 0 for a solid.
+
+    Returns
+    -------
+    PronySeries
+
+    Raises
+    ------
+    InputError
+        A number is out of its range.
+    """
+    J0 = checks.number("compliance", compliance, least=1 / LARGEST, expected="a finite compliance > 0")
+    f = checks.number("fluidity", fluidity, least=0) / J0
+    array = checks.floats("delayed", delayed)
+    if array.size and (array.ndim != 2 or array.shape[1] != 2):
+        expected = "pairs of a compliance and a retardation time"
+        raise InputError("delayed", expected=expected, got=f"shape {array.shape}")
+    columns = checks.positive("delayed", array).reshape(-1, 2).T
+    j, theta = interlacing.merged(columns[0] / J0, columns[1])
+    rates = interlacing.relaxation_rates(j, theta, f)
+    x = rates[:, None] * theta
+    with np.errstate(divide="ignore"):
+        shares = 1 / ((j / (1 - x) * (x / (1 - x))).sum(-1) + f / rates)
+    # A solid: 1 - sum(shares) = 1/(1 + sum(j)). A fluid keeps nothing, in spite of rounding.
+    shares *= (1 if f else j.sum() / (1 + j.sum())) / max(shares.sum(), 1e-300)
+    kept = shares > 0
+    return PronySeries(1 / J0, tuple(zip(shares[kept].tolist(), (1 / rates[kept]).tolist(), strict=True)))
+
+
+def combined(one: PronySeries, other: PronySeries) -> PronySeries:
+    """Two bodies in contact as one: their compliances add up, 1/E* = 1/E1* + 1/E2*, at every time."""
+    compliance, fluidity = 0.0, 0.0
+    delayed: list[tuple[float, float]] = []
+    for series in (one, other):
+        series = checks.instance("one, other", series, PronySeries, "PronySeries(modulus, branches)")
+        strengths, times, flow = series.retardation
+        compliance += 1 / series.modulus
+        fluidity += flow / series.modulus
+        delayed += zip((strengths / series.modulus).tolist(), times.tolist(), strict=True)
+    series = from_retardation(compliance, delayed, fluidity)
+    span = max(one.span[0], other.span[0]), min(one.span[1], other.span[1])
+    return dataclasses.replace(series, span=span, error=max(one.error, other.error))
+
+
+def _late_weight(x: Floats) -> Floats:
+    """Weight 1 - (1 - exp(-x))/x of the load at the end of a step of x retardation times."""
+    series = x * (1 / 2 - x * (1 / 6 - x * (1 / 24 - x * (1 / 120 - x * (1 / 720 - x / 5040)))))
+    return np.where(x < 0.02, series, 1 + np.expm1(-x) / np.maximum(x, 0.02))

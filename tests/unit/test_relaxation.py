@@ -1,0 +1,276 @@
+"""Prony series: creep, effective loads and dynamic moduli against integrals of the relaxation modulus."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from asperity.errors import InputError
+from asperity.relaxation import (
+    PronySeries,
+    arrhenius,
+    check_branches,
+    combined,
+    contact_modulus,
+    from_retardation,
+    wlf,
+)
+
+
+def series(count: int, permanent: float, decades: float = 8.0) -> PronySeries:
+    rng = np.random.default_rng(count)
+    shares = rng.dirichlet(np.ones(count)) * (1 - permanent)
+    times = 10 ** rng.uniform(-decades / 2, decades / 2, count)
+    return PronySeries(3.5, tuple(zip(shares.tolist(), times.tolist(), strict=True)))
+
+
+def compliance_by_talbot(solid: PronySeries, time: float, nodes: int = 22) -> float:
+    """J(t) from its Laplace transform 1/(s^2 G(s)), by J. Abate and P. P. Valko's fixed Talbot contour."""
+    shares, times = np.array(solid.branches).T
+    angle = np.arange(1, nodes) * math.pi / nodes
+    r = 2 * nodes / (5 * time)
+    s = r * angle * (1 / np.tan(angle) + 1j)
+    sigma = angle + (angle / np.tan(angle) - 1) / np.tan(angle)
+
+    def transform(s):
+        x = s[:, None] * times
+        return 1 / (s * solid.modulus * (solid.permanent + (shares * x / (1 + x)).sum(-1)))
+
+    ends = 0.5 * math.exp(r * time) * transform(np.array([r]))[0]
+    return float(r / nodes * (ends + np.sum(np.exp(time * s) * transform(s) * (1 + 1j * sigma))).real)
+
+
+@pytest.mark.parametrize("permanent", [0.0, 1e-6, 0.3])
+@pytest.mark.parametrize("count", [1, 3, 12, 70])
+def test_creep_is_the_inverse_of_relaxation(count: int, permanent: float) -> None:
+    solid = series(count, permanent)
+    times = np.geomspace(1e-6, 1e6, 25)
+    expected = [compliance_by_talbot(solid, time) for time in times]
+    np.testing.assert_allclose(solid.compliance_at(times), expected, rtol=1e-7)
+    assert solid.compliance_at(0.0) == 1 / 3.5
+    if permanent:
+        end = solid.compliance_at(1e300 if permanent > 1e-3 else 1e20)
+        assert end == pytest.approx(1 / (3.5 * permanent), rel=1e-9)
+
+
+def test_times_of_any_size() -> None:
+    solid = PronySeries(1.0, ((0.5, 1e-100), (0.5, 1e100)))
+    np.testing.assert_allclose(solid.compliance_at([0.0, 1e-80, 1.0]), [1.0, 2.0, 2.0])
+    assert solid.compliance_at(1e200) == pytest.approx(2e100)
+    np.testing.assert_allclose(solid.modulus_at([0.0, 1.0, 1e200]), [1.0, 0.5, 0.0])
+    np.testing.assert_allclose(solid.loss([1e-100, 1.0, 1e100]), [0.25, 0.0, 0.25], atol=1e-99)
+    dense = PronySeries(1.0, tuple((1 / 300, 10**x) for x in np.linspace(-20, 20, 300)))
+    t = np.geomspace(1e-15, 1e15, 13)
+    np.testing.assert_allclose(
+        dense.compliance_at(t), [compliance_by_talbot(dense, time) for time in t], rtol=1e-7
+    )
+
+
+@pytest.mark.parametrize("permanent", [0.0, 0.2])
+def test_the_convolution_of_relaxation_and_creep_is_time(permanent: float) -> None:
+    solid = series(12, permanent, decades=3.0)
+    for t in (0.01, 1.0, 40.0):
+        breaks = [t * 10.0**-k for k in range(1, 5)] + [t * (1 - 10.0**-k) for k in range(1, 5)]
+        value = quad(
+            lambda s, t=t: float(solid.modulus_at(t - s)) * float(solid.compliance_at(s)),
+            0,
+            t,
+            points=breaks,
+            epsrel=1e-11,
+        )[0]
+        assert value == pytest.approx(t, rel=1e-9)
+
+
+@pytest.mark.parametrize("permanent", [0.0, 0.4])
+@pytest.mark.parametrize("count", [1, 2, 40])
+def test_from_relaxation_to_creep_and_back(count: int, permanent: float) -> None:
+    solid = series(count, permanent)
+    strengths, times, fluidity = solid.retardation
+    assert (fluidity == 0) == (permanent > 0)
+    assert len(times) == (count if permanent else count - 1)
+    relaxation_times = [time for _, time in solid.branches]
+    merged = np.sort(np.concatenate([times, relaxation_times]))  # they alternate
+    assert set(merged[::2]) == set(relaxation_times)
+    pairs = np.column_stack([strengths / 3.5, times])
+    back = from_retardation(1 / 3.5, pairs, fluidity / 3.5)
+    np.testing.assert_allclose(np.array(back.branches), np.array(solid.branches), rtol=1e-9)
+    assert back.permanent == pytest.approx(permanent, abs=1e-12)
+
+
+def test_equal_times_are_one_branch_and_no_branches_an_elastic_solid() -> None:
+    twice = PronySeries(2.0, ((0.1, 1.0), (0.2, 1.0), (0.3, 5.0)))
+    once = PronySeries(2.0, ((0.3, 1.0), (0.3, 5.0)))
+    t = np.geomspace(0.01, 100, 7)
+    np.testing.assert_allclose(twice.compliance_at(t), once.compliance_at(t), rtol=1e-13)
+    elastic = PronySeries(2.0)
+    np.testing.assert_array_equal(elastic.compliance_at(t), 0.5)
+    np.testing.assert_array_equal(elastic.modulus_at(t), 2.0)
+    np.testing.assert_array_equal(elastic.effective_load(t, t), t)
+    assert from_retardation(0.5, []) == elastic
+
+
+def effective_load_by_steps(solid: PronySeries, history, end: float, count: int) -> float:
+    """Solve F(t) = integral G(t - s)/G0 dE(s) for E(end), step by step, G at the middle of each step."""
+    time = np.linspace(0, end, count + 1)
+    middle = (time[1:] + time[:-1]) / 2
+    load = history(time)
+    steps = np.zeros(count)
+    for n in range(1, count + 1):
+        kernel = solid.modulus_at(time[n] - middle[:n]) / solid.modulus
+        first = solid.modulus_at(time[n]) / solid.modulus * load[0]
+        steps[n - 1] = (load[n] - first - kernel[:-1] @ steps[: n - 1]) / kernel[-1]
+    return float(load[0] + steps.sum())
+
+
+@pytest.mark.parametrize("permanent", [0.0, 0.3])
+def test_effective_load_inverts_the_hereditary_integral(permanent: float) -> None:
+    solid = series(3, permanent, decades=2.0)
+    times, loads = np.array([0.0, 1.0, 3.0, 4.0]), np.array([1.0, 2.0, 2.0, 3.5])
+
+    def history(t):
+        return np.interp(t, times, loads)
+
+    exact = solid.effective_load(times, loads)[-1]
+    errors = [abs(effective_load_by_steps(solid, history, 4.0, n) / exact - 1) for n in (240, 480, 960)]
+    assert errors[-1] < 2e-4
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.1)  # the reference is of second order
+    assert errors[1] / errors[2] == pytest.approx(4, rel=0.1)
+
+
+def test_effective_load_of_steps_is_a_sum_of_compliances() -> None:
+    solid = series(12, 0.1)
+    times, loads = np.array([0.5, 2.0, 2.0, 7.0, 1e4]), np.array([1.0, 1.0, 1.7, 1.7, 1.7])
+    J = 3.5 * solid.compliance_at([1.5, 6.5, 5.0, 1e4 - 0.5, 1e4 - 2])
+    expected = [1.0, J[0], J[0] + 0.7, J[1] + 0.7 * J[2], J[3] + 0.7 * J[4]]
+    np.testing.assert_allclose(solid.effective_load(times, loads), expected, rtol=1e-12)
+
+
+def test_effective_load_does_not_depend_on_how_the_history_is_cut() -> None:
+    solid = series(12, 1e-3, decades=10.0)
+    coarse = solid.effective_load([0.0, 10.0], [0.0, 5.0])
+    fine_times = np.concatenate([[0.0], np.geomspace(1e-12, 10.0, 3000)])
+    fine = solid.effective_load(fine_times, fine_times / 2)
+    assert fine[-1] == pytest.approx(coarse[-1], rel=1e-12)
+    maxwell = PronySeries(2.0, ((1.0, 4.0),))  # a fluid: E = F + integral F/tau
+    assert maxwell.effective_load([0.0, 2.0], [0.0, 6.0])[-1] == pytest.approx(6 + 6 / 4, rel=1e-14)
+
+
+def test_dynamic_moduli_are_the_transform_of_relaxation() -> None:
+    solid = PronySeries(2.0, ((0.3, 0.2), (0.5, 3.0)))
+    for omega in (0.1, 1.0, 8.0):
+        end = 2.0 * solid.permanent
+
+        def transient(t: float, end: float = end) -> float:
+            return float(solid.modulus_at(t)) - end
+
+        storage = end + omega * quad(transient, 0, 80, weight="sin", wvar=omega, epsabs=1e-12, limit=400)[0]
+        loss = omega * quad(transient, 0, 80, weight="cos", wvar=omega, epsabs=1e-12, limit=400)[0]
+        assert solid.storage(omega) == pytest.approx(storage, rel=1e-8)
+        assert solid.loss(omega) == pytest.approx(loss, rel=1e-8)
+    assert solid.storage(0.0) == pytest.approx(0.4)
+    assert solid.loss(0.0) == 0
+    assert solid.storage(1e90) == pytest.approx(2.0)
+
+
+def test_two_bodies_add_their_compliances() -> None:
+    one, other = series(5, 0.2), PronySeries(0.7, ((0.4, 2.0), (0.6, 30.0)), span=(1e-3, 1e3), error=0.02)
+    both = combined(one, other)
+    t = np.geomspace(1e-5, 1e5, 21)
+    np.testing.assert_allclose(
+        both.compliance_at(t), one.compliance_at(t) + other.compliance_at(t), rtol=1e-11
+    )
+    assert both.permanent == 0
+    assert (both.span, both.error) == ((1e-3, 1e3), 0.02)
+
+
+def test_shifted_times() -> None:
+    solid = PronySeries(2.0, ((0.4, 2.0), (0.6, 30.0)), span=(1.0, 10.0))
+    warm = solid.shifted(0.1)
+    np.testing.assert_allclose(warm.modulus_at([0.1, 1.0]), solid.modulus_at([1.0, 10.0]), rtol=1e-14)
+    assert warm.span == (0.1, 1.0)
+    with pytest.raises(InputError, match="factor: expected a finite factor > 0, got 0"):
+        solid.shifted(0.0)
+
+
+@pytest.mark.parametrize(
+    ("branches", "message"),
+    [
+        ([(0.6, 1.0), (0.5, 2.0)], "branches: expected shares .* 1 together at most, got 1.1 together; try"),
+        ([(-0.1, 1.0)], "share of branch 1: expected a share > 0 and <= 1, got -0.1"),
+        ([(0.1, 1.0), (0.0, 1.0)], "share of branch 2: expected a share > 0 and <= 1, got 0"),
+        ([(0.1, 0.0)], "relaxation time of branch 1: expected a finite time > 0, got 0"),
+        ([(0.1, math.inf)], "relaxation time of branch 1: expected a finite time > 0, got inf"),
+        ([(0.1, 1.0, 2.0)], "branch 1: expected a share and a relaxation time, got"),
+        ([0.1, 1.0], "branch 1: expected a share and a relaxation time, got 0.1; try"),
+        ("0.1", "branches: expected pairs of a share and a relaxation time, got '0.1'; try"),
+        (np.array([0.1, 1.0]), r"branches: expected pairs .*, got shape \(2,\)"),
+        (None, "branches: expected pairs of a share and a relaxation time, got None"),
+    ],
+)
+def test_wrong_branches_are_refused_in_one_line(branches: object, message: str) -> None:
+    with pytest.raises(InputError, match=message) as raised:
+        check_branches(branches)
+    assert "\n" not in str(raised.value)
+
+
+def test_branches_are_sorted_and_nothing_is_merged() -> None:
+    assert check_branches([(0.2, 3), (0.3, 1.0), (0.1, 3.0)]) == ((0.3, 1.0), (0.2, 3.0), (0.1, 3.0))
+    assert check_branches(np.array([[0.5, 2.0]])) == ((0.5, 2.0),)
+    assert check_branches(iter([])) == ()
+    tenths = PronySeries(1.0, check_branches([(0.1, 10.0**k) for k in range(10)]))
+    assert tenths.permanent == 0  # in spite of rounding
+    assert PronySeries(1.0, ((0.7, 1.0), (0.2, 2.0))).permanent == pytest.approx(0.1)
+
+
+def test_wrong_numbers_of_a_series_are_refused() -> None:
+    solid = series(3, 0.2)
+    with pytest.raises(InputError, match="modulus: expected a finite modulus > 0, got -1"):
+        PronySeries(-1.0)
+    with pytest.raises(InputError, match=r"times: expected times that do not fall, got 2.0 before 1.0"):
+        solid.effective_load([2.0, 1.0], [1.0, 1.0])
+    with pytest.raises(InputError, match="loads: expected a load for each of 2 times, got 1 loads"):
+        solid.effective_load([1.0, 2.0], [1.0])
+    with pytest.raises(InputError, match="time: expected numbers not below 0, got -1"):
+        solid.compliance_at(-1.0)
+    with pytest.raises(InputError, match="span: expected a first and a last time, got"):
+        PronySeries(1.0, span=(2.0, 1.0))
+    with pytest.raises(InputError, match=r"delayed: expected pairs .* got shape \(2,\)"):
+        from_retardation(1.0, [0.1, 1.0])
+
+
+def test_contact_modulus_of_one_body_and_of_two() -> None:
+    assert contact_modulus(3.0, 0.5) == 4.0
+    steel = contact_modulus(210.0, 0.3)
+    both = contact_modulus(3.0, 0.5, steel)
+    assert 1 / both == pytest.approx((1 - 0.5**2) / 3 + (1 - 0.3**2) / 210)
+    assert both == pytest.approx(contact_modulus(210.0, 0.3, contact_modulus(3.0, 0.5)))
+    with pytest.raises(InputError, match=r"poisson: expected a finite number > -1 and <= 0.5, got 0.6"):
+        contact_modulus(3.0, 0.6)
+    with pytest.raises(InputError, match="young: expected a finite modulus > 0, got 0"):
+        contact_modulus(0.0, 0.3)
+
+
+def test_arrhenius() -> None:
+    # Lowering 1/T by R ln(10)/Q speeds relaxation up tenfold.
+    reference = 300.0
+    warmer = 1 / (1 / reference - 8.31446261815324 * math.log(10) / 80e3)
+    assert arrhenius(80e3, warmer, reference) == pytest.approx(0.1)
+    assert arrhenius(80e3, 300, 300) == 1
+    with pytest.raises(InputError, match="temperature: expected a temperature > 0 in kelvin, got -5"):
+        arrhenius(80e3, -5, 300)
+    with pytest.raises(
+        InputError, match="temperature: expected a shift factor from 1e-100 to 1e100, got one of"
+    ):
+        arrhenius(80e3, 5, 300)
+
+
+def test_wlf() -> None:
+    assert math.log10(wlf(17.44, 51.6, 400.0, 373.0)) == pytest.approx(-17.44 * 27 / 78.6)
+    assert wlf(17.44, 51.6, 373.0, 373.0) == 1
+    with pytest.raises(
+        InputError, match=r"expected more than reference - c2 = 321.4 K, .* got 321 K; try arrhenius"
+    ):
+        wlf(17.44, 51.6, 321.0, 373.0)
+    with pytest.raises(InputError, match="temperature: expected a shift factor"):
+        wlf(17.44, 51.6, 322.0, 373.0)

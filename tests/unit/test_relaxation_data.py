@@ -1,0 +1,297 @@
+"""Measured relaxation, creep and dynamic moduli: read, fitted, refused, drawn."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity.errors import InputError, Remark
+from asperity.figures import relaxation_figure
+from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
+
+TABLE = Path(__file__).parents[2] / "docs" / "data" / "pmma_like_relaxation.csv"
+SOLID = PronySeries(3e9, ((0.1, 1e-3), (0.2, 0.04), (0.15, 1.0), (0.25, 70.0), (0.1, 2e3)))
+BROAD = fractional_zener(
+    instantaneous=3e9, relaxed=3e8, exponent=0.4, time=1.0, first=1e-6, last=1e6, accuracy=1e-4
+)
+TIME = np.geomspace(1e-4, 1e4, 65)
+
+
+def pmma_like(time: np.ndarray) -> np.ndarray:
+    """The formula in the table's header, Pa."""
+    return 350e6 + 3150e6 * np.exp(-((time / 1e7) ** 0.16))
+
+
+def noisy(values: np.ndarray, noise: float, seed: int) -> np.ndarray:
+    return values * np.random.default_rng(seed).normal(1, noise, values.shape)
+
+
+def test_the_table_that_we_ship_is_its_formula() -> None:
+    data = read(TABLE)
+    assert isinstance(data, Relaxation)
+    assert data.span == pytest.approx((1e-3, 1e6))
+    np.testing.assert_allclose(data.modulus, pmma_like(data.time), rtol=1e-5)
+    head = TABLE.read_text().splitlines()[0]
+    assert "Made up" in head
+
+
+def test_a_glass_over_nine_decades_by_ten_branches() -> None:
+    found = fit(read(TABLE), over=(1e-3, 1e6))
+    t = np.geomspace(1e-3, 1e6, 1000)
+    deviation = np.abs(found.series.modulus_at(t) / pmma_like(t) - 1).max()
+    assert deviation < 1.3 * found.series.error < 0.003
+    assert len(found.series.branches) == 10
+    assert found.decades == pytest.approx(9)
+    assert found.rms < found.series.error
+    closer = fit(read(TABLE), per_decade=2)
+    assert closer.series.error < found.series.error / 10
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", ["relaxation", "creep", "dynamic"])
+def test_noisy_data_give_the_solid_back_within_the_stated_error(kind: str, seed: int) -> None:
+    noise = 0.01
+    data: Relaxation | Creep | Dynamic
+    if kind == "relaxation":
+        data = Relaxation(TIME, noisy(BROAD.modulus_at(TIME), noise, seed))
+    elif kind == "creep":
+        data = Creep(TIME, noisy(BROAD.compliance_at(TIME), noise, seed))
+    else:
+        values = BROAD.storage(1 / TIME), BROAD.loss(1 / TIME)
+        data = Dynamic(1 / TIME, noisy(values[0], noise, seed), noisy(values[1], noise, seed + 100))
+    found = fit(data, per_decade=1.5)
+    assert 0.7 * noise < found.rms < 1.5 * noise
+    assert found.rms < found.series.error < 6 * noise
+    t = np.geomspace(1e-4, 1e4, 200)
+    deviation = np.abs(found.series.modulus_at(t) / BROAD.modulus_at(t) - 1)
+    assert deviation.max() < found.series.error
+
+
+def test_exact_dynamic_moduli_on_the_fits_own_times_are_met_exactly() -> None:
+    own = PronySeries(2.0, ((0.2, 0.01), (0.3, 1.0), (0.4, 100.0)))
+    frequency = np.geomspace(1e2, 1e-2, 33)  # falling, as instruments sweep
+    found = fit(Dynamic(frequency, own.storage(frequency), own.loss(frequency)))
+    np.testing.assert_allclose(np.array(found.series.branches), np.array(own.branches), rtol=1e-9)
+    assert found.series.error < 1e-12
+    assert found.data.columns[0][0] == frequency[-1]
+
+
+def test_creep_that_flows_is_a_fluid_and_creep_that_does_not_a_solid() -> None:
+    fluid = PronySeries(5.0, ((0.3, 0.1), (0.7, 20.0)))
+    found = fit(Creep(TIME, fluid.compliance_at(TIME)), per_decade=2)
+    assert found.series.permanent == 0
+    assert found.series.error < 0.02
+    solid = fit(Creep(TIME, SOLID.compliance_at(TIME)))
+    assert solid.series.permanent == pytest.approx(0.2, abs=0.03)
+    with pytest.raises(
+        InputError, match="compliance: expected creep that begins with an elastic strain, got one"
+    ):
+        fit(Creep(TIME, 1e-3 * TIME))
+
+
+def test_other_temperatures_shift_the_data() -> None:
+    data = read(TABLE)
+    warm = fit(data.shifted(1e-2))
+    assert warm.series.span == pytest.approx((1e-5, 1e4))
+    cold = fit(data).series.shifted(1e-2)
+    t = np.geomspace(1e-5, 1e4, 30)
+    np.testing.assert_allclose(warm.series.modulus_at(t), cold.modulus_at(t), rtol=1e-9)
+    swept = Dynamic(TIME, SOLID.storage(TIME), SOLID.loss(TIME)).shifted(10.0)
+    np.testing.assert_allclose(swept.frequency, TIME / 10)
+
+
+def test_extrapolation_is_refused() -> None:
+    found = fit(read(TABLE))
+    found.require(1e-3, 1e6)
+    with pytest.raises(
+        InputError, match=r"times: expected times that the data span, 0.001 to 1e\+06 s \(9.0 dec"
+    ):
+        fit(read(TABLE), over=(1e-3, 1e7))
+    with pytest.raises(InputError, match=r"got 0.0001 to 1 s"):
+        found.require(1e-4, 1.0)
+    with pytest.raises(InputError, match="over: expected a first and a last time, got 3"):
+        fit(read(TABLE), over=3)  # type: ignore[arg-type]
+
+
+G = np.array([5.0, 4.0, 3.0, 2.5, 2.2, 2.1])
+T = np.array([0.1, 1.0, 10.0, 100.0, 1e3, 1e4])
+
+
+def changed(values: np.ndarray, at: int, to: float) -> np.ndarray:
+    copy = values.copy()
+    copy[at] = to
+    return copy
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (
+            lambda: Relaxation(changed(T, 2, 0.5), G),
+            "time: expected time that rises .* got 0.5 after 1, at point 3",
+        ),
+        (lambda: Relaxation(changed(T, 0, 0.0), G), "time: expected time above 0, got 0 at point 1 of 6"),
+        (
+            lambda: Relaxation(T, changed(G, 3, 3.3)),
+            "modulus: expected no rise .*, got 3 at 10, then 3.3 at 100; try",
+        ),
+        (
+            lambda: Relaxation(T, changed(G, 5, -1)),
+            "modulus: expected modulus above 0, got -1 at point 6 of 6",
+        ),
+        (lambda: Relaxation(T, changed(G, 5, math.nan)), "modulus: expected finite numbers, got 1 NaN"),
+        (lambda: Relaxation(T[:4], G[:4]), "time: expected 5 points or more, got 4"),
+        (lambda: Relaxation(T, G[:5]), "modulus: expected 6 values, as many as of time, got 5"),
+        (
+            lambda: Creep(T, G),
+            "compliance: expected no fall with time beyond 5 % of noise, got 5 at 0.1, then 2.1",
+        ),
+        (lambda: Dynamic(T, G, G), "storage: expected no fall with frequency .*, got 5 at 0.1, then 2.1"),
+        (lambda: Dynamic(T, 1 / G, changed(G, 1, -2)), "loss: expected loss not below 0, got -2 at point 2"),
+        (lambda: fit(T), "data: expected a Relaxation, Creep or Dynamic, got ndarray; try relaxation.read"),  # type: ignore[arg-type]
+        (
+            lambda: fit(Relaxation(T, G), per_decade=99),
+            "per_decade: expected a finite number >= 0.2 and <= 10, got 99",
+        ),
+    ],
+)
+def test_what_is_no_relaxation_is_refused_in_one_line(data, message: str) -> None:
+    with pytest.raises(InputError, match=message) as raised:
+        data()
+    assert "\n" not in str(raised.value)
+
+
+def test_noise_is_what_the_user_says_it_is() -> None:
+    wavy = changed(G, 3, 3.3)
+    assert Relaxation(T, wavy, noise=0.11).noise == 0.11
+    slow = np.array([5.0, 5.2, 5.4, 5.6, 5.8, 6.0])  # each step is small; their sum is not
+    with pytest.raises(InputError, match=r"modulus: expected no rise .* got 5 at 0.1, then 6 at 1e"):
+        Relaxation(T, slow)
+
+
+def write(path: Path, header: str, *columns: np.ndarray) -> Path:
+    rows = [", ".join(f"{value:.9g}" for value in row) for row in zip(*columns, strict=True)]
+    file = path / "table.csv"
+    file.write_text("\n".join([header, *rows] if header else rows) + "\n")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("header", "factors"),
+    [
+        ("time_s,E_MPa", (1, 1e6)),
+        ("t/s,E/GPa", (1, 1e9)),
+        ("Time (h),E(t) [MPa]", (3600, 1e6)),
+        ("t [ms],relaxation modulus (psi)", (1e-3, 6894.757293168)),
+        ("elapsed time (min),G in N/mm^2", (60, 1e6)),
+        ("t_s,J_1/GPa", (1, 1e-9)),
+        ("time [s],J(t) [GPa^-1]", (1, 1e-9)),
+        ("time_s,compliance_per_MPa", (1, 1e-6)),
+        ("time_s,creep compliance [1/Pa]", (1, 1)),
+        ("frequency_Hz,storage_MPa,loss_MPa", (2 * math.pi, 1e6, 1e6)),
+        ("omega_rad_s,G' (kPa),G'' (kPa)", (1, 1e3, 1e3)),
+        ("f [Hz],E' [MPa],E'' [MPa],tan delta", (2 * math.pi, 1e6, 1e6)),
+        ("angular frequency (1/s),E'(omega) [Pa],E''(omega) [Pa]", (1, 1, 1)),
+        ("Frequency (Hz),Storage Modulus (MPa),Loss Modulus (MPa),T [degC]", (2 * math.pi, 1e6, 1e6)),
+    ],
+)
+def test_headers_say_what_columns_are_and_in_which_unit(
+    tmp_path, header: str, factors: tuple[float, ...]
+) -> None:
+    rising = 1 / G
+    columns = [T, rising, G, G][: header.count(",") + 1]
+    if len(factors) == 2 and "J" not in header and "ompliance" not in header:
+        columns = [T, G]
+    data = read(write(tmp_path, header, *columns))
+    x, values = data.columns
+    for found, column, factor in zip((x, *values), columns, factors, strict=False):
+        np.testing.assert_allclose(found, column * factor, rtol=1e-8)
+    assert len(values) == len(factors) - 1
+    assert isinstance(data, (Relaxation if values[0][0] > values[0][-1] else Creep, Dynamic))
+
+
+def test_columns_without_units_are_taken_in_si_with_a_remark(tmp_path) -> None:
+    with pytest.warns(Remark, match="no unit beside 'E', taken as Pa"):
+        assert isinstance(read(write(tmp_path, "time_s,E", T, G)), Relaxation)
+    with pytest.warns(Remark, match="no unit beside 'frequency', taken as Hz"):
+        data = read(write(tmp_path, "frequency,G,G", T, 1 / G, G))
+    np.testing.assert_allclose(data.columns[0], 2 * math.pi * T)
+    with pytest.warns(Remark, match="column 0 has no name, taken as time in s"):
+        assert isinstance(read(write(tmp_path, "", T, 1 / G), kind="creep"), Creep)
+
+
+def test_columns_can_be_chosen(tmp_path) -> None:
+    file = write(tmp_path, "time_s,E_MPa,J_1/MPa,second_MPa", T, G, 1 / G, 2 * G)
+    assert isinstance(read(file, kind="creep"), Creep)
+    assert isinstance(read(file, columns=["time_s", "J_1/MPa"]), Creep)
+    with pytest.raises(InputError, match=r"expected columns of time and modulus, .* try kind=..., columns"):
+        read(file)
+    with pytest.raises(InputError, match=r"column 'nope' .* expected one of 'time_s', .* got no such column"):
+        read(file, columns=["time_s", "nope"])
+    with pytest.raises(InputError, match="columns: expected 2 different ones: time, modulus"):
+        read(file, columns=[0, 0], kind="relaxation")
+
+
+@pytest.mark.parametrize(
+    ("header", "columns", "message"),
+    [
+        ("time_s,E_MPa", [changed(T, 2, 0.5), G], "table.csv, time: expected time that rises"),
+        (
+            "time_s,E_MPa",
+            [T, G[::-1]],
+            r"table.csv, modulus: expected no rise .* got 2.1e\+06 at 0.1, then 5e\+06",
+        ),
+        (
+            "time_s,E_MPa",
+            [T, changed(G, 2, math.nan)],
+            "expected 'E_MPa' to be a number in line 4, got '10, nan'",
+        ),
+        ("time_s,E [furlong]", [T, G], r"column 'E \[furlong\]' .* expected a unit of modulus, such as MPa"),
+        ("time [m],E [Pa]", [T, G], r"column 'time \[m\]' .* expected a unit of time, such as h"),
+        ("a,b", [T, G], "expected columns of time and modulus, .*, got columns 'a', 'b'; try columns"),
+        ("", [T, G], "got 2 columns without names"),
+        ("log t [s],E [Pa]", [T, G], "expected columns of time and modulus"),
+    ],
+)
+def test_tables_that_are_none_are_refused_in_one_line(tmp_path, header: str, columns, message: str) -> None:
+    with pytest.raises(InputError, match=message) as raised:
+        read(write(tmp_path, header, *columns))
+    assert "\n" not in str(raised.value)
+    with pytest.raises(InputError, match="kind: expected 'relaxation' or 'creep' or 'dynamic', got 'dma'"):
+        read("nowhere.csv", kind="dma")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        Relaxation(TIME, SOLID.modulus_at(TIME)),
+        Creep(TIME, SOLID.compliance_at(TIME)),
+        Dynamic(TIME, SOLID.storage(TIME), SOLID.loss(TIME)),
+    ],
+)
+def test_the_figure_draws_the_numbers(data: Relaxation | Creep | Dynamic) -> None:
+    found = fit(data)
+    upper, middle, lower = relaxation_figure(found).axes
+    scale = 1e9 if isinstance(data, Creep) else 1e-9
+    x, values = data.columns
+    drawn = [line for line in upper.lines if line.get_linestyle() == "None"]
+    assert len(drawn) == len(values)
+    for line, column, name in zip(drawn, values, data.quantities, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), x)
+        np.testing.assert_allclose(np.asarray(line.get_ydata(), dtype=float), column * scale)
+        assert line.get_label() == name
+    np.testing.assert_allclose(
+        np.asarray(middle.lines[0].get_ydata(), dtype=float), 100 * found.residuals()[0]
+    )
+    (marks,) = lower.lines
+    shares, times = np.array(found.series.branches).T
+    np.testing.assert_allclose(np.asarray(marks.get_ydata(), dtype=float), 100 * shares)
+    np.testing.assert_allclose(
+        np.asarray(marks.get_xdata(), dtype=float), 1 / times if isinstance(data, Dynamic) else times
+    )
+    said = re.search(r"missed by (\S+) % rms, (\S+) % at most", upper.get_title())
+    assert said is not None
+    assert float(said[1]) == pytest.approx(100 * found.rms, rel=0.05)
+    assert float(said[2]) == pytest.approx(100 * found.series.error, rel=0.05)
