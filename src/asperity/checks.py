@@ -159,16 +159,6 @@ def not_negative(name: str, value: object, *, infinity: str = "") -> Floats:
     return array
 
 
-def pairs(name: str, value: object, advice: str) -> Floats:
-    """Pairs of finite numbers, shape (n, 2); none is fine."""
-    array = _as_floats(name, value, "pairs of numbers", advice)
-    if array.size == 0:
-        return array.reshape(0, 2)
-    if array.ndim != 2 or array.shape[1] != 2 or not np.isfinite(array).all():
-        raise InputError(name, expected="pairs of finite numbers", got=shown(value), advice=advice)
-    return array
-
-
 def line(name: str, value: object) -> Floats:
     """Finite numbers in a row, shape (n,)."""
     array = _as_floats(name, value, "real numbers")

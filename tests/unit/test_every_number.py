@@ -101,7 +101,6 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
             "accuracy": 0.125,
         },
     ),
-    (asp.relaxation.contact_modulus, {"young": 2.0, "poisson": 0.5, "other": 4.0}),
     (asp.relaxation.arrhenius, {"activation_energy": 64.0, "temperature": 320.0, "reference": 300.0}),
     (asp.relaxation.wlf, {"c1": 16.0, "c2": 52.0, "temperature": 320.0, "reference": 300.0}),
     *(

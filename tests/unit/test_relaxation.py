@@ -12,7 +12,6 @@ from asperity.relaxation import (
     arrhenius,
     check_branches,
     combined,
-    contact_modulus,
     from_retardation,
     wlf,
 )
@@ -237,18 +236,6 @@ def test_wrong_numbers_of_a_series_are_refused() -> None:
         PronySeries(1.0, span=(2.0, 1.0))
     with pytest.raises(InputError, match=r"delayed: expected pairs .* got shape \(2,\)"):
         from_retardation(1.0, [0.1, 1.0])
-
-
-def test_contact_modulus_of_one_body_and_of_two() -> None:
-    assert contact_modulus(3.0, 0.5) == 4.0
-    steel = contact_modulus(210.0, 0.3)
-    both = contact_modulus(3.0, 0.5, steel)
-    assert 1 / both == pytest.approx((1 - 0.5**2) / 3 + (1 - 0.3**2) / 210)
-    assert both == pytest.approx(contact_modulus(210.0, 0.3, contact_modulus(3.0, 0.5)))
-    with pytest.raises(InputError, match=r"poisson: expected a finite number > -1 and <= 0.5, got 0.6"):
-        contact_modulus(3.0, 0.6)
-    with pytest.raises(InputError, match="young: expected a finite modulus > 0, got 0"):
-        contact_modulus(0.0, 0.3)
 
 
 def test_arrhenius() -> None:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from asperity.lattice import Lattice
-from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, half_space, spring_lattice
+from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, contact_modulus, half_space, spring_lattice
 from tests.refusals import refuses
 
 
@@ -84,9 +84,9 @@ def test_a_half_space_that_does_not_creep():
     [
         ({"modulus": 0.0}, "modulus"),
         ({"modulus": "1"}, "modulus"),
-        ({"branches": [(0.5, -1.0)]}, "branches[0]"),
-        ({"branches": [(1.5, 1.0)]}, "branches[0]"),
-        ({"branches": [(0.5, 1.0), (np.nan, 1.0)]}, "branches[1]"),
+        ({"branches": [(0.5, -1.0)]}, "relaxation time of branch 1"),
+        ({"branches": [(1.5, 1.0)]}, "share of branch 1"),
+        ({"branches": [(0.5, 1.0), (np.nan, 1.0)]}, "share of branch 2"),
         ({"branches": [(0.5, 1.0), (0.6, 1.0)]}, "branches"),
         ({"flow": (1.0, 0.0), "branches": [(0.5, 1.0)]}, "flow"),
         ({"apparatus": 0.0}, "apparatus"),
@@ -107,3 +107,17 @@ def test_only_the_mean_may_have_no_stiffness():
     )
     with refuses("stiffness"):
         soft.on(Lattice((16,)))
+
+
+def test_contact_modulus_of_one_body_and_of_two():
+    assert contact_modulus(3.0, 0.5) == 4.0
+    assert 1 / contact_modulus([3.0, 210.0], [0.5, 0.3]) == pytest.approx(1 / 4 + 0.91 / 210)
+
+
+@pytest.mark.parametrize(
+    ("young", "poisson", "name"),
+    [(0.0, 0.3, "young"), (1.0, 0.6, "poisson"), ([1.0, 2.0], 0.3, "young and poisson")],
+)
+def test_elastic_constants_are_checked(young, poisson, name):
+    with refuses(name):
+        contact_modulus(young, poisson)

@@ -23,7 +23,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import Attempt, Extent
@@ -32,32 +31,45 @@ from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralPr
 from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.lattice import Field, Spectrum
+from asperity.relaxation import PronySeries, interlacing
 
 _BALANCED = 1e-6
 """Largest elastic force off contact, over the mean in contact, of a surface of an elastic solid."""
 
 
 class EffectiveLoad:
-    """The effective load L of branches of given shares and times, exact for a load linear in time."""
+    """The effective loads L_b of branches of given shares and times, exact for a load linear in time.
+
+    In the variables sqrt(g tau) L_b the equations are symmetric: D - w w^T with D = 1/tau, w = sqrt(g/tau).
+    Its eigenvalues are the rates of retardation, known to full accuracy over any number of decades.
+    """
 
     def __init__(self, shares: Field, times: Field) -> None:
         self.shares, self.times = shares, times
-        # Symmetric in the variables sqrt(g tau) L_b: rates of retardation >= 0.
-        weight = np.sqrt(shares / times)
-        self.rates, self.modes = scipy.linalg.eigh(np.diag(1 / times) - np.outer(weight, weight))
-        self.rates = np.maximum(self.rates, 0.0)
-        self.scale = np.sqrt(shares * times)
+        g, tau = interlacing.merged(shares, times)
+        self.which = np.abs(np.log(times[:, np.newaxis] / tau)).argmin(axis=1)
+        series = PronySeries(1.0, tuple(zip(g.tolist(), tau.tolist(), strict=True)))
+        _, retardation, fluidity = series.retardation
+        self.rates = np.append(1 / retardation, [0.0] if fluidity else [])
+        distance = 1 / tau[:, np.newaxis] - self.rates
+        least = np.finfo(float).eps / tau[:, np.newaxis]
+        distance = np.where(np.abs(distance) < least, least, distance)
+        modes = np.sqrt(g / tau)[:, np.newaxis] / distance
+        self.modes = modes / np.linalg.norm(modes, axis=0)
+        self.forcing, self.scale = self.modes.T @ np.sqrt(g / tau), np.sqrt(g * tau)
 
     def after(self, loads: Field, load: float, rate: float, duration: float) -> Field:
         """L_b a time later, while the load grows from a value at a rate."""
-        y = self.modes.T @ (self.scale * loads)
-        forcing = self.modes.T @ np.sqrt(self.shares / self.times)
+        merged = np.zeros_like(self.scale)
+        merged[self.which] = loads
+        y = self.modes.T @ (self.scale * merged)
         x = self.rates * duration
         small = x < 1e-8
         rates = np.where(small, 1.0, self.rates)
         once = np.where(small, duration, -np.expm1(-x) / rates)
         twice = np.where(small, duration**2 / 2, (duration - once) / rates)
-        return np.asarray(self.modes @ (np.exp(-x) * y + forcing * (load * once + rate * twice)) / self.scale)
+        y = np.exp(-x) * y + self.forcing * (load * once + rate * twice)
+        return np.asarray((self.modes @ y / self.scale)[self.which])
 
 
 class SeparableSteps:

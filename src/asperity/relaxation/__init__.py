@@ -4,7 +4,7 @@ A law or a measured table becomes a `PronySeries`, of which the branches make a 
 
     data   = asp.relaxation.read("relaxation.csv")
     series = asp.relaxation.fit(data).series
-    solid  = asp.solids.half_space(modulus=asp.relaxation.contact_modulus(series.modulus, 0.37),
+    solid  = asp.solids.half_space(modulus=asp.solids.contact_modulus(series.modulus, 0.37),
                                    branches=series.branches)
 """
 
@@ -12,7 +12,6 @@ from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 from asperity.relaxation.files import read
 from asperity.relaxation.fitting import Fit, fit
 from asperity.relaxation.laws import fractional_zener, power_law
-from asperity.relaxation.moduli import contact_modulus
 from asperity.relaxation.series import PronySeries, check_branches, combined, from_retardation
 from asperity.relaxation.temperature import arrhenius, wlf
 
@@ -26,7 +25,6 @@ __all__ = [
     "arrhenius",
     "check_branches",
     "combined",
-    "contact_modulus",
     "fit",
     "fractional_zener",
     "from_retardation",

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 
 import asperity.checks as checks
-from asperity.errors import LARGEST, InputError
+from asperity.errors import InputError
+from asperity.relaxation import check_branches
 from asperity.solids.laws import (
     FixedRate,
     LayerSpectrum,
@@ -113,11 +114,13 @@ def half_space(
     parameters = {"modulus": modulus}
     if flow is None:
         return _solid("half_space", law, parameters, branches, apparatus, loaded_from_afar=True)
-    if checked_branches(branches):
-        raise InputError("flow", expected="no branches beside it", got=f"{len(branches)} branches")
-    mobility, exponent = checks.pairs("flow", [flow], "(1e-20, 0), mobility and exponent")[0].tolist()
-    mobility = checks.number("flow", mobility, above=0, expected="a mobility above 0 and an exponent")
-    checks.number("flow", exponent, least=-2, most=4, expected="an exponent from -2 to 4")
+    if others := check_branches(branches):
+        raise InputError("flow", expected="no branches beside it", got=f"{len(others)} branches")
+    law_of_flow = checks.line("flow", flow).tolist()
+    if len(law_of_flow) != 2 or not (law_of_flow[0] > 0 and -2 <= law_of_flow[1] <= 4):
+        expected = "a mobility above 0 and an exponent from -2 to 4"
+        raise InputError("flow", expected=expected, got=checks.shown(flow), advice="flow=(1e-20, 0)")
+    mobility, exponent = law_of_flow
     return Solid(
         permanent=_mounted(Scaled(law, 0.0), law, apparatus),
         branches=(CreepBranch(Scaled(law, 1.0), PowerMobility(mobility, exponent)),),
@@ -169,26 +172,6 @@ def layer(
     return _solid("layer", law, parameters, branches)
 
 
-def checked_branches(branches: Branches) -> tuple[tuple[float, float], ...]:
-    """Check shares of a stiffness and relaxation times.
-
-    Raises
-    ------
-    InputError
-        They are no pairs, a share is negative, a time is not positive, or the shares exceed 1 in sum.
-    """
-    advice = "[(0.3, 10.0)], pairs of share and relaxation time"
-    checked = [(share, time) for share, time in checks.pairs("branches", branches, advice).tolist()]
-    for number, (share, time) in enumerate(checked):
-        if not (0 <= share <= 1 and 1 / LARGEST <= time <= LARGEST):
-            expected = "a share from 0 to 1 and a relaxation time above 0"
-            raise InputError(f"branches[{number}]", expected=expected, got=f"{share:g} and {time:g}")
-    total = math.fsum(share for share, _ in checked)
-    if total > 1 + 1e-12:
-        raise InputError("branches", expected="shares of at most 1 in sum", got=f"{total:.6g}")
-    return tuple(checked)
-
-
 def _solid(
     kind: str,
     law: SpectrumOf,
@@ -199,7 +182,7 @@ def _solid(
     loaded_from_afar: bool = False,
 ) -> Solid:
     """A generalized Maxwell solid: the share of each branch of one law of stiffness."""
-    checked = checked_branches(branches)
+    checked = check_branches(branches)
     parts = [(Scaled(law, share), time) for share, time in checked]
     rest = 1.0 - math.fsum(share for share, _ in checked)
     permanent = Scaled(law, rest if rest > 1e-12 else 0.0)
