@@ -1,5 +1,6 @@
 """Solids whose surface is elastic and creeps."""
 
+from asperity.solids.coating import coated_half_space
 from asperity.solids.continua import contact_modulus, half_space, layer
 from asperity.solids.laws import (
     FixedRate,
@@ -23,6 +24,7 @@ __all__ = [
     "Spectra",
     "SpringConstants",
     "WaveNumberSpectrum",
+    "coated_half_space",
     "contact_modulus",
     "half_space",
     "layer",

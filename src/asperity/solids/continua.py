@@ -52,7 +52,7 @@ def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[fl
         got = f"{moduli.size} moduli and {ratios.size} ratios"
         raise InputError("young and poisson", expected="one of each for each of one or two bodies", got=got)
     for ratio in ratios.tolist():
-        _poisson(ratio)
+        checked_poisson("poisson", ratio)
     return 1.0 / float(((1 - ratios**2) / moduli).sum())
 
 
@@ -107,9 +107,7 @@ def half_space(
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 13.2, DOI 10.1017/CBO9781139171731.
     """
     modulus = checks.number("modulus", modulus, above=0)
-    if apparatus is not None and apparatus != math.inf:
-        expected = "a stiffness above 0, or math.inf"
-        apparatus = checks.number("apparatus", apparatus, above=0, expected=expected)
+    apparatus = checked_apparatus(apparatus)
     law = WaveNumberSpectrum(modulus / 2)
     parameters = {"modulus": modulus}
     if flow is None:
@@ -164,7 +162,7 @@ def layer(
     InputError
         As for `half_space`; or Poisson's ratio is out of its range.
     """
-    poisson = _poisson(poisson)
+    poisson = checked_poisson("poisson", poisson)
     modulus = checks.number("modulus", modulus, above=0)
     thickness = checks.number("thickness", thickness, above=0)
     law = LayerSpectrum(modulus, poisson, thickness, bonded)
@@ -204,6 +202,15 @@ def _named(apparatus: float | None) -> dict[str, float]:
     return {} if apparatus is None else {"apparatus": apparatus}
 
 
-def _poisson(ratio: float) -> float:
+def checked_apparatus(stiffness: float | None) -> float | None:
+    """Stiffness of an apparatus, which may be infinite, or None without one."""
+    if stiffness is None or stiffness == math.inf:
+        return stiffness
+    expected = "a stiffness above 0, or math.inf"
+    return checks.number("apparatus", stiffness, above=0, expected=expected)
+
+
+def checked_poisson(name: str, ratio: float) -> float:
+    """Check Poisson's ratio."""
     expected = "Poisson's ratio, from -1 to 0.5"
-    return checks.number("poisson", ratio, above=-1, most=0.5, expected=expected, advice="0.3")
+    return checks.number(name, ratio, above=-1, most=0.5, expected=expected, advice="0.3")

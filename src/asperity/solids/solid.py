@@ -185,6 +185,6 @@ def _checked(name: str, law: SpectrumOf, lattice: Lattice) -> Spectrum:
 
 
 def _shown(name: str, value: object) -> str:
-    if name == "branches":
-        return f"{len(list(value))} branches"  # type: ignore[call-overload]
+    if name.endswith("branches"):
+        return f"{len(list(value))} {name}"  # type: ignore[call-overload]
     return f"{name} {value:g}" if isinstance(value, float) and math.isfinite(value) else f"{name} {value}"

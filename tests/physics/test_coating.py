@@ -1,0 +1,133 @@
+"""A film on a half-space of another material: elastic limits, an independent solution, relaxation in time."""
+
+import numpy as np
+import pytest
+from numpy.polynomial import polynomial
+
+import asperity as asp
+from asperity.lattice import Lattice
+from asperity.solids.coating import Coated, Material
+from tests.refusals import refuses
+from tests.surfaces import correlated
+
+FILM = {"modulus": 2.0, "poisson": 0.4, "thickness": 3.0, "base_modulus": 0.5, "base_poisson": 0.25}
+LATTICE = Lattice((32, 24), (0.7, 0.9))
+
+
+def stiffness_of_layers(q, thickness, film, base):
+    """Pressure over displacement of a wave on a bonded film, from Airy's stress function of plane strain.
+
+    It is F(y) cos qx with F = (a + b y) exp(+-q y); the base has what decays. Six conditions: two stresses on
+    top, two stresses and two displacements between.
+    """
+
+    def solutions(modulus, nu, y, signs):
+        shear, columns = modulus * (1 - nu) / 2, []
+        for s in signs:
+            for a, b in ((1.0, 0.0), (0.0, 1.0)):
+                e, p = np.exp(s * q * y), a + b * y
+                f = np.array([p, b + s * q * p, 2 * s * q * b + q**2 * p, 3 * q**2 * b + s * q**3 * p]) * e
+                along = ((1 - nu) * f[2] + nu * q**2 * f[0]) / (2 * shear * q)
+                slope = ((1 - nu) * f[3] + nu * q**2 * f[1]) / (2 * shear * q)
+                across = slope / q - f[1] / shear
+                columns.append([across, along, -(q**2) * f[0], q * f[1]])
+        return np.array(columns).T
+
+    top = solutions(*film, 0.0, (1, -1))
+    bottom, below = solutions(*film, -thickness, (1, -1)), solutions(*base, -thickness, (1,))
+    matrix = np.zeros((6, 6))
+    matrix[:2, :4] = top[2:]
+    matrix[2:, :4], matrix[2:, 4:] = bottom, -below
+    found = np.linalg.solve(matrix, [1.0, 0, 0, 0, 0, 0])
+    return 1 / float(top[0] @ found[:4])
+
+
+@pytest.mark.parametrize("x", [0.05, 0.4, 1.0, 3.0])
+@pytest.mark.parametrize(("film", "base"), [((2.0, 0.4), (0.5, 0.25)), ((0.1, 0.45), (3.0, 0.1))])
+def test_the_stiffness_is_that_of_the_equations_of_elasticity(x, film, base):
+    coated = Coated(Material(*film, ()), Material(*base, ()), 1.0)
+    (found,) = coated.over_wave_number(np.array([x]), 0.0)
+    assert found * x == pytest.approx(stiffness_of_layers(x, 1.0, film, base), rel=1e-9)
+
+
+def test_limits_are_a_half_space_and_a_layer():
+    same = asp.solids.coated_half_space(**FILM | {"base_modulus": 2.0, "base_poisson": 0.4})
+    half = asp.solids.half_space(modulus=2.0)
+    np.testing.assert_allclose(same.on(LATTICE).permanent, half.on(LATTICE).permanent, rtol=1e-12)
+    hard = asp.solids.coated_half_space(**FILM | {"base_modulus": 1e9}).on(LATTICE).permanent
+    layer = asp.solids.layer(modulus=2.0, poisson=0.4, thickness=3.0).on(LATTICE).permanent
+    np.testing.assert_allclose(hard.flat[1:], layer.flat[1:], rtol=1e-6)
+    assert hard.flat[0] == 0
+
+
+def talbot(transform, t, count=24):
+    """Numerical inverse of a Laplace transform (A. Talbot, J. Inst. Math. Appl. 23, 97 (1979))."""
+    r = 2 * count / (5 * t)
+    theta = np.arange(1, count) * np.pi / count
+    s = r * theta * (1 / np.tan(theta) + 1j)
+    sigma = theta + (theta / np.tan(theta) - 1) / np.tan(theta)
+    values = np.array([transform(one) for one in s])
+    total = 0.5 * np.exp(r * t) * transform(r).real
+    return r / count * (total + np.sum((np.exp(t * s) * values * (1 + 1j * sigma)).real))
+
+
+@pytest.mark.parametrize("x", [0.1, 1.0, 4.0])
+def test_relaxation_in_time_is_that_of_the_transform(x):
+    branches, base_branches = [(0.4, 1.0), (0.3, 30.0)], [(0.5, 5.0)]
+    solid = asp.solids.coated_half_space(**FILM, branches=branches, base_branches=base_branches)
+    line = Lattice((64,), (2 * np.pi / 64 / x * FILM["thickness"],))  # wave 1 has q thickness = x
+    spectra = solid.on(line)
+
+    def modulus(s, at_once, poisson, parts):
+        left = 1 - sum(share for share, _ in parts)
+        return (
+            at_once
+            * (1 - poisson)
+            / 2
+            * (left + sum(share * s * tau / (1 + s * tau) for share, tau in parts))
+        )
+
+    def transform(s):
+        film, base = modulus(s, 2.0, 0.4, branches), modulus(s, 0.5, 0.25, base_branches)
+        g, near, nu1, nu0 = film / base, np.exp(-2 * x), 0.4, 0.25
+        m, n = (g - 1) / (g + 3 - 4 * nu1), 1 - 4 * (1 - nu1) / (1 + g * (3 - 4 * nu0))
+        top = polynomial.polyval(near, [1.0, 4 * m * x, -m * n])
+        bottom = polynomial.polyval(near, [1.0, -(m + n + 4 * m * x**2), m * n])
+        return film / (1 - nu1) * bottom / top / s
+
+    at_once = (spectra.permanent + spectra.creeping.sum(axis=0))[1]
+    scale = at_once / (talbot(transform, 1e-9) or 1.0)
+    for t in (0.1, 1.0, 10.0, 100.0):
+        found = spectra.permanent[1] + float(spectra.creeping[:, 1] @ np.exp(-t * spectra.rate[:, 1]))
+        assert found / at_once == pytest.approx(scale * talbot(transform, t) / at_once, abs=3e-3)
+
+
+def test_the_whole_ages_from_one_elastic_contact_to_another():
+    rough = correlated(64)
+    film = asp.solids.coated_half_space(**FILM, branches=[(0.5, 1.0)], base_branches=[(0.8, 100.0)])
+    relaxed_film = {"modulus": 1.0, "base_modulus": 0.1}
+    contact = asp.press(rough, film, load=0.02 * rough.size)
+    at_once = asp.press(rough, asp.solids.coated_half_space(**FILM), load=0.02 * rough.size)
+    in_the_end = asp.press(rough, asp.solids.coated_half_space(**FILM | relaxed_film), load=0.02 * rough.size)
+    np.testing.assert_array_equal(contact.in_contact, at_once.in_contact)
+    history = asp.age(contact, [0.1, 1.0, 1e6])
+    areas = history.dataset["area"].values
+    assert not film.separable
+    assert (np.diff(areas) > 0).all()
+    assert asp.relax(contact).area == in_the_end.area
+    assert areas[-1] == pytest.approx(in_the_end.area, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "name"),
+    [
+        ({"thickness": 0.0}, "thickness"),
+        ({"base_poisson": 0.7}, "base_poisson"),
+        ({"base_modulus": -1.0}, "base_modulus"),
+        ({"base_branches": [(0.5, -1.0)]}, "base_branches"),
+        ({"branches": [(1.0, 1.0)]}, "branches"),
+    ],
+)
+def test_numbers_are_checked(wrong, name):
+    with refuses(name):
+        asp.solids.coated_half_space(**FILM | wrong)
