@@ -1,5 +1,7 @@
 """A film on a half-space of another material: elastic limits, an independent solution, relaxation in time."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.polynomial import polynomial
@@ -10,18 +12,26 @@ from asperity.solids.coating import Coated, Material
 from tests.refusals import refuses
 from tests.surfaces import correlated
 
-FILM = {"modulus": 2.0, "poisson": 0.4, "thickness": 3.0, "base_modulus": 0.5, "base_poisson": 0.25}
+FILM: dict[str, Any] = {
+    "modulus": 2.0,
+    "poisson": 0.4,
+    "thickness": 3.0,
+    "base_modulus": 0.5,
+    "base_poisson": 0.25,
+}
+Elastic = tuple[float, float]
 LATTICE = Lattice((32, 24), (0.7, 0.9))
 
 
-def stiffness_of_layers(q, thickness, film, base):
+def stiffness_of_layers(q: float, thickness: float, film: Elastic, base: Elastic) -> float:
     """Pressure over displacement of a wave on a bonded film, from Airy's stress function of plane strain.
 
     It is F(y) cos qx with F = (a + b y) exp(+-q y); the base has what decays. Six conditions: two stresses on
     top, two stresses and two displacements between.
     """
 
-    def solutions(modulus, nu, y, signs):
+    def solutions(elastic: Elastic, y: float, signs: tuple[int, ...]) -> np.ndarray:
+        modulus, nu = elastic
         shear, columns = modulus * (1 - nu) / 2, []
         for s in signs:
             for a, b in ((1.0, 0.0), (0.0, 1.0)):
@@ -33,8 +43,8 @@ def stiffness_of_layers(q, thickness, film, base):
                 columns.append([across, along, -(q**2) * f[0], q * f[1]])
         return np.array(columns).T
 
-    top = solutions(*film, 0.0, (1, -1))
-    bottom, below = solutions(*film, -thickness, (1, -1)), solutions(*base, -thickness, (1,))
+    top = solutions(film, 0.0, (1, -1))
+    bottom, below = solutions(film, -thickness, (1, -1)), solutions(base, -thickness, (1,))
     matrix = np.zeros((6, 6))
     matrix[:2, :4] = top[2:]
     matrix[2:, :4], matrix[2:, 4:] = bottom, -below
@@ -45,7 +55,7 @@ def stiffness_of_layers(q, thickness, film, base):
 @pytest.mark.parametrize("x", [0.05, 0.4, 1.0, 3.0])
 @pytest.mark.parametrize(("film", "base"), [((2.0, 0.4), (0.5, 0.25)), ((0.1, 0.45), (3.0, 0.1))])
 def test_the_stiffness_is_that_of_the_equations_of_elasticity(x, film, base):
-    coated = Coated(Material(*film, ()), Material(*base, ()), 1.0)
+    coated = Coated(Material(film[0], film[1], ()), Material(base[0], base[1], ()), 1.0)
     (found,) = coated.over_wave_number(np.array([x]), 0.0)
     assert found * x == pytest.approx(stiffness_of_layers(x, 1.0, film, base), rel=1e-9)
 
