@@ -93,10 +93,17 @@ def test_surface_files(tmp_path: Path) -> None:
         options = {
             "undefined": draw.one(["fill", "refuse"]),
             "tilt": draw.one(["plane", "mean", "none"]),
-            "periodic": draw.one(["mirror", "taper", "wrap"]),
+            "periodic": draw.one(["mirror", "reflect", "taper", "wrap"]),
             "unit": draw.one([None, None, "m", "nm", "rms"]),
             "channel": draw.one([None, None, 0, 1, "z", "\x1b[2J", 10**20]),
             "resample": draw.chance(0.2),
+            "crop": draw.one([None, None, [0, 4], [0, 4, 0, 4], [0.2, 0.4, -1, 3]]),
+            "crop_unit": draw.one([None, None, "pixel", "nm"]),
+            "longest": draw.one([None, None, 5.0, 1e-300]),
+            "shortest": draw.one([None, None, 2.5, 1e300]),
+            "file_unit": draw.one([None, "nm"]),
+            "pixel_size": draw.one([None, None, 1.0, (0.5, 2.0)]),
+            "length_unit": draw.one([None, None, "um"]),
         }
         draw.say(options)
         assert_fine_surface(tried(lambda: asp.surfaces.read(path, **options)))

@@ -165,8 +165,7 @@ def mirrored(scan: np.ndarray) -> Surface:
         "file": "scan.npy",
         "unit": "nm",
         "periodic_rule": "mirror",
-        "original_shape": list(scan.shape),
-        "physical_size": [0.5 * n for n in scan.shape],
+        "pixel_size": [0.5] * scan.ndim,
         "length_unit": "um",
     }
     return Surface(heights, "nm", (0.5,) * scan.ndim, "um", provenance)

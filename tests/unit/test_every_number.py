@@ -116,9 +116,23 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.surfaces.gaussian, {"shape": (4, 6), "rms": 2.0, "seed": 3}),
     (asp.surfaces.exponential, {"shape": (4, 6), "rms": 2.0, "seed": 3}),
     (asp.surfaces.self_affine, {"size": 4, "hurst": 0.5, "delta": 0.25, "seed": 3}),
+    *(
+        (asp.surfaces.spectral, {"shape": (8, 12), "hurst": 0.5, "seed": 3, **options})
+        for options in (
+            {"roll_off": 8.0, "cutoff": 4.0, "spacing": [0.5, 2.0]},
+            {"spacing": 0.5, "rms_height": 2.0},
+            {"rms_slope": 2.0},
+            {"rms_curvature": 2.0},
+        )
+    ),
+    (asp.surfaces.Surface, {"heights": ROUGH, "unit": "nm", "pixel_size": [0.5, 2.0]}),
+    (asp.surfaces.power_spectrum, {"surface": ROUGH, "pixel_size": [0.5, 2.0]}),
+    (asp.surfaces.power_spectrum, {"surface": ROUGH, "longest": 8.0, "shortest": 2.0}),
     (asp.surfaces.check_heights, {"heights": ROUGH}),
     (asp.surfaces.statistics, {"heights": ROUGH, "pixel_size": [0.5, 2.0]}),
     (asp.surfaces.read, {"path": "heights.npy", "max_undefined": 0.25}),
+    (asp.surfaces.read, {"path": "heights.npy", "longest": 8.0, "shortest": 2.0, "pixel_size": [0.5, 2.0]}),
+    (asp.surfaces.read, {"path": "heights.npy", "crop": [1.0, 6.0, 2.0, 8.0], "pixel_size": 0.5}),
     (asp.fits.saturation, CURVE),
     (asp.fits.logarithm, CURVE),
     (asp.fits.compare, CURVE),
@@ -174,6 +188,8 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.analysis.leg_table,
     asp.figures.history_figure,
     asp.analysis.contact_maps,
+    asp.surfaces.check_square,
+    asp.surfaces.combined,
     asp.analysis.turnover,
     asp.analysis.with_limit,
     asp.campaign.estimate,

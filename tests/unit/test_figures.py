@@ -36,7 +36,7 @@ from asperity.figures.surface import surface_view
 from asperity.fits import measured_growth
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
 from asperity.solids import spring_lattice
-from asperity.surfaces import Surface, gaussian
+from asperity.surfaces import Surface, gaussian, power_spectrum, spectral
 from asperity.theory import GaussianHeights
 from tests.refusals import refuses
 
@@ -276,6 +276,8 @@ def test_a_surface_is_drawn_with_units(heights: np.ndarray) -> None:
     labels = " ".join(axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes)
     assert "height [nm]" in labels
     assert "position [µm]" in labels
+    power = "[nm² µm²]" if heights.ndim == 2 else "[nm² µm]"
+    assert f"power spectrum C(q) {power}" in labels
     assert figure.get_suptitle() == "name.npy\n3 undefined pixels filled"
     figure.draw_without_rendering()
 
@@ -418,10 +420,27 @@ def test_a_view_shows_the_measured_part_in_readable_units() -> None:
     np.testing.assert_allclose(view.profile_position[:2], [0.1, 0.3])
 
 
+@pytest.mark.parametrize("shape", [(128, 96), (512,)])
+def test_a_spectrum_is_shown_in_readable_units(shape: tuple[int, ...]) -> None:
+    size = (2e-7, 1e-7)[: len(shape)]
+    heights = spectral(shape, spacing=size, cutoff=4e-7, rms_height=3e-9, seed=2)
+    shown = surface_view(Surface(heights, "m", size, "m")).spectrum
+    same = power_spectrum(Surface(1e9 * heights, "nm", tuple(1e6 * d for d in size), "um"))
+    assert (shown.unit, shown.length_unit) == ("nm", "um")
+    np.testing.assert_allclose(shown.wave_number, same.wave_number)
+    np.testing.assert_allclose(shown.power, same.power, atol=1e-12 * same.power.max())
+    np.testing.assert_allclose(shown.along[0][1], same.along[0][1], atol=1e-12 * same.along[0][1].max())
+    assert shown.fit is not None
+    assert same.fit is not None
+    for name in ("hurst", "interval", "longest", "shortest", "exponent", "middle"):
+        assert getattr(shown.fit, name) == pytest.approx(getattr(same.fit, name)), name
+
+
 def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
     view = surface_view(Surface(gaussian((6, 9), seed=1)))
     assert (view.unit, view.length_unit) == ("1", "pixel")
     np.testing.assert_array_equal(view.profile, view.heights[3])
+    np.testing.assert_array_equal(view.spectrum.power, power_spectrum(gaussian((6, 9), seed=1)).power)
     small = surface_view(Surface(1e-6 * gaussian((6, 9), seed=1)))
     assert small.unit == "1e-06"
     np.testing.assert_allclose(small.heights, view.heights)

@@ -16,7 +16,7 @@ import pytest
 import asperity
 from asperity.errors import InputError, SurfaceFileError
 from asperity.fits import read_measurements
-from asperity.surfaces import read
+from asperity.surfaces import Surface, check_square, read
 
 AS_IT_IS: dict[str, Any] = {"tilt": "none", "periodic": "wrap"}
 
@@ -377,7 +377,7 @@ def test_nothing_defined(tmp_path: Path) -> None:
     [
         ({"undefined": "zero"}, "undefined: expected one of 'fill', 'refuse', got 'zero'"),
         ({"tilt": "parabola"}, "tilt: expected one of 'plane', 'mean', 'none', got 'parabola'"),
-        ({"periodic": True}, "periodic: expected one of 'mirror', 'taper', 'wrap', got True"),
+        ({"periodic": True}, "periodic: expected one of 'mirror', 'reflect', 'taper', 'wrap', got True"),
         ({"unit": "furlong"}, "unit: expected one of None, 'm', 'mm', .*, got 'furlong'"),
         ({"unit": ["nm"]}, "unit: expected one of"),
         ({"max_undefined": 1.0}, "max_undefined: expected a fraction from 0 to below 1, got 1.0"),
@@ -418,16 +418,18 @@ def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square(oblong: P
     assert surface.pixel_size == pytest.approx((1, 3))
     assert surface.describe().shape == (18, 24)
     solid = asperity.solids.spring_lattice(k0=1, k1=1)
-    for take in (asperity.surfaces.statistics, lambda taken: asperity.press(taken, solid, load=1)):
+    for take in (check_square, lambda taken: asperity.press(taken, solid, load=1)):
         with pytest.raises(
             InputError,
             match=r"^heights: expected square pixels, got 1 between rows and 3 between columns; "
             r"try resample = true \(--resample\): means over 3$",
         ):
             take(surface)
-    # Pixels that are square, or nearly, or of unknown size, pass.
+    np.testing.assert_array_equal(np.asarray(surface), surface.heights)
+    # Pixels that are square, or nearly, or of unknown size, pass, and so does what has none.
     for size in ((2.0, 2.01), (2.0, 2.0), None):
-        asperity.surfaces.check_heights(asperity.surfaces.Surface(surface.heights, "nm", size, "nm"))
+        check_square(Surface(surface.heights, "nm", size, "nm"))
+    check_square(surface.heights)
 
 
 def test_oblong_pixels_are_averaged_when_asked(oblong: Path, rough: Any) -> None:

@@ -11,9 +11,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity.analysis.scan import measured_part, readable
+from asperity.analysis.scan import readable
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
+from asperity.surfaces.surface import measured_part
 
 _WINDOW = 160
 """Sites of a profile that can be told apart in a figure."""
@@ -159,7 +160,7 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
     copies = heights.size
     touching, surfaces = ([field[here] for field in fields] for fields in (touching, surfaces))
     heights = heights[here]
-    size = origin.get("physical_size") or None
+    size = origin.get("pixel_size") or None
     low, high = color_range(heights)
     unit, factor = readable(str(origin.get("unit", "1")), high - low)
     return ContactMaps(
@@ -171,7 +172,7 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         window=_busiest(touching[-1]),
         unit=unit,
         copies=copies // heights.size,
-        pixel_size=None if size is None else float(size[-1]) / heights.shape[-1],
+        pixel_size=None if size is None else float(size[-1]),
         length_unit=str(origin.get("length_unit", "")) or "unit of the file",
     )
 

@@ -1,9 +1,8 @@
-"""A measured surface as its reader knows it: the part that was scanned, and lengths in readable units."""
+"""Lengths in readable units."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 from asperity.surfaces.prepare import is_length, length_factor
 
@@ -12,12 +11,6 @@ _DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")
 
 _PLAIN = (1e-2, 1e5)
 """Range of numbers without a unit that are written as they are."""
-
-
-def measured_part(shape: tuple[int, ...], provenance: Mapping[str, object]) -> tuple[slice, ...]:
-    """Slice out the scan, where the surface is made of it and of its mirror images; else everything."""
-    mirrored = provenance.get("periodic_rule") == "mirror"
-    return tuple(slice(0, n // 2 if mirrored else n) for n in shape)
 
 
 def readable(unit: str, span: float) -> tuple[str, float]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
-from asperity.surfaces import Surface
+from asperity.surfaces import Surface, check_square
 from asperity.surfaces.heights import check_heights
 
 
@@ -44,6 +44,7 @@ def bodies_of(heights: object, solid: Solid) -> Bodies:
         if si:
             rough, spacing = heights.in_meters()
     else:
+        check_square(heights)
         rough = check_heights(heights)
     edges = heights.edges if isinstance(heights, Surface) else "periodic"
     return Bodies(rough, Lattice(rough.shape, spacing, edges), solid, origin, si)

@@ -1,19 +1,28 @@
 """Heights of rough surfaces: made at random, or measured; and what a surface measures."""
 
 from asperity.surfaces.heights import check_heights
-from asperity.surfaces.measured import Surface, read
-from asperity.surfaces.self_affine import self_affine
-from asperity.surfaces.statistics import Statistics, statistics
+from asperity.surfaces.measured import read
+from asperity.surfaces.midpoints import self_affine
+from asperity.surfaces.moments import Statistics, statistics
+from asperity.surfaces.random_phase import spectral
+from asperity.surfaces.spectrum import PowerSpectrum, SelfAffineRange, power_spectrum
+from asperity.surfaces.surface import Surface, check_square, combined
 from asperity.surfaces.uncorrelated import exponential, gaussian
 
 __all__ = [
+    "PowerSpectrum",
+    "SelfAffineRange",
     "Statistics",
     "Surface",
     "check_heights",
+    "check_square",
+    "combined",
     "exponential",
     "gaussian",
+    "power_spectrum",
     "read",
     "self_affine",
+    "spectral",
     "statistics",
 ]
 

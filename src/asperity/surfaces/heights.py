@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 import asperity.checks as checks
+from asperity.errors import InputError
 from asperity.lattice import Field
 
 
@@ -28,3 +31,13 @@ def check_heights(heights: object) -> Field:
         infinite or masked entries; the message says how many, and where the first one is.
     """
     return checks.heights("heights", heights)
+
+
+def checked_spacing(name: str, value: object, axes: int) -> tuple[float, ...]:
+    """Distance between sites along each axis, from one positive number or one for each axis."""
+    found = checks.positive(name, value)
+    if found.shape not in ((), (axes,)):
+        expected = f"one number above 0, or {axes}, one an axis" if axes > 1 else "one number above 0"
+        raise InputError(name, expected=expected, got=checks.shown(value))
+    found = found if found.ndim else np.full(axes, found)
+    return tuple(found.tolist())

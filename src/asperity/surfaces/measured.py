@@ -4,139 +4,34 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from asperity.checks import number as checked_number
 from asperity.errors import InputError, SurfaceFileError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import prepare
-from asperity.surfaces.heights import check_heights
+from asperity.surfaces.heights import checked_spacing
 from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.matrix_files import read_npy, read_npz, read_text
 from asperity.surfaces.raw import RawSurface
-from asperity.surfaces.statistics import Statistics, statistics
+from asperity.surfaces.surface import Provenance, Surface, outliers
 
 Undefined = Literal["fill", "refuse"]
 Tilt = Literal["plane", "mean", "none"]
-Periodic = Literal["mirror", "taper", "wrap"]
+Periodic = Literal["mirror", "reflect", "taper", "wrap"]
+Length = Literal["m", "mm", "um", "nm", "pm"]
 Unit = Literal["m", "mm", "um", "nm", "pm", "rms"]
-Provenance = dict[str, str | int | float | bool | list[int] | list[float] | list[str]]
+CropUnit = Literal["pixel", "m", "mm", "um", "nm", "pm"]
 
 TAPER_BORDER = 0.1
 # Beyond it, moments of the heights would overflow; only damage or a wrong byte order leads there.
 _LARGEST = 1e60
 _TEXT_SUFFIXES = (".txt", ".csv", ".dat")
-_OUTLYING = 6.0
-"""Robust standard deviations above the median beyond which a height is counted as an outlier; no Gaussian
-surface of less than a thousand million pixels has any."""
-
-
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """A surface with its unit and its history; if its pixels are square, it can be given for heights.
-
-    Parameters
-    ----------
-    heights
-        Shape ``(n,)`` or ``(n, m)``, float64, finite; kept as a read-only copy.
-    unit
-        Unit of the heights: "nm", ..., "rms" (of its own rms height), or "1" if none is known.
-    pixel_size
-        Distance between sites along each axis in `length_unit`, or None if unknown.
-    length_unit
-        Unit of the pixel size, or None if unknown.
-    provenance
-        Where it comes from, and everything that was done to it.
-    """
-
-    heights: Field
-    unit: str = "1"
-    pixel_size: tuple[float, ...] | None = None
-    length_unit: str | None = None
-    provenance: Provenance = dataclasses.field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        heights = check_heights(self.heights)
-        heights.flags.writeable = False
-        object.__setattr__(self, "heights", heights)
-
-    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
-        """Heights for those who take the pixels as square; `heights` are the same without this check."""
-        if self.pixel_size is not None and not prepare.is_square(self.pixel_size):
-            unit = f" {self.length_unit}" if self.length_unit else ""
-            between_rows, between_columns = (f"{size:.4g}{unit}" for size in self.pixel_size)
-            raise InputError(
-                "heights",
-                expected="square pixels",
-                got=f"{between_rows} between rows and {between_columns} between columns",
-                advice=f"resample = true (--resample): means over {max(self.pixel_size):.4g}{unit}",
-            )
-        return np.array(self.heights, dtype=dtype, copy=copy)
-
-    edges: ClassVar[Edges] = "periodic"
-
-    @property
-    def has_lengths(self) -> bool:
-        """Whether the heights have a unit of length."""
-        return prepare.is_length(self.unit)
-
-    def in_meters(self) -> tuple[Field, tuple[float, ...]]:
-        """Heights and spacing in m."""
-        assert self.pixel_size
-        assert self.length_unit
-        lateral = prepare.length_factor(self.length_unit, "m")
-        heights = self.heights * prepare.length_factor(self.unit, "m")
-        return heights, tuple(size * lateral for size in self.pixel_size)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Sites along each axis."""
-        return self.heights.shape
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """What whoever presses it should know: what its reader remarked, and heights that may be none."""
-        facts = self.provenance
-        told, count = facts.get("reader_remarks", []), facts.get("outlying_pixels", 0)
-        remarks = tuple(map(str, told)) if isinstance(told, list) else ()
-        if count:
-            remarks += (
-                f"pixels more than {_OUTLYING:g} robust standard deviations above the median height: "
-                f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load",
-            )
-        return remarks
-
-    def describe(self) -> Statistics:
-        """Measure the surface.
-
-        The slope is a pure number where heights and pixel size both have units of length, else in
-        ``unit / length_unit`` or ``unit / pixel``.
-        """
-        size, lateral = self.pixel_size, self.length_unit
-        if (
-            size is not None
-            and lateral is not None
-            and prepare.is_length(self.unit)
-            and prepare.is_length(lateral)
-        ):
-            factor = prepare.length_factor(lateral, self.unit)
-            size, slope_unit = tuple(s * factor for s in size), "1"
-        else:
-            slope_unit = (
-                f"{self.unit}/pixel" if size is None else f"{self.unit}/{lateral or 'unit of length'}"
-            )
-        undefined = self.provenance.get("undefined_pixels", 0)
-        return dataclasses.replace(
-            statistics(self.heights, size),
-            unit=self.unit,
-            slope_unit=slope_unit,
-            undefined_pixels=undefined if isinstance(undefined, int) else 0,
-        )
 
 
 def read(
@@ -149,13 +44,21 @@ def read(
     unit: Unit | None = None,
     channel: str | int | None = None,
     resample: bool = False,
+    crop: Sequence[float] | None = None,
+    crop_unit: CropUnit | None = None,
+    longest: float | None = None,
+    shortest: float | None = None,
+    file_unit: Length | None = None,
+    pixel_size: float | Sequence[float] | None = None,
+    length_unit: Length | None = None,
 ) -> Surface:
     """Read a measured surface and make it ready for the solver.
 
     ``.npy`` and ``.npz`` files and text (``.txt``, ``.csv``, ``.dat``: a matrix of numbers) are read
     directly, everything else by the optional library SurfaceTopography; rows run downward, as the surface
-    is seen in a picture. Undefined pixels are filled, then the tilt is removed, then pixels are made square,
-    units converted, and the surface made periodic.
+    is seen in a picture. What is asked for is done in this order: a part is cut out, undefined pixels are
+    filled, the tilt is removed, pixels are made square, waves left out, units converted, and the surface made
+    periodic.
 
     Parameters
     ----------
@@ -175,16 +78,27 @@ def read(
         rms height of the pixels after the tilt was removed. The pixel size keeps the file's unit.
     periodic
         "mirror" reflects the surface along each axis, which doubles each: continuous, and no measured value
-        is altered. "taper" brings a border of 10 % of each axis, on either side, to the mean by a cosine;
-        under a heavy load or after long creep the flat border touches too, and counts as contact.
-        "wrap" takes it as it is: the seam keeps its step.
+        is altered. "reflect" leaves it as it is, for a solver that knows edges which reflect: what "mirror"
+        describes, without the images (`Surface.edges`). "taper" brings a border of 10 % of each axis, on
+        either side, to the mean by a cosine; under a heavy load or after long creep the flat border touches
+        too, and counts as contact. "wrap" takes it as it is: the seam keeps its step.
     channel
         Name or number of the channel, for instrument files with several, or of the array in a ``.npz``
         file; None for the file's default.
     resample
         Make pixels that are not square, to 1 %, square: along the axis of the shorter spacing, means over the
-        larger one take the place of the heights, and what is left of the last pixel is dropped. Without,
-        a surface of such pixels can be described, but not pressed.
+        larger one take the place of the heights, and what is left of the last pixel is dropped.
+    crop, crop_unit
+        A part to cut out before anything else: where it begins and ends along each axis, ``[left, right]`` or
+        ``[top, bottom, left, right]``, in pixels or in a unit of length; see `Surface.crop`.
+    longest, shortest
+        Wavelengths beyond which waves are left out, in the unit of the pixel size, or in pixels if it is
+        unknown. The waves are those of a surface with reflecting edges, or, with "wrap", of a periodic one.
+    file_unit
+        Unit of the heights in a file that does not say; or in place of what it says.
+    pixel_size, length_unit
+        Distance between pixels, one number or one an axis, and its unit, of a file that does not say; or
+        in place of what it says.
 
     Returns
     -------
@@ -207,21 +121,31 @@ def read(
         ("tilt", tilt, get_args(Tilt)),
         ("periodic", periodic, get_args(Periodic)),
         ("unit", unit, (None, *get_args(Unit))),
+        ("crop_unit", crop_unit, (None, *get_args(CropUnit))),
+        ("file_unit", file_unit, (None, *get_args(Length))),
+        ("length_unit", length_unit, (None, *get_args(Length))),
     ):
         if value not in choices:
             raise InputError(option, expected=f"one of {', '.join(map(repr, choices))}", got=repr(value))
     limit = checked_number("max_undefined", max_undefined, expected="a fraction from 0 to below 1")
     if not 0 <= limit < 1:
         raise InputError("max_undefined", expected="a fraction from 0 to below 1", got=repr(max_undefined))
+    limits = prepare.checked_band(longest, shortest)
     file = _checked_file(path)
     checksum = _sha256(file)
-    raw = _read_raw(file, channel)
-    missing = _checked_missing(file, raw.heights, 0.0 if undefined == "refuse" else limit)
+    raw = _with_lengths(_read_raw(file, channel), file_unit, pixel_size, length_unit)
+    found, size = raw.heights, raw.pixel_size
+    cut: list[int] = []
+    if crop is not None:
+        part = prepare.part_of(found.shape, crop, crop_unit or "pixel", size, raw.length_unit)
+        found, cut = found[part], [edge for axis in part for edge in (axis.start, axis.stop)]
+    missing = _checked_missing(file, found, 0.0 if undefined == "refuse" else limit)
 
-    filled = prepare.fill(raw.heights)
+    filled = prepare.fill(found)
     level, plane = prepare.remove_tilt(filled, ~missing, tilt)
-    outlying, highest = _outliers(level[~missing])
-    level, pixel_size = prepare.square(level, raw.pixel_size) if resample else (level, raw.pixel_size)
+    outlying, highest = outliers(level[~missing])
+    level, size = prepare.square(level, size) if resample else (level, size)
+    level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
     factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=float(np.abs(filled).max()))
     heights = prepare.make_periodic(level * factor, periodic, border=TAPER_BORDER)
     done: Provenance = {
@@ -232,27 +156,43 @@ def read(
         "tilt_coefficients": plane,
         "outlying_pixels": outlying,
         "outlying_height": highest,
-        "resampled": pixel_size != raw.pixel_size,
-        "pixel_size": list(pixel_size or ()),
+        "resampled": size != raw.pixel_size,
+        "pixel_size": list(size or ()),
         "unit": final_unit,
         "scale_factor": factor,
         "periodic_rule": periodic,
         "final_shape": list(heights.shape),
-        "rms_before": float(raw.heights[~missing].std()),
+        "rms_before": float(found[~missing].std()),
         "rms_after": float(heights.std()),
     }
+    if cut:
+        done["crop"] = cut
+    for name, wave in zip(("longest", "shortest"), limits, strict=True):
+        if wave is not None:
+            done[name] = wave
     origin: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
-    return Surface(heights, final_unit, pixel_size, raw.length_unit, {**origin, **done})
+    edges: Edges = "reflecting" if periodic == "reflect" else "periodic"
+    return Surface(heights, final_unit, size, raw.length_unit, {**origin, **done}, edges)
 
 
-def _outliers(heights: Field) -> tuple[int, float]:
-    """Count the heights far above all others, and give the highest in robust standard deviations."""
-    median = np.median(heights)
-    deviation = 1.4826 * float(np.median(np.abs(heights - median)))  # that of a Gaussian
-    if deviation == 0:  # most heights are equal: no measure of what is far
-        return 0, 0.0
-    above = (heights - median) / deviation
-    return int((above > _OUTLYING).sum()), float(above.max())
+def _with_lengths(
+    raw: RawSurface,
+    file_unit: Length | None,
+    pixel_size: float | Sequence[float] | None,
+    length_unit: Length | None,
+) -> RawSurface:
+    """Take what the user says of units and pixels in place of what the file says."""
+    if file_unit is not None:
+        raw = dataclasses.replace(raw, unit=file_unit)
+    if pixel_size is not None:
+        sizes = checked_spacing("pixel_size", pixel_size, raw.heights.ndim)
+        raw = dataclasses.replace(raw, pixel_size=sizes, length_unit=length_unit or raw.length_unit)
+    elif length_unit is not None:
+        if raw.pixel_size is None:
+            advice = "pixel_size (--pixel-size)"
+            raise InputError("length_unit", expected="pixels of known size", got="none", advice=advice)
+        raw = dataclasses.replace(raw, length_unit=length_unit)
+    return raw
 
 
 def _origin(raw: RawSurface) -> Provenance:

@@ -1,24 +1,30 @@
-r"""From measured heights to heights that a periodic lattice can bear: five rules, in this order.
+r"""From measured heights to heights that a lattice can bear: seven rules, in this order.
 
-1. Undefined pixels are filled by the discrete harmonic function: each gets the mean of its neighbors on
+1. A part is cut out, if asked.
+2. Undefined pixels are filled by the discrete harmonic function: each gets the mean of its neighbors on
    the pixel grid (three at an edge, two at a corner), which is the solution of the Laplace equation with
    the defined pixels as boundary values. By its maximum principle no filled pixel is above the highest
    defined pixel around its hole: filling creates no summit, so it creates no contact of its own.
-2. The tilt of the sample in the instrument is removed.
-3. Pixels that are not square are averaged to square ones, if asked.
-4. The heights are converted to the wanted unit.
-5. The surface is made periodic.
+3. The tilt of the sample in the instrument is removed.
+4. Pixels that are not square are averaged to square ones, if asked.
+5. Waves that are too long or too short are left out, if asked.
+6. The heights are converted to the wanted unit.
+7. The surface is made periodic, or gets reflecting edges.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+import scipy.fft
 import scipy.sparse
 from numpy.typing import NDArray
 from scipy.signal.windows import tukey
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
+import asperity.checks as checks
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 
@@ -40,6 +46,112 @@ def length_factor(unit: str, target: str) -> float:
     power = _EXPONENTS[unit] - _EXPONENTS[target]
     # A division by a whole power of ten rounds once; a product with 1e-3 would round twice.
     return 10.0**power if power >= 0 else 1 / 10.0**-power
+
+
+def part_of(
+    shape: tuple[int, ...],
+    bounds: Sequence[float],
+    unit: str,
+    pixel_size: tuple[float, ...] | None,
+    length_unit: str | None,
+) -> tuple[slice, ...]:
+    """Find the pixels of a part.
+
+    Parameters
+    ----------
+    shape
+        Pixels along each axis.
+    bounds
+        Begin and end along each axis, one axis after the other, counted from the first pixel.
+    unit
+        Their unit: "pixel", or a unit of length.
+    pixel_size, length_unit
+        Distance between pixels and its unit, or None if unknown.
+
+    Raises
+    ------
+    InputError
+        If the bounds are not those of a part, or lengths are given and the pixels have none.
+    """
+    scale = [1.0] * len(shape)
+    if unit != "pixel":
+        if not is_length(unit):
+            units = ", ".join(map(repr, ("pixel", *_EXPONENTS)))
+            raise InputError("crop_unit", expected=f"one of {units}", got=repr(unit))
+        if pixel_size is None or length_unit is None or not is_length(length_unit):
+            got = "none" if pixel_size is None else f"pixels in {length_unit or 'no unit'}"
+            expected = f"pixels with a unit of length, to crop in {unit}"
+            raise InputError("crop", expected=expected, got=got, advice="bounds in pixels")
+        scale = [size * length_factor(length_unit, unit) for size in pixel_size]
+    ends = checks.floats("crop", bounds)
+    order = "top, bottom, left and right" if len(shape) == 2 else "left and right"
+    if ends.shape != (2 * len(shape),):
+        raise InputError("crop", expected=f"{2 * len(shape)} numbers, {order}", got=checks.shown(bounds))
+    part = []
+    for (begin, end), side, n in zip(ends.reshape(-1, 2).tolist(), scale, shape, strict=True):
+        if not (-0.5 <= begin / side < end / side <= n + 0.5):
+            most = f"{n * side:.6g} {unit}{'s' if unit == 'pixel' else ''}"
+            got = f"{begin:g} to {end:g}"
+            raise InputError("crop", expected=f"begin and end of a part, within 0 and {most}", got=got)
+        first, last = max(round(begin / side), 0), min(round(end / side), n)
+        if first == last:
+            got = f"{begin:g} to {end:g} {unit}"
+            raise InputError("crop", expected=f"a part of a pixel, {side:.4g} {unit}, or more", got=got)
+        part.append(slice(first, last))
+    return tuple(part)
+
+
+def checked_band(longest: float | None, shortest: float | None) -> tuple[float | None, float | None]:
+    """Check the limits of a band of wavelengths."""
+    high = None if longest is None else checks.number("longest", longest, above=0)
+    low = None if shortest is None else checks.number("shortest", shortest, above=0)
+    if high is not None and low is not None and low >= high:
+        expected = f"a wavelength below the longest, {high:g}"
+        raise InputError("shortest", expected=expected, got=f"{low:g}")
+    return high, low
+
+
+def band(
+    heights: Field,
+    pixel_size: tuple[float, ...] | None,
+    limits: tuple[float | None, float | None],
+    *,
+    reflecting: bool,
+) -> Field:
+    """Leave out the waves that are longer than the first limit or shorter than the second; the mean stays.
+
+    Parameters
+    ----------
+    heights
+        Finite heights, shape ``(n,)`` or ``(n, m)``.
+    pixel_size
+        Distance between pixels along each axis; None for 1.
+    limits
+        Wavelengths in the unit of the pixel size; None for no limit.
+    reflecting
+        Whether the waves are cosines with their crests at the edges, as a scan has together with its mirror
+        images; else those of a periodic surface.
+    """
+    longest, shortest = limits
+    if longest is None and shortest is None:
+        return heights
+    sizes = pixel_size or (1.0,) * heights.ndim
+    # Waves a unit of length, squared, of each mode.
+    axes = [
+        np.arange(n) / (2 * n * size) if reflecting else scipy.fft.fftfreq(n, size)
+        for n, size in zip(heights.shape, sizes, strict=True)
+    ]
+    count = np.sqrt(sum(axis**2 for axis in np.meshgrid(*axes, indexing="ij", sparse=True)))
+    lost = count > (np.inf if shortest is None else (1 + _ROUNDING) / shortest)
+    if longest is not None:
+        lost |= (count > 0) & (count < (1 - _ROUNDING) / longest)
+    if reflecting:
+        modes = scipy.fft.dctn(heights, type=2)
+        modes[lost] = 0
+        return np.asarray(scipy.fft.idctn(modes, type=2))
+    waves = scipy.fft.fftn(heights)
+    waves[lost] = 0
+    return np.ascontiguousarray(scipy.fft.ifftn(waves).real)
 
 
 def fill(heights: Field) -> Field:
@@ -231,7 +343,8 @@ def make_periodic(heights: Field, rule: str, *, border: float) -> Field:
     rule
         "mirror" appends the mirror image along each axis, which doubles it; all seams join equal heights
         and no measured value is altered. "taper" lowers the deviation from the mean to zero over a border
-        of each axis, by half a period of a cosine. "wrap" leaves all as it is, with steps at the seams.
+        of each axis, by half a period of a cosine. "wrap" leaves all as it is, with steps at the seams, and
+        so does "reflect", for edges beyond which the solver sees the mirror image.
     border
         Width of the border on either side, as a part of the axis, for "taper".
     """
@@ -239,7 +352,7 @@ def make_periodic(heights: Field, rule: str, *, border: float) -> Field:
         for axis in range(heights.ndim):
             heights = np.concatenate([heights, np.flip(heights, axis=axis)], axis=axis)
         return heights
-    if rule == "wrap":
+    if rule in ("wrap", "reflect"):
         return heights
     mean = heights.mean()
     weight = np.ones(heights.shape)

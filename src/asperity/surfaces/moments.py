@@ -1,4 +1,4 @@
-"""What a surface measures: moments of its heights, its slope, and the step at its periodic seam."""
+"""What a surface measures: moments of its heights, slope, curvature, and the step at its periodic seam."""
 
 from __future__ import annotations
 
@@ -25,8 +25,13 @@ class Statistics:
     rms_height
         Standard deviation of the heights about their mean.
     rms_slope
-        Root mean square of the gradient, from differences of neighbors inside the surface (the seam
-        is left out), in `slope_unit`.
+        Root mean square of the gradient, from finite differences: those of neighbors inside the surface (the
+        seam is left out), in `slope_unit`.
+    rms_curvature
+        Root mean square of the mean curvature, half the Laplacian (of a profile: of the second derivative),
+        from finite differences: second differences where a site has both neighbors along each axis, in
+        `curvature_unit`; 0 for fewer than three sites along an axis. T. D. B. Jacobs, T. Junge and
+        L. Pastewka, Surf. Topogr.: Metrol. Prop. 5, 013001 (2017), DOI 10.1088/2051-672X/aa51f8.
     skewness
         Third moment about the mean over ``rms_height**3``; NaN for a flat surface.
     kurtosis
@@ -36,8 +41,8 @@ class Statistics:
         For each axis, the rms difference of neighbors inside the surface.
     seam_steps
         For each axis, the rms difference of the neighbors across the periodic seam (last and first site).
-    unit, slope_unit
-        Units of heights and slope; "1" if none is known.
+    unit, slope_unit, curvature_unit
+        Units of heights, slope and curvature; "1" if none is known.
     undefined_pixels
         How many pixels the measurement had left undefined.
     """
@@ -48,12 +53,14 @@ class Statistics:
     mean: float
     rms_height: float
     rms_slope: float
+    rms_curvature: float
     skewness: float
     kurtosis: float
     neighbor_steps: tuple[float, ...]
     seam_steps: tuple[float, ...]
     unit: str = "1"
     slope_unit: str = "1/pixel"
+    curvature_unit: str = "1/pixel^2"
     undefined_pixels: int = 0
 
     @property
@@ -111,12 +118,25 @@ def statistics(heights: object, pixel_size: tuple[float, ...] | None = None) -> 
         mean=mean,
         rms_height=rms,
         rms_slope=float(np.sqrt(sum(_rms(d / s) ** 2 for d, s in zip(steps, sizes, strict=True)))),
+        rms_curvature=_rms(_mean_curvature(xi, sizes)),
         skewness=float(np.mean(normal**3)),
         kurtosis=float(np.mean(normal**4)),
         neighbor_steps=tuple(_rms(d) for d in steps),
         seam_steps=tuple(_rms(d) for d in seams),
         slope_unit="1/pixel" if pixel_size is None else "1",
+        curvature_unit="1/pixel^2" if pixel_size is None else "1/unit of the pixel size",
     )
+
+
+def _mean_curvature(xi: Field, sizes: Field) -> Field:
+    """Second derivatives from second differences, averaged over the axes, at the sites inside."""
+    inside = tuple(slice(1, -1) for _ in xi.shape)
+    total = np.zeros(xi[inside].shape)
+    if total.size:
+        for axis, size in enumerate(sizes):
+            others = tuple(slice(None) if a == axis else slice(1, -1) for a in range(xi.ndim))
+            total += np.diff(xi[others], n=2, axis=axis) / size**2
+    return total / xi.ndim
 
 
 def _rms(values: Field) -> float:

@@ -1,0 +1,150 @@
+r"""Self-affine surfaces by their power spectrum, with random phases.
+
+On a periodic lattice, every Fourier mode of wave number :math:`q = |\mathbf q|` gets the squared amplitude
+
+.. math::
+
+    C(q) \propto q_r^{-d-2H}\ (q < q_r), \quad q^{-d-2H}\ (q_r \le q \le q_s), \quad 0\ (q > q_s),
+
+with d the number of axes, :math:`q_r = 2\pi/` roll-off and :math:`q_s = 2\pi/` cut-off, and a phase that is
+random and independent. So C falls as :math:`q^{-2(1+H)}` on surfaces and as :math:`q^{-(1+2H)}` on profiles.
+The form of C and the measures of roughness are those of T. D. B. Jacobs, T. Junge and L. Pastewka, Surf.
+Topogr.: Metrol. Prop. 5, 013001 (2017), DOI 10.1088/2051-672X/aa51f8:
+
+    rms height^2 = sum_q |h_q|^2,  rms slope^2 = sum_q q^2 |h_q|^2,
+    rms curvature^2 = sum_q q^4 |h_q|^2 / d^2.
+
+The curvature of a surface is the mean of its two principal ones, half the Laplacian; that of a profile is
+its second derivative.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import scipy.fft
+from numpy.typing import ArrayLike
+
+import asperity.checks as checks
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.surfaces.heights import checked_spacing
+
+_USUAL_CUTOFF = 8
+"""Shortest wavelength of a surface for which none is given, in units of the larger spacing."""
+
+_ROUNDING = 1e-9
+
+
+def spectral(
+    shape: int | tuple[int, ...],
+    *,
+    hurst: float = 0.8,
+    roll_off: float | None = None,
+    cutoff: float | None = None,
+    rms_height: float | None = None,
+    rms_slope: float | None = None,
+    rms_curvature: float | None = None,
+    spacing: ArrayLike = 1.0,
+    seed: int = 0,
+) -> Field:
+    """Make a periodic self-affine surface of a given power spectrum, with random phases.
+
+    Parameters
+    ----------
+    shape
+        Sites along each axis: ``(n, m)``, or ``n`` or ``(n,)`` for a profile.
+    hurst
+        Hurst exponent H, from 0 to 1.
+    roll_off
+        Wavelength above which the spectrum is flat, in the unit of the spacing; by default the longest side,
+        so that the whole spectrum is self-affine.
+    cutoff
+        Shortest wavelength, two of the larger spacings or more; by default eight, or `roll_off` or the
+        longest side where that is less.
+    rms_height, rms_slope, rms_curvature
+        Roughness: one of the three, exactly that of the heights as a sum of waves; by default an rms height
+        of 1. The height is in the unit that the heights shall have, the slope in that over the unit of the
+        spacing, the curvature in that over its square.
+    spacing
+        Distance between sites: one number, or one an axis.
+    seed
+        Seed of the random numbers; the same seed gives the same surface.
+
+    Returns
+    -------
+    ndarray of float64, of the given shape
+        The heights, of mean 0.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, more than one measure of roughness is given, or no wave of the
+        lattice is as long as the cut-off.
+
+    Notes
+    -----
+    The amplitudes have no scatter: every surface has exactly this spectrum, and seeds differ in phases only.
+    """
+    lengths = checks.lattice_shape(shape)
+    exponent = checks.number("hurst", hurst, least=0, most=1, expected="a number from 0 to 1", advice="0.8")
+    steps = checked_spacing("spacing", spacing, len(lengths))
+    q = wave_number(lengths, steps)
+    longest, shortest = _band(roll_off, cutoff, [n * d for n, d in zip(lengths, steps, strict=True)], steps)
+    power, roughness = _roughness(rms_height, rms_slope, rms_curvature, len(lengths))
+    noise = scipy.fft.rfftn(np.random.default_rng(checks.seed(seed)).normal(size=lengths))
+    kept = (q > 0) & (q <= 2 * math.pi / shortest * (1 + _ROUNDING))
+    if not kept.any():
+        expected = "a lattice on which a wave as long as the cut-off has room"
+        got = f"{' x '.join(map(str, lengths))} sites, and a cut-off of {shortest:g}"
+        raise InputError("shape", expected=expected, got=got)
+    # In units of the cut-off the amplitudes neither overflow nor vanish, whatever the spacing.
+    relative = q[kept] * (shortest / (2 * math.pi))
+    amplitude = np.maximum(relative, shortest / longest) ** -(len(lengths) / 2 + exponent)
+    modes = np.zeros_like(noise)
+    modes[kept] = noise[kept] / np.abs(noise[kept]) * amplitude
+    # Each mode of the half spectrum stands for two, but for those on its edges.
+    twice = np.where(np.arange(q.shape[-1]) * 2 % lengths[-1] == 0, 1.0, 2.0)
+    total = math.sqrt(float(np.sum((twice * np.abs(modes) ** 2)[kept] * relative ** (2 * power))))
+    modes *= roughness * (shortest / (2 * math.pi)) ** power / total * math.prod(lengths)
+    return np.asarray(scipy.fft.irfftn(modes, s=lengths))
+
+
+def wave_number(shape: tuple[int, ...], spacing: tuple[float, ...]) -> Field:
+    """Magnitude of the wave vectors of a half spectrum, in radians per unit of the spacing."""
+    axes = [scipy.fft.fftfreq(n, d) for n, d in zip(shape[:-1], spacing[:-1], strict=True)]
+    axes.append(scipy.fft.rfftfreq(shape[-1], spacing[-1]))
+    return np.asarray(2 * np.pi * np.sqrt(sum(k**2 for k in np.meshgrid(*axes, indexing="ij", sparse=True))))
+
+
+def _band(
+    roll_off: float | None, cutoff: float | None, sides: list[float], spacing: tuple[float, ...]
+) -> tuple[float, float]:
+    """Longest and shortest wavelength of the self-affine range."""
+    side, step = max(sides), max(spacing)
+    least = min(2 * step, side) * (1 - _ROUNDING)
+    longest = side
+    if roll_off is not None:
+        expected = f"a wavelength of {least:g} or more, two of the larger spacings"
+        longest = checks.number("roll_off", roll_off, least=least, expected=expected)
+    if cutoff is None:
+        return longest, min(_USUAL_CUTOFF * step, longest, side)
+    expected = f"a wavelength from {least:g}, two of the larger spacings, to {longest:g}, the roll-off"
+    return longest, checks.number(
+        "cutoff", cutoff, least=least, most=longest * (1 + _ROUNDING), expected=expected
+    )
+
+
+def _roughness(
+    height: float | None, slope: float | None, curvature: float | None, axes: int
+) -> tuple[int, float]:
+    """The power of q in the measure that is given, and what it shall be."""
+    given = {"rms_height": height, "rms_slope": slope, "rms_curvature": curvature}
+    chosen = {name: value for name, value in given.items() if value is not None} or {"rms_height": 1.0}
+    if len(chosen) > 1:
+        got = " and ".join(chosen)
+        raise InputError("roughness", expected=f"one of {', '.join(given)}", got=got, advice="one of them")
+    ((name, value),) = chosen.items()
+    power = list(given).index(name)
+    return power, checks.number(name, value, above=0) * (axes if power == 2 else 1)

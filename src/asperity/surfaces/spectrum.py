@@ -1,0 +1,322 @@
+r"""Power spectrum of a surface, and its Hurst exponent.
+
+With the heights :math:`h` on N sites, :math:`d` axes, and the area (length) of a site :math:`a`,
+
+.. math::
+
+    C(\mathbf q) = \frac{a}{N} \left|\sum_{\mathbf x} h(\mathbf x) e^{-i \mathbf q \mathbf x}\right|^2,
+    \qquad \int \frac{d^d q}{(2\pi)^d}\, C(\mathbf q) = \text{rms height}^2 ,
+
+as T. D. B. Jacobs, T. Junge and L. Pastewka define it (Surf. Topogr.: Metrol. Prop. 5, 013001 (2017), DOI
+10.1088/2051-672X/aa51f8). Over directions it is averaged in bins of equal width in ln q. A self-affine
+surface has :math:`C \sim q^{-2(1+H)}`, a profile :math:`C \sim q^{-(1+2H)}`.
+
+A surface whose opposite edges do not fit has steps at its seams, whose spectrum hides that of a smooth
+surface. There the least-squares plane is removed and the heights are multiplied by a Hann window along
+each axis, normalized so that white noise keeps its power. Waves of which fewer than three fit into the
+surface are left out then: the window blurs them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.fft
+import scipy.stats
+from scipy.signal.windows import hann
+
+import asperity.checks as checks
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.surfaces.heights import check_heights, checked_spacing
+from asperity.surfaces.moments import statistics
+from asperity.surfaces.prepare import remove_tilt
+from asperity.surfaces.surface import Surface
+
+_PER_DECADE = 10
+_BROAD = 5
+"""Fewest bins of a range with a Hurst exponent: half a decade."""
+
+_FITTING_SEAM = 2.0
+"""Ratio of a step at a seam to a usual one, up to which opposite edges count as fitting each other."""
+
+_TOLERANCE = 0.1
+"""Relative deviation of C from a power law that is no end of the self-affine range, rms over its bins."""
+
+_UNKNOWN = 0.25
+"""Half width of the interval from which on a range is said to have no Hurst exponent."""
+
+_SCATTER = math.pi / math.sqrt(6)
+"""Standard deviation of the logarithm of one mode's power, which has an exponential distribution."""
+
+_HANN = 35 / 18
+"""By how much a Hann window lowers the number of independent modes of an axis: <w^4>/<w^2>^2."""
+
+
+@dataclass(frozen=True)
+class SelfAffineRange:
+    """A range of wavelengths in which the spectrum is a power law.
+
+    Attributes
+    ----------
+    hurst
+        Hurst exponent H.
+    interval
+        Its 95 % interval: Student's t times the standard error of a straight line through the logarithms of
+        the bins. Each is taken to scatter like random waves of this spectrum, and by 10 % more, or as they
+        do scatter, if that is more.
+    longest, shortest
+        Ends of the range, wavelengths.
+    exponent
+        Of the wave number: -2 (1 + H), or -(1 + 2 H) of a profile.
+    middle
+        A wave number, and C there on the fitted line.
+    """
+
+    hurst: float
+    interval: tuple[float, float]
+    longest: float
+    shortest: float
+    exponent: float
+    middle: tuple[float, float]
+
+    def power(self, wave_number: Field) -> Field:
+        """C on the fitted line."""
+        return np.asarray(self.middle[1] * (wave_number / self.middle[0]) ** self.exponent)
+
+
+@dataclass(frozen=True, eq=False)
+class PowerSpectrum:
+    """Power spectrum of a surface.
+
+    Attributes
+    ----------
+    wave_number
+        Wave numbers q, radians per `length_unit`, shape ``(k,)``: geometric means over bins.
+    power
+        C(q), mean over the directions, in ``unit^2 length_unit^2``, or ``unit^2 length_unit`` of a profile.
+    modes
+        Waves in each bin; a wave and its opposite count once.
+    along
+        For each axis, wave numbers and the mean spectrum of the profiles along it, in ``unit^2 length_unit``.
+    window
+        "none", or "Hann" where opposite edges do not fit.
+    fit
+        The self-affine range; None where no range of half a decade has a Hurst exponent from 0 to 1, known to
+        0.25 or better.
+    unit, length_unit
+        Units of heights ("1" if unknown) and of lengths ("pixel" if unknown).
+    """
+
+    wave_number: Field
+    power: Field
+    modes: Field
+    along: tuple[tuple[Field, Field], ...]
+    window: str
+    fit: SelfAffineRange | None
+    unit: str
+    length_unit: str
+
+
+def power_spectrum(
+    surface: object,
+    pixel_size: tuple[float, ...] | None = None,
+    *,
+    longest: float | None = None,
+    shortest: float | None = None,
+) -> PowerSpectrum:
+    """Measure the power spectrum and the Hurst exponent of a surface.
+
+    Parameters
+    ----------
+    surface
+        A `Surface`, of which the scan without mirror images is measured, or whatever `check_heights` accepts.
+    pixel_size
+        Distance between sites along each axis, for heights that are no `Surface`; None counts in pixels.
+    longest, shortest
+        Range of wavelengths in which the Hurst exponent is fitted. By default the broadest range, of half a
+        decade or more, whose bins lie on a power law to 10 % rms and the scatter of random waves, with an
+        exponent from 0 to 1 that is known to 0.25 or better.
+
+    Returns
+    -------
+    PowerSpectrum
+
+    Raises
+    ------
+    InputError
+        If the surface is refused by `check_heights`, a number is out of its range, or the range holds less
+        than three bins of the spectrum.
+    """
+    unit, length_unit = "1", "pixel"
+    edges = ""
+    if isinstance(surface, Surface):
+        scan = surface.scan
+        heights, sizes, unit, edges = scan.heights, scan.pixel_size, scan.unit, scan.edges
+        if sizes is not None:
+            length_unit = scan.length_unit or "unit of length"
+    else:
+        heights = check_heights(surface)
+        sizes = None if pixel_size is None else checked_spacing("pixel_size", pixel_size, heights.ndim)
+        length_unit = "pixel" if sizes is None else "unit of length"
+    sizes = sizes or (1.0,) * heights.ndim
+    limits = _checked_limits(longest, shortest)
+    measured = statistics(heights)
+    fits = edges != "reflecting" and measured.seam_ratio <= _FITTING_SEAM
+    if fits:
+        level = heights - heights.mean()
+        axes = [(1.0, np.ones(n)) for n in heights.shape]
+    else:
+        level, _ = remove_tilt(heights, np.ones(heights.shape, dtype=bool), "plane")
+        axes = [(_HANN, hann(n + 1, sym=True)[:-1] if n > 1 else np.ones(1)) for n in heights.shape]
+    q, power = _isotropic(level, sizes, [window for _, window in axes])
+    least = 0.0 if fits else 6 * math.pi / min(n * s for n, s in zip(heights.shape, sizes, strict=True))
+    most = math.pi / max(sizes)  # beyond it only waves of some directions are on the lattice
+    correlated = math.prod(factor for factor, _ in axes)
+    bins = _binned(q.ravel(), power.ravel(), least, most, correlated)
+    return PowerSpectrum(
+        wave_number=bins.q,
+        power=bins.power,
+        modes=bins.modes,
+        along=tuple(_along(level, axis, size, fits) for axis, size in enumerate(sizes)),
+        window="none" if fits else "Hann",
+        fit=_fit(bins, heights.ndim, limits),
+        unit=unit,
+        length_unit=length_unit,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Bins:
+    """Bins of the spectrum: ends, means, mean logarithms of the power and their standard deviations."""
+
+    low: Field
+    high: Field
+    q: Field
+    power: Field
+    modes: Field
+    logarithm: Field
+    scatter: Field
+
+
+def _isotropic(level: Field, sizes: tuple[float, ...], windows: list[Field]) -> tuple[Field, Field]:
+    """Wave number and power of each wave of a half spectrum, of which each stands there once."""
+    weight = np.ones(())
+    for window in windows:
+        weight = np.multiply.outer(weight, window)
+    modes = scipy.fft.fftn(level * weight)
+    power = np.abs(modes) ** 2 * (math.prod(sizes) / float(np.sum(weight**2)))
+    axes = [scipy.fft.fftfreq(n, size) for n, size in zip(level.shape, sizes, strict=True)]
+    q = 2 * np.pi * np.sqrt(sum(axis**2 for axis in np.meshgrid(*axes, indexing="ij", sparse=True)))
+    half = level.shape[-1] // 2 + 1
+    once = np.ones((*level.shape[:-1], half), dtype=bool)
+    if level.ndim == 2:  # waves along the first axis come twice: with positive and negative wave number
+        once[level.shape[0] // 2 + 1 :, 0] = False
+    return q[..., :half][once], power[..., :half][once]
+
+
+def _binned(q: Field, power: Field, least: float, most: float, correlated: float) -> _Bins:
+    """Means over bins of equal width in ln q; bins without a wave are left out."""
+    wanted = (q > 0) & (q >= least * (1 - 1e-9)) & (q <= most * (1 + 1e-9))
+    q, power = q[wanted], power[wanted]
+    if not q.size:
+        return _Bins(*(np.zeros(0) for _ in range(7)))
+    number = np.floor(_PER_DECADE * np.log10(most / q) + 1e-9).astype(int)
+    number = number.max() - number  # rising with q; the last bin ends at the largest wave number
+    count = np.bincount(number)
+    full = count > 0
+    modes = count[full].astype(np.float64)
+    with np.errstate(divide="ignore"):
+        logarithms = np.log(power)
+
+    def mean(values: Field) -> Field:
+        return np.bincount(number, values)[full] / modes
+
+    return _Bins(
+        low=_extreme(np.minimum, number, q)[full],
+        high=_extreme(np.maximum, number, q)[full],
+        q=np.exp(mean(np.log(q))),
+        power=mean(power),
+        modes=modes,
+        logarithm=mean(logarithms),
+        scatter=_SCATTER / np.sqrt(np.maximum(modes / correlated, 1)),
+    )
+
+
+def _extreme(choose: np.ufunc, number: np.ndarray, q: Field) -> Field:
+    found = np.full(number.max() + 1, np.inf if choose is np.minimum else -np.inf)
+    choose.at(found, number, q)
+    return found
+
+
+def _fit(bins: _Bins, axes: int, limits: tuple[float, float] | None) -> SelfAffineRange | None:
+    """Fit a power law to the bins between the limits, or to the broadest range that is straight."""
+    if limits is not None:
+        inside = (bins.low >= 2 * math.pi / limits[1] * (1 - 1e-9)) & (
+            bins.high <= 2 * math.pi / limits[0] * (1 + 1e-9)
+        )
+        chosen = np.flatnonzero(inside & np.isfinite(bins.logarithm))
+        if chosen.size < 3:
+            expected = f"a range of wavelengths with three bins of the spectrum, {_PER_DECADE} a decade"
+            raise InputError("longest, shortest", expected=expected, got=chosen.size)
+        return _line(bins, chosen, axes)[0]
+    best, broadest = None, 0.0
+    for first in range(bins.q.size - _BROAD + 1):
+        for last in range(first + _BROAD, bins.q.size + 1):
+            width = math.log(bins.q[last - 1] / bins.q[first])
+            if width <= broadest:
+                continue
+            if not np.isfinite(bins.logarithm[first:last]).all():
+                break
+            found, misfit = _line(bins, np.arange(first, last), axes)
+            known = found.interval[1] - found.hurst <= _UNKNOWN
+            if misfit <= 1 and known and 0 <= round(found.hurst, 2) <= 1:
+                best, broadest = found, width
+    return best
+
+
+def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, float]:
+    """Least squares of the mean logarithms of the power, and chi squared for each degree of freedom."""
+    x, y = np.log(bins.q[chosen]), bins.logarithm[chosen]
+    variance = bins.scatter[chosen] ** 2 + _TOLERANCE**2
+    weight = 1 / variance
+    center = float(np.average(x, weights=weight))
+    spread = float(np.sum(weight * (x - center) ** 2))
+    slope = float(np.sum(weight * (x - center) * y)) / spread
+    left = y - float(np.average(y, weights=weight)) - slope * (x - center)
+    free = chosen.size - 2
+    misfit = float(np.sum(weight * left**2)) / free
+    reach = float(scipy.stats.t.ppf(0.975, free)) * math.sqrt(max(misfit, 1.0) / spread) / 2
+    hurst = (-slope - axes) / 2
+    level = float(np.average(np.log(bins.power[chosen]), weights=weight))
+    found = SelfAffineRange(
+        hurst=hurst,
+        interval=(hurst - reach, hurst + reach),
+        longest=2 * math.pi / float(bins.low[chosen[0]]),
+        shortest=2 * math.pi / float(bins.high[chosen[-1]]),
+        exponent=slope,
+        middle=(math.exp(center), math.exp(level)),
+    )
+    return found, misfit
+
+
+def _along(level: Field, axis: int, size: float, fits: bool) -> tuple[Field, Field]:
+    """Mean spectrum of the profiles along one axis; q and -q are the same wave, and stand there once."""
+    n = level.shape[axis]
+    profiles = np.moveaxis(level, axis, -1).reshape(-1, n)
+    window = np.ones(n) if fits or n == 1 else hann(n + 1, sym=True)[:-1]
+    modes = scipy.fft.rfft(profiles * window, axis=-1)
+    power = np.mean(np.abs(modes) ** 2, axis=0) * (size / float(np.sum(window**2)))
+    first = 1 if fits else 3
+    return 2 * np.pi * scipy.fft.rfftfreq(n, size)[first:], power[first:]
+
+
+def _checked_limits(longest: float | None, shortest: float | None) -> tuple[float, float] | None:
+    """Shortest and longest wavelength of the fit, or None where neither is given."""
+    if longest is None and shortest is None:
+        return None
+    high = math.inf if longest is None else checks.number("longest", longest, above=0)
+    low = 0.0 if shortest is None else checks.number("shortest", shortest, above=0, below=high)
+    return low or 1e-300, high

@@ -1,0 +1,331 @@
+"""A surface with its units: heights, the distance between them, and where they come from."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, get_args
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+import asperity.checks as checks
+from asperity.errors import InputError
+from asperity.lattice import Edges, Field
+from asperity.surfaces import prepare
+from asperity.surfaces.heights import check_heights, checked_spacing
+from asperity.surfaces.moments import Statistics, statistics
+
+Provenance = dict[str, str | int | float | bool | list[int] | list[float] | list[str]]
+
+_OUTLYING = 6.0
+"""Robust standard deviations above the median beyond which a height is counted as an outlier; no Gaussian
+surface of less than a thousand million pixels has any."""
+
+_ALIKE = 1e-6
+"""Relative difference up to which pixels of two surfaces are of one size."""
+
+_DIMENSIONLESS = ("1", "rms")
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface with its unit and its history; it can be given for heights.
+
+    Parameters
+    ----------
+    heights
+        Shape ``(n,)`` or ``(n, m)``, float64, finite; kept as a read-only copy.
+    unit
+        Unit of the heights: "nm", ..., "rms" (of its own rms height), or "1" if none is known.
+    pixel_size
+        Distance between sites along each axis in `length_unit`, or None if unknown.
+    length_unit
+        Unit of the pixel size, or None if unknown.
+    provenance
+        Where it comes from, and everything that was done to it.
+    edges
+        What lies beyond its edges: "periodic", the surface again; "reflecting", its mirror image along
+        each axis. A solver that knows periodic surfaces only must not take a reflecting one.
+    """
+
+    heights: Field
+    unit: str = "1"
+    pixel_size: tuple[float, ...] | None = None
+    length_unit: str | None = None
+    provenance: Provenance = dataclasses.field(default_factory=dict)
+    edges: Edges = "periodic"
+
+    def __post_init__(self) -> None:
+        heights = check_heights(self.heights)
+        heights.flags.writeable = False
+        object.__setattr__(self, "heights", heights)
+        if self.pixel_size is not None:
+            object.__setattr__(
+                self, "pixel_size", checked_spacing("pixel_size", self.pixel_size, heights.ndim)
+            )
+        if self.edges not in get_args(Edges):
+            expected = f"one of {', '.join(map(repr, get_args(Edges)))}"
+            raise InputError("edges", expected=expected, got=repr(self.edges))
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        """Return the heights, in `unit`."""
+        return np.array(self.heights, dtype=dtype, copy=copy)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Sites along each axis."""
+        return self.heights.shape
+
+    @property
+    def has_lengths(self) -> bool:
+        """Whether it has a unit of any kind; without, heights and pixels count as plain numbers."""
+        return self.unit not in _DIMENSIONLESS or self.length_unit is not None
+
+    def in_meters(self) -> tuple[Field, tuple[float, ...]]:
+        """Heights, and spacing along each axis, in meters.
+
+        Raises
+        ------
+        InputError
+            If the heights have no unit of length, or the pixels no size or unit of length; it says which.
+        """
+        heights, spacing, lateral = f"heights in {self.unit!r}", self.pixel_size, self.length_unit
+        if not prepare.is_length(self.unit):
+            got = "heights without a unit" if self.unit == "1" else heights
+            advice = "unit = 'nm' of a Surface, or file_unit = 'nm' (--file-unit) for a file without a unit"
+            if self.unit == "rms":
+                got, advice = "heights in units of their rms", "another unit than 'rms'"
+            raise InputError("surface", expected="heights with a unit of length", got=got, advice=advice)
+        if spacing is None:
+            got, advice = (
+                f"{heights}, and pixels of unknown size",
+                "pixel_size and length_unit (--pixel-size)",
+            )
+            raise InputError("surface", expected="the distance between pixels", got=got, advice=advice)
+        if lateral is None or not prepare.is_length(lateral):
+            got = f"pixels of {_sides(spacing)} in " + (repr(lateral) if lateral else "no unit")
+            advice = "length_unit = 'um' (--length-unit)"
+            raise InputError("surface", expected="pixels with a unit of length", got=got, advice=advice)
+        across = prepare.length_factor(lateral, "m")
+        return self.heights * prepare.length_factor(self.unit, "m"), tuple(across * size for size in spacing)
+
+    @property
+    def scan(self) -> Surface:
+        """What was measured: of a surface made of a scan and its mirror images, the scan; else itself."""
+        part = measured_part(self.shape, self.provenance)
+        if math.prod(s.stop for s in part) == self.heights.size:
+            return self
+        return dataclasses.replace(self, heights=self.heights[part], edges="reflecting")
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What whoever presses it should know: what its reader remarked, and heights that may be none."""
+        facts = self.provenance
+        told, count = facts.get("reader_remarks", []), facts.get("outlying_pixels", 0)
+        remarks = tuple(map(str, told)) if isinstance(told, list) else ()
+        if count:
+            remarks += (
+                f"pixels more than {_OUTLYING:g} robust standard deviations above the median height: "
+                f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load",
+            )
+        return remarks
+
+    def describe(self) -> Statistics:
+        """Measure the surface.
+
+        The slope is a pure number where heights and pixel size both have units of length, else in
+        ``unit / length_unit`` or ``unit / pixel``; the curvature likewise in ``1 / unit``,
+        ``unit / length_unit^2`` or ``unit / pixel^2``.
+        """
+        size, lateral = self.pixel_size, self.length_unit
+        if (
+            size is not None
+            and lateral is not None
+            and prepare.is_length(self.unit)
+            and prepare.is_length(lateral)
+        ):
+            factor = prepare.length_factor(lateral, self.unit)
+            size, slope_unit, curvature_unit = tuple(s * factor for s in size), "1", f"1/{self.unit}"
+        else:
+            across = "pixel" if size is None else lateral or "unit of length"
+            slope_unit, curvature_unit = f"{self.unit}/{across}", f"{self.unit}/{_squared(across)}"
+        undefined = self.provenance.get("undefined_pixels", 0)
+        return dataclasses.replace(
+            statistics(self.heights, size),
+            unit=self.unit,
+            slope_unit=slope_unit,
+            curvature_unit=curvature_unit,
+            undefined_pixels=undefined if isinstance(undefined, int) else 0,
+        )
+
+    def crop(self, bounds: Sequence[float], unit: str = "pixel") -> Surface:
+        """Cut out a part.
+
+        Parameters
+        ----------
+        bounds
+            Where the part begins and ends along each axis, counted from the first pixel: ``[left, right]``
+            of a profile, ``[top, bottom, left, right]`` of a surface.
+        unit
+            "pixel", or a unit of length. Lengths are rounded to whole pixels.
+
+        Returns
+        -------
+        Surface
+            With periodic edges if it had them; where it is cut there are steps.
+
+        Raises
+        ------
+        InputError
+            If the bounds are not those of a part of the surface, or the pixels have no unit of length.
+        """
+        part = prepare.part_of(self.shape, bounds, unit, self.pixel_size, self.length_unit)
+        facts = {name: value for name, value in self.provenance.items() if name != "periodic_rule"}
+        cut = [edge for axis in part for edge in (axis.start, axis.stop)]
+        return dataclasses.replace(self, heights=self.heights[part], provenance={**facts, "crop": cut})
+
+    def band(self, *, longest: float | None = None, shortest: float | None = None) -> Surface:
+        """Leave out the waves that are longer or shorter than these; the mean stays.
+
+        Parameters
+        ----------
+        longest, shortest
+            Wavelengths in `length_unit`, in pixels where the pixel size is unknown; None for no limit.
+
+        Returns
+        -------
+        Surface
+            Of the waves that a lattice with its edges has, those in the band, unaltered.
+
+        Raises
+        ------
+        InputError
+            If a wavelength is not positive, or the shortest is not below the longest.
+        """
+        limits = prepare.checked_band(longest, shortest)
+        heights = prepare.band(self.heights, self.pixel_size, limits, reflecting=self.edges == "reflecting")
+        names = zip(("longest", "shortest"), limits, strict=True)
+        facts: Provenance = {name: value for name, value in names if value is not None}
+        return dataclasses.replace(self, heights=heights, provenance={**self.provenance, **facts})
+
+
+def combined(first: Surface, second: Surface) -> Surface:
+    """Two rough bodies as one: the sum of the heights, each counted from its body towards the other.
+
+    The gap between two rough surfaces depends on the sum of their heights alone, so an elastic body pressed
+    onto it touches where the two would; the elastic constants combine likewise (see
+    `asperity.solids.half_space`). Both are seen in the same coordinates: the scan of the second one, which
+    lies face down, is to be flipped along one axis first.
+
+    Parameters
+    ----------
+    first, second
+        Surfaces of the same shape, pixel size and edges, whose heights have units that can be added.
+
+    Returns
+    -------
+    Surface
+        In the units of the first. Its provenance is that of the first, and ``other``: the file or the
+        kind of the second.
+
+    Raises
+    ------
+    InputError
+        If they cannot be added; the message says why.
+    """
+    for name, surface in (("first", first), ("second", second)):
+        checks.instance(name, surface, Surface, "asperity.surfaces.Surface(heights)")
+    mirrored = [surface.provenance.get("periodic_rule") == "mirror" for surface in (first, second)]
+    for what, mine, other in (
+        ("shape", first.shape, second.shape),
+        ("edges", first.edges, second.edges),
+        ("mirror images", *mirrored),
+    ):
+        if mine != other:
+            raise InputError("second", expected=f"the {what} of the first, {mine}", got=other)
+    pixels = _size_in(second, first.length_unit)
+    mine = first.pixel_size
+    if (mine is None) != (pixels is None) or not np.allclose(mine or 0.0, pixels or 0.0, rtol=_ALIKE, atol=0):
+        expected = f"the pixel size of the first, {_told_size(first)}"
+        raise InputError("second", expected=expected, got=_told_size(second))
+    factor = 1.0
+    if first.unit != second.unit:
+        if not (prepare.is_length(first.unit) and prepare.is_length(second.unit)):
+            expected = f"heights that can be added to those of the first, in {first.unit!r}"
+            raise InputError("second", expected=expected, got=f"heights in {second.unit!r}")
+        factor = prepare.length_factor(second.unit, first.unit)
+    elif first.unit == "rms":
+        got = "heights in units of the rms of each"
+        raise InputError("second", expected="heights of one unit", got=got, advice="a unit of length")
+    other = str(second.provenance.get("file") or second.provenance.get("kind") or "heights")
+    return dataclasses.replace(
+        first,
+        heights=first.heights + factor * second.heights,
+        provenance={**first.provenance, "other": other},
+    )
+
+
+def check_square(heights: object) -> None:
+    """Refuse a surface with pixels that are not square, for a solid that is defined on sites.
+
+    Raises
+    ------
+    InputError
+        It is a `Surface`, and its pixels are not square, to 1 %.
+    """
+    size = heights.pixel_size if isinstance(heights, Surface) else None
+    if isinstance(heights, Surface) and size is not None and not prepare.is_square(size):
+        unit = f" {heights.length_unit}" if heights.length_unit else ""
+        between_rows, between_columns = (f"{side:.4g}{unit}" for side in size)
+        raise InputError(
+            "heights",
+            expected="square pixels",
+            got=f"{between_rows} between rows and {between_columns} between columns",
+            advice=f"resample = true (--resample): means over {max(size):.4g}{unit}"
+            if "file" in heights.provenance
+            else "",
+        )
+
+
+def measured_part(shape: tuple[int, ...], provenance: Mapping[str, object]) -> tuple[slice, ...]:
+    """Slice out the scan, where the surface is made of it and of its mirror images; else everything."""
+    mirrored = provenance.get("periodic_rule") == "mirror"
+    return tuple(slice(0, n // 2 if mirrored else n) for n in shape)
+
+
+def outliers(heights: Field) -> tuple[int, float]:
+    """Count the heights far above all others, and give the highest in robust standard deviations."""
+    median = np.median(heights)
+    deviation = 1.4826 * float(np.median(np.abs(heights - median)))  # that of a Gaussian
+    if deviation == 0:  # most heights are equal: no measure of what is far
+        return 0, 0.0
+    above = (heights - median) / deviation
+    return int((above > _OUTLYING).sum()), float(above.max())
+
+
+def _size_in(surface: Surface, unit: str | None) -> tuple[float, ...] | None:
+    """Pixel size in another unit, where it can be converted; None where it is unknown or cannot."""
+    size, own = surface.pixel_size, surface.length_unit
+    if size is None or own == unit:
+        return size
+    if own is None or unit is None or not (prepare.is_length(own) and prepare.is_length(unit)):
+        return None
+    factor = prepare.length_factor(own, unit)
+    return tuple(factor * side for side in size)
+
+
+def _told_size(surface: Surface) -> str:
+    if surface.pixel_size is None:
+        return "unknown"
+    return f"{_sides(surface.pixel_size)} {surface.length_unit or '(no unit)'}"
+
+
+def _sides(size: tuple[float, ...]) -> str:
+    return " x ".join(f"{side:.4g}" for side in size)
+
+
+def _squared(unit: str) -> str:
+    return f"({unit})^2" if " " in unit else f"{unit}^2"
