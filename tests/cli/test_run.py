@@ -12,7 +12,7 @@ import pytest
 
 from asperity import age, press, relax, results
 from asperity.solids import spring_lattice
-from asperity.surfaces import exponential, gaussian, read, self_affine
+from asperity.surfaces import exponential, gaussian, read, self_affine, spectral
 from tests.cli.conftest import SMALL, Asperity
 
 BRIEF = ("--times", "1", "--maps-at", "", "--quiet")
@@ -103,6 +103,21 @@ def test_the_summary_says_what_was_found(tmp_path: Path, asperity: Asperity) -> 
         (("--shape", "64", "--rms", "2"), gaussian(64, rms=2.0)),
         (("--surface", "exponential", "--shape", "16,16", "--seed", "3"), exponential((16, 16), seed=3)),
         (("--surface", "self_affine", "--size", "16", "--hurst", "0.8"), self_affine(16, hurst=0.8)),
+        (
+            (
+                "--surface",
+                "spectral",
+                "--shape",
+                "16x8",
+                "--spacing",
+                ".5",
+                "--unit",
+                "um",
+                "--rms-slope",
+                "2",
+            ),
+            spectral((16, 8), spacing=0.5, rms_slope=2.0),
+        ),
     ],
 )
 def test_every_kind_of_surface(
@@ -280,3 +295,16 @@ def test_a_folder_that_cannot_be_made_is_found_before_anything_is_computed(
     status, text, error = asperity("run", "--out", out)
     assert (status, text) == (1, "")
     assert error == f"asperity: --out: cannot write {out}: Not a directory: {tmp_path / 'file'}\n"
+
+
+def test_the_summary_says_how_a_file_was_prepared(tmp_path: Path, asperity: Asperity) -> None:
+    np.save(tmp_path / "rough.npy", gaussian((24, 20), seed=4))
+    words = ("--crop", "0", "6", "1", "9", "--crop-unit", "um", "--pixel-size", "0.5", "--length-unit", "um")
+    out = tmp_path / "out"
+    assert asperity("run", "--file", tmp_path / "rough.npy", *words, *BRIEF, "--out", out)[0] == 0
+    summary = (out / "summary.txt").read_text()
+    assert (
+        "24 x 32 sites (undefined = fill, tilt = plane, periodic = mirror, crop = 0 6 1 9, crop_unit = um, "
+        "pixel_size = 0.5, length_unit = um); loads and areas are those of 4 mirrored copies" in summary
+    )
+    assert json.loads(results.load(out / "history.zarr").attrs["surface"])["crop"] == [0, 12, 2, 18]

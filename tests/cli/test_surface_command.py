@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asperity.surfaces import gaussian
+from asperity import results
+from asperity.surfaces import gaussian, spectral, statistics
 from tests.cli.conftest import Asperity
 
 DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
@@ -75,6 +76,50 @@ def test_a_figure_is_kept(asperity: Asperity) -> None:
     assert Path("rough.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_roughness_and_hurst_exponent_are_those_of_the_scan(asperity: Asperity) -> None:
+    part = spectral((400, 400), hurst=0.6, cutoff=1, spacing=0.25, seed=5)[:200, :300]
+    np.save("part.npy", part)
+    words = ("--pixel-size", "0.25", "--length-unit", "um", "--file-unit", "nm")
+    status, text, error = asperity("surface", "part.npy", *words)
+    assert (status, error) == (0, "")
+    assert row(text, "power spectrum") == "of the scan itself, with a Hann window"
+    found = row(text, "Hurst exponent").replace(")", "").split()
+    assert float(found[3]) <= 0.6 <= float(found[5].rstrip(","))
+    assert found[-1] == "um"
+    assert row(text, "size") == "50 x 75 um"
+    curvature = statistics(part, (250.0, 250.0)).rms_curvature
+    assert row(text, "rms curvature").split()[:2] == [f"{curvature:.4g}", "1/nm"]
+    # A border that was brought to the mean does not count.
+    tapered = asperity("surface", "part.npy", "--periodic", "taper", "--overwrite", *words)[1]
+    assert row(tapered, "Hurst exponent") == row(text, "Hurst exponent")
+
+
+def test_a_part_and_a_band_of_waves(asperity: Asperity) -> None:
+    np.save("rough.npy", gaussian((24, 16), seed=5))
+    words = ("--crop", "2", "10", "0", "8", "--crop-unit", "um", "--longest", "6", "--shortest", "2")
+    lengths = ("--pixel-size", "0.5", "--length-unit", "um", "--periodic", "reflect")
+    status, text, error = asperity("surface", "rough.npy", *words, *lengths)
+    assert (status, error) == (0, "")
+    assert row(text, "part") == "pixels 4 20 0 16 (top bottom left right)"
+    assert row(text, "wavelengths kept") == "longest 6, shortest 2 um"
+    assert row(text, "sites").split() == ["24", "x", "16", "16", "x", "16"]
+    assert row(text, "made periodic by") == "reflect"
+    assert row(text, "Hurst exponent").startswith("none: no half decade")
+    status, _, error = asperity("surface", "rough.npy", "--crop", "2", "30", "0", "8", "--overwrite")
+    assert status == 2
+    assert error == "asperity: crop: expected begin and end of a part, within 0 and 24 pixels, got 2 to 30\n"
+
+
+def test_reflecting_edges_are_the_mirror_images_without_them(asperity: Asperity) -> None:
+    np.save("rough.npy", gaussian((24, 16), seed=5))
+    areas = []
+    for rule, load in (("reflect", "10"), ("mirror", "40")):
+        words = ("--periodic", rule, "--load", load, "--times", "1", "--figures", "", "--out", rule)
+        assert asperity("run", "--file", "rough.npy", *words, "--quiet")[0] == 0
+        areas.append(results.load(f"{rule}/history.zarr")["area"].values)
+    np.testing.assert_array_equal(4 * areas[0], areas[1])
+
+
 def test_oblong_pixels_are_refused_or_averaged(asperity: Asperity) -> None:
     pytest.importorskip("SurfaceTopography", reason="needs asperity[instruments]")
     x, y = np.meshgrid(np.arange(12.0), 3.0 * np.arange(10), indexing="ij")
@@ -82,7 +127,7 @@ def test_oblong_pixels_are_refused_or_averaged(asperity: Asperity) -> None:
     status, text, _ = asperity("surface", "oblong.xyz")
     assert status == 0
     assert row(text, "remark") == (
-        "pixels of 3 x 1 (no unit) are not square, and a run refuses them; try --resample"
+        "pixels of 3 x 1 (no unit) are not square: springs refuse them; try --resample"
     )
     status, text, error = asperity("run", "--file", "oblong.xyz")
     assert (status, text) == (2, "")

@@ -11,9 +11,20 @@ import pytest
 
 from asperity.cli.flags import flags_for, given
 from asperity.config.mistakes import SECTIONS, flag_of
-from asperity.config.models import SURFACES, Aging, MeasuredSurface, Output, RunConfig, SelfAffine
+from asperity.config.models import (
+    SURFACES,
+    Aging,
+    Exponential,
+    Gaussian,
+    MeasuredSurface,
+    Output,
+    RunConfig,
+    SelfAffine,
+    Spectral,
+)
 from asperity.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
-from asperity.errors import ConfigError
+from asperity.errors import ConfigError, InputError
+from asperity.theory import ExponentialHeights, GaussianHeights
 from asperity.words import closest
 
 
@@ -68,7 +79,7 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
     assert all(line.startswith(f"{path}: ") and "\n" not in line for line in problems)
     assert [line.removeprefix(f"{path}: ") for line in problems] == [
         "[surface] shap: no such key; did you mean 'shape'?",
-        "[surface] hurst: not a key of a surface of kind 'gaussian', but of 'self_affine'",
+        "[surface] hurst: not a key of a surface of kind 'gaussian', but of 'self_affine' and 'spectral'",
         "[solid] K1: no such key; did you mean 'k1'?",
         "[contcat]: no such section; did you mean 'contact'?",
         "[surface] rms: expected a number above 0.0, got -1",
@@ -168,7 +179,8 @@ def test_a_mistake_in_a_flag_is_named_as_the_flag(tmp_path: Path) -> None:
     flags = flags_of("surface", rms="-1.0", hurst="0.5")
     problems = problems_of(written(tmp_path, "[solid]\nk0 = -1"), flags)
     assert problems[0] == (
-        "--hurst: not a key of a surface of kind 'gaussian', but of 'self_affine'; try --surface self_affine"
+        "--hurst: not a key of a surface of kind 'gaussian', but of 'self_affine' and 'spectral'; "
+        "try --surface self_affine"
     )
     assert problems[1] == "--rms: expected a number above 0.0, got -1.0"
     assert problems[2].endswith("run.toml: [solid] k0: expected a number of at least 0.0, got -1")
@@ -206,6 +218,41 @@ def test_a_surface_file_is_looked_for_beside_the_configuration(tmp_path: Path) -
     assert (by_flag.path, by_flag.channel, by_flag.unit) == ("a.npy", 2, "um")
 
 
+def test_a_flag_for_another_measure_of_roughness_replaces_the_first(tmp_path: Path) -> None:
+    path = written(tmp_path, "[surface]\nkind = 'spectral'\nspacing = 0.5\nrms_height = 2.0")
+    surface = read_config(path, flags_of("surface", rms_slope="0.1")).surface
+    assert isinstance(surface, Spectral)
+    assert (surface.rms_height, surface.rms_slope, surface.spacing) == (None, 0.1, [0.5])
+    both = flags_of("surface", kind="spectral", rms_slope="0.1", rms_curvature="2")
+    made = read_config(None, both).surface
+    with pytest.raises(InputError, match="expected one of rms_height, rms_slope, rms_curvature"):
+        made.build()
+
+
+@pytest.mark.parametrize(
+    ("surface", "law"),
+    [
+        (Gaussian(shape=[4, 6], rms=2.0), GaussianHeights(2.0)),
+        (Exponential(shape=[9], rms=0.5), ExponentialHeights(0.5)),
+        (SelfAffine(size=8), None),
+        (Spectral(shape=[8, 4], spacing=[0.5, 0.25], unit="nm"), None),
+    ],
+)
+def test_surfaces_know_their_lattice_their_law_and_where_they_come_from(surface: Any, law: Any) -> None:
+    built = surface.build()
+    assert built.shape == surface.lattice
+    assert repr(surface.law) == repr(law)
+    assert surface.model_dump(exclude_none=True).items() <= built.provenance.items()
+
+
+def test_a_spectral_surface_has_lengths_where_they_have_a_unit() -> None:
+    built = Spectral(shape=[8, 4], spacing=[0.5, 0.25], unit="nm").build()
+    assert (built.unit, built.pixel_size, built.length_unit) == ("nm", (0.5, 0.25), "nm")
+    assert built.provenance["pixel_size"] == [0.5, 0.25]
+    bare = Spectral(shape=[8], spacing=[0.5]).build()
+    assert (bare.has_lengths, bare.pixel_size) == (False, (0.5,))
+
+
 def test_how_a_file_is_prepared_is_checked() -> None:
     assert file_surface(Path("a.npy"), {"tilt": "mean"}).tilt == "mean"
     with pytest.raises(ConfigError, match=r"--max-undefined: expected a number below 1\.0, got 2\.0"):
@@ -217,6 +264,8 @@ def test_how_a_file_is_prepared_is_checked() -> None:
     [
         RunConfig(),
         RunConfig(surface=SelfAffine(size=64, hurst=1 / 3, delta=1e-17)),
+        RunConfig(surface=Spectral(shape=[8, 4], rms_slope=0.1, spacing=[0.5, 1e-9], unit="um")),
+        RunConfig(surface=MeasuredSurface(path="/a", crop=[0.0, 1.5], crop_unit="um", pixel_size=[0.25])),
         RunConfig(surface=MeasuredSurface(path='/a "b"\\c\tü\x7f\n.npy', channel=0, unit="rms")),
         RunConfig(aging=Aging(times=[0.1, 1 / 3, 1e29]), output=Output(maps_at=[], figures=["svg", "pdf"])),
     ],

@@ -27,7 +27,7 @@ from asperity.config import MeasuredSurface, RunConfig
 from asperity.config.models import SelfAffine
 from asperity.errors import AsperityError
 from asperity.lattice import Field
-from asperity.runs import Silent, execute, measured_surface, recorded_times
+from asperity.runs import Silent, execute, recorded_times
 
 _PATIENCE = 3.0
 """Seconds of computing after which no further trial run is begun."""
@@ -268,13 +268,11 @@ def _bytes(config: RunConfig) -> int:
 def _shape(config: RunConfig) -> list[int]:
     """The lattice of a run."""
     chosen = config.surface
-    if isinstance(chosen, MeasuredSurface):
-        return list(_measured(chosen)[0])
-    return [chosen.size] * 2 if isinstance(chosen, SelfAffine) else chosen.shape
+    return list(_measured(chosen)[0] if isinstance(chosen, MeasuredSurface) else chosen.lattice)
 
 
 @lru_cache(maxsize=8)
 def _measured(chosen: MeasuredSurface) -> tuple[tuple[int, ...], Field]:
     """The lattice of a measured surface, and a corner of its heights."""
-    heights = measured_surface(chosen).heights
+    heights = chosen.build().heights
     return heights.shape, heights[tuple(map(slice, _halved(heights.shape, _LARGE)))].copy()

@@ -30,12 +30,17 @@ _NO_ENSEMBLE = (
 _WHOLE = ("sites", "initial_area", "final_area", "relaxed_area")
 """Numbers that count sites."""
 
-_HEIGHT, _STIFFNESS = "height unit", "stiffness unit"
+_HEIGHT, _LENGTH, _STIFFNESS = "height unit", "length unit", "stiffness unit"
 SWEPT = {
     "shape": ("sites along each axis", "sites"),
     "size": ("sites along each axis", "sites"),
     "rms": ("rms height", _HEIGHT),
     "hurst": ("Hurst exponent", "1"),
+    "roll_off": ("wavelength above which the spectrum is flat", _LENGTH),
+    "cutoff": ("shortest wavelength", _LENGTH),
+    "rms_height": ("rms height", _HEIGHT),
+    "rms_slope": ("rms slope", "height unit / length unit"),
+    "rms_curvature": ("rms mean curvature", "height unit / length unit^2"),
     "delta": ("roughness at the scale of the lattice", _HEIGHT),
     "path": ("surface file", ""),
     "undefined": ("what is done about undefined pixels", ""),
@@ -44,6 +49,9 @@ SWEPT = {
     "periodic": ("how the surface is made periodic", ""),
     "unit": ("unit of the heights", ""),
     "channel": ("channel of the surface file", ""),
+    "crop": ("part of the surface file", "pixels, or the unit of the part"),
+    "longest": ("longest wavelength kept", _LENGTH),
+    "shortest": ("shortest wavelength kept", _LENGTH),
     "k0": ("stiffness between neighbors", _STIFFNESS),
     "k1": ("stiffness to the bulk", _STIFFNESS),
     "R": ("mobility of conserving creep", "R unit"),

@@ -30,7 +30,10 @@ from asperity.config.models import SURFACES
 from asperity.errors import ConfigError
 
 Value = float | int | str
-_NOT_SWEPT = ("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample")
+_NOT_SWEPT = (
+    *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample"),
+    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing"),
+)
 _STORE_FORMAT = 2
 
 MOST_RUNS = 100_000

@@ -32,7 +32,7 @@ Switch = Annotated[bool, Parameter(negative=(), show_default=False)]
 Quiet = Annotated[bool, Parameter(name=("--quiet", "-q"), negative=(), show_default=False)]
 Out = Annotated[Path, Parameter(name=("--out", "-o"))]
 Whole = Annotated[int, Parameter(converter=_whole)]
-_METAVARS = {"path": "PATH", "shape": "N", "times": "T", "maps_at": "T"}
+_METAVARS = {"path": "PATH", "shape": "N", "times": "T", "maps_at": "T", "crop": "N"}
 
 
 class Flags:
@@ -97,9 +97,17 @@ def _keys(section: str) -> Iterator[tuple[str, FieldInfo, str]]:
     )
     made = {kind: model for kind, model in SURFACES.items() if model is not MeasuredSurface}
     for key in dict.fromkeys(key for model in made.values() for key in model.model_fields if key != "kind"):
+        if key in MeasuredSurface.model_fields:
+            continue
         kinds = [kind for kind, model in made.items() if key in model.model_fields]
         field = made[kinds[0]].model_fields[key]
-        yield key, field, f"{field.description} For {', '.join(kinds)}."
+        others = {
+            kind: default
+            for kind in kinds
+            if (default := made[kind].model_fields[key].default) != field.default
+        }
+        differs = "".join(f" By default {default:g} for {kind}." for kind, default in others.items())
+        yield key, field, f"{field.description} For {', '.join(kinds)}.{differs}"
     path = MeasuredSurface.model_fields["path"]
     yield "path", path, path.description or ""
 

@@ -120,19 +120,20 @@ def _surface(outcome: Outcome) -> str:
     chosen = outcome.config.surface.model_dump(exclude_none=True)
     if chosen["kind"] == "file":
         lattice = " x ".join(str(n) for n in outcome.dataset["heights"].shape)
-        rules = ", ".join(
-            f"{k} = {chosen[k]}" for k in ("undefined", "tilt", "periodic", "unit") if k in chosen
-        )
+        silent = ("kind", "path", "max_undefined", "channel", "resample")
+        rules = ", ".join(f"{k} = {_word(value, ' ')}" for k, value in chosen.items() if k not in silent)
         rules += ", resampled" if chosen["resample"] else ""
         copies = 2 ** outcome.dataset["heights"].ndim if chosen["periodic"] == "mirror" else 1
         mirrored = f"; loads and areas are those of {copies} mirrored copies" if copies > 1 else ""
         return f"{chosen['path']}: {lattice} sites ({rules}){mirrored}"
-    described = []
-    for name, value in chosen.items():
-        if name != "kind":
-            text = " x ".join(map(str, value)) if isinstance(value, list) else f"{value:g}"
-            described.append(f"{name} = {text}")
+    described = [f"{name} = {_word(value, ' x ')}" for name, value in chosen.items() if name != "kind"]
     return f"{chosen['kind']}: {', '.join(described)}"
+
+
+def _word(value: object, between: str) -> str:
+    if isinstance(value, list):
+        return between.join(_word(one, between) for one in value)
+    return f"{value:g}" if isinstance(value, float | int) else str(value)
 
 
 def _contact(area: int, summary: AgingSummary) -> str:

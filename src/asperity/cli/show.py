@@ -10,8 +10,7 @@ from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
 from asperity.cli.report import aligned
 from asperity.config.models import MeasuredSurface
 from asperity.figures import surface_figure
-from asperity.runs import measured_surface
-from asperity.surfaces import Statistics, Surface
+from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_square
 
 
@@ -37,12 +36,18 @@ def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> Non
     check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False}
-    found = measured_surface(settings.model_copy(update=as_found))
-    prepared = measured_surface(settings)
-    figure = surface_figure(prepared, title=file.name, note=_note(prepared, settings))
+    as_found |= dict.fromkeys(("crop", "longest", "shortest"))
+    found = settings.model_copy(update=as_found).build()
+    prepared = settings.build()
+    # A border that was brought to the mean is no part of what was measured.
+    tapered = settings.periodic == "taper"
+    scan = settings.model_copy(update={"periodic": "wrap"}).build() if tapered else prepared
+    spectrum, note = power_spectrum(scan), _note(prepared, settings)
+    figure = surface_figure(prepared, title=file.name, note=note, spectrum=spectrum)
     write_figure(figure, target)
     sys.stdout.write(f"{aligned(_origin(found, prepared))}\n\n")
     sys.stdout.write(f"{aligned(_comparison(found.describe(), prepared.describe()))}\n\n")
+    sys.stdout.write(f"{aligned(_spectrum(spectrum))}\n\n")
     sys.stdout.write(f"{aligned(_preparation(prepared))}\n\nfigure written: {target}\n")
 
 
@@ -68,7 +73,7 @@ def _origin(found: Surface, prepared: Surface) -> list[tuple[str, str]]:
         rows.append(("channels", f"{channels}; shown: {facts['channel']}"))
     remarks = list(prepared.remarks)
     if prepared.pixel_size and not is_square(prepared.pixel_size):
-        remarks.append(f"pixels of {_sides(prepared)} are not square, and a run refuses them; try --resample")
+        remarks.append(f"pixels of {_sides(prepared)} are not square: springs refuse them; try --resample")
     return rows + [("remark", remark) for remark in remarks]
 
 
@@ -80,11 +85,30 @@ def _comparison(before: Statistics, after: Statistics) -> list[tuple[str, ...]]:
         ("maximum", lambda s: f"{s.maximum:.5g}{_of(s.unit)}"),
         ("rms height", lambda s: f"{s.rms_height:.5g}{_of(s.unit)}"),
         ("rms slope", lambda s: f"{s.rms_slope:.4g}{_of(s.slope_unit)}"),
+        ("rms curvature", lambda s: f"{s.rms_curvature:.4g}{_of(s.curvature_unit)}"),
         ("skewness", lambda s: f"{s.skewness:.3g}"),
         ("kurtosis (Gaussian: 3)", lambda s: f"{s.kurtosis:.3g}"),
         ("step at the seam / usual step", lambda s: f"{s.seam_ratio:.3g}"),
     ]
     return [("", "in the file", "prepared"), *((name, text(before), text(after)) for name, text in entries)]
+
+
+def _spectrum(spectrum: PowerSpectrum) -> list[tuple[str, str]]:
+    """Say whether the scan is self-affine, and in which range."""
+    how = (
+        "of the scan itself"
+        if spectrum.window == "none"
+        else f"of the scan itself, with a {spectrum.window} window"
+    )
+    fit = spectrum.fit
+    hurst = "none: no half decade of wavelengths in which the spectrum is a power law with H from 0 to 1"
+    if fit is not None:
+        low, high = fit.interval
+        hurst = (
+            f"{fit.hurst:.3f} (95 %: {low:.3f} to {high:.3f}), "
+            f"wavelengths from {fit.shortest:.4g} to {fit.longest:.4g} {spectrum.length_unit}"
+        )
+    return [("power spectrum", how), ("Hurst exponent", hurst)]
 
 
 def _preparation(prepared: Surface) -> list[tuple[str, str]]:
@@ -100,10 +124,18 @@ def _preparation(prepared: Surface) -> list[tuple[str, str]]:
     else:
         removed += f", {slopes[0]} per pixel"
     removed = "" if facts["tilt_rule"] == "none" else removed
+    cut = " ".join(map(str, _listed(facts.get("crop"))))
+    waves = [f"{name} {facts[name]:g}" for name in ("longest", "shortest") if name in facts]
     return [
+        *(
+            [("part", f"pixels {cut} ({'top bottom left right' if len(slopes) == 2 else 'left right'})")]
+            if cut
+            else []
+        ),
         ("undefined pixels", f"{facts['undefined_rule']} ({facts['undefined_pixels']})"),
         ("tilt", f"{facts['tilt_rule']}{removed}"),
         *([("pixels", f"averaged to {_sides(prepared)}")] if facts["resampled"] else []),
+        *([("wavelengths kept", f"{', '.join(waves)} {prepared.length_unit or 'pixel'}")] if waves else []),
         (
             "unit",
             "as in the file"
@@ -118,11 +150,15 @@ def _note(prepared: Surface, settings: MeasuredSurface) -> str:
     facts = prepared.provenance
     shape = " × ".join(map(str, _listed(facts["original_shape"])))
     parts = [f"{shape} pixels"]
+    if "crop" in facts:
+        parts.append("part of them")
     if facts["undefined_pixels"]:
         parts.append(f"{facts['undefined_pixels']} undefined pixels filled")
     if facts["resampled"]:
         parts.append(f"averaged to {_sides(prepared).replace(' x ', ' × ')}")
     parts.append({"plane": "plane removed", "mean": "mean removed", "none": "tilt kept"}[settings.tilt])
+    if "longest" in facts or "shortest" in facts:
+        parts.append("waves left out")
     if settings.periodic == "mirror":
         final = " × ".join(map(str, prepared.shape))
         parts.append(f"mirrored to {final} in a run")

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from asperity.errors import LARGEST
 
-if TYPE_CHECKING:  # legs need numpy, for which the help does not wait
+if TYPE_CHECKING:  # these need numpy, for which the help does not wait
     from asperity.protocols import Leg
+    from asperity.surfaces import Surface
+    from asperity.theory.heights import HeightLaw
 
 Figure = Literal["png", "pdf", "svg"]
 
@@ -25,6 +27,10 @@ _LONGEST = 2**31
 
 def _listed(value: object) -> object:
     return [value] if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _one_or_several(value: object) -> object:
+    return [value] if isinstance(value, float | int) and not isinstance(value, bool) else value
 
 
 def _name_or_number(value: object) -> object:
@@ -45,6 +51,8 @@ def _micro(value: object) -> object:
     return "um" if value in ("\u00b5m", "\u03bcm") else value
 
 
+Length = Literal["m", "mm", "um", "nm", "pm"]
+Real = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 Constant = Annotated[float, Field(ge=0, le=1e30)]
 """A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
@@ -68,26 +76,85 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-class Gaussian(Section):
+class SurfaceSection(Section):
+    """A surface, of one kind or another."""
+
+    only_powers_of_two: ClassVar[bool] = False
+
+    kind: str
+
+    @property
+    def lattice(self) -> tuple[int, ...] | None:
+        """Sites along each axis; None where only making the surface tells."""
+        return None
+
+    @property
+    def law(self) -> HeightLaw | None:
+        """The law of the heights, where the sites are independent."""
+        return None
+
+    def build(self) -> Surface:
+        """Make or read the surface, and let it know where it comes from."""
+        raise NotImplementedError
+
+
+class Independent(SurfaceSection):
+    """Heights that are independent at all sites."""
+
+    shape: Shape = Field(default=[200, 200], description=_SHAPE)
+    rms: Positive = Field(default=1.0, description=_RMS)
+    seed: Seed = Field(default=0, description=_SEED)
+
+    @property
+    def lattice(self) -> tuple[int, ...]:
+        """Sites along each axis."""
+        return tuple(self.shape)
+
+
+class Gaussian(Independent):
     """Independent Gaussian heights."""
 
     kind: Literal["gaussian"] = "gaussian"
-    shape: Shape = Field(default=[200, 200], description=_SHAPE)
-    rms: Positive = Field(default=1.0, description=_RMS)
-    seed: Seed = Field(default=0, description=_SEED)
+
+    @property
+    def law(self) -> HeightLaw:
+        """The law of the heights."""
+        from asperity.theory import GaussianHeights
+
+        return GaussianHeights(rms=self.rms)
+
+    def build(self) -> Surface:
+        """Draw the heights."""
+        from asperity.surfaces import Surface, gaussian
+
+        heights = gaussian(self.lattice, rms=self.rms, seed=self.seed)
+        return Surface(heights, provenance=self.model_dump())
 
 
-class Exponential(Section):
+class Exponential(Independent):
     """Independent exponential heights."""
 
     kind: Literal["exponential"] = "exponential"
-    shape: Shape = Field(default=[200, 200], description=_SHAPE)
-    rms: Positive = Field(default=1.0, description=_RMS)
-    seed: Seed = Field(default=0, description=_SEED)
+
+    @property
+    def law(self) -> HeightLaw:
+        """The law of the heights."""
+        from asperity.theory import ExponentialHeights
+
+        return ExponentialHeights(rms=self.rms)
+
+    def build(self) -> Surface:
+        """Draw the heights."""
+        from asperity.surfaces import Surface, exponential
+
+        heights = exponential(self.lattice, rms=self.rms, seed=self.seed)
+        return Surface(heights, provenance=self.model_dump())
 
 
-class SelfAffine(Section):
+class SelfAffine(SurfaceSection):
     """Self-affine heights."""
+
+    only_powers_of_two: ClassVar[bool] = True
 
     kind: Literal["self_affine"] = "self_affine"
     size: Annotated[int, Field(le=_LONGEST), AfterValidator(_power_of_two)] = Field(
@@ -97,8 +164,72 @@ class SelfAffine(Section):
     delta: Positive = Field(default=0.01, description="Roughness at the scale of the lattice.")
     seed: Seed = Field(default=0, description=_SEED)
 
+    @property
+    def lattice(self) -> tuple[int, ...]:
+        """Sites along each axis."""
+        return (self.size, self.size)
 
-class MeasuredSurface(Section):
+    def build(self) -> Surface:
+        """Make the heights."""
+        from asperity.surfaces import Surface, self_affine
+
+        heights = self_affine(self.size, hurst=self.hurst, delta=self.delta, seed=self.seed)
+        return Surface(heights, provenance=self.model_dump())
+
+
+class Spectral(SurfaceSection):
+    """Self-affine heights of a given power spectrum; see `asperity.surfaces.spectral`."""
+
+    kind: Literal["spectral"] = "spectral"
+    shape: Shape = Field(default=[200, 200], description=_SHAPE)
+    hurst: Annotated[float, Field(ge=0, le=1)] = Field(default=0.8, description="Hurst exponent.")
+    roll_off: Positive | None = Field(
+        default=None,
+        description="Wavelength above which the spectrum is flat. By default the longest side.",
+    )
+    cutoff: Positive | None = Field(
+        default=None, description="Shortest wavelength. By default eight times the larger spacing."
+    )
+    rms_height: Positive | None = Field(
+        default=None, description="Rms height. By default 1, unless slope or curvature is given."
+    )
+    rms_slope: Positive | None = Field(default=None, description="Rms slope, in place of the height.")
+    rms_curvature: Positive | None = Field(
+        default=None, description="Rms mean curvature, in place of the height."
+    )
+    spacing: Annotated[
+        list[Positive], Field(min_length=1, max_length=2), BeforeValidator(_one_or_several)
+    ] = Field(default=[1.0], description="Distance between sites: one number, or one an axis.")
+    unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
+        default=None, description="Unit of the spacing and of all heights and wavelengths."
+    )
+    seed: Seed = Field(default=0, description=_SEED)
+
+    @property
+    def lattice(self) -> tuple[int, ...]:
+        """Sites along each axis."""
+        return tuple(self.shape)
+
+    def build(self) -> Surface:
+        """Make the heights."""
+        from asperity.surfaces import Surface, spectral
+
+        facts = self.model_dump(exclude_none=True)
+        spacing = self.spacing[0] if len(self.spacing) == 1 else self.spacing
+        heights = spectral(
+            self.lattice,
+            spacing=spacing,
+            **{name: value for name, value in facts.items() if name not in _NOT_OF_THE_WAVES},
+        )
+        size = (*self.spacing, *self.spacing)[: heights.ndim]
+        origin = {**facts, "pixel_size": list(size), "length_unit": self.unit or ""}
+        return Surface(heights, self.unit or "1", size, self.unit, origin)
+
+
+_NOT_OF_THE_WAVES = ("kind", "shape", "spacing", "unit")
+
+
+class MeasuredSurface(SurfaceSection):
     """Heights from a file; see `asperity.surfaces.read`."""
 
     kind: Literal["file"] = "file"
@@ -110,29 +241,68 @@ class MeasuredSurface(Section):
         default=0.1, description="Largest fraction of undefined pixels to fill."
     )
     tilt: Literal["plane", "mean", "none"] = Field(default="plane", description="What to remove.")
-    periodic: Literal["mirror", "taper", "wrap"] = Field(
-        default="mirror", description="How to make it periodic; mirror doubles each axis."
+    periodic: Literal["mirror", "reflect", "taper", "wrap"] = Field(
+        default="mirror",
+        description="How to make it periodic; mirror doubles each axis, reflect has edges that do the same.",
     )
-    unit: Annotated[Literal["m", "mm", "um", "nm", "pm", "rms"] | None, BeforeValidator(_micro)] = Field(
+    unit: Annotated[Literal[Length, "rms"] | None, BeforeValidator(_micro)] = Field(
         default=None,
-        description="Unit of the heights; rms divides by the rms height. By default the file's.",
+        description="Unit of the heights; rms divides by the rms height. By default the file's. "
+        "For spectral the unit of all lengths; by default none.",
     )
     channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = Field(
         default=None, description="Name or number of the channel. By default the file's."
     )
     resample: bool = Field(
         default=False,
-        description="Average pixels that are not square to the larger spacing; without, a run refuses them.",
+        description="Average pixels that are not square to the larger spacing.",
+    )
+    crop: Annotated[list[Real], Field(min_length=2, max_length=4)] | None = Field(
+        default=None,
+        description="Part to cut out: top bottom left right, or left right of a profile, in pixels.",
+    )
+    crop_unit: Annotated[Literal["pixel", Length] | None, BeforeValidator(_micro)] = Field(
+        default=None, description="Unit of length in which the part is given, in place of pixels."
+    )
+    longest: Positive | None = Field(
+        default=None,
+        description="Longest wavelength to keep, in the file's unit of length, or in pixels without one.",
+    )
+    shortest: Positive | None = Field(default=None, description="Shortest wavelength to keep, likewise.")
+    file_unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
+        default=None, description="Unit of the heights in a file that does not say."
+    )
+    pixel_size: (
+        Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(_one_or_several)] | None
+    ) = Field(
+        default=None,
+        description="Distance between pixels in a file that does not say: one number, or between rows "
+        "and between columns.",
+    )
+    length_unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
+        default=None, description="Unit of that distance."
     )
 
+    def build(self) -> Surface:
+        """Read the file, and prepare what it holds."""
+        from asperity.surfaces import read
 
-SURFACES: dict[str, type[Gaussian | Exponential | SelfAffine | MeasuredSurface]] = {
+        settings = self.model_dump(exclude={"kind"})
+        if self.pixel_size is not None and len(self.pixel_size) == 1:
+            settings["pixel_size"] = self.pixel_size[0]
+        return read(**settings)
+
+
+SURFACES: dict[str, type[Gaussian | Exponential | SelfAffine | Spectral | MeasuredSurface]] = {
     "gaussian": Gaussian,
     "exponential": Exponential,
     "self_affine": SelfAffine,
+    "spectral": Spectral,
     "file": MeasuredSurface,
 }
-AnySurface = Annotated[Gaussian | Exponential | SelfAffine | MeasuredSurface, Field(discriminator="kind")]
+AnySurface = Annotated[
+    Gaussian | Exponential | SelfAffine | Spectral | MeasuredSurface, Field(discriminator="kind")
+]
 
 
 class Solid(Section):

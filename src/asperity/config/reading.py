@@ -18,6 +18,9 @@ from asperity.errors import ConfigError
 _RIVALS = {
     ("contact", "load"): ("separation",),
     ("contact", "separation"): ("load",),
+    ("surface", "rms_height"): ("rms_slope", "rms_curvature"),
+    ("surface", "rms_slope"): ("rms_height", "rms_curvature"),
+    ("surface", "rms_curvature"): ("rms_height", "rms_slope"),
     ("aging", "times"): ("first", "last", "per_decade"),
     ("aging", "first"): ("times",),
     ("aging", "last"): ("times",),

@@ -15,7 +15,7 @@ import xarray as xr
 from asperity.aging import Frame
 from asperity.analysis import AgingSummary, aging_summary, with_limit
 from asperity.config import MeasuredSurface, RunConfig, to_toml
-from asperity.config.models import Exponential, Gaussian, SelfAffine
+from asperity.config.models import Independent
 from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
@@ -25,9 +25,7 @@ from asperity.results import Checkpoint, History
 from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load
 from asperity.simulate import age, press, relax
 from asperity.solids import spring_lattice
-from asperity.surfaces import Surface, exponential, gaussian, read, self_affine
-from asperity.theory import ExponentialHeights, GaussianHeights
-from asperity.theory.heights import HeightLaw
+from asperity.surfaces import Surface
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
@@ -118,11 +116,11 @@ def execute(
     AsperityError
         As the engine does.
     """
-    made = None if isinstance(config.surface, MeasuredSurface) else _shape_of(config.surface)
+    made = config.surface.lattice
     if made is not None:
         _require_memory(made, config)
     progress.stage("making the surface")
-    rough = _surface(config)
+    rough = config.surface.build()
     if made is None:
         _require_memory(rough.shape, config)
     config, remarks = _completed(config, rough)
@@ -137,7 +135,7 @@ def execute(
         progress.stage("finding the relaxed state")
         dataset, late_remarks = _with_limit(history, contact, config)
     dataset = dataset.assign_attrs(config=to_toml(config))
-    return Outcome(config, dataset, aging_summary(dataset, law=_law(config)), remarks + late_remarks)
+    return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks + late_remarks)
 
 
 def _require_memory(shape: Sequence[int], config: RunConfig) -> None:
@@ -145,11 +143,7 @@ def _require_memory(shape: Sequence[int], config: RunConfig) -> None:
     cycles = len(shape) == 2 and min(shape) >= 8 and config.solid.k0 > 0
     maps = config.output.maps_at
     needed = (_SPRINGS if cycles else _OTHERS) + _MAP * (USUAL_MAPS if maps is None else len(maps))
-    require(needed, shape, power_of_two=isinstance(config.surface, SelfAffine))
-
-
-def _shape_of(chosen: Gaussian | Exponential | SelfAffine) -> tuple[int, ...]:
-    return (chosen.size, chosen.size) if isinstance(chosen, SelfAffine) else tuple(chosen.shape)
+    require(needed, shape, power_of_two=config.surface.only_powers_of_two)
 
 
 def _press(rough: Surface, config: RunConfig, progress: Progress) -> Contact:
@@ -167,37 +161,6 @@ def _press(rough: Surface, config: RunConfig, progress: Progress) -> Contact:
     return contact
 
 
-def measured_surface(chosen: MeasuredSurface) -> Surface:
-    """Read a surface file as it is to be prepared."""
-    return read(**chosen.model_dump(exclude={"kind"}))
-
-
-def _surface(config: RunConfig) -> Surface:
-    """Make or read the surface, and let it know where it comes from."""
-    chosen = config.surface
-    match chosen:
-        case MeasuredSurface():
-            return measured_surface(chosen)
-        case SelfAffine(size=size, hurst=hurst, delta=delta, seed=seed):
-            heights = self_affine(size, hurst=hurst, delta=delta, seed=seed)
-        case Gaussian(shape=shape, rms=rms, seed=seed):
-            heights = gaussian(tuple(shape), rms=rms, seed=seed)
-        case Exponential(shape=shape, rms=rms, seed=seed):
-            heights = exponential(tuple(shape), rms=rms, seed=seed)
-    return Surface(heights, provenance=chosen.model_dump())
-
-
-def _law(config: RunConfig) -> HeightLaw | None:
-    """The law of the heights, if the sites are independent."""
-    match config.surface:
-        case Gaussian(rms=rms):
-            return GaussianHeights(rms=rms)
-        case Exponential(rms=rms):
-            return ExponentialHeights(rms=rms)
-        case _:
-            return None
-
-
 def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
     """Decide what the configuration leaves open: the load, the maps; make the path absolute."""
     chosen = config.surface
@@ -207,18 +170,19 @@ def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str,
     contact = config.contact
     if contact.load is None and contact.separation is None:
         # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
-        nominal = isinstance(chosen, Gaussian | Exponential)
-        rms = chosen.rms if isinstance(chosen, Gaussian | Exponential) else rough.describe().rms_height
+        nominal = isinstance(chosen, Independent)
+        rms = chosen.rms if isinstance(chosen, Independent) else rough.describe().rms_height
         load = modest_load(k0=config.solid.k0, k1=config.solid.k1, rms=rms, sites=rough.heights.size)
         contact = contact.model_copy(update={"load": load})
         which = "" if nominal else ", measured"
         remarks += (f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}",)
-    if isinstance(chosen, MeasuredSurface) and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
+    measured = isinstance(chosen, MeasuredSurface) and rough.edges == "periodic"
+    if measured and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
         remarks += (
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
             "try periodic = 'mirror'",
         )
-    if rough.heights.ndim == 1 and isinstance(chosen, Gaussian | Exponential):
+    if rough.heights.ndim == 1 and isinstance(chosen, Independent):
         n = rough.heights.size
         remarks += (
             f"a line contact of {n} sites; for a square: --shape {n} {n}, or shape = [{n}, {n}] in a file",
