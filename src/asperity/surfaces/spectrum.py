@@ -45,6 +45,9 @@ _FITTING_SEAM = 2.0
 _TOLERANCE = 0.1
 """Relative deviation of C from a power law that is no end of the self-affine range, rms over its bins."""
 
+_DRIFT = 1.5
+"""Standard deviations that the first bins of the range, or the last, may be off the line together."""
+
 _UNKNOWN = 0.25
 """Half width of the interval from which on a range is said to have no Hurst exponent."""
 
@@ -138,7 +141,8 @@ def power_spectrum(
     longest, shortest
         Range of wavelengths in which the Hurst exponent is fitted. By default the broadest range, of half a
         decade or more, whose bins lie on a power law to 10 % rms and the scatter of random waves, with an
-        exponent from 0 to 1 that is known to 0.25 or better.
+        exponent from 0 to 1 that is known to 0.25 or better, and whose first or last bins do not leave the
+        line together.
 
     Returns
     -------
@@ -270,15 +274,15 @@ def _fit(bins: _Bins, axes: int, limits: tuple[float, float] | None) -> SelfAffi
                 continue
             if not np.isfinite(bins.logarithm[first:last]).all():
                 break
-            found, misfit = _line(bins, np.arange(first, last), axes)
+            found, misfit, drift = _line(bins, np.arange(first, last), axes)
             known = found.interval[1] - found.hurst <= _UNKNOWN
-            if misfit <= 1 and known and 0 <= round(found.hurst, 2) <= 1:
+            if misfit <= 1 and drift <= _DRIFT and known and 0 <= round(found.hurst, 2) <= 1:
                 best, broadest = found, width
     return best
 
 
-def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, float]:
-    """Least squares of the mean logarithms of the power, and chi squared for each degree of freedom."""
+def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, float, float]:
+    """Least squares of the mean logarithms; chi squared for each degree of freedom; drift of the ends."""
     x, y = np.log(bins.q[chosen]), bins.logarithm[chosen]
     variance = bins.scatter[chosen] ** 2 + _TOLERANCE**2
     weight = 1 / variance
@@ -299,7 +303,10 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
         exponent=slope,
         middle=(math.exp(center), math.exp(level)),
     )
-    return found, misfit
+    normal, half = left * np.sqrt(weight), chosen.size // 2
+    ends = np.stack([normal[:half], normal[: -half - 1 : -1]])
+    drift = np.abs(np.cumsum(ends, axis=-1)) / np.sqrt(np.arange(1, half + 1))
+    return found, misfit, float(drift.max())
 
 
 def _along(level: Field, axis: int, size: float, fits: bool) -> tuple[Field, Field]:
