@@ -38,6 +38,8 @@ def bodies_of(heights: object, solid: Solid) -> Bodies:
     origin = dict(provenance) if isinstance(provenance, dict) else {}
     spacing: tuple[float, ...] = ()
     si = False
+    if isinstance(heights, Surface) and heights.pixel_size:
+        origin["pixel_size"] = list(heights.pixel_size)
     if isinstance(heights, Surface) and solid.in_lengths:
         si, spacing = heights.has_lengths, heights.pixel_size or ()
         rough = check_heights(heights.heights)
