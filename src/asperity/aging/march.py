@@ -174,7 +174,6 @@ def creep(
     stops = stops[stops > 0]
     system = contact.system(control)
     _check_pace(system, stops)
-    area = None
     if keep_area and contact.area < FEWEST_SITES and midway is None:
         raise InputError(
             "hold",
@@ -182,10 +181,8 @@ def creep(
             got=contact.area,
             advice="a larger surface or more load",
         )
-    if keep_area and midway is None and system.load is not None:
-        area = ConstantArea(float(contact.area), 0.0, system.load, float(contact.area))
-    exact = exact and not keep_area
-    march = _March(contact, system, chosen_solver(solver, system), tolerance, area, exact, midway, after_step)
+    kind = _MarchAtConstantArea if keep_area else _March
+    march = kind(contact, system, chosen_solver(solver, system), tolerance, exact, midway, after_step)
     if midway is not None:
         stops = stops[stops >= midway.time]
     return _frames(contact, stops, march, from_start=midway is None)
@@ -269,7 +266,6 @@ class _March:
         system: System,
         solver: ContactSolver,
         rtol: float,
-        area: ConstantArea | None,
         exact: bool,
         midway: Midway | None,
         after_step: Callable[[Midway], None] | None,
@@ -279,7 +275,7 @@ class _March:
         self.passing = max(TOLERANCE, rtol / 2000)
         self.reset_counts()
         if midway is None:
-            self.separation, self.impulse, self.area = start.separation, 0.0, area
+            self.separation, self.impulse = start.separation, 0.0
             self.now = _begin(self.system, solver, start, exact)
             self.deformation = 0.0
             self.raise_deformation()
@@ -291,11 +287,8 @@ class _March:
         else:
             self.now = _resume(self.system, solver, midway.resume_state)
             self.separation, self.impulse = midway.separation, midway.impulse
-            self.area = midway.area and replace(midway.area)
             self.deformation, self.length = midway.deformation, midway.length
             self.steps, self.rejected, self.iterations = midway.steps, midway.rejected, midway.iterations
-            if self.area is not None:
-                self.prescribe(Load(self.area.load, since=self.area.time))
 
     def reset_counts(self) -> None:
         """Count from zero."""
@@ -305,8 +298,7 @@ class _March:
         """State from which a new march resumes."""
         counts = (self.steps, self.rejected, self.iterations)
         start, arrays = (self.separation, self.impulse), self.now.resume_state()
-        area = None if self.area is None else replace(self.area)
-        return Midway(self.now.time, *start, arrays, self.deformation, self.length, *counts, area)
+        return Midway(self.now.time, *start, arrays, self.deformation, self.length, *counts)
 
     def frame(self, start: Contact) -> Frame:
         """Publish the present state."""
@@ -347,12 +339,11 @@ class _March:
             if self.now.time > 2 * since:
                 begun, since = self.steps + self.rejected, self.now.time
             left = stop - self.now.time
-            usual = self.length if self.area is None else min(self.length, self.area.longest())
+            usual = self.longest()
             landing = usual >= left * (1 - 1e-9)
             # Two equal steps rather than a long one and a very short one.
             length = left if landing else left / 2 if 2 * usual > left else usual
-            if self.area is not None:
-                self.prescribe(self.area.load_for(length))
+            self.prepare(length)
             unnoticed = UNNOTICED * self.tolerance * self.deformation
             stuck = self.steps + self.rejected - begun > _MOST_STEPS * self.tolerance ** (-1 / 3)
             if stuck or not (landing or self.now.time + length > self.now.time):
@@ -371,10 +362,8 @@ class _March:
             change = min(4.0, max(0.2, 0.9 * error ** (-1 / 3))) if error > 0 else 4.0
             if error > 1:
                 self.reject(length, change)
-                if self.area is not None:
-                    self.area.begin_step()
                 continue
-            if self.area is not None and self.area.misses(self.now.contacts_tried()):
+            if self.misses():
                 continue
             self.steps += 1
             self.streak = 0
@@ -384,19 +373,23 @@ class _March:
             if self.after_step is not None:
                 self.after_step(self.midway())
 
-    def prescribe(self, load: Load) -> None:
-        """Set the load of the next time step."""
-        self.system = self.now.system = replace(self.system, control=load)
+    def longest(self) -> float:
+        """Longest next time step."""
+        return self.length
+
+    def prepare(self, length: float) -> None:
+        """Prescribe what is to be during the next time step."""
+
+    def misses(self) -> bool:
+        """Whether the step that was tried is to be repeated, although accurate."""
+        return False
 
     def take(self, time: float) -> None:
         """Accept the step that ends at a time."""
         before, control = self.now.time, self.system.control
-        contacts = self.now.contacts_tried() if self.area is not None else 0
         self.now.accept(time)
-        if isinstance(control, Load):
+        if control.load_controlled:
             self.impulse += control.at((before + time) / 2).value * (time - before)
-            if self.area is not None:
-                self.area.accept(time, contacts, control)
 
     def reject(self, length: float, change: float) -> None:
         """Try again with a shorter step."""
@@ -416,3 +409,57 @@ class _March:
             return math.inf
         relative: float = error / (self.tolerance * self.deformation)
         return relative
+
+
+class _MarchAtConstantArea(_March):
+    """Adaptive steps in each of which the load is such that the area stays what it was."""
+
+    def __init__(
+        self,
+        start: Contact,
+        system: System,
+        solver: ContactSolver,
+        rtol: float,
+        exact: bool,
+        midway: Midway | None,
+        after_step: Callable[[Midway], None] | None,
+    ) -> None:
+        del exact  # the load falls
+        super().__init__(start, system, solver, rtol, False, midway, after_step)
+        if midway is not None and midway.area is not None:
+            self.area = replace(midway.area)
+            self.prescribe(Load(self.area.load, since=self.area.time))
+        else:
+            self.area = ConstantArea(float(start.area), 0.0, system.control.value, float(start.area))
+
+    def midway(self) -> Midway:
+        """See `_March`."""
+        return replace(super().midway(), area=replace(self.area))
+
+    def prescribe(self, load: Load) -> None:
+        """Set the load of the next time step."""
+        self.system = self.now.system = replace(self.system, control=load)
+
+    def longest(self) -> float:
+        """See `_March`."""
+        return min(self.length, self.area.longest())
+
+    def prepare(self, length: float) -> None:
+        """See `_March`."""
+        self.prescribe(self.area.load_for(length))
+
+    def misses(self) -> bool:
+        """See `_March`."""
+        return self.area.misses(self.now.contacts_tried())
+
+    def reject(self, length: float, change: float) -> None:
+        """See `_March`."""
+        super().reject(length, change)
+        self.area.begin_step()
+
+    def take(self, time: float) -> None:
+        """See `_March`."""
+        contacts, load = self.now.contacts_tried(), self.system.control
+        super().take(time)
+        assert isinstance(load, Load)
+        self.area.accept(time, contacts, load)
