@@ -50,7 +50,7 @@ class Run:
 def main() -> None:
     options = _options()
     chosen = [case for case in CASES if _is_chosen(case.name, case.quick, options)]
-    curves = [name for name in CURVES if _is_chosen(name, CURVES[name] <= 200, options)]
+    curves = [name for name in CURVES if _is_chosen(name, CURVES[name][1] <= 200, options)]
     if not chosen and not curves:
         sys.exit(f"no such case; there are {', '.join([*(case.name for case in CASES), *CURVES])}")
     book = report.Book(machine.facts(), options.threads, options.residual)
@@ -68,7 +68,8 @@ def main() -> None:
     for name in curves:
         print(f"{name} ...", file=sys.stderr, flush=True)
         for rtol in curve.RTOLS:
-            book.add_curve(curve.run(CURVES[name], options.threads, rtol))
+            solid, size = CURVES[name]
+            book.add_curve(curve.run(size, options.threads, rtol, solid))
     book.save(options.out)
     print(book.text())
 

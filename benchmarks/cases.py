@@ -90,4 +90,9 @@ that a stage has at the first time (measured: 14 steps a decade, stages of 0.29 
 there."""
 
 CASES: tuple[Case, ...] = (*LATTICE, *RELAXED, *HALF_SPACE, *STEP)
-CURVES = {"curve-200": 200, "curve-1024": 1024}
+CURVES = {
+    "curve-200": ("springs", 200),
+    "curve-1024": ("springs", 1024),
+    "curve-half-space-512": ("half_space", 512),
+    "curve-half-space-march-512": ("half_space_march", 512),
+}
