@@ -58,9 +58,9 @@ def test_separations_that_are_none(separation):
 
 
 def test_both_or_neither_of_load_and_separation():
-    with refuses("load and separation"):
+    with refuses("load, pressure and separation"):
         asp.press(ROUGH, SOLID, load=1.0, separation=0.0)
-    with refuses("load and separation"):
+    with refuses("load, pressure and separation"):
         asp.press(ROUGH, SOLID)
 
 
