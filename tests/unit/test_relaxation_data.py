@@ -1,8 +1,8 @@
 """Measured relaxation, creep and dynamic moduli: read, fitted, refused, drawn."""
 
 import math
-import warnings
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
