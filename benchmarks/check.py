@@ -7,6 +7,7 @@ equation that is checked by the same sums over neighbors.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,9 +40,10 @@ def minus_laplacian(u: Field) -> Field:
     return 4 * u - neighbors
 
 
-def half_space_force(u: Field, modulus: float) -> Field:
+def half_space_force(u: Field, modulus: float, spacing: Sequence[float] = (1.0, 1.0)) -> Field:
     """Pressure on an elastic half-space with periodic displacement u: modulus |q| / 2 on every mode."""
-    q = 2 * np.pi * np.hypot(*np.meshgrid(*(np.fft.fftfreq(n) for n in u.shape), indexing="ij"))
+    axes = (np.fft.fftfreq(n, d) for n, d in zip(u.shape, spacing, strict=True))
+    q = 2 * np.pi * np.hypot(*np.meshgrid(*axes, indexing="ij"))
     return np.fft.ifft2(modulus * q / 2 * np.fft.fft2(u)).real
 
 
@@ -60,7 +62,8 @@ def force_of(problem: Problem, u: Field) -> Field:
     """Contact force on every site: the restoring force of u about its mean, plus the load's share."""
     law, shape = problem.law, u - u.mean()
     if law.kind == "half-space":
-        return half_space_force(shape, law.modulus) + problem.mean_force
+        pressure = half_space_force(shape, law.modulus, problem.spacing or (1.0, 1.0))
+        return pressure * problem.cell + problem.mean_force
     spring = {"lattice": law.k1, "step": law.k1, "relaxed": 0.0}[law.kind]
     pulled = step_memory(shape, law) if law.kind == "step" else shape
     return law.k0 * minus_laplacian(shape) + spring * pulled + problem.mean_force

@@ -81,7 +81,8 @@ def step(problem: Problem, u0: np.ndarray, force: np.ndarray) -> Problem:
 
 def write(problem: Problem, path: Path) -> None:
     """Write a problem where a worker will find it, under a name of its own: workers keep what they read."""
-    fields = {"heights": problem.heights, "load": problem.load, "law": json.dumps(asdict(problem.law))}
+    law = json.dumps(asdict(problem.law))
+    fields = {"heights": problem.heights, "load": problem.load, "law": law, "spacing": problem.spacing}
     if problem.start is not None:
         fields["start"] = problem.start
     if problem.separation is not None:

@@ -24,6 +24,8 @@ MODULES = {
     "tamaas": "tamaas_pkr",
     "contactmechanics": "contact_mechanics",
 }
+MARCHES = {"tamaas-maxwell": "tamaas_maxwell"}
+"""What only ages; `agreement.py` alone asks for it."""
 START_LIMIT = 120.0
 
 
@@ -43,7 +45,7 @@ class Worker:
     """
 
     def __init__(self, solver: str, python: str, threads: int) -> None:
-        self._command = [python, str(PEERS / "worker.py"), MODULES[solver]]
+        self._command = [python, str(PEERS / "worker.py"), {**MODULES, **MARCHES}[solver]]
         self._environment = machine.thread_environment(threads)
         self._start()
 

@@ -10,7 +10,8 @@ import scipy.fft
 from problem import THREADS, Answer, Problem, Watch
 
 import asperity as asp
-from asperity.solids import CreepBranch, Solid
+from asperity.solids import Solid
+from asperity.surfaces import Surface
 
 VERSION = f"Asperity {asp.__version__}"
 
@@ -24,9 +25,10 @@ def solve(problem: Problem, tolerance: float) -> Answer:
             contact = asp.relax(before)
     else:
         with scipy.fft.set_workers(THREADS), Watch() as watch:
-            contact = asp.press(problem.heights, solid, load=problem.load)
+            contact = asp.press(_surface(problem), solid, load=problem.load)
     note = {"residual": contact.residual, "separation": contact.separation}
-    return Answer(contact.u, contact.in_contact, contact.iterations, watch.seconds, watch.cpu_seconds, note)
+    watched = watch.seconds, watch.cpu_seconds
+    return Answer(contact.u, contact.in_contact, contact.iterations, *watched, note, contact.force)
 
 
 def age(problem: Problem, times: list[float]) -> tuple[dict[str, np.ndarray], dict[str, object]]:
@@ -49,7 +51,7 @@ def age(problem: Problem, times: list[float]) -> tuple[dict[str, np.ndarray], di
 
 @lru_cache(maxsize=1)
 def _pressed(problem: Problem) -> asp.Contact:
-    return asp.press(problem.heights, _solid(problem), load=problem.load)
+    return asp.press(_surface(problem), _solid(problem), load=problem.load)
 
 
 @lru_cache(maxsize=1)
@@ -57,29 +59,14 @@ def _aged(problem: Problem, until: float) -> asp.Contact:
     return asp.age(_pressed(problem), [until]).final
 
 
+def _surface(problem: Problem) -> np.ndarray | Surface:
+    if not problem.spacing:
+        return problem.heights
+    return Surface(problem.heights, unit="m", pixel_size=problem.spacing, length_unit="m")
+
+
 def _solid(problem: Problem) -> Solid:
     law = problem.law
     if law.kind != "half-space":
         return asp.solids.spring_lattice(k0=law.k0, k1=law.k1, R=law.R)
-    if hasattr(asp.solids, "half_space"):
-        return asp.solids.half_space(modulus=law.modulus)
-    return Solid(permanent=_HalfSpace(law.modulus), branches=(CreepBranch(_load_path, _no_creep),))
-
-
-class _HalfSpace:
-    def __init__(self, modulus):
-        self.modulus = modulus
-
-    def __call__(self, lattice):
-        return self.modulus * np.hypot(*lattice.wave_numbers) / 2
-
-
-def _load_path(lattice):
-    """The load passes through the mean alone."""
-    spectrum = np.zeros(lattice.spectral_shape)
-    spectrum[0, 0] = 1.0
-    return spectrum
-
-
-def _no_creep(lattice):
-    return np.zeros(lattice.spectral_shape)
+    return asp.solids.half_space(modulus=law.modulus, branches=[tuple(branch) for branch in law.branches])

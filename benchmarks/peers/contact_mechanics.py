@@ -16,7 +16,7 @@ VERSION = f"ContactMechanics {ContactMechanics.__version__}"
 
 def solve(problem: Problem, tolerance: float) -> Answer:
     heights, shape = problem.heights, problem.heights.shape
-    substrate = PeriodicFFTElasticHalfSpace(shape, problem.law.modulus, shape, stiffness_q0=0.0)
+    substrate = PeriodicFFTElasticHalfSpace(shape, problem.law.modulus, problem.sizes, stiffness_q0=0.0)
     if problem.law.kind != "half-space":
         # Its half spectrum runs along the first axis, that of numpy along the last.
         compliance = np.zeros(substrate.greens_function.shape)
@@ -24,7 +24,7 @@ def solve(problem: Problem, tolerance: float) -> Answer:
         full = np.concatenate([problem.compliance(), problem.compliance()[:, -2:0:-1]], axis=1)
         compliance[...] = full[:rows, :columns]
         substrate.greens_function = compliance
-    topography = Topography(heights, physical_sizes=shape)
+    topography = Topography(heights, physical_sizes=tuple(problem.sizes))
     start = np.full(shape, problem.mean_force) if problem.start is None else problem.start
     with Watch() as watch:
         found = constrained_conjugate_gradients(
@@ -44,4 +44,5 @@ def solve(problem: Problem, tolerance: float) -> Answer:
         watch.seconds,
         watch.cpu_seconds,
         {"converged": str(found.success)},
+        np.array(found.jac),
     )

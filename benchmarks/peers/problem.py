@@ -6,13 +6,15 @@ One problem: find the surface u of an elastic solid that a load presses onto rig
 
 where S multiplies each Fourier mode by the stiffness of the `Law` and vanishes at wave vector 0, so u is
 known up to a constant until it touches. Stiffness, length and force are in units of k0 (or of the contact
-modulus) and of the spacing of the sites.
+modulus) and of the spacing of the sites; or, where the spacing is given, in SI.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
 
@@ -30,7 +32,8 @@ class Law:
 
     ``kind`` is "lattice" (k0 lam + k1), "relaxed" (k0 lam: the same lattice after infinite time),
     "step" (k0 lam + k1 / (1 + tau k1 R lam): an implicit step of its creep) or
-    "half-space" (modulus |q| / 2).
+    "half-space" (modulus |q| / 2). ``branches`` of a half-space are the shares of the modulus that relax, and
+    the relaxation times.
     """
 
     kind: str
@@ -39,6 +42,7 @@ class Law:
     R: float = 1.0
     tau: float = 0.0
     modulus: float = 1.0
+    branches: Sequence[tuple[float, float]] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +50,7 @@ class Problem:
     """One contact problem; ``start`` are contact forces to start from, ``separation`` what the load leads to.
 
     A solver that only knows separation control is told the answer's ``separation`` and is thereby spared the
-    search for it.
+    search for it. ``spacing`` of the sites along each axis is in m, and then all else in SI; without, it is 1.
     """
 
     heights: Field
@@ -54,6 +58,18 @@ class Problem:
     load: float
     start: Field | None = None
     separation: float | None = None
+    spacing: tuple[float, ...] = ()
+
+    @property
+    def sizes(self) -> list[float]:
+        """Length of the lattice along each axis."""
+        shape = self.heights.shape
+        return [n * d for n, d in zip(shape, self.spacing or (1.0,) * len(shape), strict=True)]
+
+    @property
+    def cell(self) -> float:
+        """Area of a site."""
+        return math.prod(self.spacing)
 
     @property
     def mean_force(self) -> float:
@@ -67,7 +83,8 @@ class Problem:
         law = self.law
         lam = 4 * np.sin(qx / 2) ** 2 + 4 * np.sin(qy / 2) ** 2
         if law.kind == "half-space":
-            values = law.modulus * np.hypot(qx, qy) / 2
+            dx, dy = self.spacing or (1.0, 1.0)
+            values = law.modulus * np.hypot(qx / dx, qy / dy) / 2 * self.cell
         elif law.kind == "relaxed":
             values = law.k0 * lam
         else:
@@ -88,7 +105,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Answer:
-    """A surface (up to a constant), the sites it touches, and what it took."""
+    """A surface (up to a constant), the sites it touches, and what it took; some tell the forces too."""
 
     u: Field
     in_contact: Mask
@@ -96,6 +113,7 @@ class Answer:
     seconds: float
     cpu_seconds: float
     note: dict[str, float | str] = field(default_factory=dict)
+    force: Field | None = None
 
 
 class Watch:

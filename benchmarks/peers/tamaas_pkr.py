@@ -15,7 +15,7 @@ tm.initialize(THREADS)
 
 def solve(problem: Problem, tolerance: float) -> Answer:
     shape = list(problem.heights.shape)
-    model = tm.ModelFactory.createModel(tm.model_type.basic_2d, [float(n) for n in shape], shape)
+    model = tm.ModelFactory.createModel(tm.model_type.basic_2d, problem.sizes, shape)
     model.E, model.nu = problem.law.modulus, 0.0
     solver = tm.PolonskyKeerRey(model, problem.heights, tolerance)
     solver.max_iter = 20000
@@ -23,9 +23,9 @@ def solve(problem: Problem, tolerance: float) -> Answer:
     if problem.law.kind != "half-space":
         influence[...] = problem.compliance().reshape(influence.shape)
     if problem.start is not None:
-        model.traction[...] = problem.start
+        model.traction[...] = problem.start / problem.cell
     with Watch() as watch:
-        solver.solve(problem.mean_force)
-    force = np.array(model.traction).reshape(problem.heights.shape)
+        error = solver.solve(problem.mean_force / problem.cell)
+    force = np.array(model.traction).reshape(problem.heights.shape) * problem.cell
     u = np.fft.irfft2(problem.compliance() * np.fft.rfft2(force), s=force.shape)
-    return Answer(u, force > 0, -1, watch.seconds, watch.cpu_seconds)
+    return Answer(u, force > 0, -1, watch.seconds, watch.cpu_seconds, {"error": error}, force)

@@ -46,16 +46,19 @@ def _problem(path):
             float(data["load"]),
             data.get("start"),
             float(data["separation"]) if "separation" in data else None,
+            tuple(data["spacing"].tolist()),
         )
 
 
 def _serve(solver, request):
     problem = _problem(request["problem"])
     if request["do"] == "age":
-        fields, numbers = solver.age(problem, request["times"])
+        fields, numbers = solver.age(problem, request["times"], **request.get("options", {}))
     else:
         answer = solver.solve(problem, request["tolerance"])
         fields = {"u": answer.u, "in_contact": answer.in_contact}
+        if answer.force is not None:
+            fields["force"] = answer.force
         numbers = {
             "iterations": int(answer.iterations),
             "seconds": answer.seconds,
