@@ -72,7 +72,8 @@ class Difference:
     """How far two states are apart.
 
     ``sites`` counts those that one has in contact and the other has not. ``pressure`` is the
-    largest difference on any site over the largest pressure, ``gap`` and ``mean_gap`` are over the rms height.
+    largest difference on any site over the largest pressure; ``gap`` and ``mean_gap`` are over the rms
+    height.
     """
 
     sites: int
@@ -194,7 +195,10 @@ def start(names: Iterable[str], pythons: Sequence[str]) -> dict[str, Worker]:
     return workers
 
 
-HEAD = "| surface | MPa | contact | between | tolerance | sites | pressure | mean pressure | mean gap | gap | residual |"
+HEAD = (
+    "| surface | MPa | contact | between | tolerance | sites | pressure | mean pressure | mean gap | gap "
+    "| residual |"
+)
 
 
 def press_table(workers: dict[str, Worker], folder: Path) -> tuple[list[str], list[str]]:
@@ -203,8 +207,7 @@ def press_table(workers: dict[str, Worker], folder: Path) -> tuple[list[str], li
 
     def add(name, pressure, ours, between, tolerance, difference, residual=""):
         cells = [name, f"{pressure / 1e6:g}", f"{ours.fraction:.6f}", between, tolerance, difference.sites]
-        for key in ("pressure", "mean_pressure", "mean_gap", "gap"):
-            cells.append(f"{getattr(difference, key):.1e}")
+        cells += [f"{getattr(difference, key):.1e}" for key in LIMITS if key != "sites"]
         rows.append("| " + " | ".join(map(str, [*cells, residual])) + " |")
         print(rows[-1], flush=True)
 
@@ -245,7 +248,7 @@ def press_table(workers: dict[str, Worker], folder: Path) -> tuple[list[str], li
 
 def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
     """Rows, and what disagrees."""
-    name, scan = next((pair for pair in scans() if pair[0] == "mi-1.mi"))
+    name, scan = next(pair for pair in scans() if pair[0] == "mi-1.mi")
     if isinstance(scan, str):
         name, scan = "self-affine", generated(128)
     surface = Surface(scan.heights[:128, :128], scan.unit, scan.pixel_size, scan.length_unit)
@@ -267,10 +270,11 @@ def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
         "out": str(folder / "o.npz"),
     }
     rows = [
-        f"{name}, 128 x 128 sites, branches {BRANCHES}; Asperity took {took[True]:.2f} s for all times (exact), "
-        f"{took[False]:.2f} s (general march).",
+        f"{name}, 128 x 128 sites, branches {BRANCHES}; Asperity took {took[True]:.2f} s for "
+        f"all times (exact), {took[False]:.2f} s (general march).",
         "",
-        "| time | step | contacts | Asperity, exact | general | pressure, exact | general | order | s a step |",
+        "| time | step | contacts | Asperity's, exact | general | pressure, exact | general "
+        "| order | s a step |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     wrong, before = [], None

@@ -50,7 +50,8 @@ class Problem:
     """One contact problem; ``start`` are contact forces to start from, ``separation`` what the load leads to.
 
     A solver that only knows separation control is told the answer's ``separation`` and is thereby spared the
-    search for it. ``spacing`` of the sites along each axis is in m, and then all else in SI; without, it is 1.
+    search for it. With ``spacing``, of the sites along each axis in m, all is in SI; without, it
+    is 1.
     """
 
     heights: Field
