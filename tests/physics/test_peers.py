@@ -74,7 +74,7 @@ def test_a_difference_is_seen(agreement):
     pressure, gap = np.array([[2.0, 1.0], [0.0, 1.0]]), np.array([[0.0, 0.0], [3.0, 0.0]])
     ours = agreement.State(pressure, gap, 0.5)
     assert agreement.compare(ours, ours).beyond(agreement.LIMITS) == []
-    moved = agreement.State(pressure + [[1e-3], [0]] * pressure, gap + [[0, 0], [1e-3, 0]], 0.5)
+    moved = agreement.State(pressure + [[1e-3], [0]] * pressure, gap + np.array([[0, 0], [1e-3, 0]]), 0.5)
     moved.pressure[1, 0] = 1e-3
     found = agreement.compare(ours, moved)
     assert found.sites == 1
