@@ -37,6 +37,10 @@ _BALANCED = 1e-6
 """Largest elastic force off contact, over the mean in contact, of a surface of an elastic solid."""
 
 
+_SAFETY = 2.0
+"""Factor on the error of u between two steps."""
+
+
 class EffectiveLoad:
     """The effective loads L_b of branches of given shares and times, exact for a load linear in time.
 
@@ -183,7 +187,11 @@ class SeparableSteps:
             surprise = solution.u - self.u - ahead * (self.u - self.before)
             error = float(np.std(surprise)) * ahead / (1 + ahead) / 4
         self.tried = solution.u, np.array([total, *own])
-        return Attempt(error, solution.iterations)
+        # Anchors are averages of u, so errors of steps do not add up. The march expects errors that do, and
+        # allows (3 rtol)^1.5 of the deformation in one step.
+        scale = float(np.std(solution.u))
+        relative = _SAFETY * error / scale if scale > 0 else 0.0
+        return Attempt(scale * (3 * relative) ** 1.5, solution.iterations)
 
     def accept(self, time: float) -> None:
         """Make the end of the time step that was tried the state at a time."""
