@@ -169,6 +169,12 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.theory.static_friction, {"area": [1.0, 2.0], "load": 8.0, "shear_strength": 0.5}),
     (asp.theory.full_contact_load, {"heights": ROUGH, "k0": 2.0, "k1": 3.0}),
     (asp.theory.full_contact_load_relaxed, {"heights": ROUGH, "k0": 2.0}),
+    (asp.theory.hertz, {"load": [0.0, 0.5], "modulus": 2.0, "radius": 8.0, "period": 16.0}),
+    (
+        asp.theory.westergaard_area,
+        {"pressure": [0.0, 0.25], "modulus": 2.0, "amplitude": 0.5, "wavelength": 8.0},
+    ),
+    (asp.theory.persson_area, {"pressure": [0.0, 0.25], "modulus": 2.0, "slope": 0.5}),
     (asp.theory.GaussianHeights, {"rms": 2.0}),
     (asp.theory.ExponentialHeights, {"rms": 2.0}),
     (asp.theory.EmpiricalHeights, {"heights": [0.5, 1.0, 4.0]}),

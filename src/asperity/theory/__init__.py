@@ -3,7 +3,8 @@
 One contact: `compliance`, its rate, asymptotes and finite-lattice form, `site_stiffness`, `displacement`
 beside the load, `response` to any force. Many contacts, far apart: `dilute_area`, `dilute_history` and what
 follows from them for a law of heights. Every site in contact: `full_contact_load`. What the paper prints
-differently is here as well, by the same name and ``_paper``. Friction: `static_friction`.
+differently is here as well, by the same name and ``_paper``. Friction: `static_friction`. Elastic
+half-spaces: `hertz`, `westergaard_area`, `persson_area`.
 """
 
 from asperity.theory.asymptotes import (
@@ -14,6 +15,7 @@ from asperity.theory.asymptotes import (
     late_slope,
     late_slope_paper,
 )
+from asperity.theory.continua import Hertz, hertz, persson_area, westergaard_area
 from asperity.theory.dilute import (
     contacts_at_start,
     contacts_at_start_paper,
@@ -40,6 +42,7 @@ __all__ = [
     "ExponentialHeights",
     "GaussianHeights",
     "HeightLaw",
+    "Hertz",
     "compliance",
     "compliance_asymptote",
     "compliance_asymptote_paper",
@@ -54,13 +57,16 @@ __all__ = [
     "exponential_growth_paper",
     "full_contact_load",
     "full_contact_load_relaxed",
+    "hertz",
     "late_slope",
     "late_slope_paper",
+    "persson_area",
     "response",
     "response_rate",
     "site_stiffness",
     "static_friction",
     "torus_compliance",
+    "westergaard_area",
     "winkler_area",
 ]
 
