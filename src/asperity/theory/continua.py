@@ -34,7 +34,7 @@ from asperity.checks import Floats, broadcast, not_negative, number, positive
 
 def _beta(s: float) -> float:
     """Dirichlet's beta function by Hurwitz' zeta function."""
-    return 4.0**-s * float(zeta(s, 0.25) - zeta(s, 0.75))
+    return float(4.0**-s * (zeta(s, 0.25) - zeta(s, 0.75)))
 
 
 _CURVATURE = float(zeta(1.5)) * _beta(1.5)
