@@ -117,9 +117,9 @@ class SeparableSteps:
             loads.append(-float(lifted.mean()) * lifted.size * (system.sites / lifted.size))
             if largest(lifted - lifted.mean(), np) > _BALANCED * max(loads[0], 0.0) / max(start.area, 1):
                 return None
-        if not 0 <= max(loads[1:]) <= loads[0] * (1 + _BALANCED):
-            return None
         own = np.array(loads[1:])
+        if not -_BALANCED * loads[0] <= own.min() <= own.max() <= loads[0] * (1 + _BALANCED):
+            return None
         if abs(control.value + float(shares @ own) - loads[0]) > _BALANCED * loads[0]:
             return None
         own = np.maximum(own, 0.0)
