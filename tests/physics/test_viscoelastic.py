@@ -1,0 +1,118 @@
+"""Generalized Maxwell solids: Lee and Radok, a dense reference, and what holds for any number of branches."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from tests.surfaces import correlated
+
+P = asp.protocols
+THREE = [(0.3, 0.1), (0.25, 1.0), (0.35, 20.0)]
+TWELVE = [(0.08, 10.0**decade) for decade in np.linspace(-3, 3, 12).tolist()]
+SOLIDS = {"one": [(0.7, 1.0)], "three": THREE, "twelve": TWELVE}
+
+
+def elastic_load(times, load_at, branches):
+    """The load at which an elastic solid has the contact that a viscoelastic one has: L in F = G * dL.
+
+    The Volterra equation of the relaxation modulus G, with L linear between the points of a grid and the
+    integrals of G in closed form.
+    """
+    grid = np.unique(np.concatenate([[0.0], np.geomspace(1e-4, max(times), 500), times]))
+    rest = 1 - sum(share for share, _ in branches)
+
+    def integral(x):
+        return rest * x - sum(share * tau * np.expm1(-x / tau) for share, tau in branches)
+
+    def modulus(x):
+        return rest + sum(share * np.exp(-x / tau) for share, tau in branches)
+
+    start, slopes = load_at(0.0), np.zeros(len(grid) - 1)
+    for n in range(1, len(grid)):
+        cells = -np.diff(integral(grid[n] - grid[: n + 1]))
+        known = modulus(grid[n]) * start + cells[:-1] @ slopes[: n - 1]
+        slopes[n - 1] = (load_at(grid[n]) - known) / cells[-1]
+    reached = start + np.concatenate([[0.0], np.cumsum(slopes * np.diff(grid))])
+    return reached[np.searchsorted(grid, times)]
+
+
+def sphere(n):
+    """A sphere whose summit is between sites, at no symmetric place."""
+    x = np.arange(n) / n
+    return -((x[:, None] - 0.5037) ** 2 + (x - 0.4859) ** 2) * n
+
+
+@pytest.mark.parametrize("path", ["constant", "ramp"])
+@pytest.mark.parametrize("exact", [True, False], ids=["exact", "march"])
+@pytest.mark.parametrize("name", SOLIDS)
+def test_a_sphere_follows_lee_and_radok(name, exact, path):
+    heights, branches = sphere(100), SOLIDS[name]
+    solid = asp.solids.half_space(modulus=1.0, branches=branches)
+    times = np.array([0.01, 0.1, 1.0, 10.0, 50.0])
+    start, end = (100.0, 100.0) if path == "constant" else (30.0, 200.0)
+
+    def load_at(time):
+        return start + (end - start) * time / 50.0
+
+    contact = asp.press(heights, solid, load=start)
+    protocol = None if path == "constant" else P.Ramp(50.0, load=end)
+    history = asp.age(contact, times, protocol=protocol, exact=exact)
+    assert ("exact_contact" in history.dataset.attrs) == exact
+    elastic = asp.solids.half_space(modulus=1.0)
+    areas = [asp.press(heights, elastic, load=load).area for load in elastic_load(times, load_at, branches)]
+    miss = history.dataset["area"].values[1:] - areas
+    assert np.abs(miss).max() <= (1 if exact else 3)  # of 10,000
+
+
+def rough(n=64):
+    return correlated(n, hurst=0.8)
+
+
+def test_the_exact_path_and_the_march_agree_on_all_fields():
+    heights, times = rough(), np.array([0.05, 0.5, 5.0, 50.0])
+    contact = asp.press(heights, asp.solids.half_space(modulus=1.0, branches=THREE), load=0.02 * heights.size)
+    protocol = [P.Hold(5.0), P.Ramp(10.0, load=0.05 * heights.size), P.Hold(35.0)]
+    one, other = (
+        asp.age(contact, times, protocol=protocol, exact=exact, fields_at=times, rtol=1e-3).dataset
+        for exact in (True, False)
+    )
+    assert one.attrs["exact_contact"] == "at all times"
+    assert "exact_contact" not in other.attrs
+    np.testing.assert_allclose(one["area"], other["area"], atol=2)
+    spread = contact.u.std()
+    for name in ("u", "u0"):
+        miss = np.sqrt(((one[name] - other[name]) ** 2).mean(["x", "y"]))
+        assert miss.max() < 1e-3 * spread
+    np.testing.assert_allclose(one["load"], other["load"], rtol=1e-9)
+    np.testing.assert_allclose(one["energy"], other["energy"], rtol=5e-4)
+    np.testing.assert_allclose(one["separation"], other["separation"], atol=5e-4 * spread)
+
+
+def test_after_the_load_has_fallen_contacts_are_exact_only_where_they_are_more_than_ever():
+    # Sites that never touched do not know that others have: T. C. T. Ting, J. Appl. Mech. 35, 248 (1968).
+    heights, size = rough(), 64**2
+    contact = asp.press(heights, asp.solids.half_space(modulus=1.0, branches=THREE), load=0.03 * size)
+    steps = [P.Step(load=load * size) for load in (0.015, 0.02, 0.06)]
+    protocol = [P.Hold(2.0), *(leg for step in steps for leg in (step, P.Hold(2.0)))]
+    frames: list[asp.Frame] = []
+    one = asp.age(contact, [1.0, 8.0], protocol=protocol, progress=frames.append)
+    exact = [frame.exact for frame in frames if not isinstance(protocol[frame.leg], P.Step)]
+    assert exact == [False, True, True, False, False, True]  # at first nothing has crept
+    most = np.maximum.accumulate([frame.contact.area for frame in frames])
+    assert most[-1] > most[2] > frames[-3].contact.area
+    assert one.dataset.attrs["exact_contact"] == "at some times"
+    other = asp.age(contact, [1.0, 8.0], protocol=protocol, exact=False)
+    np.testing.assert_allclose(one.dataset["area"], other.dataset["area"], atol=2)
+    miss = one.final.pressure - other.final.pressure
+    assert miss.std() < 2e-3 * one.final.pressure.std()
+    u0, same = (state.final.u0 - state.final.u0.mean(axis=(1, 2), keepdims=True) for state in (one, other))
+    assert (u0 - same).std() < 2e-3 * contact.u.std()
+
+
+def test_aging_on_stays_exact():
+    contact = asp.press(rough(), asp.solids.half_space(modulus=1.0, branches=THREE), load=100.0)
+    once = asp.age(contact, [10.0])
+    twice = asp.age(asp.age(contact, [1.0]).final, [9.0])
+    assert twice.dataset.attrs["exact_contact"] == "at all times"
+    np.testing.assert_array_equal(twice.final.in_contact, once.final.in_contact)
+    np.testing.assert_allclose(twice.final.u, once.final.u, atol=1e-6)
