@@ -1,0 +1,93 @@
+"""Any solid on a small periodic lattice, by dense matrices: the slow and obvious judge of creep.
+
+Relative to the rigid body at X, with v_b = u_b - X,
+
+    r = H (u - X) + sum_b C_b (u - X - v_b),     dv_b/dt = M_b C_b (u - X - v_b),
+
+r = 0 off contact and u = h in contact; sum r = F, or X is given. Where nothing hangs on the rigid body (H and
+C vanish at wave vector 0), F is applied evenly and X is the mean of u. In time LSODA integrates.
+"""
+
+import numpy as np
+import scipy.integrate
+
+
+class Dense:
+    """A solid given by functions of the magnitude q of the wave vector and of lam(q), for each area.
+
+    ``branches`` are pairs of stiffness C and mobility M; both are finite at q = 0.
+    """
+
+    def __init__(self, heights, permanent, branches, spacing):
+        self.heights, self.n = heights.ravel(), heights.size
+        angles = np.meshgrid(*(2 * np.pi * np.fft.fftfreq(n) for n in heights.shape), indexing="ij")
+        q = np.sqrt(sum((angle / d) ** 2 for angle, d in zip(angles, spacing, strict=True)))
+        lam = sum(2 - 2 * np.cos(angle) for angle in angles)
+        cell = np.prod(spacing)
+        unit = np.fft.fftn(np.eye(self.n).reshape(self.n, *heights.shape), axes=range(1, heights.ndim + 1))
+
+        def dense(spectrum):
+            columns = np.fft.ifftn(spectrum * unit, axes=range(1, heights.ndim + 1)).real
+            return columns.reshape(self.n, self.n).T
+
+        stiffness = [cell * law(q, lam) * np.ones_like(q) for law in (permanent, *(c for c, _ in branches))]
+        self.H, *self.C = map(dense, stiffness)
+        rates = [c * m(q, lam) / cell for c, (_, m) in zip(stiffness[1:], branches, strict=True)]
+        self.rate = [dense(rate) for rate in rates]
+        self.hangs = sum(c.flat[0] for c in stiffness) > 0
+        self.touching = np.zeros(self.n, dtype=bool)
+
+    def contact(self, v, load=None, position=None):
+        """The surface u and X for given anchors, by guesses of the set of contacts that get better."""
+        n, one = self.n, np.ones(self.n)
+        S = self.H + sum(self.C)
+        pull = sum((C @ field for C, field in zip(self.C, v, strict=True)), np.zeros(n))
+        even = 0.0 if self.hangs else load / n
+        if not self.touching.any():
+            self.touching[np.argmax(self.heights)] = True
+        seen = []
+        while True:
+            A, b = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
+            # Unknown: y = u - X, and X.
+            A[:n, :n] = np.where(self.touching[:, None], np.eye(n), S)
+            A[:n, n] = np.where(self.touching, 1.0, 0.0)
+            b[:n] = np.where(self.touching, self.heights, pull - even)
+            if position is not None:
+                A[n, n], b[n] = 1.0, position
+            elif self.hangs:
+                A[n, :n], b[n] = one @ S, load + one @ pull
+            else:
+                A[n, :n] = 1.0
+            *y, X = np.linalg.solve(A, b)
+            y = np.array(y)
+            r = S @ y - pull + even
+            scale = np.abs(r).max() + np.abs(S).max() * np.ptp(self.heights)
+            better = np.where(
+                self.touching, r > -1e-13 * scale, y + X < self.heights - 1e-13 * np.ptp(self.heights)
+            )
+            if (better == self.touching).all():
+                return y, X, r
+            assert not any((better == old).all() for old in seen)
+            seen.append(better)
+            self.touching = better
+
+    def creep(self, v, duration, load_at=None, position_at=None):
+        """Anchors after a while of a prescribed load or position, functions of time since its beginning."""
+
+        def speed(time, state):
+            v = state.reshape(len(self.C), self.n)
+            load = None if load_at is None else load_at(time)
+            position = None if position_at is None else position_at(time)
+            y, _, _ = self.contact(v, load, position)
+            return np.concatenate([rate @ (y - field) for rate, field in zip(self.rate, v, strict=True)])
+
+        found = scipy.integrate.solve_ivp(
+            speed, (0.0, duration), np.ravel(v), method="LSODA", rtol=1e-8, atol=1e-10 * np.ptp(self.heights)
+        )
+        assert found.success
+        return found.y[:, -1].reshape(len(self.C), self.n)
+
+    def energy(self, y, v):
+        """Elastic energy."""
+        stretched = sum(((y - field) @ C @ (y - field) for C, field in zip(self.C, v, strict=True)), 0.0)
+        return (y @ self.H @ y + stretched) / 2
