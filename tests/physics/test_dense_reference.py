@@ -168,3 +168,42 @@ def test_equal_steps_of_several_branches_converge_at_second_order(name):
         anchors = (u - stretch).reshape(-1, 64)
         errors.append(np.linalg.norm(anchors - anchors.mean(axis=1, keepdims=True) - exact))
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize("relative", [0.1, 1.0, 10.0])
+def test_a_held_machine_lets_the_force_relax_as_dense_matrices_have_it(relative):
+    heights, start, times = correlated(8, hurst=0.8), 3.0, np.array([0.1, 1.0, 10.0])
+    free = pressed(heights, asp.solids.half_space(modulus=2.0, branches=THREE), load=start, spacing=SPACING)
+    spring = relative * free.normal_stiffness
+    solid = asp.solids.half_space(modulus=2.0, branches=THREE, apparatus=spring)
+    contact = pressed(heights, solid, load=start, spacing=SPACING)
+    np.testing.assert_array_equal(contact.in_contact, free.in_contact)
+    series = 1 / (1 / spring + 1 / free.normal_stiffness)
+    assert contact.normal_stiffness == pytest.approx(series, rel=1e-8)
+    permanent, branches = maxwell(half, THREE)
+    area = heights.size * np.prod(SPACING)
+    dense = Dense(heights, lambda q, lam: permanent(q, lam) + (q == 0) * spring / area, branches, SPACING)
+    _, machine, _ = dense.contact(np.zeros((3, 64)), start)
+    assert machine == pytest.approx(contact.separation, abs=1e-8)
+    v, forces = np.zeros((3, 64)), []
+    for duration in np.diff(times, prepend=0.0):
+        v = dense.creep(v, duration, position_at=lambda _: machine)
+        _, _, force = dense.contact(v, position=machine)
+        forces.append(force.sum())
+    history = asp.age(contact, times, hold="separation", rtol=5e-4)
+    np.testing.assert_allclose(history.dataset["load"][1:], forces, atol=5e-4 * start)
+    np.testing.assert_array_equal(history.final.in_contact.ravel(), dense.touching)
+
+
+def test_a_rigid_machine_keeps_the_contacts_of_a_separable_solid_and_the_force_is_its_modulus():
+    heights, times = correlated(32, hurst=0.8), np.array([0.01, 0.1, 1.0, 10.0, 100.0])
+    solid = asp.solids.half_space(modulus=2.0, branches=THREE, apparatus=np.inf)
+    contact = asp.press(heights, solid, load=20.0)
+    free = asp.press(heights, asp.solids.half_space(modulus=2.0), load=20.0)
+    np.testing.assert_array_equal(contact.in_contact, free.in_contact)
+    assert contact.separation == pytest.approx(contact.u.mean(), abs=1e-4 * contact.u.std())
+    history = asp.age(contact, times, hold="separation", rtol=2e-4, fields_at=times)
+    modulus = 1 - sum(share * -np.expm1(-times / time) for share, time in THREE)
+    np.testing.assert_allclose(history.dataset["load"][1:] / 20.0, modulus, atol=2e-4)
+    assert (history.dataset["in_contact"] == contact.in_contact).all()
+    assert asp.relax(contact, hold="separation").load == pytest.approx(20.0 * 0.1, rel=1e-4)

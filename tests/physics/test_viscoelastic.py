@@ -116,3 +116,60 @@ def test_aging_on_stays_exact():
     assert twice.dataset.attrs["exact_contact"] == "at all times"
     np.testing.assert_array_equal(twice.final.in_contact, once.final.in_contact)
     np.testing.assert_allclose(twice.final.u, once.final.u, atol=1e-6)
+
+
+@pytest.mark.parametrize("exact", [True, False], ids=["exact", "march"])
+def test_equal_branches_are_one_and_branches_of_hardly_a_share_are_none(exact):
+    heights, protocol = rough(32), [P.Hold(2.0), P.Step(load=10.0), P.Hold(2.0)]
+    finals = []
+    for branches in (
+        [(0.6, 1.5)],
+        [(0.1, 1.5), (0.2, 1.5), (0.3, 1.5)],
+        [(1e-13, 0.1), (0.6, 1.5), (1e-13, 100.0)],
+    ):
+        solid = asp.solids.half_space(modulus=1.0, branches=branches)
+        contact = asp.press(heights, solid, load=30.0)
+        finals.append(asp.age(contact, [4.0], protocol=protocol, exact=exact, rtol=5e-4).final)
+    one, *others = finals
+    for final, crept in zip(others, (slice(None), slice(1, 2)), strict=True):
+        np.testing.assert_array_equal(final.in_contact, one.in_contact)
+        assert (final.u - one.u).std() < 5e-4 * one.u.std()
+        for anchor in final.anchors[crept] - one.anchors[0]:
+            assert anchor.std() < 5e-4 * one.u.std()
+        assert final.energy == pytest.approx(one.energy, rel=1e-3)
+
+
+@pytest.mark.parametrize("exact", [True, False], ids=["exact", "march"])
+def test_work_of_a_ramp_is_energy_and_dissipation(exact):
+    heights = rough(16)
+    contact = asp.press(heights, asp.solids.half_space(modulus=1.0, branches=THREE), load=5.0)
+    times = np.concatenate([[0.0], np.geomspace(1e-3, 0.02, 20), np.linspace(0.03, 2.0, 198)])
+    history = asp.age(
+        contact, times, protocol=P.Ramp(2.0, load=40.0), fields_at=times, rtol=1e-3, exact=exact
+    )
+    data = history.dataset
+    ny, nx = heights.shape
+    q = 2 * np.pi * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.fftfreq(nx)[None, :])
+    lost = np.zeros(len(times))
+    for branch, (share, time) in enumerate(THREE):
+        modes = np.fft.fft2((data["u"] - data["u0"].isel(branch=branch)).values)
+        lost += np.sum(share * q / 2 * np.abs(modes) ** 2, axis=(1, 2)) / heights.size / time
+    load, approach, energy = (data[name].values for name in ("load", "approach", "energy"))
+    worked = np.sum((load[1:] + load[:-1]) / 2 * np.diff(approach))
+    dissipated = np.sum((lost[1:] + lost[:-1]) / 2 * np.diff(times))
+    assert dissipated > 0.1 * worked
+    assert worked == pytest.approx(energy[-1] - energy[0] + dissipated, rel=5e-4)
+
+
+@pytest.mark.parametrize("exact", [True, False], ids=["exact", "march"])
+@pytest.mark.parametrize("solid", ["half-space", "layer", "volume diffusion"])
+def test_energy_with_the_potential_of_the_load_falls(solid, exact):
+    solids = {
+        "half-space": asp.solids.half_space(modulus=1.0, branches=THREE),
+        "layer": asp.solids.layer(modulus=1.0, poisson=0.3, thickness=4.0, branches=THREE),
+        "volume diffusion": asp.solids.half_space(modulus=1.0, flow=(1.0, 1.0)),
+    }
+    contact = asp.press(rough(32), solids[solid], load=30.0)
+    data = asp.age(contact, np.geomspace(1e-3, 30.0, 25), exact=exact).dataset
+    potential = data["energy"].values - 30.0 * data["approach"].values
+    assert (np.diff(potential) < 0).all()
