@@ -45,7 +45,7 @@ class Dense:
         even = 0.0 if self.hangs else load / n
         if not self.touching.any():
             self.touching[np.argmax(self.heights)] = True
-        seen = []
+        seen: list[np.ndarray] = []
         while True:
             A, b = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
             # Unknown: y = u - X, and X.
@@ -58,8 +58,8 @@ class Dense:
                 A[n, :n], b[n] = one @ S, load + one @ pull
             else:
                 A[n, :n] = 1.0
-            *y, X = np.linalg.solve(A, b)
-            y = np.array(y)
+            found = np.linalg.solve(A, b)
+            y, X = found[:n], found[n]
             r = S @ y - pull + even
             scale = np.abs(r).max() + np.abs(S).max() * np.ptp(self.heights)
             better = np.where(

@@ -1,5 +1,6 @@
 """Random bodies pressed, aged and relaxed: an equilibrium by an operator of its own, or one clear line."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 import asperity as asp
 from asperity.contact import Contact
 from asperity.errors import AsperityError
+from tests.continua import pressed as pressed_on
 from tests.fuzz.fuzzing import Draw, fuzz, tried
 from tests.independent import assert_equilibrium
 
@@ -142,22 +144,42 @@ def test_histories_of_springs():
     fuzz("histories of springs", 25, attempt)
 
 
-def test_contacts_of_half_spaces():
+def continuum(draw: Draw) -> tuple[asp.solids.Solid, float]:
+    """A half-space, with an apparatus or without, or a layer, of any branches or flow; and its modulus."""
+    modulus = draw.decades(-6, 6)
+    shares = draw.rng.random(draw.between(0, 5)) * draw.one([1.0, 1e-3])
+    shares /= max(1.0, shares.sum()) * draw.one([1.0, 2.0])
+    branches = [(share, draw.decades(-4, 4)) for share in shares.tolist()]
+    if draw.chance(0.3):
+        thickness, poisson = draw.decades(-2, 2), draw.one([-0.5, 0.0, 0.3, 0.5])
+        layer = {"thickness": thickness, "poisson": poisson, "bonded": draw.chance(0.5)}
+        return asp.solids.layer(modulus=modulus, branches=branches, **layer), modulus
+    flow = (draw.decades(-3, 3), draw.one([-1.0, 0.0, 1.0, 2.0])) if draw.chance(0.2) else None
+    apparatus = draw.one([None, None, math.inf, modulus * draw.decades(-2, 2)])
+    branches = [] if flow else branches
+    return asp.solids.half_space(modulus=modulus, branches=branches, flow=flow, apparatus=apparatus), modulus
+
+
+def test_contacts_of_continua():
     def attempt(draw: Draw) -> None:
-        rough = heights(draw, 24)
-        modulus = draw.decades(-6, 6)
-        solid = asp.solids.half_space(modulus=modulus, branches=[(draw.one([0.0, 0.5, 1.0]), 1.0)])
-        held = control(draw, rough, modulus)
-        draw.say(f"{modulus} {held}")
-        contact = tried(lambda: asp.press(rough, solid, **held))
+        rough = np.asarray(heights(draw, 20), dtype=float)
+        solid, modulus = continuum(draw)
+        spacing = tuple(draw.decades(-1, 1) for _ in rough.shape)
+        held = control(draw, rough, modulus * float(np.prod(spacing)) ** 0.5)
+        edges = draw.one(["periodic", "reflecting"])
+        draw.say(f"{solid} {spacing} {edges} {held}")
+        contact = tried(lambda: pressed_on(rough, solid, spacing=spacing, edges=edges, **held))
         draw.say(contact)
         if isinstance(contact, AsperityError):
             return
+        exact = draw.chance(0.5)
         for one in (
             contact,
-            tried(lambda: asp.age(contact, [0.1, 10.0], rtol=0.1)),
+            tried(lambda: asp.age(contact, [0.1, 10.0], rtol=0.1, exact=exact)),
             tried(lambda: asp.relax(contact)),
+            tried(lambda: asp.press(contact, load=2 * contact.load or 1.0)),
         ):
+            draw.say(one)
             state = one.final if isinstance(one, asp.History) else one
             if isinstance(state, Contact):
                 touching = state.u == state.heights
@@ -166,5 +188,7 @@ def test_contacts_of_half_spaces():
                 assert (state.force[~touching] == 0).all()
                 assert (state.force >= 0).all()
                 assert state.residual <= 1e-8
+                assert state.normal_stiffness >= 0
+                assert state.contact_area_corrected <= state.contact_area
 
-    fuzz("contacts of half-spaces", 15, attempt)
+    fuzz("contacts of continua", 25, attempt)
