@@ -88,7 +88,7 @@ def test_an_incompressible_layer_resists_long_waves():
     layer = asp.solids.layer(modulus=2.0, poisson=0.5, thickness=0.005).on(lattice).permanent
     q = lattice.wave_number[1:]
     np.testing.assert_allclose(layer[1:], 3 * 2.0 / (4 * q**2 * 0.005**3), rtol=1e-3)
-    assert layer[0] > 1e5 * layer[1]
+    assert layer[0] > 1e3 * layer[1]
 
 
 def test_a_viscoelastic_layer_relaxes_as_its_branches_do():

@@ -106,9 +106,11 @@ class SeparableSteps:
             start.solid.separable and control.load_controlled and control.rate >= 0 and len(start.anchors)
         ):
             return None
-        stiffness, shares, _ = parts_of(system)
         free = ~start.in_contact
-        if not free.any() or not (shares > 0).all():
+        if not free.any():
+            return None
+        stiffness, shares, _ = parts_of(system)
+        if not (shares > 0).all():
             return None
         loads = []
         for surface in (start.u, *start.anchors):

@@ -85,7 +85,7 @@ def half_space(
     apparatus
         Stiffness of the apparatus, force per length, between the machine and the half-space, which may be
         `math.inf`. With it the position of the machine can be prescribed (``separation=``). Infinite stands
-        for 1e6 times the largest stiffness of a mode.
+        for 1e4 times the largest stiffness of a mode.
 
     Returns
     -------
