@@ -191,4 +191,4 @@ def test_contacts_of_continua():
                 assert state.normal_stiffness >= 0
                 assert state.contact_area_corrected <= state.contact_area
 
-    fuzz("contacts of continua", 25, attempt)
+    fuzz("contacts of continua", 40, attempt)

@@ -173,3 +173,11 @@ def test_energy_with_the_potential_of_the_load_falls(solid, exact):
     data = asp.age(contact, np.geomspace(1e-3, 30.0, 25), exact=exact).dataset
     potential = data["energy"].values - 30.0 * data["approach"].values
     assert (np.diff(potential) < 0).all()
+
+
+@pytest.mark.parametrize("apparatus", [None, np.inf])
+def test_one_site_has_no_waves_and_keeps_its_load(apparatus):
+    solid = asp.solids.half_space(modulus=1.0, branches=THREE, apparatus=apparatus)
+    final = asp.age(asp.press([1.0], solid, load=2.0), [1.0, 10.0]).final
+    assert final.area == 1
+    assert final.load == pytest.approx(2.0)
