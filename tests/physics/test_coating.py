@@ -141,3 +141,13 @@ def test_the_whole_ages_from_one_elastic_contact_to_another():
 def test_numbers_are_checked(wrong, name):
     with refuses(name):
         asp.solids.coated_half_space(**FILM | wrong)
+
+
+def test_a_rigid_machine_holds_a_film_on_a_base_that_flows():
+    rough, flows = correlated(32), [(1.0, 1.0)]
+    solid = asp.solids.coated_half_space(**FILM, base_branches=flows, apparatus=np.inf)
+    contact = asp.press(rough, solid, load=0.02 * rough.size)
+    held = asp.press(rough, solid, separation=contact.separation)
+    assert held.load == pytest.approx(contact.load, rel=1e-6)
+    loads = asp.age(held, [1.0, 10.0]).dataset["load"].values
+    assert (np.diff(loads) < 0).all()

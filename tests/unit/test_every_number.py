@@ -69,6 +69,17 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.solids.spring_lattice, {"k0": 1.0, "k1": 3.0, "R": 2.0, "R_viscous": 0.5}),
     (asp.solids.half_space, {"modulus": 2.0, "branches": [[0.5, 4.0], [0.25, 8.0]]}),
     (asp.solids.layer, {"modulus": 2.0, "poisson": 0.25, "thickness": 4.0, "branches": [[0.5, 4.0]]}),
+    (
+        asp.solids.coated_half_space,
+        {
+            "modulus": 2.0,
+            "poisson": 0.25,
+            "thickness": 4.0,
+            "base_modulus": 8.0,
+            "base_poisson": 0.5,
+            "branches": [[0.5, 4.0]],
+        },
+    ),
     (asp.solids.contact_modulus, {"young": [2.0, 4.0], "poisson": [0.25, 0.5]}),
     (asp.solids.PowerMobility, {"mobility": 2.0, "exponent": 0.5}),
     (asp.solids.SpringConstants, {"k0": 1.0, "k1": 3.0, "R": 2.0, "R_viscous": 0.5}),

@@ -145,7 +145,8 @@ class Contact:
     def contact_area_corrected(self) -> float:
         """Real contact area less what counting sites adds at the rim, length^2; see `response.RIM`.
 
-        On a line nothing is subtracted.
+        It is meant for half-spaces; on a layer that is thin beside its contacts, `contact_area` is nearer. On
+        a line nothing is subtracted.
         """
         if self.lattice.dimension == 1:
             return self.contact_area

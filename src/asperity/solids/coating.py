@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,21 +119,22 @@ def shares_of(coated: Coated) -> tuple[Floats, Floats, Floats, float]:
 
 @dataclass(frozen=True)
 class CoatedStiffness:
-    """The stiffness of one branch of a coated half-space; of no branch, the permanent one."""
+    """The stiffness of a coated half-space at once, or its permanent part, or that of one branch."""
 
     coated: Coated
-    branch: int | None
+    branch: int | Literal["permanent", "at once"]
 
     def __call__(self, lattice: Lattice) -> Spectrum:
         """Evaluate on a lattice."""
         q = lattice.wave_number
         x = np.maximum(q * self.coated.thickness, 1e-12)
-        last = self.coated.over_wave_number(x, 0.0)
-        if self.branch is None:
-            return np.asarray(last * q * lattice.cell)
-        relaxing = np.maximum(self.coated.over_wave_number(x, math.inf) - last, 0.0)
+        ends = {"permanent": 0.0, "at once": math.inf}
+        first, last = (self.coated.over_wave_number(x, ends[end]) for end in ("at once", "permanent"))
+        if isinstance(self.branch, str):
+            return np.asarray((first if self.branch == "at once" else last) * q * lattice.cell)
         grid, _, shares, _ = shares_of(self.coated)
-        return np.asarray(np.interp(np.log(x), grid, shares[self.branch]) * relaxing * q * lattice.cell)
+        share = np.interp(np.log(x), grid, shares[self.branch])
+        return np.asarray(share * np.maximum(first - last, 0.0) * q * lattice.cell)
 
 
 def coated_half_space(
@@ -176,7 +178,7 @@ def coated_half_space(
     film = _material("", modulus, poisson, branches)
     base = _material("base_", base_modulus, base_poisson, base_branches)
     coated = Coated(film, base, checks.number("thickness", thickness, above=0))
-    permanent = CoatedStiffness(coated, None)
+    permanent, at_once = CoatedStiffness(coated, "permanent"), CoatedStiffness(coated, "at once")
     apparatus = checked_apparatus(apparatus)
     parameters: dict[str, float | tuple[tuple[float, float], ...]] = {
         "modulus": film.modulus,
@@ -205,7 +207,7 @@ def coated_half_space(
     if apparatus is not None:
         parameters["apparatus"] = apparatus
     return Solid(
-        permanent=permanent if apparatus is None else WithApparatus(permanent, permanent, apparatus),
+        permanent=permanent if apparatus is None else WithApparatus(permanent, at_once, apparatus),
         branches=made,
         parameters=parameters,
         loaded_from_afar=True,
