@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,11 @@ import xarray as xr
 import asperity.checks as checks
 from asperity._version import __version__
 from asperity.campaign.plan import Axis, Plan, Run, name_of, seeded
-from asperity.campaign.store import FITTED, Store
+from asperity.campaign.store import FITTED, QUANTITIES, Finished, Store
 from asperity.config import RunConfig, from_tables, to_tables
 from asperity.config.reading import tables_to_toml
 from asperity.errors import InputError
-from asperity.results.dataset import LEG, SERIES, TIME_UNIT
+from asperity.results.quantities import SERIES, Units, units_named
 from asperity.words import reason_of
 
 _NO_ENSEMBLE = (
@@ -34,7 +35,7 @@ _HEIGHT, _LENGTH, _STIFFNESS = "height unit", "length unit", "stiffness unit"
 SWEPT = {
     "shape": ("sites along each axis", "sites"),
     "size": ("sites along each axis", "sites"),
-    "rms": ("rms height", _HEIGHT),
+    "rms": ("rms height", "height unit"),
     "hurst": ("Hurst exponent", "1"),
     "roll_off": ("wavelength above which the spectrum is flat", _LENGTH),
     "cutoff": ("shortest wavelength", _LENGTH),
@@ -56,14 +57,24 @@ SWEPT = {
     "k1": ("stiffness to the bulk", _STIFFNESS),
     "R": ("mobility of conserving creep", "R unit"),
     "R_viscous": ("mobility of viscous creep", "R unit"),
+    "modulus": ("contact modulus", "pressure"),
+    "young": ("Young's modulus", "pressure"),
+    "poisson": ("Poisson's ratio", "1"),
+    "thickness": ("thickness of the layer", "length"),
+    "branches": ("share of the modulus and relaxation time of each branch", ""),
+    "apparatus": ("stiffness of the apparatus", "force / length"),
+    "flow": ("mobility of creep, and the power of the wave number with which it goes", ""),
+    "frictionless": ("whether the layer slides on its base", ""),
+    "relaxation": ("table of the relaxation", ""),
     "load": SERIES["load"],
+    "pressure": ("load over nominal area", "pressure"),
     "separation": SERIES["separation"],
     "hold": ("what is held constant", ""),
     "rtol": ("relative tolerance of the time steps", "1"),
     "seed": ("seed of the surface", "1"),
     "point": ("number of the point, from 0", "1"),
 }
-"""Long name and unit of the coordinates."""
+"""Long name and dimension, or unit, of the coordinates."""
 
 _IN_A_LEG = {
     "load": SERIES["load"],
@@ -104,34 +115,35 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     some = next(iter(finished.values()))
     times = some.series[0]
     shape = _shape(plan)
-    series = np.full((len(SERIES), *shape, times.size), np.nan)
+    described = _described(finished.values())
+    series = np.full((len(QUANTITIES), *shape, times.size), np.nan)
     names = sorted({name for run in finished.values() for name in run.scalars})
     scalars = np.full((len(names), *shape), np.nan)
     for run in plan.runs:
         if run.identity in finished:
             one, place = finished[run.identity], _place(plan, run)
             everything: tuple[Any, ...] = (slice(None), *place)
-            series[everything] = one.series[1 : 1 + len(SERIES)]
+            series[everything] = one.series
             for row, name in enumerate(names):
                 scalars[row, *place] = one.scalars.get(name, np.nan)
     dims = _dims(plan)
     coordinates = _coordinates(plan)
     if plan.runs[0].config.protocol:
-        coordinates["leg"] = ("time", some.series[-1].astype(int), {"long_name": LEG, "units": "1"})
+        coordinates["leg"] = ("time", some.series[-1].astype(int))
     dataset = xr.Dataset(coords=coordinates | {"time": times})
-    for row, (name, (long_name, unit)) in enumerate(SERIES.items()):
-        # A swept load is a coordinate; the load as it developed needs another name then.
-        free = f"{name}_history" if name in coordinates else name
-        dataset[free] = ((*dims, "time"), series[row], {"long_name": long_name, "units": unit})
+    for name, values in zip(QUANTITIES, series, strict=True):
+        if name in described and name not in ("time", "leg"):
+            # A swept load is a coordinate; the load as it developed needs another name then.
+            free = f"{name}_history" if name in coordinates else name
+            long_name, unit = described[name]
+            dataset[free] = ((*dims, "time"), values, {"long_name": long_name, "units": unit})
     for row, name in enumerate(names):
-        dataset[name] = (dims, scalars[row], {"long_name": name.replace("_", " "), "units": ""})
-    for name, (long_name, unit) in (SWEPT | {"time": ("hold time", TIME_UNIT)}).items():
-        if name in dataset.coords:
-            dataset[name].attrs.update(long_name=long_name, units=unit)
-    for axis in plan.axes:
-        if axis.section == "protocol":
-            long_name, unit = _IN_A_LEG[axis.name.split(".")[-1]]
-            dataset[axis.name].attrs.update(long_name=f"{long_name} in leg {axis.name}", units=unit)
+        unit = described.get(name.removeprefix("relaxed_"), ("", ""))[1] if name.startswith("relaxed_") else ""
+        dataset[name] = (dims, scalars[row], {"long_name": name.replace("_", " "), "units": unit})
+    units = units_named({name: unit for name, (_, unit) in described.items()})
+    for name in dataset.coords:
+        long_name, unit = _of_coordinate(plan, str(name), units) or described.get(str(name), ("", ""))
+        dataset[name].attrs.update(long_name=long_name, units=unit)
     if "seed" in dims:
         dataset = _with_ensemble(dataset)
     return dataset.assign_attrs(
@@ -232,6 +244,30 @@ def load_plan(directory: str | Path) -> Plan:
         raise InputError(
             "campaign", expected="a folder that asperity sweep wrote", got=f"{directory}: {reason}"
         ) from error
+
+
+def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
+    """Long name and unit of each series that some run has."""
+    described: dict[str, tuple[str, str]] = {}
+    for run in runs:
+        for name, (long_name, unit) in run.described.items():
+            known = described.setdefault(name, (long_name, unit))[1]
+            if known != unit:
+                described[name] = (long_name, f"{known} or {unit}, as the run")
+    return described
+
+
+def _of_coordinate(plan: Plan, name: str, units: Units) -> tuple[str, str] | None:
+    """Long name and unit of a swept parameter."""
+    axis = next((axis for axis in plan.axes if axis.name == name), None)
+    if axis is not None and axis.section == "protocol":
+        long_name, dimension = _IN_A_LEG[name.split(".")[-1]]
+        long_name += f" in leg {name}"
+    elif name in SWEPT:
+        long_name, dimension = SWEPT[name]
+    else:
+        return None
+    return long_name, units.get(dimension, dimension)
 
 
 def _in_common(plan: Plan) -> dict[str, Any]:

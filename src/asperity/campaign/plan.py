@@ -34,7 +34,7 @@ _NOT_SWEPT = (
     *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample"),
     *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing"),
 )
-_STORE_FORMAT = 2
+_STORE_FORMAT = 3
 
 MOST_RUNS = 100_000
 """Runs of one campaign: each is a folder of files, and its plan is held in memory whole."""

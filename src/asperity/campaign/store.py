@@ -28,25 +28,38 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
-from asperity.results.dataset import FIELDS, SERIES
+from asperity.results.quantities import FIELDS, FIELDS_OF_CONTINUA, OF_CONTINUA, SERIES
 from asperity.results.store import flush, flush_folder, whole_file
 from asperity.runs import Outcome
 
-QUANTITIES = ("time", *SERIES, "leg")
+QUANTITIES = ("time", *(SERIES | OF_CONTINUA), "leg")
 FITTED = ("a", "q", "t0", "C")
 _ALWAYS = {"sites", "initial_area", "seconds"}
 """Scalars that every finished run has."""
-KEPT_FIELDS = ("heights", *FIELDS, "in_contact_relaxed", "u_relaxed")
+KEPT_FIELDS = ("heights", *FIELDS, *FIELDS_OF_CONTINUA, "in_contact_relaxed", "u_relaxed")
 """Fields of a run that asked for maps."""
 
 
 @dataclass(frozen=True, eq=False)
 class Finished:
-    """A finished run as stored: its time series, shape ``(quantities, times)``, and its scalars."""
+    """A finished run as stored.
+
+    Attributes
+    ----------
+    series
+        Its time series, shape ``(quantities, times)``; NaN where it has none.
+    scalars
+        One number each.
+    config
+        Its configuration.
+    described
+        Long name and unit of the series that it has.
+    """
 
     series: Field
     scalars: dict[str, float]
     config: str
+    described: dict[str, tuple[str, str]]
 
 
 class Store:
@@ -162,7 +175,9 @@ class Store:
             series = np.asarray(group["series"])
             scalars = {name: float(value) for name, value in facts["scalars"].items()}
             sound = facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS
-            finished = Finished(_completed(series, facts["quantities"]), scalars, str(facts["config"]))
+            described = {name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()}
+            completed = _completed(series, facts["quantities"])
+            finished = Finished(completed, scalars, str(facts["config"]), described)
         except FileNotFoundError as error:
             raise self._unreadable(identity, error) from error
         except Exception as error:  # a damaged byte of a description leads anywhere
@@ -201,9 +216,10 @@ class Store:
             raise self._damaged(identity)
         sites = ("y", "x")[2 - arrays["heights"].ndim :]
         times = arrays.pop("field_time")
+        before = {1: ("field_time",), 2: ("field_time", "branch")}
         return xr.Dataset(
             {
-                name: (("field_time", *sites) if name in FIELDS else sites, values)
+                name: ((*before.get(values.ndim - len(sites), ()), *sites), values)
                 for name, values in arrays.items()
             },
             coords={"field_time": times},
@@ -232,7 +248,8 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
     """One array holds the series: writing costs by the array, and there may be thousands of runs."""
     dataset = outcome.dataset
     known = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=0 * dataset["steps"])
-    series = np.stack([np.asarray(known[name], dtype=np.float64) for name in QUANTITIES])
+    quantities = [name for name in QUANTITIES if name in known.variables]
+    series = np.stack([np.asarray(known[name], dtype=np.float64) for name in quantities])
     group = zarr.open_group(folder, mode="w")
     group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))
     fields = {}
@@ -242,7 +259,10 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
         group.create_array(name, data=values, chunks=values.shape)
     group.attrs.update(
         {
-            "quantities": list(QUANTITIES),
+            "quantities": quantities,
+            "described": {
+                name: [known[name].attrs.get(key, "") for key in ("long_name", "units")] for name in quantities
+            },
             "scalars": _scalars(outcome) | {"seconds": seconds},
             "config": str(dataset.attrs["config"]),
             "asperity_version": str(dataset.attrs["asperity_version"]),

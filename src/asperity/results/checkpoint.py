@@ -164,22 +164,20 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
     }
     arrays = {"facts": np.array(json.dumps(facts))}
     arrays |= {f"place_{name}": array for name, array in midway.resume_state.items()}
-    for name in ("u", "u0", "in_contact"):
-        if place.snapshots:
-            arrays[f"kept_{name}"] = np.stack([getattr(snapshot, name) for snapshot in place.snapshots])
+    for name in place.snapshots[0].fields if place.snapshots else ():
+        arrays[f"kept_{name}"] = np.stack([snapshot.fields[name] for snapshot in place.snapshots])
     return arrays
 
 
 def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Place:
+    kept, place = (
+        {name.removeprefix(kind): array for name, array in arrays.items() if name.startswith(kind)}
+        for kind in ("kept_", "place_")
+    )
     snapshots = [
-        Snapshot(
-            time, arrays["kept_u"][index], arrays["kept_u0"][index], arrays["kept_in_contact"][index], leg
-        )
+        Snapshot(time, {name: fields[index] for name, fields in kept.items()}, leg)
         for index, (time, leg) in enumerate(facts["snapshots"])
     ]
-    place = {
-        name.removeprefix("place_"): array for name, array in arrays.items() if name.startswith("place_")
-    }
     kind, *numbers = facts["control"]
     control = Load(*numbers) if kind == Load.name else Separation(*numbers)
     leg, approach = facts["leg"]

@@ -4,70 +4,45 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from asperity._version import __version__
 from asperity.aging.march import Frame
 from asperity.contact.controls import Control
 from asperity.contact.state import Contact
-from asperity.lattice import Field, Mask
 from asperity.protocols import Leg, described
-
-SERIES: dict[str, tuple[str, str]] = {
-    "area": ("real contact area", "sites"),
-    "contact_fraction": ("real contact area over nominal area", "1"),
-    "load": ("normal load, the sum of the contact forces", "stiffness unit * height unit"),
-    "separation": ("separation, the mean of u0", "height unit"),
-    "approach": ("rigid approach of the bodies since the start", "height unit"),
-    "energy": ("elastic energy", "stiffness unit * height unit^2"),
-    "residual": ("largest force off contact over the residual scale", "1"),
-    "residual_scale": (
-        "mean contact force, or where the load has died out the smallest that the heights resolve",
-        "stiffness unit * height unit",
-    ),
-    "steps": ("time steps since the previous entry", "1"),
-    "rejected": ("time steps repeated with a smaller length since the previous entry", "1"),
-    "iterations": ("iterations of the contact solver since the previous entry", "1"),
-}
-FIELDS: dict[str, tuple[str, str]] = {
-    "u": ("height of the elastic surface", "height unit"),
-    "u0": ("creeping shape of the elastic surface", "height unit"),
-    "in_contact": ("whether the site is in contact", "1"),
-}
-LEG = "leg of the history, from 0"
-TIME_UNIT = "1 / (stiffness unit * R unit)"
-
+from asperity.results.quantities import COORDINATES, fields_of, series_of, units_of
 
 Row = dict[str, float]
-"""One entry of the time series: ``time`` and a value for each of `SERIES`."""
+"""One entry of the time series: ``time`` and a value for each series."""
 
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The fields at one time."""
+    """The fields at one time, by name."""
 
     time: float
-    u: Field
-    u0: Field
-    in_contact: Mask
+    fields: Mapping[str, NDArray[Any]]
     leg: int = 0
 
 
 def row_of(frame: Frame) -> Row:
     """Take the entry of the time series from a frame."""
     return {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
-        name: _value(frame, name) for name in SERIES
+        name: _value(frame, name) for name in series_of(frame.contact)
     }
 
 
 def snapshot_of(frame: Frame) -> Snapshot:
     """Take the fields from a frame."""
     contact = frame.contact
-    return Snapshot(frame.time, contact.u, contact.u0, contact.in_contact, frame.leg)
+    return Snapshot(frame.time, {name: getattr(contact, name) for name in fields_of(contact)}, frame.leg)
 
 
 def dataset_of(
@@ -101,24 +76,24 @@ def dataset_of(
     """
     sites = ("y", "x")[2 - start.heights.ndim :]
     dataset = xr.Dataset(
-        data_vars={name: ("time", np.array([row[name] for row in rows])) for name in SERIES},
-        coords={"time": [row["time"] for row in rows]}
-        | {axis: np.arange(n) for axis, n in zip(sites, start.heights.shape, strict=True)},
+        data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series_of(start)},
+        coords={"time": [row["time"] for row in rows]} | dict(zip(sites, _places(start), strict=True)),
     )
     dataset["heights"] = (sites, start.heights)
     if protocol is not None:
         dataset = dataset.assign_coords(leg=("time", [int(row["leg"]) for row in rows]))
     if snapshots:
         dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
-        several = len(start.anchors) != 1
-        for name in FIELDS:
-            axes = ("branch",) if name == "u0" and several else ()
-            fields = np.stack([getattr(snapshot, name) for snapshot in snapshots])
-            dataset[name] = (("field_time", *axes, *sites), fields)
+        for name in fields_of(start):
+            fields = np.stack([snapshot.fields[name] for snapshot in snapshots])
+            branches = ("branch",) if fields.ndim > 1 + len(sites) else ()
+            dataset[name] = (("field_time", *branches, *sites), fields)
+        if "branch" in dataset.dims:
+            dataset = dataset.assign_coords(branch=np.arange(dataset.sizes["branch"]))
         if protocol is not None:
             legs = [snapshot.leg for snapshot in snapshots]
             dataset = dataset.assign_coords(field_leg=("field_time", legs))
-    _describe(dataset)
+    _describe(dataset, start)
     attributes = _attributes(start, control, rtol)
     if keeps_area:
         attributes |= {"held": "area", "held_area": start.area}
@@ -138,20 +113,21 @@ def _value(frame: Frame, name: str) -> float:
     return value
 
 
-def _describe(dataset: xr.Dataset) -> None:
+def _places(contact: Contact) -> list[NDArray[Any]]:
+    """Coordinates of the sites along each axis: lengths on a continuum, else numbers from 0."""
+    lattice = contact.lattice
+    steps = lattice.spacing if contact.solid.in_lengths else (1,) * lattice.dimension
+    return [step * np.arange(n) for step, n in zip(steps, lattice.shape, strict=True)]
+
+
+def _describe(dataset: xr.Dataset, contact: Contact) -> None:
     """Give every variable its long name and unit."""
-    others = {
-        "time": ("hold time", TIME_UNIT),
-        "field_time": ("hold time at which fields were kept", TIME_UNIT),
-        "leg": (LEG, "1"),
-        "field_leg": ("leg of the history in which fields were kept, from 0", "1"),
-        "x": ("site index along the last axis", "lattice spacing"),
-        "y": ("site index along the first axis", "lattice spacing"),
-        "heights": ("height of the rigid rough surface", "height unit"),
-    }
-    for name, (long_name, unit) in (SERIES | FIELDS | others).items():
+    units = units_of(contact)
+    for name, (long_name, dimension) in (series_of(contact) | fields_of(contact) | COORDINATES).items():
         if name in dataset.variables:
-            dataset[name].attrs.update(long_name=long_name, units=unit)
+            place = "position" if contact.solid.in_lengths else "site index"
+            described = long_name.replace("site index", place)
+            dataset[name].attrs.update(long_name=described, units=units.get(dimension, dimension))
 
 
 def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, str | float | int]:
@@ -159,6 +135,10 @@ def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, st
     return {
         "title": "Aging of a rough contact",
         "asperity_version": __version__,
+        "solid": contact.solid.kind,
+        "si": int(contact.si),
+        "spacing": json.dumps(contact.lattice.spacing),
+        "edges": contact.lattice.edges,
         **{name: _recorded(value) for name, value in contact.solid.parameters.items()},
         "held": control.name,
         f"held_{control.name}": control.value,
