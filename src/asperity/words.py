@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable
 
+_WITH_UNIT = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\d\s,.].*")
 _ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 
 
@@ -24,7 +25,11 @@ def numbers(words: Iterable[str], *, whole: bool) -> list[object]:
 
     ``0,5`` may be one number with a decimal comma, or two: it stays a word, unless the numbers are whole.
     ``0.1,1`` and ``1,2,3`` can be read in one way only. An x separates whole numbers too: ``200x200``.
+    Where words have units, each is one number: ``10 ms``.
     """
+    words = list(words)
+    if not whole and any(map(has_unit, words)):
+        return [number(word.strip()) for word in words]
     found: list[object] = []
     for word in " ".join(words).split():
         if not whole and has_decimal_comma(word):
@@ -33,6 +38,11 @@ def numbers(words: Iterable[str], *, whole: bool) -> list[object]:
             separated = word.replace("x", ",") if whole else word
             found += [number(part) for part in separated.split(",") if part]
     return found
+
+
+def has_unit(word: object) -> bool:
+    """Whether a word is a number with a unit behind it, as far as its form tells."""
+    return isinstance(word, str) and _WITH_UNIT.fullmatch(word) is not None
 
 
 def has_decimal_comma(word: object) -> bool:

@@ -16,13 +16,12 @@ import asperity.campaign as campaign
 from asperity import age, press
 from asperity.campaign.cluster import connect
 from asperity.campaign.gather import SWEPT
-from asperity.campaign.plan import _NOT_SWEPT
+from asperity.campaign.plan import _NOT_SWEPT, value_at
 from asperity.campaign.store import Store
 from asperity.campaign.sweeping import plan_to_json
 from asperity.campaign.worker import run_task
 from asperity.cli import main
-from asperity.config.mistakes import SECTIONS
-from asperity.config.models import SURFACES
+from asperity.config.mistakes import ORDER, models_of
 from asperity.errors import InputError
 from asperity.results import load as load_results
 from asperity.solids import spring_lattice
@@ -94,7 +93,7 @@ def test_the_dataset_says_what_the_runs_have_in_common(done, tmp_path):
 
 
 def test_every_coordinate_has_a_name_and_a_unit():
-    keys = {name for model in (*SURFACES.values(), *SECTIONS.values()) for name in model.model_fields}
+    keys = {name for section in ORDER for model in models_of(section) for name in model.model_fields}
     assert keys - set(_NOT_SWEPT) <= set(SWEPT)
 
 
@@ -486,7 +485,7 @@ def identity_of(folder, where):
     (run,) = (
         run
         for run in campaign.load_plan(folder).runs
-        if (run.config.contact.load, run.config.solid.k1, run.seed)
+        if (run.config.contact.load, value_at(run.config, "solid", "k1"), run.seed)
         == (where["load"], where["k1"], where["seed"])
     )
     return run.identity

@@ -9,15 +9,14 @@ import pytest
 
 from asperity.campaign import Plan, read_plan
 from asperity.config import RunConfig, read_config
-from asperity.config.mistakes import SECTIONS, flag_of
-from asperity.config.models import SURFACES
+from asperity.config.mistakes import ORDER, flag_of, models_of
 from asperity.config.reading import to_toml
 from tests.fuzz.fuzzing import Draw, damage_bytes, fuzz, tried
 from tests.fuzz.test_fuzz_files import run_command
 
 KEYS: dict[str, list[str]] = {
-    "surface": list(dict.fromkeys(key for model in SURFACES.values() for key in model.model_fields)),
-    **{section: list(model.model_fields) for section, model in SECTIONS.items()},
+    section: list(dict.fromkeys(key for model in models_of(section) for key in model.model_fields))
+    for section in ORDER
 }
 SWEEP = [*dict.fromkeys(key for keys in KEYS.values() for key in keys), "seeds", "combine", "solid.k1", "x"]
 
@@ -163,7 +162,7 @@ def is_brief(config: RunConfig) -> bool:
     """Whether a run takes little time: its lattice and its list of times are short."""
     surface = config.surface.model_dump()
     sites = np.prod([float(n) for n in surface.get("shape", [surface.get("size", 8)] * 2)])
-    decades = np.log10(config.aging.last / config.aging.first) if config.aging.times is None else 1.0
+    decades = np.log10(config.span[1] / config.span[0]) if config.aging.times is None else 1.0
     return bool(sites <= 1e4 and decades * config.aging.per_decade <= 300)
 
 

@@ -44,7 +44,10 @@ def with_limit(dataset: xr.Dataset, limit: Contact) -> xr.Dataset:
     extended["u_relaxed"] = xr.DataArray(
         limit.u,
         dims=sites,
-        attrs={"long_name": "height of the elastic surface in the relaxed state", "units": dataset["heights"].attrs.get("units", "height unit")},
+        attrs={
+            "long_name": "height of the elastic surface in the relaxed state",
+            "units": dataset["heights"].attrs.get("units", "height unit"),
+        },
     )
     return extended.assign_attrs(
         relaxed_area=limit.area,

@@ -1,4 +1,4 @@
-"""Lengths in readable units."""
+"""Quantities in readable units."""
 
 from __future__ import annotations
 
@@ -8,6 +8,18 @@ from asperity.surfaces.prepare import is_length, length_factor
 
 _DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")
 """Units of length in which figures count, rising by thousands."""
+
+_PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+_PREFIXED = {
+    "m^2": ("p", "n", "u", "m", ""),
+    "N": ("p", "n", "u", "m", "", "k", "M"),
+    "N/m": ("n", "u", "m", "", "k", "M", "G"),
+    "J": ("p", "n", "u", "m", "", "k", "M"),
+    "J/m": ("p", "n", "u", "m", "", "k", "M"),
+    "Pa": ("m", "", "k", "M", "G"),
+    "s": ("n", "u", "m", ""),
+}
+"""Prefixes of SI units other than the meter with which figures count, rising."""
 
 _PLAIN = (1e-2, 1e5)
 """Range of numbers without a unit that are written as they are."""
@@ -23,7 +35,20 @@ def readable(unit: str, span: float) -> tuple[str, float]:
             factor = length_factor(unit, name) if name != unit else 1.0
             if 1 <= span * factor < 1000:
                 return name, factor
+    if unit in _PREFIXED and math.isfinite(span):
+        power = 2 if unit == "m^2" else 1
+        factors = {f"{prefix}{unit}": _PREFIXES[prefix] ** -power for prefix in _PREFIXED[unit]}
+        fitting = [name for name, factor in factors.items() if abs(span) * factor >= 1 - 1e-9]
+        name = fitting[-1] if fitting else unit if span == 0 else next(iter(factors))
+        return name, factors[name]
     if unit == "1" and span > 0 and not _PLAIN[0] <= span < _PLAIN[1]:
         exponent = 3 * math.floor(math.log10(span) / 3)
         return f"1e{exponent:+03d}", 10.0**-exponent
     return unit, 1.0
+
+
+def written(value: float, unit: str, digits: int = 4) -> str:
+    """Write a quantity: in SI with a prefix, of a user's own units the number alone."""
+    name, factor = readable(unit, abs(value)) if value else (unit, 1.0)
+    number = f"{value * factor:.{digits}g}"
+    return f"{number} {name}" if unit in _PREFIXED or is_length(unit) else number

@@ -13,7 +13,7 @@ import xarray as xr
 
 import asperity.checks as checks
 from asperity._version import __version__
-from asperity.campaign.plan import Axis, Plan, Run, name_of, seeded
+from asperity.campaign.plan import Axis, Plan, Run, name_of, seeded, value_at
 from asperity.campaign.store import FITTED, QUANTITIES, Finished, Store
 from asperity.config import RunConfig, from_tables, to_tables
 from asperity.config.reading import tables_to_toml
@@ -138,11 +138,13 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             long_name, unit = described[name]
             dataset[free] = ((*dims, "time"), values, {"long_name": long_name, "units": unit})
     for row, name in enumerate(names):
-        unit = described.get(name.removeprefix("relaxed_"), ("", ""))[1] if name.startswith("relaxed_") else ""
+        unit = (
+            described.get(name.removeprefix("relaxed_"), ("", ""))[1] if name.startswith("relaxed_") else ""
+        )
         dataset[name] = (dims, scalars[row], {"long_name": name.replace("_", " "), "units": unit})
     units = units_named({name: unit for name, (_, unit) in described.items()})
-    for name in dataset.coords:
-        long_name, unit = _of_coordinate(plan, str(name), units) or described.get(str(name), ("", ""))
+    for name in map(str, dataset.coords):
+        long_name, unit = _of_coordinate(plan, name, units) or described.get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=unit)
     if "seed" in dims:
         dataset = _with_ensemble(dataset)
@@ -280,7 +282,7 @@ def _in_common(plan: Plan) -> dict[str, Any]:
         if axis.section == "protocol":
             swept[axis.name] = list(axis.values)
             continue
-        swept[axis.name] = [getattr(getattr(at[i], axis.section), axis.name) for i in range(len(at))]
+        swept[axis.name] = [value_at(at[i], axis.section, axis.name) for i in range(len(at))]
         tables[axis.section].pop(axis.name)
     if plan.seeds:
         first, count = plan.seeds[0], len(plan.seeds)
@@ -292,6 +294,7 @@ def _in_common(plan: Plan) -> dict[str, Any]:
     if len(plan.seeds) > 1:
         tables["surface"].pop("seed")
     legs = tables.pop("protocol", None)
+    tables["solid"]["solid"] = tables["solid"].pop("kind")
     facts = {key: value for name, table in tables.items() if name != "output" for key, value in table.items()}
     if legs is not None:
         facts["protocol"] = json.dumps(legs)

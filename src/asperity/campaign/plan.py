@@ -17,7 +17,7 @@ import hashlib
 import itertools
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -25,14 +25,15 @@ from typing import Any
 
 from asperity._version import __version__
 from asperity.config import MeasuredSurface, RunConfig, config_from, read_tables
-from asperity.config.mistakes import SECTIONS, Sections
-from asperity.config.models import SURFACES
+from asperity.config.mistakes import ORDER, Sections, models_of
+from asperity.config.models import KINDS
+from asperity.config.sections import written_with_units
 from asperity.errors import ConfigError
 
 Value = float | int | str
 _NOT_SWEPT = (
     *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample"),
-    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing"),
+    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation"),
 )
 _STORE_FORMAT = 3
 
@@ -122,7 +123,9 @@ def read_plan(path: str | Path) -> Plan:
     if combine not in ("grid", "zip"):
         problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
     seeds = _seeds(swept.pop("seeds", None), surface, kind, problems)
-    lists = dict(_lists(swept, kind, problems))
+    solid = tables.get("solid", {})
+    kinds = {"surface": kind, "solid": solid.get("kind", "spring_lattice") if isinstance(solid, dict) else ""}
+    lists = dict(_lists(swept, kinds, problems))
     lengths = {name: len(values) for (_, name), values in lists.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
         got = ", ".join(f"{name} {length}" for name, length in lengths.items())
@@ -143,7 +146,13 @@ def read_plan(path: str | Path) -> Plan:
             problems += error.problems
         raise ConfigError(problems)
     runs = _runs(tables, lists, seeds, path, zipped=combine == "zip")
-    axes = tuple(Axis(section, name, tuple(map(_label, values))) for (section, name), values in lists.items())
+    axes = tuple(
+        _axis(section, name, values, {run.point[number]: run.config for run in runs})
+        for number, ((section, name), values) in enumerate(lists.items())
+    )
+    for axis in axes:
+        if len(set(axis.values)) < len(axis.values):
+            raise ConfigError([f"{path}: [sweep] {axis.name}: expected different values, got {axis.values}"])
     return Plan(axes, seeds, combine == "zip", runs)
 
 
@@ -156,11 +165,12 @@ def name_of(plan: Plan, *runs: Run) -> str:
 
 
 def _lists(
-    swept: dict[str, Any], kind: object, problems: list[str]
+    swept: dict[str, Any], kinds: Mapping[str, object], problems: list[str]
 ) -> Iterator[tuple[tuple[str, str], list[Any]]]:
     """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
-    homes = {name: "surface" for model in SURFACES.values() for name in model.model_fields}
-    homes |= {name: section for section, model in SECTIONS.items() for name in model.model_fields}
+    homes = {
+        name: section for section in ORDER for model in models_of(section) for name in model.model_fields
+    }
     flat: dict[tuple[str | None, str], Any] = {}
     for path, values in _paths(swept.pop("protocol", {})):
         where, key = f"[sweep] protocol.{path}", path.split(".")[-1]
@@ -184,7 +194,7 @@ def _lists(
             hint = f"; did you mean {close[0]!r}?" if close else ""
             problems.append(f"{where}: no such key{hint}")
         elif name in _NOT_SWEPT:
-            advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kind))}"
+            advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kinds))}"
             problems.append(f"{where}: cannot be swept; {advice}")
         elif not isinstance(values, list) or not values:
             problems.append(f"{where}: expected a list of values, got {values!r}")
@@ -215,10 +225,15 @@ def _put(legs: Any, path: str, value: object) -> None:
         raise ConfigError([f"[sweep] {path}: no such leg; legs count from 0"]) from None
 
 
-def _swept_keys(kind: object) -> list[str]:
-    """Keys that may be swept, on a surface of this kind."""
-    surfaces = [SURFACES[kind]] if isinstance(kind, str) and kind in SURFACES else [*SURFACES.values()]
-    names = [name for model in (*surfaces, *SECTIONS.values()) for name in model.model_fields]
+def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
+    """Keys that may be swept, on a surface and a solid of these kinds."""
+    models = [
+        model
+        for section in ORDER
+        for kind, model in zip(KINDS.get(section, [section]), models_of(section), strict=True)
+        if kinds.get(section) in (kind, None) or kinds[section] not in KINDS[section]
+    ]
+    names = [name for model in models for name in model.model_fields]
     return [name for name in dict.fromkeys(names) if name not in _NOT_SWEPT]
 
 
@@ -318,7 +333,8 @@ def seeded(config: RunConfig, seed: int) -> RunConfig:
 
 
 def _anywhere(config: RunConfig) -> RunConfig:
-    """Name a surface file so that a worker in any folder finds it."""
+    """Name a surface file so that a worker in any folder finds it; a solid needs no file any more."""
+    config = config.model_copy(update={"solid": config.solid.resolved()})
     if not isinstance(config.surface, MeasuredSurface):
         return config
     surface = config.surface.model_copy(update={"path": str(Path(config.surface.path).resolve())})
@@ -353,8 +369,28 @@ def _identity(facts: dict[str, Any]) -> str:
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
 
 
+def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[int, RunConfig]) -> Axis:
+    """An axis, with its values as they were written; those with units in SI."""
+    labels = []
+    for number, value in enumerate(values):
+        taken = value_at(configs[number], section, name)
+        label = _label(taken if any(written_with_units(taken)) else value)
+        labels.append(float(label) if isinstance(label, float) else label)
+    return Axis(section, name, tuple(labels))
+
+
+def value_at(config: RunConfig, section: str, name: str) -> Any:
+    """Value of a swept key in a configuration."""
+    place: Any = getattr(config, section)
+    for key in name.split(".")[section == "protocol" :]:
+        place = place[int(key)] if isinstance(place, list) else getattr(place, key)
+    return place
+
+
 def _label(value: object) -> Value:
     """A value as a coordinate."""
-    if isinstance(value, list):
+    if isinstance(value, list) and value and isinstance(value[0], list | tuple):
+        return ", ".join(" ".join(f"{number:g}" for number in pair) for pair in value)
+    if isinstance(value, list | tuple):
         return "x".join(map(str, value))
     return value if isinstance(value, float | int | str) else repr(value)

@@ -261,7 +261,8 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
         {
             "quantities": quantities,
             "described": {
-                name: [known[name].attrs.get(key, "") for key in ("long_name", "units")] for name in quantities
+                name: [known[name].attrs.get(key, "") for key in ("long_name", "units")]
+                for name in quantities
             },
             "scalars": _scalars(outcome) | {"seconds": seconds},
             "config": str(dataset.attrs["config"]),

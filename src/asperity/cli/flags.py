@@ -8,6 +8,7 @@ are imported only for a command that has such flags.
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
@@ -32,7 +33,16 @@ Switch = Annotated[bool, Parameter(negative=(), show_default=False)]
 Quiet = Annotated[bool, Parameter(name=("--quiet", "-q"), negative=(), show_default=False)]
 Out = Annotated[Path, Parameter(name=("--out", "-o"))]
 Whole = Annotated[int, Parameter(converter=_whole)]
-_METAVARS = {"path": "PATH", "shape": "N", "times": "T", "maps_at": "T", "crop": "N"}
+_METAVARS = {
+    "path": "PATH",
+    "shape": "N",
+    "times": "T",
+    "maps_at": "T",
+    "crop": "N",
+    "branches": "SHARE TIME",
+    "flow": "MOBILITY POWER",
+    "relaxation": "PATH",
+}
 
 
 class Flags:
@@ -44,10 +54,10 @@ class Flags:
 
 def flags_for(section: str) -> type[Flags]:
     """Make the flags of a section; ``"preparation"`` stands for the keys that prepare a measured surface."""
-    from asperity.config.mistakes import SECTIONS
+    from asperity.config.mistakes import ORDER
 
     owner = "surface" if section == "preparation" else section
-    group = Group(owner.capitalize(), sort_key=1 + ["surface", *SECTIONS].index(owner))
+    group = Group(owner.capitalize(), sort_key=1 + ORDER.index(owner))
     known = list(_keys(section))
     fields = [(key, _annotation(owner, key, field, text), None) for key, field, text in known]
     facts = {"__module__": __name__, "section": owner, "fields": {key: field for key, field, _ in known}}
@@ -70,6 +80,9 @@ def _read(written: bool | str | list[str], kinds: set[object]) -> object:
     """Turn words into numbers, where a key's kinds of values allow one; the check refuses the rest."""
     if isinstance(written, bool):
         return written
+    if tuple in kinds:
+        pairs = [[number(part) for part in re.split(r"[\s,]+", word.strip(), maxsplit=1)] for word in written]
+        return pairs if list in kinds else pairs[-1]
     if float not in kinds and int not in kinds:
         return [word for item in written for word in item.split()] if isinstance(written, list) else written
     if isinstance(written, list):
@@ -81,35 +94,35 @@ def _read(written: bool | str | list[str], kinds: set[object]) -> object:
 
 def _keys(section: str) -> Iterator[tuple[str, FieldInfo, str]]:
     """Keys of a section, and their help."""
-    from asperity.config.mistakes import SECTIONS
-    from asperity.config.models import SURFACES, MeasuredSurface
+    from asperity.config.mistakes import models_of
+    from asperity.config.models import KINDS, MeasuredSurface
 
-    if section != "surface":
-        model = MeasuredSurface if section == "preparation" else SECTIONS[section]
+    if section not in KINDS:
+        (model,) = [MeasuredSurface] if section == "preparation" else models_of(section)
         for key, field in model.model_fields.items():
             if key not in ("kind", "path"):
                 yield key, field, field.description or ""
         return
-    yield (
-        "kind",
-        SURFACES["gaussian"].model_fields["kind"],
-        f"Kind of surface. [choices: {', '.join(SURFACES)}]",
-    )
-    made = {kind: model for kind, model in SURFACES.items() if model is not MeasuredSurface}
+    kinds = KINDS[section]
+    usual = next(iter(kinds.values())).model_fields["kind"]
+    yield "kind", usual, f"Kind of {section}. [choices: {', '.join(kinds)}]"
+    made = {kind: model for kind, model in kinds.items() if model is not MeasuredSurface}
     for key in dict.fromkeys(key for model in made.values() for key in model.model_fields if key != "kind"):
-        if key in MeasuredSurface.model_fields:
+        if section == "surface" and key in MeasuredSurface.model_fields:
             continue
-        kinds = [kind for kind, model in made.items() if key in model.model_fields]
-        field = made[kinds[0]].model_fields[key]
+        owners = [kind for kind, model in made.items() if key in model.model_fields]
+        field = made[owners[0]].model_fields[key]
+        fields = {kind: made[kind].model_fields[key] for kind in owners}
         others = {
-            kind: default
-            for kind in kinds
-            if (default := made[kind].model_fields[key].default) != field.default
+            kind: one.default
+            for kind, one in fields.items()
+            if not one.is_required() and one.default != field.default
         }
         differs = "".join(f" By default {default:g} for {kind}." for kind, default in others.items())
-        yield key, field, f"{field.description} For {', '.join(kinds)}.{differs}"
-    path = MeasuredSurface.model_fields["path"]
-    yield "path", path, path.description or ""
+        yield key, field, f"{field.description} For {', '.join(owners)}.{differs}"
+    if section == "surface":
+        path = MeasuredSurface.model_fields["path"]
+        yield "path", path, path.description or ""
 
 
 def _annotation(section: str, key: str, field: FieldInfo, text: str) -> object:
@@ -123,18 +136,19 @@ def _annotation(section: str, key: str, field: FieldInfo, text: str) -> object:
     if bool in kinds:
         help_only = Parameter(name=flag_of(section, key), help=text, negative=(), show_default=False)
         return Annotated[bool | None, help_only]
-    if not field.is_required() and field.default is not None:
+    if not field.is_required() and field.default not in (None, []):
         default = field.default if isinstance(field.default, list) else [field.default]
         words = [f"{one:g}" if isinstance(one, float) else str(one) for one in default]
         text += f" [default: {' '.join(words)}]"
     name = "CHOICE" if choices else "FLOAT" if float in kinds else "INT" if str not in kinds else "TEXT"
-    several = list in kinds
+    paired = tuple in kinds  # two words in one argument, which may be given again
+    several = list in kinds or paired
     parameter = Parameter(
         name=flag_of(section, key),
         help=text,
         metavar=_METAVARS.get(key, name),
         negative=(),
-        consume_multiple=several,
+        consume_multiple=several and not paired,
         show_default=False,
     )
     return Annotated[(list[str] if several else str) | None, parameter]
@@ -148,7 +162,7 @@ def _kinds(annotation: Any) -> Iterator[object]:
     elif annotation.__class__.__name__ == "_AnnotatedAlias":
         yield from _kinds(parts[0])
     else:
-        if getattr(annotation, "__origin__", None) is list:
-            yield list
+        if (origin := getattr(annotation, "__origin__", None)) in (list, tuple):
+            yield origin
         for part in parts:
             yield from _kinds(part)

@@ -16,6 +16,7 @@ from asperity.errors import InputError, OutputError
 from asperity.figures import aging_curve, contact_figure, history_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
+from asperity.results.quantities import OF_CONTINUA
 from asperity.results.store import whole_file, whole_folder
 
 if TYPE_CHECKING:
@@ -186,12 +187,21 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
     return tuple(remarks)
 
 
+def _with_unit(name: str, unit: str) -> str:
+    """Head a column: ``load_N``, ``contact_area_m2``, and a pure number by its name alone."""
+    spelled = unit.replace("^", "").replace("/", "_per_")
+    return name if unit == "1" else f"{name}_{spelled}"
+
+
 def _write_table(outcome: Outcome, path: Path) -> None:
     """One row a time, from 0 on; numbers to the last digit."""
     dataset = outcome.dataset
-    dataset = dataset.assign(area_ratio=dataset["area"] / dataset["area"][0])
-    names = [*_COLUMNS, *(["leg"] if "leg" in dataset.coords else [])]
-    columns = [dataset[name].values.tolist() for name in names]
+    dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs())
+    continuum = [name for name in OF_CONTINUA if name in dataset and name not in _COLUMNS]
+    chosen = [*_COLUMNS, *continuum, *(["leg"] if "leg" in dataset.coords else [])]
+    columns = [dataset[name].values.tolist() for name in chosen]
+    si = bool(dataset.attrs["si"])
+    names = [_with_unit(name, dataset[name].attrs.get("units", "1")) if si else name for name in chosen]
     with path.open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(names)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from asperity.analysis.scan import written
 from asperity.words import printable
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from asperity.analysis import AgingSummary
+    from asperity.config import RunConfig
     from asperity.runs import Outcome
 
 Row = tuple[str, str]
@@ -35,12 +39,12 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
     dataset, summary, config = outcome.dataset, outcome.summary, outcome.config
     attrs = dataset.attrs
     held = str(attrs["held"])
-    solid = ", ".join(f"{name} = {value:g}" for name, value in config.solid.model_dump().items())
-    rows = [("surface", _surface(outcome)), ("solid", solid)]
+    rows = [("surface", _surface(outcome)), ("solid", _solid(config, dataset))]
     if summary is None:
         rows += _legs(dataset)
     else:
-        rows += [("held", f"{held} {float(attrs[f'held_{held}']):.8g}"), *_growth(summary, dataset)]
+        value = _said(dataset, held, float(attrs[f"held_{held}"]))
+        rows += [("held", f"{held} {value}"), *_growth(summary, dataset)]
     rows += [
         (
             "worst residual",
@@ -56,20 +60,59 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
     return rows
 
 
+def _said(dataset: xr.Dataset, name: str, value: float, digits: int = 8) -> str:
+    """Write a value of a series, with its unit where that is one of SI."""
+    return written(value, dataset[name].attrs["units"], digits)
+
+
+def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
+    """What the solid is."""
+    described = config.solid.model_dump(exclude_none=True)
+    kind, parts = described.pop("kind"), []
+    si = bool(dataset.attrs["si"])
+    units = {"modulus": "Pa", "young": "Pa", "thickness": "m", "apparatus": "N/m"} if si else {}
+    branches = described.pop("branches", [])
+    for name, value in described.items():
+        if isinstance(value, bool):
+            parts += [name] * value
+        else:
+            values = value if isinstance(value, list | tuple) else [value]
+            parts.append(f"{name} = " + " and ".join(written(one, units.get(name, "1")) for one in values))
+    if branches:
+        times = ", ".join(f"{share:.3g} in {written(time, 's' if si else '1')}" for share, time in branches)
+        parts.append(f"relaxing: {times}")
+    return ", ".join(parts) if kind == "spring_lattice" else f"{kind}: {', '.join(parts)}"
+
+
+def _at(dataset: xr.Dataset, time: float) -> str:
+    return f"{time:g} s" if dataset["time"].attrs["units"] == "s" else f"{time:g}"
+
+
 def _growth(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
     """How the area grew while one thing was held."""
-    rows = [*_loads(summary), ("contact at t = 0", _contact(summary.initial_area, summary))]
+    rows = [*_loads(summary, dataset), ("contact at t = 0", _contact(summary.initial_area, summary, dataset))]
+    if "mean_contact_pressure" in dataset:
+        rows += _pressures(dataset)
     if summary.time.size:
-        late = f"contact at t = {summary.time[-1]:g}"
-        rows.append((late, _contact(int(dataset["area"][-1]), summary)))
+        late = f"contact at t = {_at(dataset, summary.time[-1])}"
+        rows.append((late, _contact(int(dataset["area"][-1]), summary, dataset)))
     if summary.relaxed_ratio is not None:
-        rows.append(("contact relaxed", _contact(int(dataset.attrs["relaxed_area"]), summary)))
+        rows.append(("contact relaxed", _contact(int(dataset.attrs["relaxed_area"]), summary, dataset)))
     rows += _fit(summary)
     if abs(summary.steepest_per_decade) > 0:
-        when = _rounded(summary.steepest_time)
+        when = _rounded(summary.steepest_time) + (" s" if dataset.attrs["si"] else "")
         steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = {when}"
         rows.append(("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
     return rows
+
+
+def _pressures(dataset: xr.Dataset) -> list[Row]:
+    """Mean and largest contact pressure at the beginning."""
+    mean, largest = (
+        _said(dataset, name, float(dataset[name][0]), 4)
+        for name in ("mean_contact_pressure", "largest_pressure")
+    )
+    return [("pressure at t = 0", f"{mean} mean over the contacts, {largest} at most")]
 
 
 def _legs(dataset: xr.Dataset) -> list[Row]:
@@ -77,12 +120,13 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
     from asperity.analysis import leg_table
 
     table = leg_table(dataset)
-    rows = [("contact at t = 0", f"{int(dataset['area'][0])} sites at load {float(dataset['load'][0]):.6g}")]
+    first = _said(dataset, "load", float(dataset["load"][0]), 6)
+    rows = [("contact at t = 0", f"{int(dataset['area'][0])} sites at load {first}")]
     for row in table[:_MOST_LEGS]:
-        at = f"t = {row.begin:g}" if row.begin == row.end else f"t = {row.begin:g} to {row.end:g}"
-        change = (
-            f"load {row.load[0]:.6g} to {row.load[1]:.6g}, contact {row.area[0]:.0f} to {row.area[1]:.0f}"
-        )
+        at = f"t = {_at(dataset, row.begin)}"
+        at += f" to {_at(dataset, row.end)}" if row.begin != row.end else ""
+        loads = " to ".join(_said(dataset, "load", load, 6) for load in row.load)
+        change = f"load {loads}, contact {row.area[0]:.0f} to {row.area[1]:.0f}"
         if row.lowest_area < min(row.area):
             change += f", least {row.lowest_area:.0f} sites {row.lowest_after:.3g} after its beginning"
         rows.append((f"leg {row.number}", f"{row.kind}, {at}: {change}"))
@@ -91,16 +135,20 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
     return rows
 
 
-def _loads(summary: AgingSummary) -> list[Row]:
+def _loads(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
     """Load at the beginning; where the separation is held, how it changes."""
-    rows = [("load at t = 0", f"{summary.initial_load:.8g}")]
+    rows = [("load at t = 0", _said(dataset, "load", summary.initial_load))]
+    if "mean_contact_pressure" in dataset:
+        area = float(dataset["contact_area"][0] / dataset["contact_fraction"][0])
+        said = written(summary.initial_load / area, dataset["mean_contact_pressure"].attrs["units"])
+        rows.append(("mean pressure", f"{said} over the nominal area"))
     loads = {"load relaxed": summary.relaxed_load}
     if summary.load is None:
         return rows
     if summary.time.size:
-        loads = {f"load at t = {summary.time[-1]:g}": float(summary.load[-1]), **loads}
+        loads = {f"load at t = {_at(dataset, summary.time[-1])}": float(summary.load[-1]), **loads}
     rows += [
-        (name, f"{load:.8g}, load/load(0) = {load / summary.initial_load:.4g}")
+        (name, f"{_said(dataset, 'load', load)}, load/load(0) = {load / summary.initial_load:.4g}")
         for name, load in loads.items()
         if load is not None
     ]
@@ -136,9 +184,13 @@ def _word(value: object, between: str) -> str:
     return f"{value:g}" if isinstance(value, float | int) else str(value)
 
 
-def _contact(area: int, summary: AgingSummary) -> str:
+def _contact(area: int, summary: AgingSummary, dataset: xr.Dataset) -> str:
     ratio = f", A/A(0) = {area / summary.initial_area:.4f}" if area != summary.initial_area else ""
-    return f"{area} of {summary.sites} sites = {100 * area / summary.sites:.4g} %{ratio}"
+    sites = f"{area} of {summary.sites} sites = {100 * area / summary.sites:.4g} %{ratio}"
+    if not dataset.attrs["si"]:
+        return sites
+    cell = math.prod(json.loads(dataset.attrs["spacing"]))
+    return f"{written(area * cell, dataset['contact_area'].attrs['units'])}: {sites}"
 
 
 def _fit(summary: AgingSummary) -> list[Row]:

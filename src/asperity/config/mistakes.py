@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,24 +12,37 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from asperity.config.models import LEGS, SURFACES, Aging, Contact, Output, Solid
+from asperity.config.models import KINDS, LEGS, Aging, Contact, Output
 from asperity.words import closest, has_decimal_comma, shortened
 
 Sections = dict[str, dict[str, object]]
 
 SECTIONS: dict[str, type[BaseModel]] = {
-    "solid": Solid,
     "contact": Contact,
     "aging": Aging,
     "output": Output,
 }
-_MEANT = {"file": "path", "pressure": "load, the pressure times the sites"}
+ORDER = [*KINDS, *SECTIONS]
+"""All sections, in the order in which they are written and shown."""
+
+_MEANT = {"file": "path"}
 """Keys that people write, and what to write."""
+
+
+def models_of(section: str) -> Sequence[type[BaseModel]]:
+    """Models of a section: one, or one of each kind."""
+    return list(KINDS[section].values()) if section in KINDS else [SECTIONS[section]]
 
 
 def flag_of(section: str, key: str) -> str:
     """Name of the flag that sets a key."""
-    names = {("surface", "kind"): "surface", ("surface", "path"): "file"}
+    names = {
+        ("surface", "kind"): "surface",
+        ("surface", "path"): "file",
+        ("solid", "kind"): "solid",
+        ("solid", "branches"): "branch",
+        ("solid", "per_decade"): "branches-per-decade",
+    }
     return "--" + names.get((section, key), key).replace("_", "-")
 
 
@@ -39,7 +52,7 @@ def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) ->
     for section, table in merged.items():
         if section == "protocol":
             problems += _unknown_legs(table, flags, path)
-        elif section != "surface" and section not in SECTIONS:
+        elif section not in ORDER:
             problems.append(_where(path, _no_section(section, table, path)))
         elif not isinstance(table, dict):
             problems.append(_where(path, f"{section}: expected a section [{section}], got {_shown(table)}"))
@@ -54,19 +67,20 @@ def _no_section(name: str, content: object, path: Path | None) -> str:
         command = f"asperity sweep {shlex.quote(str(path or 'campaign.toml'))} --out FOLDER"
         return f"[sweep]: makes this the file of a campaign, not of a run; try {command}"
     if isinstance(content, dict):
-        return f"[{name}]: no such section{_suggestion(name, ['surface', *SECTIONS])}"
-    homes = [section for section, model in SECTIONS.items() if name in model.model_fields]
-    if any(name in model.model_fields for model in SURFACES.values()):
-        homes.append("surface")
+        return f"[{name}]: no such section{_suggestion(name, ORDER)}"
+    homes = [
+        section
+        for section in (*SECTIONS, *KINDS)
+        if any(name in model.model_fields for model in models_of(section))
+    ]
     where = f"; it belongs below [{homes[0]}]" if homes else ""
     return f"{name}: stands outside any section{where}"
 
 
 def _unknown_keys(section: str, table: dict[str, Any], flags: Sections, path: Path | None) -> list[str]:
     kind = table.get("kind")
-    model = SECTIONS.get(section)
-    if section == "surface":
-        model = SURFACES.get(kind) if isinstance(kind, str) else None
+    kinds: Mapping[str, type[BaseModel]] = KINDS.get(section, {})
+    model = SECTIONS.get(section) or (kinds.get(kind) if isinstance(kind, str) else None)
     if model is None:  # the kind itself is the mistake
         return []
     known = list(model.model_fields)
@@ -74,13 +88,11 @@ def _unknown_keys(section: str, table: dict[str, Any], flags: Sections, path: Pa
     for key in table:
         if key in known:
             continue
-        owners = [
-            name for name, other in SURFACES.items() if section == "surface" and key in other.model_fields
-        ]
+        owners = [name for name, other in kinds.items() if key in other.model_fields]
         if owners:
-            reason = f"not a key of a surface of kind {kind!r}, but of {' and '.join(map(repr, owners))}"
+            reason = f"not a key of a {section} of kind {kind!r}, but of {' and '.join(map(repr, owners))}"
             if key in flags.get(section, {}):
-                reason += f"; try --surface {owners[0]}"
+                reason += f"; try --{section} {owners[0]}"
         else:
             hint = f"; try {_MEANT[key]}" if key in _MEANT else _suggestion(key, known)
             reason = f"no such key{hint}"
@@ -120,7 +132,7 @@ def is_unknown(detail: ErrorDetails) -> bool:
 def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: str = "") -> str:
     """One line for one mistake that pydantic found."""
     place = [section, *detail["loc"]] if section else list(detail["loc"])
-    if len(place) > 2 and place[0] == "surface" and place[1] in SURFACES:
+    if len(place) > 1 and place[1] in KINDS.get(str(place[0]), {}):
         del place[1]
     expected = _expectation(detail)
     if place[:1] == ["protocol"]:
@@ -134,7 +146,10 @@ def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: s
             place.append("kind")
         else:
             return _where(path, f"[{place[0]}] {expected}")
-    return f"{_named(str(place[0]), str(place[1]), flags, path)}: {expected}"
+    section, key = str(place[0]), str(place[1])
+    if detail["type"] == "missing" and "kind" in flags.get(section, {}):
+        return f"{flag_of(section, key)}: {expected}"
+    return f"{_named(section, key, flags, path)}: {expected}"
 
 
 def _spelled_leg(place: list[Any], expected: str, flags: Sections, path: Path | None) -> str:
@@ -160,7 +175,9 @@ def _expectation(detail: ErrorDetails) -> str:
         return str(context["error"])
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         got = got.get("kind") if isinstance(got, dict) else got
-        known = LEGS if "protocol" in detail["loc"] else SURFACES
+        known: Mapping[str, type[BaseModel]] = LEGS
+        if detail["loc"][:1] != ("protocol",):
+            known = KINDS[str(detail["loc"][0])] if detail["loc"] else KINDS["surface"]
         kinds = ", ".join(map(repr, known))
         return f"expected one of {kinds}, got {_shown(got)}{_meant(got, known)}"
     expected = {
@@ -173,6 +190,7 @@ def _expectation(detail: ErrorDetails) -> str:
         "int_type": "a whole number",
         "string_type": "text in quotes",
         "list_type": "a list",
+        "bool_type": "true or false",
         "too_short": f"at least {context.get('min_length')} in the list",
         "too_long": f"at most {context.get('max_length')} in the list",
         "literal_error": f"one of {context.get('expected')}",

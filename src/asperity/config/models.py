@@ -7,12 +7,24 @@ from the surface and the solid. The flags of the command line are made of these 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from asperity.errors import LARGEST
+from asperity.config.sections import (
+    Duration,
+    Force,
+    Position,
+    Positive,
+    Pressure,
+    Real,
+    Section,
+    Time,
+    listed,
+)
+from asperity.config.solids import SOLIDS, AnySolid, SpringLattice
 
 if TYPE_CHECKING:  # these need numpy, for which the help does not wait
     from asperity.protocols import Leg
@@ -27,10 +39,6 @@ _LONGEST = 2**31
 
 def _listed(value: object) -> object:
     return [value] if isinstance(value, int) and not isinstance(value, bool) else value
-
-
-def _one_or_several(value: object) -> object:
-    return [value] if isinstance(value, float | int) and not isinstance(value, bool) else value
 
 
 def _name_or_number(value: object) -> object:
@@ -52,12 +60,7 @@ def _micro(value: object) -> object:
 
 
 Length = Literal["m", "mm", "um", "nm", "pm"]
-Real = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-Positive = Annotated[float, Field(gt=0, le=LARGEST)]
-Constant = Annotated[float, Field(ge=0, le=1e30)]
-"""A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
-Time = Annotated[float, Field(ge=0, le=1e30)]
-Duration = Annotated[float, Field(gt=0, le=1e30)]
+Factor = Annotated[float, Field(gt=0, le=1e30)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 Shape = Annotated[
     list[Annotated[int, Field(ge=1, le=_LONGEST)]],
@@ -68,12 +71,6 @@ Shape = Annotated[
 _SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
 _RMS = "Rms height."
 _SEED = "Seed of the random heights."
-
-
-class Section(BaseModel):
-    """A table of the configuration: no unknown keys, no silent conversions, no infinities."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
 class SurfaceSection(Section):
@@ -197,9 +194,9 @@ class Spectral(SurfaceSection):
     rms_curvature: Positive | None = Field(
         default=None, description="Rms mean curvature, in place of the height."
     )
-    spacing: Annotated[
-        list[Positive], Field(min_length=1, max_length=2), BeforeValidator(_one_or_several)
-    ] = Field(default=[1.0], description="Distance between sites: one number, or one an axis.")
+    spacing: Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
+        default=[1.0], description="Distance between sites: one number, or one an axis."
+    )
     unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
         default=None, description="Unit of the spacing and of all heights and wavelengths."
     )
@@ -273,7 +270,7 @@ class MeasuredSurface(SurfaceSection):
         default=None, description="Unit of the heights in a file that does not say."
     )
     pixel_size: (
-        Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(_one_or_several)] | None
+        Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None
     ) = Field(
         default=None,
         description="Distance between pixels in a file that does not say: one number, or between rows "
@@ -305,41 +302,47 @@ AnySurface = Annotated[
 ]
 
 
-class Solid(Section):
-    """The spring lattice."""
-
-    k0: Constant = Field(default=1.0, description="Stiffness of the springs between neighbors.")
-    k1: Annotated[float, Field(gt=0, le=1e30)] = Field(
-        default=3.0, description="Stiffness of the springs to the bulk."
-    )
-    R: Constant = Field(default=1.0, description="Mobility of creep that conserves the mean.")
-    R_viscous: Constant = Field(default=0.0, description="Mobility of viscous creep.")
+KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid": SOLIDS}
+"""Sections of several kinds, and the models of each kind; the first is the usual one."""
 
 
 class Contact(Section):
-    """What presses: a load or a separation; by default a load that gives about 1 % contact."""
+    """What presses: a load, a pressure or a separation; by default such that about 1 % touches."""
 
-    load: Positive | None = Field(
+    load: Force | None = Field(
         default=None,
         description="Normal load, the sum of all contact forces. "
-        "By default 0.005 (k0 + k1) x rms height x sites.",
+        "By default 0.005 (k0 + k1) x rms height x sites; on a continuum a pressure is taken.",
     )
-    separation: Annotated[float, Field(ge=-LARGEST, le=LARGEST)] | None = Field(
+    pressure: Pressure | None = Field(
+        default=None,
+        description="Load over nominal area, instead of the load. By default, on a continuum, "
+        "0.005 E* x rms slope.",
+    )
+    separation: Position | None = Field(
         default=None, description="Mean height of the undeformed solid; instead of the load."
     )
 
     @model_validator(mode="after")
-    def _one_of_two(self) -> Self:
-        if self.load is not None and self.separation is not None:
-            raise ValueError("expected load or separation, got both")
+    def _one_of_three(self) -> Self:
+        if len(given := self.model_dump(exclude_none=True)) > 1:
+            got = "both" if len(given) == 2 else "all"
+            names = list(given)
+            raise ValueError(f"expected {', '.join(names[:-1])} or {names[-1]}, got {got}")
         return self
 
 
 class Aging(Section):
     """The times to record ([0.0]: only the start and the limit), what is held, and the tolerance."""
 
-    first: Annotated[float, Field(gt=0, le=1e30)] = Field(default=1e-3, description="First time to record.")
-    last: Annotated[float, Field(gt=0, le=1e30)] = Field(default=1e6, description="Last time to record.")
+    first: Duration | None = Field(
+        default=None,
+        description="First time to record. By default 0.001, or a tenth of the shortest relaxation time.",
+    )
+    last: Duration | None = Field(
+        default=None,
+        description="Last time to record. By default 1e+06, or ten times the longest relaxation time.",
+    )
     per_decade: Annotated[int, Field(ge=1, le=1000)] = Field(
         default=4, description="Times to record in each decade."
     )
@@ -356,8 +359,6 @@ class Aging(Section):
     @model_validator(mode="after")
     def _check_times(self) -> Self:
         if self.times is None:
-            if not self.first < self.last:
-                raise ValueError(f"expected first < last, got {self.first:g} and {self.last:g}")
             return self
         if rivals := self.model_fields_set & {"first", "last", "per_decade"}:
             raise ValueError(f"expected times or {', '.join(sorted(rivals))}, got both")
@@ -368,11 +369,6 @@ class Aging(Section):
                 )
         return self
 
-    @property
-    def end(self) -> float:
-        """The last time."""
-        return self.last if self.times is None else self.times[-1]
-
 
 class HoldLeg(Section):
     """Nothing changes for a while; see `asperity.protocols.Hold`."""
@@ -380,14 +376,14 @@ class HoldLeg(Section):
     kind: Literal["hold"] = "hold"
     duration: Duration
     hold: Literal["load", "separation", "area"] | None = None
-    mobility: Duration = 1.0
+    mobility: Factor = 1.0
 
 
 class Target(Section):
     """A load or a separation to get to."""
 
-    load: Positive | None = None
-    separation: Annotated[float, Field(ge=-LARGEST, le=LARGEST)] | None = None
+    load: Force | None = None
+    separation: Position | None = None
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
@@ -402,7 +398,7 @@ class RampLeg(Target):
 
     kind: Literal["ramp"] = "ramp"
     duration: Duration
-    mobility: Duration = 1.0
+    mobility: Factor = 1.0
 
 
 class StepLeg(Target):
@@ -442,16 +438,18 @@ class RunConfig(Section):
     """The configuration of a run."""
 
     surface: AnySurface = Gaussian()
-    solid: Solid = Solid()
+    solid: AnySolid = SpringLattice()
     contact: Contact = Contact()
     aging: Aging = Aging()
-    protocol: list[AnyLeg] = []
+    protocol: list[AnyLeg] = Field(default=[])
     output: Output = Output()
 
     @model_validator(mode="after")
     def _check_times(self) -> Self:
         if self.protocol and "last" in self.aging.model_fields_set:
             raise ValueError("[aging] last: expected none beside a protocol, which says when it ends")
+        if self.aging.times is None and not self.protocol and not self.span[0] < self.span[1]:
+            raise ValueError("[aging] expected first < last, got {:g} and {:g}".format(*self.span))
         if self.protocol and self.aging.hold is not None:
             raise ValueError("[aging] hold: expected none beside a protocol, whose legs say what they hold")
         for where, times in (("[aging] times", self.aging.times), ("[output] maps_at", self.output.maps_at)):
@@ -468,10 +466,17 @@ class RunConfig(Section):
         return tuple(leg_of(leg.model_dump(exclude_none=True)) for leg in self.protocol)
 
     @property
+    def span(self) -> tuple[float, float]:
+        """First and last time to record, where they are not listed one by one; of a leg the first."""
+        first, last = self.solid.span
+        first, last = self.aging.first or first, self.aging.last or last
+        return first, last
+
+    @property
     def end(self) -> float:
         """The last time."""
         if not self.protocol:
-            return self.aging.end
+            return self.span[1] if self.aging.times is None else self.aging.times[-1]
         from asperity.protocols import legs_of
 
         return math.fsum(leg.duration for leg in legs_of(self.legs))

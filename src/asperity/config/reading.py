@@ -8,16 +8,22 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from asperity.config.mistakes import Sections, is_unknown, spelled, unknown_names
-from asperity.config.models import SURFACES, MeasuredSurface, RunConfig
+from asperity.config.models import KINDS, MeasuredSurface, RunConfig
 from asperity.errors import ConfigError
 
 # A flag replaces the keys that say the same thing in another way.
 _RIVALS = {
-    ("contact", "load"): ("separation",),
-    ("contact", "separation"): ("load",),
+    ("contact", "load"): ("separation", "pressure"),
+    ("contact", "pressure"): ("load", "separation"),
+    ("contact", "separation"): ("load", "pressure"),
+    ("solid", "modulus"): ("young",),
+    ("solid", "young"): ("modulus",),
+    ("solid", "branches"): ("relaxation", "flow"),
+    ("solid", "relaxation"): ("branches", "flow"),
+    ("solid", "flow"): ("branches", "relaxation"),
     ("surface", "rms_height"): ("rms_slope", "rms_curvature"),
     ("surface", "rms_slope"): ("rms_height", "rms_curvature"),
     ("surface", "rms_curvature"): ("rms_height", "rms_slope"),
@@ -89,7 +95,7 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
     tables: dict[str, Any] = config.model_dump(exclude_none=True)
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):
-            del tables["aging"][rival]
+            tables["aging"].pop(rival, None)
     if config.protocol:
         tables["aging"].pop("last", None)
     else:
@@ -140,9 +146,10 @@ def read_tables(path: str | Path) -> dict[str, Any]:
         raise ConfigError([f"{path}: not a TOML file: too many brackets within each other"]) from None
     except OSError as error:
         raise ConfigError([f"{path}: {error.strerror}"]) from None
-    surface = tables.get("surface")
-    if isinstance(surface, dict) and isinstance(surface.get("path"), str):
-        surface["path"] = str(path.parent / surface["path"])
+    for section, key in (("surface", "path"), ("solid", "relaxation")):
+        table = tables.get(section)
+        if isinstance(table, dict) and isinstance(table.get(key), str):
+            table[key] = str(path.parent / table[key])
     return tables
 
 
@@ -160,30 +167,35 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
                 if rival not in keys:
                     table.pop(rival, None)
         table.update(keys)
-    surface = merged.setdefault("surface", {})
-    if isinstance(surface, dict):
-        chosen = flags.get("surface", {})
-        if "path" in chosen and "kind" not in chosen:
-            surface["kind"] = "file"
-        surface.setdefault("kind", "file" if "path" in surface else "gaussian")
-        _drop_foreign(surface, tables.get("surface"), chosen)
+    for section, kinds in KINDS.items():
+        table = merged.setdefault(section, {})
+        if not isinstance(table, dict):
+            continue
+        chosen = flags.get(section, {})
+        if section == "surface" and "path" in chosen and "kind" not in chosen:
+            table["kind"] = "file"
+        usual = "file" if section == "surface" and "path" in table else next(iter(kinds))
+        table.setdefault("kind", usual)
+        _drop_foreign(kinds, table, tables.get(section), chosen)
     return merged
 
 
-def _drop_foreign(surface: dict[str, Any], before: object, chosen: dict[str, object]) -> None:
-    """Where a flag replaces the file's kind of surface, the file's keys for the old kind go with it."""
-    model = SURFACES.get(surface["kind"]) if isinstance(surface["kind"], str) else None
-    old = before.get("kind", "gaussian") if isinstance(before, dict) else surface["kind"]
-    if model is None or old == surface["kind"] or old not in SURFACES:
+def _drop_foreign(
+    kinds: Mapping[str, type[BaseModel]], table: dict[str, Any], before: object, chosen: dict[str, object]
+) -> None:
+    """Where a flag replaces the file's kind, the file's keys for the old kind go with it."""
+    model = kinds.get(table["kind"]) if isinstance(table["kind"], str) else None
+    old = before.get("kind", next(iter(kinds))) if isinstance(before, dict) else table["kind"]
+    if model is None or old == table["kind"] or old not in kinds:
         return
-    for key in set(SURFACES[old].model_fields) - set(model.model_fields) - set(chosen):
-        surface.pop(key, None)
+    for key in set(kinds[old].model_fields) - set(model.model_fields) - set(chosen):
+        table.pop(key, None)
 
 
 def _toml_value(value: object) -> str:
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key} = {_toml_value(one)}" for key, one in value.items()) + "}"
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return f"[{', '.join(map(_toml_value, value))}]"
     if isinstance(value, str):
         # JSON's escapes are TOML's, but for DEL, which TOML wants escaped.

@@ -14,24 +14,29 @@ import xarray as xr
 
 from asperity.aging import Frame
 from asperity.analysis import AgingSummary, aging_summary, with_limit
+from asperity.analysis.scan import written
 from asperity.config import MeasuredSurface, RunConfig, to_toml
-from asperity.config.models import Independent
+from asperity.config.models import Aging, Independent
+from asperity.config.models import Contact as ContactSection
+from asperity.config.sections import written_with_units
+from asperity.config.solids import Continuum
 from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
 from asperity.memory import require
 from asperity.protocols import Ramp, Schedule, legs_of
 from asperity.results import Checkpoint, History
-from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load
+from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load, modest_pressure
 from asperity.simulate import age, press, relax
-from asperity.solids import spring_lattice
+from asperity.solids import Solid
 from asperity.surfaces import Surface
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
 
-_SPRINGS, _OTHERS, _MAP = 204, 320, 40
-"""Bytes a site that a run needs by cycles and by transforms, and that each map adds.
+_SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 204, 320, 250, 40, 16
+"""Bytes a site that a run needs by cycles and by transforms, that each branch of the latter adds after the
+first, that each map adds, and each branch in it after the first.
 
 Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six.
 """
@@ -117,17 +122,19 @@ def execute(
         As the engine does.
     """
     made = config.surface.lattice
+    solid = config.solid.build()
     if made is not None:
-        _require_memory(made, config)
+        _require_memory(made, solid, config)
     progress.stage("making the surface")
     rough = config.surface.build()
     if made is None:
-        _require_memory(rough.shape, config)
+        _require_memory(rough.shape, solid, config)
+    _check_units(config, solid, rough)
     config, remarks = _completed(config, rough)
     for remark in remarks:
         progress.remark(remark)
     with scipy.fft.set_workers(threads if rough.heights.size >= _LARGE else 1):
-        contact = _press(rough, config, progress)
+        contact = _press(rough, solid, config, progress)
         history = _age(contact, config, progress, checkpoint)
         if config.protocol:
             dataset = history.dataset.assign_attrs(config=to_toml(config))
@@ -138,19 +145,36 @@ def execute(
     return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks + late_remarks)
 
 
-def _require_memory(shape: Sequence[int], config: RunConfig) -> None:
+def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
     """Refuse a run that would be killed for want of memory after minutes or hours."""
-    cycles = len(shape) == 2 and min(shape) >= 8 and config.solid.k0 > 0
+    springs, more = solid.springs, max(len(solid.branches) - 1, 0)
+    cycles = len(shape) == 2 and min(shape) >= 8 and springs is not None and springs.k0 > 0
     maps = config.output.maps_at
-    needed = (_SPRINGS if cycles else _OTHERS) + _MAP * (USUAL_MAPS if maps is None else len(maps))
+    a_map = _MAP + _MAPPED_BRANCH * more
+    needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
+    needed += a_map * (USUAL_MAPS if maps is None else len(maps))
     require(needed, shape, power_of_two=config.surface.only_powers_of_two)
 
 
-def _press(rough: Surface, config: RunConfig, progress: Progress) -> Contact:
-    wanted = config.solid
-    solid = spring_lattice(k0=wanted.k0, k1=wanted.k1, R=wanted.R, R_viscous=wanted.R_viscous)
+def _check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
+    """Refuse numbers with units where nothing else has any."""
+    if solid.in_lengths and rough.has_lengths:
+        return
+    if text := next(written_with_units(config.model_dump()), None):
+        if solid.in_lengths:
+            expected = "plain numbers, as the surface has no unit of length"
+            advice = "file_unit, pixel_size and length_unit in [surface], or unit of a spectral one"
+        else:
+            expected, advice = (
+                f"plain numbers for a {solid.kind}, which is defined on sites",
+                "solid half_space",
+            )
+        raise InputError("units", expected=expected, got=repr(text), advice=advice)
+
+
+def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    contact = press(rough, solid, load=config.contact.load, separation=config.contact.separation)
+    contact = press(rough, solid, **config.contact.model_dump())
     if contact.area == 0:
         raise InputError(
             "separation",
@@ -162,20 +186,15 @@ def _press(rough: Surface, config: RunConfig, progress: Progress) -> Contact:
 
 
 def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
-    """Decide what the configuration leaves open: the load, the maps; make the path absolute."""
+    """Decide what the configuration leaves open: the load, the times, the maps; make paths absolute."""
     chosen = config.surface
     remarks = rough.remarks
     if isinstance(chosen, MeasuredSurface):
         chosen = chosen.model_copy(update={"path": str(Path(chosen.path).resolve())})
     contact = config.contact
-    if contact.load is None and contact.separation is None:
-        # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
-        nominal = isinstance(chosen, Independent)
-        rms = chosen.rms if isinstance(chosen, Independent) else rough.describe().rms_height
-        load = modest_load(k0=config.solid.k0, k1=config.solid.k1, rms=rms, sites=rough.heights.size)
-        contact = contact.model_copy(update={"load": load})
-        which = "" if nominal else ", measured"
-        remarks += (f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}",)
+    if not contact.model_dump(exclude_none=True):
+        contact, remark = _usual_contact(config, rough)
+        remarks += (remark,)
     measured = isinstance(chosen, MeasuredSurface) and rough.edges == "periodic"
     if measured and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
         remarks += (
@@ -190,24 +209,57 @@ def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str,
     maps_at = config.output.maps_at
     if maps_at is None:
         maps_at = _map_times(config)
-    output = config.output.model_copy(update={"maps_at": maps_at})
-    return config.model_copy(update={"surface": chosen, "contact": contact, "output": output}), remarks
+    completed = {
+        "surface": chosen,
+        "solid": config.solid.resolved(),
+        "contact": contact,
+        "aging": _completed_times(config),
+        "output": config.output.model_copy(update={"maps_at": maps_at}),
+    }
+    return config.model_copy(update=completed), remarks
+
+
+def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, str]:
+    """A load, or on a continuum a pressure, that gives about 1 % contact; and what is to be said of it."""
+    chosen, solid = config.surface, config.solid
+    if isinstance(solid, Continuum):
+        pressure = modest_pressure(modulus=solid.contact_modulus, slope=rough.describe().rms_slope)
+        shown = written(pressure, "Pa") if rough.has_lengths else f"{pressure:g}"
+        said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
+        return ContactSection(pressure=pressure), said
+    # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
+    nominal = isinstance(chosen, Independent)
+    rms = chosen.rms if isinstance(chosen, Independent) else rough.describe().rms_height
+    load = modest_load(k0=solid.k0, k1=solid.k1, rms=rms, sites=rough.heights.size)
+    which = "" if nominal else ", measured"
+    said = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
+    return ContactSection(load=load), said
+
+
+def _completed_times(config: RunConfig) -> Aging:
+    """First and last time as numbers, where times are not listed one by one."""
+    if config.aging.times is not None:
+        return config.aging
+    first, last = config.span
+    return config.aging.model_copy(
+        update={"first": first} if config.protocol else {"first": first, "last": last}
+    )
 
 
 def recorded_times(config: RunConfig) -> Field:
     """Times that a configuration asks to record, without 0; under a protocol, spread since each switch."""
-    aging = config.aging
+    aging, (first, last) = config.aging, config.span
     if aging.times is not None:
         return np.asarray(aging.times, dtype=np.float64)
     if not config.protocol:
-        return hold_times(first=aging.first, last=aging.last, per_decade=aging.per_decade)
+        return hold_times(first=first, last=last, per_decade=aging.per_decade)
     schedule = Schedule.of(legs_of(config.legs), np.empty(0))
     times = list(schedule.switches[1:])
     for leg, begun in zip(schedule.legs, schedule.switches, strict=False):
         if isinstance(leg, Ramp):
             times += (begun + leg.duration * np.arange(1, _IN_RAMP) / _IN_RAMP).tolist()
-        elif leg.duration > aging.first:
-            since = hold_times(first=aging.first, last=leg.duration, per_decade=aging.per_decade)
+        elif leg.duration > first:
+            since = hold_times(first=first, last=leg.duration, per_decade=aging.per_decade)
             times += (begun + since[:-1]).tolist()
     return np.unique(times)
 

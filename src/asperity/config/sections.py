@@ -1,0 +1,83 @@
+"""What sections are made of: strict tables, and numbers that may be written with units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidator
+
+from asperity.errors import LARGEST, InputError
+from asperity.words import has_unit
+
+
+class Section(BaseModel):
+    """A table of the configuration: no unknown keys, no silent conversions, no infinities."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class InUnits(float):
+    """A number that was written with a unit; its value is in SI."""
+
+    written: str
+
+
+def written_with_units(table: object) -> Iterator[str]:
+    """Texts of all numbers that were written with a unit, within tables and lists."""
+    if isinstance(table, InUnits):
+        yield table.written
+    elif isinstance(table, Mapping):
+        for value in table.values():
+            yield from written_with_units(value)
+    elif isinstance(table, list | tuple):
+        for value in table:
+            yield from written_with_units(value)
+
+
+def _in(unit: str) -> WrapValidator:
+    """Take a text with a unit for a number in SI; anything else is checked as it is."""
+
+    def read(value: object, check: Callable[[object], float]) -> float:
+        if not has_unit(value):
+            return check(value)
+        from asperity.units import quantity
+
+        try:
+            number = quantity(value, unit)
+        except InputError as error:
+            raise ValueError(f"expected {error.expected}, got {error.got}") from None
+        found = InUnits(check(number))
+        found.written = str(value)
+        return found
+
+    return WrapValidator(read)
+
+
+def listed(value: object) -> object:
+    """Take one number, or one text, for a list of one."""
+    return [value] if isinstance(value, float | int | str) and not isinstance(value, bool) else value
+
+
+def _paired(value: object) -> object:
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValueError(f"expected pairs of numbers, such as [[0.3, 10.0]], got {value!r}")
+    return tuple(value)
+
+
+Real = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[float, Field(gt=0, le=LARGEST)]
+Constant = Annotated[float, Field(ge=0, le=1e30)]
+"""A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
+Time = Annotated[float, Field(ge=0, le=1e30), _in("s")]
+Duration = Annotated[float, Field(gt=0, le=1e30), _in("s")]
+Force = Annotated[float, Field(gt=0, le=LARGEST), _in("N")]
+Pressure = Annotated[float, Field(gt=0, le=LARGEST), _in("Pa")]
+Modulus = Annotated[float, Field(gt=0, le=1e30), _in("Pa")]
+Size = Annotated[float, Field(gt=0, le=LARGEST), _in("m")]
+Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("m")]
+Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("N/m")]
+Branch = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], Duration], BeforeValidator(_paired)]
+"""A share of the modulus, and a relaxation time."""
+Power = Annotated[tuple[Positive, Annotated[float, Field(ge=-2, le=4)]], BeforeValidator(_paired)]
+"""A mobility, and the power of the wave number with which it goes."""

@@ -1,0 +1,251 @@
+"""The solids of a run: what each may be told, and the `asperity.Solid` that it makes of it."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from asperity.config.sections import (
+    Branch,
+    Constant,
+    Modulus,
+    Power,
+    Section,
+    Size,
+    Stiffness,
+    listed,
+)
+from asperity.errors import InputError
+
+if TYPE_CHECKING:  # these need numpy, for which the help does not wait
+    from asperity.relaxation import PronySeries
+    from asperity.solids import Solid
+
+Poisson = Annotated[float, Field(gt=-1, le=0.5)]
+_SPAN = (1e-3, 1e6)
+"""First and last time to record where the solid suggests none."""
+
+_BEYOND = 10.0
+"""How far the recorded times go beyond the relaxation times on either side."""
+
+
+def _shares(branches: list[Branch]) -> list[Branch]:
+    if (total := sum(share for share, _ in branches)) > 1 + 1e-12:
+        raise ValueError(f"expected shares of at most 1 in sum, got {total:.6g}")
+    return branches
+
+
+class SolidSection(Section):
+    """A solid, of one kind or another."""
+
+    kind: str
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time to record where none is given."""
+        return _SPAN
+
+    def resolved(self) -> Self:
+        """The same solid without files: with the numbers that they give."""
+        return self
+
+    def build(self) -> Solid:
+        """Make the solid."""
+        raise NotImplementedError
+
+
+class SpringLattice(SolidSection):
+    """The lattice of springs; see `asperity.solids.spring_lattice`."""
+
+    kind: Literal["spring_lattice"] = "spring_lattice"
+    k0: Constant = Field(default=1.0, description="Stiffness of the springs between neighbors.")
+    k1: Annotated[float, Field(gt=0, le=1e30)] = Field(
+        default=3.0, description="Stiffness of the springs to the bulk."
+    )
+    R: Constant = Field(default=1.0, description="Mobility of creep that conserves the mean.")
+    R_viscous: Constant = Field(default=0.0, description="Mobility of viscous creep.")
+
+    def build(self) -> Solid:
+        """Make the lattice."""
+        from asperity.solids import spring_lattice
+
+        return spring_lattice(**self.model_dump(exclude={"kind"}))
+
+
+class Continuum(SolidSection):
+    """A solid with a modulus and with branches that relax."""
+
+    not_beside_a_modulus: ClassVar[tuple[str, ...]] = ()
+
+    modulus: Modulus | None = Field(
+        default=None, description="Contact modulus E* at once, before anything relaxes."
+    )
+    young: Annotated[list[Modulus], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None = (
+        Field(
+            default=None,
+            description="Young's modulus at once, in place of the contact modulus; of two bodies both.",
+        )
+    )
+    poisson: Annotated[list[Poisson], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None = (
+        Field(default=None, description="Poisson's ratio, of two bodies both.")
+    )
+    branches: Annotated[list[Branch], AfterValidator(_shares)] = Field(
+        default=[],
+        description="A share of the modulus and the time in which it relaxes; as often as there are such.",
+    )
+    relaxation: str | None = Field(
+        default=None,
+        description="Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
+        "that gives the branches; and Young's modulus, where no modulus is given.",
+    )
+    per_decade: Annotated[float, Field(ge=0.2, le=10)] | None = Field(
+        default=None, description="Relaxation times in each decade of that table. By default 1."
+    )
+
+    @model_validator(mode="after")
+    def _one_modulus(self) -> Self:
+        given = [name for name in ("modulus", "young") if getattr(self, name) is not None]
+        if len(given) == 2:
+            raise ValueError("expected modulus or young, got both")
+        if not given and self.relaxation is None:
+            raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
+        if self.modulus is None:
+            self._check_bodies()
+        if self.relaxation is None and self.per_decade is not None:
+            raise ValueError("per_decade: expected relaxation beside it, got none")
+        if self.relaxation is not None:
+            if self.branches:
+                raise ValueError("expected branches or relaxation, got both")
+            if len(self.young or [1]) > 1:
+                raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
+            try:
+                self._series()
+            except InputError as error:
+                raise ValueError(f"relaxation: {error}") from None
+        return self
+
+    def _check_bodies(self) -> None:
+        bodies, ratios = len(self.young or [1]), len(self.poisson or [])
+        if bodies != ratios:
+            raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}")
+
+    def _series(self) -> PronySeries | None:
+        if self.relaxation is None:
+            return None
+        path = Path(self.relaxation)
+        changed = path.stat().st_mtime_ns if path.exists() else 0
+        return _fitted(path, self.per_decade or 1.0, changed)
+
+    @property
+    def maxwell(self) -> list[Branch]:
+        """Shares and relaxation times of all branches."""
+        series = self._series()
+        return self.branches if series is None else list(series.branches)
+
+    @property
+    def contact_modulus(self) -> float:
+        """Contact modulus at once."""
+        from asperity.solids import contact_modulus
+
+        if self.modulus is not None:
+            return self.modulus
+        series = self._series()
+        young = self.young or ([] if series is None else [series.modulus])
+        return contact_modulus(young, self.poisson or [])
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """From a tenth of the shortest relaxation time to ten times the longest."""
+        times = [time for share, time in self.maxwell if share > 0]
+        return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
+
+    def resolved(self) -> Self:
+        """The same solid with the branches and the modulus that a table gives."""
+        if self.relaxation is None:
+            return self
+        numbers: dict[str, object] = {"branches": self.maxwell, "relaxation": None, "per_decade": None}
+        if self.modulus is None and self.young is None:
+            numbers |= {"modulus": self.contact_modulus} | dict.fromkeys(self.not_beside_a_modulus)
+        return self.model_copy(update=numbers)
+
+
+class HalfSpace(Continuum):
+    """A half-space; see `asperity.solids.half_space`."""
+
+    not_beside_a_modulus: ClassVar[tuple[str, ...]] = ("poisson",)
+
+    kind: Literal["half_space"] = "half_space"
+    flow: Power | None = Field(
+        default=None,
+        description="In place of branches: mobility of creep, and the power of the wave number with which "
+        "it goes (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface).",
+    )
+    apparatus: Stiffness | None = Field(
+        default=None,
+        description="Stiffness of the apparatus that holds it, which may be inf; with it a separation can "
+        "be held.",
+    )
+
+    @model_validator(mode="after")
+    def _one_creep(self) -> Self:
+        if self.modulus is not None and self.poisson is not None:
+            raise ValueError("poisson: expected none beside the contact modulus, which holds it; try young")
+        if self.flow is not None and (self.branches or self.relaxation is not None):
+            raise ValueError("expected branches or flow, got both")
+        return self
+
+    def build(self) -> Solid:
+        """Make the half-space."""
+        from asperity.solids import half_space
+
+        return half_space(
+            modulus=self.contact_modulus,
+            branches=self.maxwell,
+            flow=self.flow,
+            apparatus=self.apparatus,
+        )
+
+
+class Layer(Continuum):
+    """A layer on a rigid base; see `asperity.solids.layer`."""
+
+    kind: Literal["layer"] = "layer"
+    poisson: Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)] = Field(
+        description="Poisson's ratio."
+    )
+    thickness: Size = Field(description="Thickness of the layer.")
+    frictionless: bool = Field(
+        default=False, description="The layer slides on its base without friction; else it is bonded to it."
+    )
+
+    def build(self) -> Solid:
+        """Make the layer."""
+        from asperity.solids import layer
+
+        return layer(
+            modulus=self.contact_modulus,
+            poisson=self.poisson[0],
+            thickness=self.thickness,
+            branches=self.maxwell,
+            bonded=not self.frictionless,
+        )
+
+
+SOLIDS: dict[str, type[SpringLattice | HalfSpace | Layer]] = {
+    "spring_lattice": SpringLattice,
+    "half_space": HalfSpace,
+    "layer": Layer,
+}
+AnySolid = Annotated[SpringLattice | HalfSpace | Layer, Field(discriminator="kind")]
+
+
+@functools.lru_cache(maxsize=8)
+def _fitted(path: Path, per_decade: float, changed: int) -> PronySeries:
+    """Branches of a table; ``changed`` tells one state of the file from another."""
+    from asperity.relaxation import fit, read
+
+    del changed
+    return fit(read(path), per_decade=per_decade).series
