@@ -72,7 +72,7 @@ class AgingSummary:
         The same of the load; NaN where it is held.
     fit, fit_note
         The saturation law, with a = `relaxed_ratio` where that is known, or None; and what must be said about
-        it, or "".
+        it, or "". Of continua both are left out.
     fit_worst
         Largest relative residual of the law at `time`; NaN without a law.
     fit_curve
@@ -131,7 +131,8 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
         raise InputError("dataset", expected="contact at time 0", got="none", advice="a larger load")
     later, ratio = time[1:], area[1:] / area[0]
     relaxed = dataset.attrs.get("relaxed_area")
-    fit, fit_note = _fit(time, area, relaxed)
+    # The law is the paper's, for its lattice; a continuum follows its own relaxation times.
+    fit, fit_note = (None, "") if "modulus" in dataset.attrs else _fit(time, area, relaxed)
     curve_time = np.geomspace(later[0], later[-1], _SMOOTH_CURVE) if later.size else later
     dilute_time, dilute_ratio, dilute_note = _dilute(dataset, law, curve_time)
     steepest, when = _steepest(later, ratio)

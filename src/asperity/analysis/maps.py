@@ -60,6 +60,10 @@ class ContactMaps:
         1; of a mirrored scan the number of copies that the surface is made of, of which one is here.
     pixel_size, length_unit
         Distance between sites along the last axis, or None, and its unit.
+    aspect
+        Distance between rows over that between columns.
+    time_unit
+        Unit of the times, "s", or "" where it is the user's own.
     """
 
     heights: Field
@@ -72,6 +76,8 @@ class ContactMaps:
     copies: int = 1
     pixel_size: float | None = None
     length_unit: str = ""
+    aspect: float = 1.0
+    time_unit: str = ""
 
     def area(self, number: int) -> int:
         """Sites in contact in one map."""
@@ -160,9 +166,12 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
     copies = heights.size
     touching, surfaces = ([field[here] for field in fields] for fields in (touching, surfaces))
     heights = heights[here]
-    size = origin.get("pixel_size") or None
+    size, lateral = origin.get("pixel_size") or None, str(origin.get("length_unit", ""))
+    unit = str(origin.get("unit", "1"))
+    if dataset.attrs.get("si"):
+        size, lateral, unit = json.loads(dataset.attrs["spacing"]), "m", "m"
     low, high = color_range(heights)
-    unit, factor = readable(str(origin.get("unit", "1")), high - low)
+    unit, factor = readable(unit, high - low)
     return ContactMaps(
         heights=heights * factor,
         times=np.asarray(times),
@@ -173,7 +182,9 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         unit=unit,
         copies=copies // heights.size,
         pixel_size=None if size is None else float(size[-1]),
-        length_unit=str(origin.get("length_unit", "")) or "unit of the file",
+        length_unit=lateral or "unit of the file",
+        time_unit="s" if dataset.attrs.get("si") else "",
+        aspect=1.0 if size is None else float(size[0] / size[-1]),
     )
 
 

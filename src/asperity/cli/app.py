@@ -433,11 +433,8 @@ def _complain(status: int, *problems: str) -> int:
 
 
 _NO_SUCH_FLAG = {
-    "--pressure": "; the mean pressure is the load over the number of sites: --load",
-    "--E": "; the elastic constants are --k0 and --k1",
-    "--modulus": "; the elastic constants are --k0 and --k1",
-    "--solid": "; the solid is a lattice of springs: --k0, --k1, --R, --R-viscous",
-    "--half-space": "; half-spaces are for Python: asperity.solids.half_space",
+    "--E": "; the elastic constants are --k0 and --k1, or --modulus of --solid half_space",
+    "--half-space": "; try --solid half_space --modulus 3.8GPa",
 }
 """What is said of flags that people expect, and that there are not."""
 

@@ -99,6 +99,10 @@ def _growth(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
     if summary.relaxed_ratio is not None:
         rows.append(("contact relaxed", _contact(int(dataset.attrs["relaxed_area"]), summary, dataset)))
     rows += _fit(summary)
+    if "modulus" in dataset.attrs and summary.time.size > 1:
+        decades = math.log10(summary.time[-1] / summary.time[0])
+        growth = (summary.area_ratio[-1] - summary.area_ratio[0]) / decades
+        rows.append(("mean growth", f"{growth:.3g} A(0) per decade of time, over {decades:.3g} decades"))
     if abs(summary.steepest_per_decade) > 0:
         when = _rounded(summary.steepest_time) + (" s" if dataset.attrs["si"] else "")
         steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = {when}"
@@ -196,7 +200,7 @@ def _contact(area: int, summary: AgingSummary, dataset: xr.Dataset) -> str:
 def _fit(summary: AgingSummary) -> list[Row]:
     fit = summary.fit
     if fit is None:
-        return [("fit", summary.fit_note)]
+        return [("fit", summary.fit_note)] if summary.fit_note else []
     known = summary.relaxed_ratio is not None
     a = "A(relaxed)/A(0), exact" if known else "extrapolated: no relaxed state is known"
     rows = [

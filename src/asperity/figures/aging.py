@@ -55,9 +55,9 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     for one in grid:
         one.grid(visible=True, which="major", color="0.9", linewidth=0.6)
         one.legend(loc="best", fontsize=8, framealpha=0.95)
-    grid[-1].set_xlabel(r"hold time $t$  [1 / (stiffness $\times$ mobility)]")
+    grid[-1].set_xlabel(style.over_time(dataset, "hold time $t$"))
     held = str(dataset.attrs["held"])
-    held = f"{held} {float(dataset.attrs[f'held_{held}']):.6g} held"
+    held = f"{held} {style.said(dataset, held, float(dataset.attrs[f'held_{held}']))} held"
     conditions = style.lines(style.conditions(dataset, held), figure.room)
     figure.suptitle(f"Real contact area against hold time\n{conditions}", fontsize=10)
     return figure
@@ -88,7 +88,8 @@ def _draw_load(axes: Axes, summary: AgingSummary, load: Field) -> None:
 def _draw_law(axes: Axes, summary: AgingSummary) -> None:
     fit = summary.fit
     if fit is None or summary.fit_curve is None:
-        axes.plot([], [], " ", label=_wrapped(summary.fit_note))
+        if summary.fit_note:
+            axes.plot([], [], " ", label=_wrapped(summary.fit_note))
         return
     known = summary.relaxed_ratio is not None
     label = "\n   ".join(

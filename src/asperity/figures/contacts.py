@@ -62,7 +62,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     panels = 1 + len(maps.times)
     columns = min(_COLUMNS, panels)
     rows = math.ceil(panels / columns)
-    tall = min(3.0, max(0.4, shape[0] / shape[1]))
+    tall = min(3.0, max(0.4, maps.aspect * shape[0] / shape[1]))
     side = math.ceil(
         _SMALLEST / (style.RESOLUTION * _PANEL * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]) / shape[1])
     )
@@ -89,7 +89,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     )
     states = maps.sampled(side) if side > 1 else maps.states
     for number, axes in enumerate(whole[1:panels]):
-        _draw_states(axes, states[number], everything, side)
+        _draw_states(axes, states[number], everything, side, maps.aspect)
         axes.set_title(_caption(maps, number), fontsize=8.5)
     if side > 1:
         _draw_close_ups(maps, whole[0], grid[1::2].ravel())
@@ -104,7 +104,13 @@ def _title(maps: ContactMaps, side: int, figure: style.Drawing) -> str:
     size = ""
     if maps.pixel_size is not None:
         unit, factor = readable(maps.length_unit, maps.pixel_size)
-        size = f" of {maps.pixel_size * factor:.4g} {style.spelled(unit)}"
+        across = maps.pixel_size * factor
+        sides = (
+            [f"{across:.4g}"]
+            if abs(maps.aspect - 1) < 0.01
+            else [f"{across * maps.aspect:.4g}", f"{across:.4g}"]
+        )
+        size = f" of {' × '.join(sides)} {style.spelled(unit)}"
     parts = [f"each map: {sites} sites{size}"]
     if maps.copies > 1:
         parts.append(f"the scan is mirrored: one of {maps.copies} copies is shown")
@@ -131,7 +137,7 @@ def _draw_close_ups(maps: ContactMaps, topography: Axes, below: NDArray[np.objec
     )
     _draw_heights(below[0], maps, region)
     for number, axes in enumerate(below[1 : 1 + len(maps.times)]):
-        _draw_states(axes, maps.states[number, rows, columns], region, 1)
+        _draw_states(axes, maps.states[number, rows, columns], region, 1, maps.aspect)
 
 
 def _draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) -> AxesImage:
@@ -143,6 +149,7 @@ def _draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) ->
         clim=maps.height_range,
         extent=_extent(region),
         interpolation="antialiased",
+        aspect=maps.aspect,
         rasterized=True,
     )
     _frame(axes, region)
@@ -181,7 +188,9 @@ def _extent(region: tuple[slice, slice]) -> tuple[float, float, float, float]:
     return columns.start - 0.5, columns.stop - 0.5, rows.stop - 0.5, rows.start - 0.5
 
 
-def _draw_states(axes: Axes, states: NDArray[np.int8], region: tuple[slice, slice], side: int) -> None:
+def _draw_states(
+    axes: Axes, states: NDArray[np.int8], region: tuple[slice, slice], side: int, aspect: float
+) -> None:
     """Color each cell of side x side sites."""
     palette = np.ones((len(SiteState), 3))
     for state, color in COLORS.items():
@@ -192,6 +201,7 @@ def _draw_states(axes: Axes, states: NDArray[np.int8], region: tuple[slice, slic
         extent=(left, left + side * states.shape[1], top + side * states.shape[0], top),
         interpolation="antialiased",
         interpolation_stage="rgba",
+        aspect=aspect,
         rasterized=True,
     )
     _frame(axes, region)
@@ -203,12 +213,12 @@ def _caption(maps: ContactMaps, number: int) -> str:
     percent = 100.0 * maps.area(number) / maps.heights.size
     changes = f", +{thousands(new)}" if number else ""
     changes += f" −{thousands(lost)}" if lost else ""
-    moment = _moment(float(maps.times[number]))
+    moment = _moment(maps, float(maps.times[number]))
     return f"{moment}:  {percent:.3g} %\n{thousands(maps.area(number))} sites{changes}"
 
 
 def _legend(figure: Figure, maps: ContactMaps) -> None:
-    first = _moment(float(maps.times[0]))
+    first = _moment(maps, float(maps.times[0]))
     handles = [
         Line2D([], [], ls="", marker="s", markersize=7, color=color, label=_WORDS[state].format(first=first))
         for state, color in COLORS.items()
@@ -219,10 +229,10 @@ def _legend(figure: Figure, maps: ContactMaps) -> None:
     )
 
 
-def _moment(time: float) -> str:
+def _moment(maps: ContactMaps, time: float) -> str:
     if math.isinf(time):
         return r"relaxed, $t \to \infty$"
-    return f"$t$ = ${style.power(time)}$"
+    return f"$t$ = ${style.power(time)}$" + (f" {maps.time_unit}" if time else "").rstrip()
 
 
 def _profile_figure(maps: ContactMaps) -> Figure:
@@ -242,7 +252,7 @@ def _profile_figure(maps: ContactMaps) -> Figure:
             surfaces[number],
             color=_shade(shade),
             linewidth=1.1 + 0.7 * shade,
-            label=_moment(float(time)),
+            label=_moment(maps, float(time)),
         )
     touching = np.isin(maps.states[-1, first:last], (SiteState.KEPT, SiteState.NEW))
     upper.plot(
@@ -285,7 +295,7 @@ def _draw_strips(axes: Axes, maps: ContactMaps, step: float) -> None:
                 step * at, number - 0.38, number + 0.38, color=COLORS[state], linewidth=tick, rasterized=True
             )
         percent = 100.0 * maps.area(number) / maps.heights.size
-        labels.append(f"{_moment(float(time))}:  {percent:.3g} %")
+        labels.append(f"{_moment(maps, float(time))}:  {percent:.3g} %")
     axes.set_yticks(range(len(labels)), labels, fontsize=8)
     axes.set_ylim(len(labels) - 0.5, -0.5)
     axes.set_xlim(-0.5 * step, (maps.heights.size - 0.5) * step)

@@ -8,8 +8,9 @@ were recorded within a decade of time, share one linear axis.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -20,6 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from asperity.analysis.legs import LegRow, leg_table, numbers_of, protocol_of
+from asperity.analysis.scan import readable
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field, Mask
@@ -44,11 +46,14 @@ _MANY = 100
 """More entries have smaller markers."""
 
 _LABELS = {
-    "separation": "separation\n[height]",
-    "load": "load\n" r"[stiffness $\times$ height]",
-    "area": "contact area [sites]",
+    "separation": ("separation", "\n[height]"),
+    "load": ("load", "\n" r"[stiffness $\times$ height]"),
+    "area": ("contact area", " [sites]"),
 }
-_UNIT = r"[1 / (stiffness $\times$ mobility)]"
+"""What an axis shows, and its unit where that is of sites."""
+
+_Say = Callable[[str, float], str]
+"""Writes a value of a series."""
 
 
 @dataclass(frozen=True)
@@ -120,25 +125,47 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     grid = figure.subplots(len(names), 1, sharex=True, height_ratios=ratios)
     entries = _entries(dataset, table, columns)
     figure.align_ylabels(grid)
+    per_site = 1.0
     for axes, name in zip(grid, names, strict=True):
-        _draw(axes, entries, dataset[name].values.astype(np.float64))
-        axes.set_ylabel(_LABELS[name], multialignment="center")
+        values, label, factor = _shown(dataset, name)
+        _draw(axes, entries, values)
+        axes.set_ylabel(label, multialignment="center")
+        per_site = factor
+    say = partial(style.said, dataset, digits=5)
     if columns:
         _divide(grid, columns)
-        _head(grid[0], table, columns)
-        _mark_lowest(grid[-1], table, columns)
+        what = "hold time $t$" if len(columns) == 1 else "time since the beginning of each leg"
+        grid[-1].set_xlabel(style.over_time(dataset, what))
+        _head(grid[0], table, columns, say, per_site)
+        _mark_lowest(grid[-1], table, columns, per_site)
     else:
-        grid[-1].set_xlabel(rf"time $t$  {_UNIT}")
-    style.count_nominal_area(grid[-1], 100.0 / dataset["heights"].size)
+        grid[-1].set_xlabel(style.over_time(dataset, "time $t$"))
+    style.count_nominal_area(grid[-1], 100.0 / (dataset["heights"].size * per_site))
     if entries.after.any():
         grid[-1].legend(loc="best", fontsize=8, framealpha=0.95)
     title = ["Contact area in a history of " + (" and ".join(names[-2::-1]))]
     if not columns and (protocol := protocol_of(dataset)):
-        title.append(style.verbatim(style.fitted(_listed(protocol), figure.room)))
-    first = f"load {float(dataset['load'].values[0]):.6g} at first"
+        title.append(style.verbatim(style.fitted(_listed(protocol, say), figure.room)))
+    first = f"load {style.said(dataset, 'load', float(dataset['load'].values[0]))} at first"
     title.append(style.lines(style.conditions(dataset, first), figure.room))
     figure.suptitle("\n".join(title), fontsize=10)
     return figure
+
+
+def _shown(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
+    """Values as they are drawn, their label, and what one of the series (of the area: a site) is in them."""
+    label, own = _LABELS[name]
+    values = dataset[name].values.astype(np.float64)
+    if not dataset.attrs.get("si"):
+        continuum = "contact_area" in dataset and name != "area"
+        return values, label if continuum else label + own, 1.0
+    unit, scale = str(dataset[name].attrs["units"]), 1.0
+    if name == "area":
+        unit = str(dataset["contact_area"].attrs["units"])
+        scale = float(dataset["contact_area"][0]) / max(float(values[0]), 1.0)
+    shown, factor = readable(unit, float(np.abs(values).max()) * scale)
+    factor *= scale
+    return values * factor, style.with_unit(label, shown), factor
 
 
 def _only_load(dataset: xr.Dataset, table: list[LegRow]) -> bool:
@@ -269,23 +296,23 @@ def _divide(grid: Iterable[Axes], columns: list[_Column]) -> None:
     lowest.set_xticks(*zip(*ticks, strict=True))
     lowest.set_xticks(minor, minor=True)
     lowest.set_xlim(-0.1, columns[-1].right + 0.1)
-    what = "hold time $t$" if len(columns) == 1 else "time since the beginning of each leg"
-    lowest.set_xlabel(f"{what}  {_UNIT}")
 
 
-def _head(axes: Axes, table: list[LegRow], columns: list[_Column]) -> None:
+def _head(axes: Axes, table: list[LegRow], columns: list[_Column], say: _Say, per_site: float) -> None:
     """Say above each column what happens before it and in it, and above the last one what happens after."""
     said: list[str] = []
     for number, column in enumerate(columns):
         earlier = columns[number - 1].row.number if number else -1
-        said = [_jump(row) for row in table[earlier + 1 : column.row.number]] + [_said(column.row.leg)]
+        said = [_jump(row, say) for row in table[earlier + 1 : column.row.number]]
+        said.append(_said(column.row.leg, say))
         if _sinks(table, column.row):
-            before, lowest = column.row.area[0], column.row.lowest_area
+            before, lowest = (per_site * area for area in (column.row.area[0], column.row.lowest_area))
             said.append(
-                f"area {before:.5g}\u00a0→\u00a0{lowest:.5g} at {column.row.lowest_after:.2g}, then grows"
+                f"area {before:.5g}\u00a0→\u00a0{lowest:.5g} at "
+                f"{say('time', float(f'{column.row.lowest_after:.2g}'))}, then grows"
             )
         if column is columns[-1]:
-            said += [f"then {_jump(row)}" for row in table[column.row.number + 1 :]]
+            said += [f"then {_jump(row, say)}" for row in table[column.row.number + 1 :]]
         room = 72 * (column.right - column.left + _GAP) - 6
         axes.text(
             column.left,
@@ -303,12 +330,12 @@ def _sinks(table: list[LegRow], row: LegRow) -> bool:
     return jumped and isinstance(row.leg, Hold) and row.lowest_area < min(row.area)
 
 
-def _mark_lowest(axes: Axes, table: list[LegRow], columns: list[_Column]) -> None:
+def _mark_lowest(axes: Axes, table: list[LegRow], columns: list[_Column], per_site: float) -> None:
     """Point at the lowest area after a jump: the fall before it may be a small part of the axis."""
     bottom, top = axes.get_ylim()
     for column in columns:
         if _sinks(table, column.row):
-            lowest = column.row.lowest_area
+            lowest = column.row.lowest_area * per_site
             axes.annotate(
                 "",
                 xy=(float(column.place(column.row.lowest_after)), lowest),
@@ -318,34 +345,35 @@ def _mark_lowest(axes: Axes, table: list[LegRow], columns: list[_Column]) -> Non
             )
 
 
-def _listed(protocol: Iterable[Leg]) -> str:
-    return ", ".join(_said(leg) for leg in protocol)
+def _listed(protocol: Iterable[Leg], say: _Say) -> str:
+    return ", ".join(_said(leg, say) for leg in protocol)
 
 
-def _said(leg: Leg) -> str:
+def _said(leg: Leg, say: _Say) -> str:
     """Say what a leg does."""
     if isinstance(leg, Repeat):
-        return f"{leg.count} × ({_listed(leg.legs)})"
+        return f"{leg.count} × ({_listed(leg.legs, say)})"
     if isinstance(leg, Step):
-        return f"step to {_target(leg)}"
+        return f"step to {_target(leg, say)}"
     assert isinstance(leg, Hold | Ramp)
-    what = f"ramp to {_target(leg)} in" if isinstance(leg, Ramp) else f"hold {leg.hold or ''} for"
+    what = f"ramp to {_target(leg, say)} in" if isinstance(leg, Ramp) else "hold for"
+    if isinstance(leg, Hold) and leg.hold:
+        what = f"hold {leg.hold} for"
     faster = f", mobility\u00a0×\u00a0{leg.mobility:.5g}" if leg.mobility != 1 else ""
-    return f"{' '.join(what.split())} {leg.duration:.5g}{faster}"
+    return f"{what} {say('time', leg.duration)}{faster}"
 
 
-def _target(leg: Ramp | Step) -> str:
-    if leg.separation is None:
-        return f"load {leg.load:.5g}".replace("-", "\u2212")
-    return f"separation {_signed(leg.separation)}"
+def _target(leg: Ramp | Step, say: _Say) -> str:
+    name = "load" if leg.separation is None else "separation"
+    return f"{name} {_signed(getattr(leg, name), name, say)}"
 
 
-def _jump(row: LegRow) -> str:
+def _jump(row: LegRow, say: _Say) -> str:
     """Say what changes at once, from what to what."""
     by_load = isinstance(row.leg, Step) and row.leg.load is not None
     name, (before, after) = ("load", row.load) if by_load else ("separation", row.separation)
-    return f"{name} {_signed(before)}\u00a0→\u00a0{_signed(after)}"
+    return f"{name} {_signed(before, name, say)}\u00a0→\u00a0{_signed(after, name, say)}"
 
 
-def _signed(value: float) -> str:
-    return f"{value:.5g}".replace("-", "\u2212")
+def _signed(value: float, name: str, say: _Say) -> str:
+    return say(name, value).replace("-", "\u2212")

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import ArrayLike
 
+from asperity.analysis.scan import written
 from asperity.lattice import Field
 
 INK = "#000000"
@@ -97,10 +98,35 @@ def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
     lattice = " × ".join(str(n) for n in dataset["heights"].shape)
     parts = [source] if source else []
     parts += [f"{lattice} sites", prescribed]
+    if "modulus" in attrs:
+        pascal, meter = ("Pa", "m") if attrs.get("si") else ("1", "1")
+        parts.append(f"{str(attrs['solid']).replace('_', '-')}, E* = {written(attrs['modulus'], pascal)}")
+        if "thickness" in attrs:
+            parts.append(f"thickness {written(attrs['thickness'], meter)}")
+        if count := len(json.loads(attrs.get("branches", "[]"))):
+            parts.append(f"{count} relaxation time{'s' * (count > 1)}")
     parts += [f"{name} = {float(attrs[name]):g}" for name in ("k0", "k1", "R") if name in attrs]
     if float(attrs.get("R_viscous", 0)) > 0:
         parts.append(f"R_viscous = {float(attrs['R_viscous']):g}")
     return parts
+
+
+def said(dataset: xr.Dataset, name: str, value: float, digits: int = 6) -> str:
+    """Write a value of a series, with its unit where that is one of SI."""
+    return spaced(written(value, dataset[name].attrs.get("units", "1"), digits))
+
+
+def spaced(text: str) -> str:
+    """Write number and unit: with a space that does not break, and the letter of micro."""
+    number, _, unit = text.partition(" ")
+    return f"{number}\u00a0{spelled(unit)}" if unit else number
+
+
+def over_time(dataset: xr.Dataset, what: str) -> str:
+    """Label an axis of times."""
+    unit = dataset["time"].attrs.get("units", "")
+    known = {"s": "  [s]", "time unit": ""}
+    return what + known.get(unit, r"  [1 / (stiffness $\times$ mobility)]")
 
 
 def count_nominal_area(axes: Axes, percent: float) -> None:
@@ -163,4 +189,7 @@ def spelled(unit: str) -> str:
     """Spell a unit as it is printed; a power of ten stands for numbers that have none."""
     if re.fullmatch(r"1e[+-]\d+", unit):
         return rf"$10^{{{int(unit[2:])}}}$ units"
-    return {"um": "µm", "angstrom": "Å", "rms": "rms height"}.get(unit, verbatim(unit))
+    known = {"angstrom": "Å", "rms": "rms height"}
+    if re.fullmatch(r"[pnumkMG]?(m|m\^2|N|J|Pa|N/m|J/m|s)", unit):
+        return re.sub(r"^u(?=[mNJPs])", "µ", unit).replace("^2", "²")
+    return known.get(unit, verbatim(unit))
