@@ -25,9 +25,11 @@ from asperity.campaign.plan import Plan, Run
 from asperity.campaign.store import QUANTITIES, Store
 from asperity.config import MeasuredSurface, RunConfig
 from asperity.config.models import SelfAffine
+from asperity.config.solids import Continuum
 from asperity.errors import AsperityError
-from asperity.lattice import Field
 from asperity.runs import Silent, execute, recorded_times
+from asperity.surfaces import Surface
+from asperity.surfaces.prepare import is_length
 
 _PATIENCE = 3.0
 """Seconds of computing after which no further trial run is begun."""
@@ -222,9 +224,7 @@ def _shrunk(config: RunConfig, most: int, folder: Path) -> tuple[RunConfig, int]
     elif not isinstance(chosen, MeasuredSurface):
         chosen = chosen.model_copy(update={"shape": shape})
     elif shape != _shape(config):
-        part = folder / "part.npy"
-        np.save(part, _measured(chosen)[1][tuple(slice(n // 2) for n in shape)])
-        chosen = MeasuredSurface(path=str(part), tilt="none", periodic="mirror")
+        chosen = _part(chosen, shape, folder)
     sites = math.prod(shape)
     if contact.load is not None:
         load = contact.load * sites / math.prod(_shape(config))
@@ -258,7 +258,10 @@ def _bytes(config: RunConfig) -> int:
     axes, sites = len(_shape(config)), math.prod(_shape(config))
     arrays = [(8 * len(QUANTITIES) * times, 2)]
     if maps:
-        arrays += [(8 * maps, 1), *[(8 * sites * maps, axes + 1)] * 2, (sites * maps // 8, axes + 1)]
+        fields = 2
+        if isinstance(config.solid, Continuum):
+            fields = 2 + max(1, len(config.solid.maxwell))
+        arrays += [(8 * maps, 1), *[(8 * sites * maps, axes + 1)] * fields, (sites * maps // 8, axes + 1)]
         arrays += [*[(8 * sites, axes)] * 2, (sites // 8, axes)]
     # An array is a description, and a file so many folders deep.
     blocks = 2 + sum(2 + depth + math.ceil(size / _BLOCK) for size, depth in arrays)
@@ -271,8 +274,30 @@ def _shape(config: RunConfig) -> list[int]:
     return list(_measured(chosen)[0] if isinstance(chosen, MeasuredSurface) else chosen.lattice)
 
 
+def _part(chosen: MeasuredSurface, shape: Sequence[int], folder: Path) -> MeasuredSurface:
+    """A part of a measured surface of this shape; where edges do not reflect, its mirror images make it."""
+    _, corner = _measured(chosen)
+    reflects = corner.edges == "reflecting"
+    part = corner.heights[tuple(slice(n if reflects else n // 2) for n in shape)]
+    units: dict[str, object] = {"pixel_size": corner.pixel_size and list(corner.pixel_size)}
+    if corner.unit == "m":
+        units |= {"file_unit": "m", "length_unit": corner.length_unit}
+    path = folder / "part.npy"
+    np.save(path, part)
+    periodic = "reflect" if reflects else "mirror"
+    return MeasuredSurface.model_validate({"path": str(path), "tilt": "none", "periodic": periodic, **units})
+
+
+def _measured(chosen: MeasuredSurface) -> tuple[tuple[int, ...], Surface]:
+    """The lattice of a measured surface, and a corner of it: in meters where it has units."""
+    return _measured_once(chosen.model_dump_json(exclude_none=True))
+
+
 @lru_cache(maxsize=8)
-def _measured(chosen: MeasuredSurface) -> tuple[tuple[int, ...], Field]:
-    """The lattice of a measured surface, and a corner of its heights."""
-    heights = chosen.build().heights
-    return heights.shape, heights[tuple(map(slice, _halved(heights.shape, _LARGE)))].copy()
+def _measured_once(chosen: str) -> tuple[tuple[int, ...], Surface]:
+    surface = MeasuredSurface.model_validate_json(chosen).build()
+    heights, spacing, unit = surface.heights, surface.pixel_size, None
+    if is_length(surface.unit) and surface.has_lengths and spacing and surface.length_unit:
+        (heights, spacing), unit = surface.in_meters(), "m"
+    corner = heights[tuple(map(slice, _halved(heights.shape, _LARGE)))]
+    return heights.shape, Surface(corner, unit or "1", spacing, unit, edges=surface.edges)

@@ -389,8 +389,9 @@ def value_at(config: RunConfig, section: str, name: str) -> Any:
 
 def _label(value: object) -> Value:
     """A value as a coordinate."""
-    if isinstance(value, list) and value and isinstance(value[0], list | tuple):
-        return ", ".join(" ".join(f"{number:g}" for number in pair) for pair in value)
+    if isinstance(value, list) and value and all(isinstance(pair, list | tuple) for pair in value):
+        words = (f"{one:g}" if isinstance(one, float | int) else str(one) for pair in value for one in pair)
+        return " ".join(words)
     if isinstance(value, list | tuple):
         return "x".join(map(str, value))
     return value if isinstance(value, float | int | str) else repr(value)

@@ -196,7 +196,7 @@ def _with_unit(name: str, unit: str) -> str:
 def _write_table(outcome: Outcome, path: Path) -> None:
     """One row a time, from 0 on; numbers to the last digit."""
     dataset = outcome.dataset
-    dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs())
+    dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
     continuum = [name for name in OF_CONTINUA if name in dataset and name not in _COLUMNS]
     chosen = [*_COLUMNS, *continuum, *(["leg"] if "leg" in dataset.coords else [])]
     columns = [dataset[name].values.tolist() for name in chosen]

@@ -34,11 +34,13 @@ from asperity.surfaces import Surface
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
 
-_SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 204, 320, 250, 40, 16
+_SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 204, 360, 115, 40, 16
 """Bytes a site that a run needs by cycles and by transforms, that each branch of the latter adds after the
 first, that each map adds, and each branch in it after the first.
 
-Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six.
+Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six;
+for branches on half-spaces of 512 x 512 with one, three and six of them, held and unloaded: at most 390, 590
+and 990 with two maps.
 """
 
 _IN_RAMP = 12

@@ -1,0 +1,129 @@
+"""Campaigns of continua: what can be swept, its units, and fields of several branches."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import asperity as asp
+import asperity.campaign as campaign
+from asperity.campaign.forecast import _shrunk
+from asperity.campaign.plan import read_plan, value_at
+from asperity.errors import ConfigError
+from tests.campaign.conftest import do_here, written
+
+HALF_SPACES = """
+[surface]
+kind = "spectral"
+shape = [32, 32]
+rms_height = 0.1
+spacing = 0.5
+unit = "um"
+[solid]
+kind = "half_space"
+modulus = 1e9
+branches = [[0.3, "10 ms"], [0.4, 1.0]]
+[contact]
+pressure = "2 MPa"
+[aging]
+per_decade = 1
+[output]
+maps_at = [0.0, 1.0]
+[sweep]
+"""
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """A finished campaign of two seeds and two moduli, not to be changed."""
+    folder = tmp_path_factory.mktemp("campaign")
+    plan = read_plan(written(folder, f'{HALF_SPACES}\nmodulus = ["1 GPa", 4e9]\nseeds = 2\n'))
+    do_here(plan, folder / "out")
+    return folder / "out"
+
+
+def test_moduli_and_seeds_give_what_single_runs_give_with_their_units(done):
+    data = campaign.open(done)
+    assert data.sizes == {"modulus": 2, "seed": 2, "time": 6}
+    assert data["modulus"].values.tolist() == [1e9, 4e9]
+    assert data["modulus"].attrs == {"long_name": "contact modulus", "units": "Pa"}
+    units = {name: data[name].attrs["units"] for name in ("load", "contact_area", "separation", "energy")}
+    assert units == {"load": "N", "contact_area": "m^2", "separation": "m", "energy": "J"}
+    assert data["largest_pressure_mean"].attrs["units"] == "Pa"
+    assert data["relaxed_load"].attrs["units"] == "N"
+    assert data["time"].attrs["units"] == "s"
+    assert (data.attrs["solid"], data.attrs["kind"], data.attrs["pressure"]) == (
+        "half_space",
+        "spectral",
+        2e6,
+    )
+    heights = asp.surfaces.spectral((32, 32), rms_height=0.1, spacing=0.5, seed=1)
+    surface = asp.surfaces.Surface(heights, "um", (0.5, 0.5), "um")
+    solid = asp.solids.half_space(modulus=4e9, branches=[(0.3, 0.01), (0.4, 1.0)])
+    alone = asp.age(asp.press(surface, solid, pressure=2e6), data["time"].values[1:]).dataset
+    there = data.sel(modulus=4e9, seed=1)
+    for name in ("area", "contact_area_corrected", "largest_pressure", "energy"):
+        np.testing.assert_array_equal(there[name], alone[name])
+    stiffer, softer = data["initial_area"].sel(modulus=4e9), data["initial_area"].sel(modulus=1e9)
+    assert (softer > stiffer).all()
+    assert tomllib.loads(data.attrs["config"])["sweep"]["modulus"] == [1e9, 4e9]
+
+
+def test_fields_of_several_branches_come_back(done):
+    fields = campaign.fields(done, modulus=4e9, seed=0)
+    assert fields["u0"].dims == ("field_time", "branch", "y", "x")
+    np.testing.assert_allclose(fields["pressure"].mean(("y", "x")), 2e6, rtol=1e-8)
+
+
+def test_branches_pressures_and_thicknesses_can_be_swept(tmp_path):
+    spectra = (
+        'branches = [[[0.5, 1.0]], [[0.2, "10 ms"], [0.3, 1.0]]]\npressure = ["1 MPa", 2e6]\nseeds = 1\n'
+    )
+    plan = read_plan(written(tmp_path, HALF_SPACES + spectra))
+    named = {axis.name: axis.values for axis in plan.axes}
+    assert named == {"branches": ("0.5 1", "0.2 0.01 0.3 1"), "pressure": (1e6, 2e6)}
+    assert value_at(plan.runs[-1].config, "solid", "branches") == [(0.2, 0.01), (0.3, 1.0)]
+    layers = HALF_SPACES.replace('"half_space"', '"layer"\npoisson = 0.3\nthickness = "1 um"')
+    plan = read_plan(written(tmp_path, f'{layers}\nthickness = ["0.5 um", 2e-6]\nseeds = 1\n'))
+    assert [value_at(run.config, "solid", "thickness") for run in plan.runs] == [0.5e-6, 2e-6]
+    assert len({run.identity for run in plan.runs}) == 2
+
+
+@pytest.mark.parametrize(
+    ("sweep", "line"),
+    [
+        ('modulus = ["1 GPa", 1e9]', "[sweep] modulus: expected different values"),
+        ('modulus = ["1 N"]', "[solid] modulus: expected a pressure, such as 1 MPa, got '1 N'"),
+        ("modulus = [-1.0]", "[solid] modulus: expected a number above 0.0, got -1.0"),
+        ("k1 = [1.0]", "[solid] k1: not a key of a solid of kind 'half_space', but of 'spring_lattice'"),
+        ("thickness = [1.0]", "[solid] thickness: not a key of a solid of kind 'half_space', but of 'layer'"),
+        ("load = [1.0]", "[contact] expected load or pressure, got both"),
+    ],
+)
+def test_mistakes_are_named_before_anything_starts(tmp_path, sweep, line):
+    with pytest.raises(ConfigError) as caught:
+        read_plan(written(tmp_path, HALF_SPACES + sweep))
+    (problem,) = caught.value.problems
+    assert line in problem
+
+
+@pytest.mark.parametrize("periodic", ["mirror", "reflect"])
+def test_a_trial_has_the_units_of_the_scan(tmp_path, periodic):
+    heights = asp.surfaces.spectral((64, 64), rms_height=0.2, spacing=0.5, cutoff=6.0, seed=1)
+    np.savetxt(tmp_path / "scan.txt", heights)
+    measured = (
+        f'kind = "file"\npath = "scan.txt"\nfile_unit = "um"\npixel_size = 0.5\nperiodic = "{periodic}"\n'
+    )
+    text = HALF_SPACES.partition("[solid]")[2]
+    path = written(tmp_path, f'[surface]\n{measured}length_unit = "um"\n[solid]{text}modulus = [1e9]\n')
+    (run,) = read_plan(path).runs
+    small, sites = _shrunk(run.config, 32**2, tmp_path)
+    assert sites == 32**2
+    whole, part = run.config.surface.build(), small.surface.build()
+    assert part.edges == whole.edges
+    spacing = part.in_meters()[1]
+    assert spacing == pytest.approx((0.5e-6, 0.5e-6))
+    assert part.shape == (32, 32)
+    side = 16 if periodic == "mirror" else 32
+    expected = whole.in_meters()[0][:side, :side]
+    np.testing.assert_allclose(part.in_meters()[0][:side, :side], expected, rtol=1e-12)

@@ -1,0 +1,240 @@
+"""Continua on the command line: a scan with units in, results in SI out, and what is refused."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity.analysis import contact_maps
+from asperity.analysis.scan import written
+from asperity.config import read_config
+from asperity.results import Checkpoint
+from asperity.runs import Silent, execute
+from tests.cli.conftest import Asperity
+
+BRANCHES = [(0.3, 0.01), (0.3, 1.0), (0.2, 100.0)]
+SOLID = ("--solid", "half_space", "--modulus", "3.8 GPa")
+CREEPING = (*SOLID, "--branch", "0.3 10 ms", "--branch", "0.3 1", "--branch", "0.2 100 s")
+UNITS = ("--file-unit", "um", "--pixel-size", "0.4", "0.8", "--length-unit", "um")
+BRIEF = ("--per-decade", "1", "--maps-at", "0", "1")
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory):
+    """A text file of heights in micrometers, of oblong pixels."""
+    path = tmp_path_factory.mktemp("scan") / "scan.txt"
+    heights = asp.surfaces.spectral((64, 64), rms_height=0.2, spacing=(0.4, 0.8), cutoff=6.0, seed=1)
+    np.savetxt(path, heights, fmt="%.6e")
+    return path
+
+
+@pytest.fixture(scope="module")
+def done(scan):
+    """A finished run, not to be changed."""
+    from asperity.cli import main
+
+    out = scan.parent / "out"
+    words = ["run", "--file", str(scan), *UNITS, *CREEPING, "--periodic", "reflect", *BRIEF]
+    assert main([*words, "--pressure", "2 MPa", "--quiet", "--out", str(out)]) == 0
+    return out
+
+
+def surface_of(scan):
+    return asp.surfaces.read(
+        scan, periodic="reflect", file_unit="um", pixel_size=(0.4, 0.8), length_unit="um"
+    )
+
+
+def test_a_run_is_what_python_gives_in_si(scan, done):
+    data = asp.results.load(done / "history.zarr")
+    contact = asp.press(
+        surface_of(scan), asp.solids.half_space(modulus=3.8e9, branches=BRANCHES), pressure=2e6
+    )
+    assert data["time"].values[[0, 1, -1]] == pytest.approx([0, 1e-3, 1e3])
+    alone = asp.age(contact, data["time"].values[1:], fields_at=[0.0, 1.0]).dataset
+    for name in alone.variables:
+        np.testing.assert_array_equal(data[name], alone[name], err_msg=str(name))
+        assert data[name].attrs == alone[name].attrs
+    assert data.attrs["held_load"] == pytest.approx(2e6 * 64 * 64 * 0.4e-6 * 0.8e-6)
+    assert float(data["contact_area"][0]) == contact.contact_area
+    assert contact.contact_area == pytest.approx(contact.area * 0.4e-6 * 0.8e-6)
+    assert float(data["contact_area_corrected"][0]) == contact.contact_area_corrected < contact.contact_area
+    assert float(data["largest_pressure"][0]) == contact.largest_pressure
+
+
+def test_every_variable_names_its_unit(done):
+    data = asp.results.load(done / "history.zarr")
+    units = {str(name): data[name].attrs["units"] for name in data.variables}
+    expected = {
+        **dict.fromkeys(("load", "residual_scale"), "N"),
+        **dict.fromkeys(("contact_area", "contact_area_corrected"), "m^2"),
+        **dict.fromkeys(("mean_contact_pressure", "largest_pressure", "pressure"), "Pa"),
+        **dict.fromkeys(("separation", "approach", "mean_gap", "u", "u0", "heights", "u_relaxed"), "m"),
+        **dict.fromkeys(("x", "y"), "m"),
+        **dict.fromkeys(("time", "field_time"), "s"),
+        **{"energy": "J", "area": "sites"},
+    }
+    assert {name: unit for name, unit in units.items() if unit != "1"} == expected
+    np.testing.assert_allclose(data["y"], 0.4e-6 * np.arange(64), rtol=1e-12)
+    np.testing.assert_allclose(data["x"], 0.8e-6 * np.arange(64), rtol=1e-12)
+    assert data["u0"].dims == ("field_time", "branch", "y", "x")
+    mean = data["pressure"].mean(("y", "x"))
+    np.testing.assert_allclose(mean, 2e6, rtol=1e-8)
+    assert (data.attrs["solid"], data.attrs["si"], data.attrs["edges"]) == ("half_space", 1, "reflecting")
+    assert json.loads(data.attrs["branches"]) == [list(branch) for branch in BRANCHES]
+    np.testing.assert_allclose(json.loads(data.attrs["spacing"]), [0.4e-6, 0.8e-6])
+
+
+def test_table_summary_and_maps_are_in_si(done):
+    with (done / "aging.csv").open() as stream:
+        header, first, *_ = csv.reader(stream)
+    data = asp.results.load(done / "history.zarr")
+    assert header[:6] == ["time_s", "area_sites", "area_ratio", "load_N", "separation_m", "energy_J"]
+    assert float(first[header.index("contact_area_m2")]) == float(data["contact_area"][0])
+    summary = (done / "summary.txt").read_text()
+    for words in (
+        "half_space: modulus = 3.8 GPa, relaxing: 0.3 in 10 ms, 0.3 in 1 s, 0.2 in 100 s",
+        "2 MPa over the nominal area",
+        f"{written(float(data['contact_area'][0]), 'm^2')}: {int(data['area'][0])} of 4096 sites",
+        "per decade of time, over 6 decades",
+    ):
+        assert words in summary
+    assert "fit " not in summary
+    maps = contact_maps(data)
+    assert (maps.unit, maps.aspect, maps.time_unit) == ("nm", 0.5, "s")
+    np.testing.assert_allclose(maps.heights, 1e9 * data["heights"])
+    bar = maps.scale_bar(64)
+    assert bar is not None
+    assert bar[:2] == pytest.approx((25.0, 20.0))
+    assert bar[2] == "um"
+    assert {"aging.png", "contacts.png"} <= {path.name for path in done.iterdir()}
+
+
+def test_the_file_it_wrote_gives_the_same_run_again(asperity: Asperity, done, tmp_path):
+    again = tmp_path / "again"
+    assert asperity("run", done / "config.toml", "--quiet", "--out", again)[0] == 0
+    first, second = (asp.results.load(out / "history.zarr") for out in (done, again))
+    xr.testing.assert_equal(first, second)
+    assert (again / "config.toml").read_text() == (done / "config.toml").read_text()
+
+
+class StopHereError(Exception):
+    """Stands for a kill."""
+
+
+class Stopping(Silent):
+    """Stops at a time."""
+
+    def __init__(self, time):
+        self.time = time
+
+    def reached(self, frame):
+        if frame.time >= self.time:
+            raise StopHereError
+
+
+LEGS = [
+    {"kind": "hold", "duration": 1.0},
+    {"kind": "step", "load": 5e-4},
+    {"kind": "ramp", "duration": 1.0, "load": 1.5e-3},
+]
+
+
+@pytest.mark.parametrize("protocol", [[], LEGS], ids=["exact", "branches"])
+def test_a_stopped_run_goes_on_to_the_identical_result(scan, tmp_path, protocol):
+    path = tmp_path / "run.toml"
+    path.write_text("[solid]\nkind = 'half_space'\nmodulus = '3.8 GPa'\n")
+    surface = {"path": str(scan), "file_unit": "um", "pixel_size": 0.8, "length_unit": "um"}
+    flags: dict[str, dict[str, object]] = {
+        "surface": {**surface, "periodic": "reflect"},
+        "solid": {"branches": [list(branch) for branch in BRANCHES]},
+        "contact": {"load": 1e-3},
+        "aging": {"first": 0.01, "per_decade": 1},
+        "output": {"maps_at": [0.0, 0.1, 1.0]},
+    }
+    if not protocol:
+        flags["aging"]["last"] = 100.0
+    else:
+        flags["protocol"] = {"legs": protocol}
+    config = read_config(path, flags)
+    undisturbed = execute(config, Silent()).dataset
+    assert ("exact_contact" in undisturbed.attrs) or protocol
+    for stops in ([0.1], [0.05, 1.0, 1.5]):
+        checkpoint = Checkpoint(tmp_path / f"{len(stops)}.npz", every=0.0)
+        for stop in stops:
+            with pytest.raises(StopHereError):
+                execute(config, Stopping(stop), checkpoint=checkpoint)
+        resumed = execute(config, Silent(), checkpoint=checkpoint).dataset
+        xr.testing.assert_identical(resumed, undisturbed)
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (
+            (*SOLID,),
+            "units: expected plain numbers, as the surface has no unit of length, got '3.8 GPa'; try ",
+        ),
+        (("--load", "1 mN"), "units: expected plain numbers for a spring_lattice, which is defined on sites"),
+        ((*SOLID, "--file-unit", "um"), "pixels of unknown size; try pixel_size"),
+        (
+            (*SOLID, *UNITS, "--load", "1mN", "--pressure", "1MPa"),
+            "[contact] expected load or pressure, got both",
+        ),
+        ((*SOLID, *UNITS, "--separation", "1 um"), "separation"),
+        (("--solid", "half_space"), "[solid] expected modulus, young and poisson, or relaxation and poisson"),
+        (("--solid", "half_space", "--modulus=-1"), "--modulus: expected a number above 0.0, got -1"),
+        (
+            (*SOLID, *UNITS, "--branch", "0.6 1", "--branch", "0.6 2"),
+            "--branch: expected shares of at most 1",
+        ),
+        (
+            (*SOLID, *UNITS, "--k0", "1"),
+            "--k0: not a key of a solid of kind 'half_space', but of 'spring_lattice'",
+        ),
+        ((*SOLID, *UNITS, "--first", "1 m"), "--first: expected a time, such as 3 h, got '1 m'"),
+        (
+            ("--solid", "layer", "--modulus", "1", "--poisson", "0.3"),
+            "--thickness: expected a value, got none",
+        ),
+    ],
+)
+def test_what_does_not_fit_together_is_one_line(asperity: Asperity, scan, tmp_path, words, line):
+    out = tmp_path / "out"
+    status, told, error = asperity("run", "--file", scan, *words, "--out", out)
+    *_, last = error.splitlines()
+    assert (status, told, out.exists()) == (2, "", False)
+    assert last.startswith("asperity: ")
+    assert line in last
+    assert "Traceback" not in error
+
+
+def test_a_layer_without_units_has_numbers_of_the_users_own(asperity: Asperity, tmp_path):
+    words = (
+        "--solid",
+        "layer",
+        "--modulus",
+        "2",
+        "--poisson",
+        "0.3",
+        "--thickness",
+        "4",
+        "--branch",
+        "0.5 1",
+    )
+    out = tmp_path / "out"
+    status, told, _ = asperity(
+        "run", "--surface", "spectral", "--shape", "32", "32", *words, *BRIEF, "--out", out
+    )
+    assert status == 0
+    assert "took a mean pressure of" in told
+    assert "layer: modulus = 2, poisson = 0.3, thickness = 4, relaxing: 0.5 in 1" in told
+    data = asp.results.load(out / "history.zarr")
+    assert data["largest_pressure"].attrs["units"] == "force unit / length unit^2"
+    assert data["u0"].dims == ("field_time", "y", "x")
+    assert 0.002 < float(data["contact_fraction"][0]) < 0.03
+    header = (out / "aging.csv").read_text().splitlines()[0]
+    assert header.startswith("time,area,area_ratio,load,separation,energy,")

@@ -1,0 +1,199 @@
+"""Solids in the configuration: what each kind takes, numbers with units, and how mistakes are named."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.cli.flags import flags_for, given
+from asperity.config.models import RunConfig
+from asperity.config.reading import from_tables, read_config, to_tables, to_toml
+from asperity.config.sections import written_with_units
+from asperity.config.solids import HalfSpace, Layer, SpringLattice
+from asperity.errors import ConfigError
+from asperity.lattice import Lattice
+from asperity.words import has_unit, numbers
+
+LATTICE = Lattice((8, 8), (0.5, 0.25))
+
+
+def configured(folder, text):
+    path = folder / "run.toml"
+    path.write_text(text, encoding="utf-8")
+    return read_config(path, {})
+
+
+def flagged(section, **words):
+    return read_config(None, given(flags_for(section)(**words)))
+
+
+def spectra(solid):
+    return list(vars(solid.on(LATTICE)).values())
+
+
+@pytest.mark.parametrize(
+    ("text", "solid"),
+    [
+        ("[solid]\nk1 = 5.0", asp.solids.spring_lattice(k0=1.0, k1=5.0)),
+        ("[solid]\nkind = 'half_space'\nmodulus = 3.0", asp.solids.half_space(modulus=3.0)),
+        (
+            "[solid]\nkind = 'half_space'\nmodulus = '3.8 GPa'\nbranches = [[0.3, '10 ms'], [0.3, 1]]",
+            asp.solids.half_space(modulus=3.8e9, branches=[(0.3, 0.01), (0.3, 1.0)]),
+        ),
+        (
+            "[solid]\nkind = 'half_space'\nyoung = [2.0, 4.0]\npoisson = [0.5, 0.0]\napparatus = inf",
+            asp.solids.half_space(modulus=1 / (0.75 / 2 + 1 / 4), apparatus=np.inf),
+        ),
+        (
+            "[solid]\nkind = 'half_space'\nmodulus = 2.0\nflow = [0.1, -1.0]",
+            asp.solids.half_space(modulus=2.0, flow=(0.1, -1.0)),
+        ),
+        (
+            "[solid]\nkind = 'layer'\nyoung = 2.0\npoisson = 0.3\nthickness = '2 um'\nfrictionless = true",
+            asp.solids.layer(modulus=2 / (1 - 0.09), poisson=0.3, thickness=2e-6, bonded=False),
+        ),
+    ],
+)
+def test_a_table_makes_the_solid_that_python_makes_and_is_written_back_the_same(tmp_path, text, solid):
+    config = configured(tmp_path, text)
+    assert config.solid.build().kind == solid.kind
+    for here, there in zip(spectra(config.solid.build()), spectra(solid), strict=True):
+        np.testing.assert_allclose(here, there, rtol=1e-12)
+    again = configured(tmp_path, to_toml(config))
+    assert again == config
+    assert from_tables(json.loads(json.dumps(to_tables(config)))) == config
+
+
+def test_flags_say_the_same():
+    config = flagged("solid", kind="half_space", modulus="3.8GPa", branches=["0.3 10 ms", "0.3,1"])
+    assert config.solid == HalfSpace(modulus=3.8e9, branches=[(0.3, 0.01), (0.3, 1.0)])
+    assert flagged("solid", kind="half_space", modulus="1", flow=["0.1 2"]).solid.flow == (0.1, 2.0)
+    two = flagged("solid", kind="half_space", young=["3.8 GPa", "2e11"], poisson=["0.37", "0.3"]).solid
+    assert two.young == [3.8e9, 2e11]
+    layer = flagged("solid", kind="layer", modulus="1", poisson="0.5", thickness="2 um", frictionless=True)
+    assert layer.solid == Layer(modulus=1.0, poisson=[0.5], thickness=2e-6, frictionless=True)
+    assert flagged("solid", k1="4").solid == SpringLattice(k1=4.0)
+
+
+def test_a_flag_for_another_kind_takes_the_keys_of_the_old_kind_away(tmp_path):
+    path = tmp_path / "run.toml"
+    path.write_text("[solid]\nkind = 'layer'\nmodulus = 2.0\npoisson = 0.3\nthickness = 1.0\n")
+    config = read_config(path, {"solid": {"kind": "half_space", "poisson": [0.3], "young": [1.0]}})
+    assert config.solid == HalfSpace(young=[1.0], poisson=[0.3])
+
+
+def test_numbers_with_units_are_in_si_and_remembered_as_such():
+    config = flagged("contact", pressure="1.5 MPa")
+    assert config.contact.pressure == 1.5e6
+    assert list(written_with_units(config.model_dump())) == ["1.5 MPa"]
+    assert list(written_with_units(from_tables(to_tables(RunConfig())).model_dump())) == []
+    assert tomllib.loads(to_toml(config))["contact"] == {"pressure": 1.5e6}
+    assert flagged("aging", times=["1s", "1 h"]).aging.times == [1.0, 3600.0]
+    assert [has_unit(word) for word in ("1e5", "10 ms", "1e5Pa", "3", "0,5", "1 µm", "m")] == [
+        *(False, True, True, False, False, True, False)
+    ]
+    assert numbers(["10 ms", "3"], whole=False) == ["10 ms", 3]
+
+
+def test_times_follow_the_relaxation_times():
+    branches = ["0.3 10 ms", "0 1e-9", "0.3 100"]
+    assert flagged("solid", kind="half_space", modulus="1", branches=branches).span == (1e-3, 1e3)
+    assert flagged("solid", kind="half_space", modulus="1").span == (1e-3, 1e6)
+    assert flagged("aging", first="1 ms", last="10").span == (1e-3, 10.0)
+
+
+def test_a_table_of_relaxation_gives_branches_and_modulus(tmp_path):
+    times = np.geomspace(1e-2, 1e4, 40)
+    series = asp.relaxation.PronySeries(3e9, ((0.2, 0.1), (0.3, 10.0)))
+    rows = "\n".join(f"{t:.6e},{e / 1e6:.10g}" for t, e in zip(times, series.modulus_at(times), strict=True))
+    (tmp_path / "pmma.csv").write_text(f"time_s,E_MPa\n{rows}\n")
+    text = "[solid]\nkind = 'half_space'\nrelaxation = 'pmma.csv'\npoisson = 0.5\nper_decade = 2.0"
+    config = configured(tmp_path, text)
+    fitted = asp.relaxation.fit(asp.relaxation.read(tmp_path / "pmma.csv"), per_decade=2).series
+    assert config.solid.maxwell == list(fitted.branches)
+    assert config.solid.contact_modulus == pytest.approx(fitted.modulus / 0.75, rel=1e-12)
+    resolved = config.solid.resolved()
+    assert (resolved.relaxation, resolved.poisson) == (None, None)
+    for here, there in zip(spectra(resolved.build()), spectra(config.solid.build()), strict=True):
+        np.testing.assert_array_equal(here, there)
+    stiffer = configured(tmp_path, f"{text}\nyoung = 4e9")
+    assert stiffer.solid.resolved().contact_modulus == pytest.approx(4e9 / 0.75)
+    assert stiffer.solid.maxwell == config.solid.maxwell
+
+
+HALF = "[solid]\nkind = 'half_space'\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (
+            "[solid]\nkind = 'steel'",
+            "[solid] kind: expected one of 'spring_lattice', 'half_space', 'layer', got",
+        ),
+        ("[solid]\nkind = 'half_spase'", "did you mean 'half_space'?"),
+        ("[solid]\nmodulus = 1.0", "[solid] modulus: not a key of a solid of kind 'spring_lattice', but of "),
+        (f"{HALF}k0 = 1.0\nmodulus = 1.0", "[solid] k0: not a key of a solid of kind 'half_space', but of"),
+        (HALF, "[solid] expected modulus, young and poisson, or relaxation and poisson, got none"),
+        (f"{HALF}modulus = -1.0", "[solid] modulus: expected a number above 0.0, got -1.0"),
+        (f"{HALF}modulus = '-3 GPa'", "[solid] modulus: expected a number above 0.0, got -3000000000.0"),
+        (f"{HALF}modulus = '3 um'", "[solid] modulus: expected a pressure, such as 1 MPa, got '3 um'"),
+        (f"{HALF}modulus = 'stiff'", "[solid] modulus: expected a number, got 'stiff'"),
+        (f"{HALF}modulus = 1.0\nyoung = 1.0", "[solid] expected modulus or young, got both"),
+        (f"{HALF}young = 1.0", "[solid] poisson: expected one for each of 1 in young, got 0"),
+        (f"{HALF}modulus = 1.0\npoisson = 0.3", "[solid] poisson: expected none beside the contact modulus"),
+        (f"{HALF}young = 1.0\npoisson = 0.6", "[solid] poisson: expected a number of at most 0.5, got 0.6"),
+        (
+            f"{HALF}modulus = 1.0\nbranches = [[0.6, 1.0], [0.5, 2.0]]",
+            "[solid] branches: expected shares of at most 1 in sum, got 1.1",
+        ),
+        (
+            f"{HALF}modulus = 1.0\nbranches = [[1.5, 1.0]]",
+            "branches: expected a number of at most 1.0, got 1.5",
+        ),
+        (f"{HALF}modulus = 1.0\nbranches = [[0.5, 0.0]]", "branches: expected a number above 0.0, got 0.0"),
+        (
+            f"{HALF}modulus = 1.0\nbranches = [0.5]",
+            "branches: expected pairs of numbers, such as [[0.3,",
+        ),
+        (
+            f"{HALF}modulus = 1.0\nbranches = [[0.5, 1.0]]\nflow = [1.0, 2.0]",
+            "[solid] expected branches or flow, got both",
+        ),
+        (f"{HALF}relaxation = 'none.csv'\npoisson = 0.3", "[solid] relaxation: "),
+        (f"{HALF}modulus = 1.0\nper_decade = 2.0", "per_decade: expected relaxation beside it, got none"),
+        (
+            "[solid]\nkind = 'layer'\nmodulus = 1.0\npoisson = 0.3",
+            "[solid] thickness: expected a value, got none",
+        ),
+        ("[contact]\nload = '1 MPa'", "[contact] load: expected a force, such as 10 N, got '1 MPa'"),
+        ("[aging]\nfirst = '1 m'", "[aging] first: expected a time, such as 3 h, got '1 m'"),
+        (f"{HALF}modulus = 1.0\n[aging]\nlast = 1e-4", "[aging] expected first < last, got 0.001 and 0.0001"),
+        (
+            "[contact]\npressure = 1.0\nload = 1.0\nseparation = 1.0",
+            "expected load, pressure or separation, got all",
+        ),
+    ],
+)
+def test_a_mistake_is_one_line(tmp_path, text, line):
+    with pytest.raises(ConfigError) as caught:
+        configured(tmp_path, text)
+    (problem,) = caught.value.problems
+    assert line in problem
+    assert "\n" not in problem
+
+
+def test_mistakes_in_flags_are_named_as_flags():
+    for words, line in (
+        ({"kind": "layer", "modulus": "1", "poisson": "0.3"}, "--thickness: expected a value, got none"),
+        (
+            {"modulus": "1"},
+            "--modulus: not a key of a solid of kind 'spring_lattice', but of 'half_space' and",
+        ),
+        ({"kind": "half_space", "modulus": "1", "branches": ["0.5"]}, "--branch: expected pairs of numbers"),
+    ):
+        with pytest.raises(ConfigError) as caught:
+            flagged("solid", **words)
+        assert caught.value.problems[0].startswith(line)
