@@ -79,7 +79,10 @@ def test_branches_pressures_and_thicknesses_can_be_swept(tmp_path):
     spectra = (
         'branches = [[[0.5, 1.0]], [[0.2, "10 ms"], [0.3, 1.0]]]\npressure = ["1 MPa", 2e6]\nseeds = 1\n'
     )
-    plan = read_plan(written(tmp_path, HALF_SPACES + spectra))
+    with pytest.raises(ConfigError, match="expected the same times for all runs; try first and last"):
+        read_plan(written(tmp_path, HALF_SPACES + spectra))
+    fixed = HALF_SPACES.replace("per_decade", "first = 0.1\nlast = 1.0\nper_decade")
+    plan = read_plan(written(tmp_path, fixed + spectra))
     named = {axis.name: axis.values for axis in plan.axes}
     assert named == {"branches": ("0.5 1", "0.2 0.01 0.3 1"), "pressure": (1e6, 2e6)}
     assert value_at(plan.runs[-1].config, "solid", "branches") == [(0.2, 0.01), (0.3, 1.0)]

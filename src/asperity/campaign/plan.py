@@ -146,6 +146,9 @@ def read_plan(path: str | Path) -> Plan:
             problems += error.problems
         raise ConfigError(problems)
     runs = _runs(tables, lists, seeds, path, zipped=combine == "zip")
+    if len({tuple(run.config.aging.times or run.config.span) for run in runs}) > 1:
+        advice = "first and last in [aging]"
+        raise ConfigError([f"{path}: [aging]: expected the same times for all runs; try {advice}"])
     axes = tuple(
         _axis(section, name, values, {run.point[number]: run.config for run in runs})
         for number, ((section, name), values) in enumerate(lists.items())

@@ -40,6 +40,7 @@ _METAVARS = {
     "maps_at": "T",
     "crop": "N",
     "branches": "SHARE TIME",
+    "base_branches": "SHARE TIME",
     "flow": "MOBILITY POWER",
     "relaxation": "PATH",
 }

@@ -70,17 +70,21 @@ def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
     described = config.solid.model_dump(exclude_none=True)
     kind, parts = described.pop("kind"), []
     si = bool(dataset.attrs["si"])
-    units = {"modulus": "Pa", "young": "Pa", "thickness": "m", "apparatus": "N/m"} if si else {}
-    branches = described.pop("branches", [])
+    units = (
+        {"modulus": "Pa", "base_modulus": "Pa", "young": "Pa", "thickness": "m", "apparatus": "N/m"}
+        if si
+        else {}
+    )
+    relaxing = {f"{of}relaxing": described.pop(f"{of}branches", []) for of in ("", "base_")}
     for name, value in described.items():
         if isinstance(value, bool):
             parts += [name] * value
         else:
             values = value if isinstance(value, list | tuple) else [value]
             parts.append(f"{name} = " + " and ".join(written(one, units.get(name, "1")) for one in values))
-    if branches:
-        times = ", ".join(f"{share:.3g} in {written(time, 's' if si else '1')}" for share, time in branches)
-        parts.append(f"relaxing: {times}")
+    for name, branches in relaxing.items():
+        times = [f"{share:.3g} in {written(time, 's' if si else '1')}" for share, time in branches]
+        parts += [f"{name}: {', '.join(times)}"] * bool(times)
     return ", ".join(parts) if kind == "spring_lattice" else f"{kind}: {', '.join(parts)}"
 
 

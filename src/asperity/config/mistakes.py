@@ -41,6 +41,7 @@ def flag_of(section: str, key: str) -> str:
         ("surface", "path"): "file",
         ("solid", "kind"): "solid",
         ("solid", "branches"): "branch",
+        ("solid", "base_branches"): "base-branch",
         ("solid", "per_decade"): "branches-per-decade",
     }
     return "--" + names.get((section, key), key).replace("_", "-")

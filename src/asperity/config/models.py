@@ -452,6 +452,12 @@ class RunConfig(Section):
             raise ValueError("[aging] expected first < last, got {:g} and {:g}".format(*self.span))
         if self.protocol and self.aging.hold is not None:
             raise ValueError("[aging] hold: expected none beside a protocol, whose legs say what they hold")
+        if (known := self.solid.known) is not None:
+            first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
+            if first < known[0] * (1 - 1e-9) or self.end > known[1] * (1 + 1e-9):
+                got = "{:g} to {:g}".format(*known)
+                expected = f"a table of the times to record, {first:g} to {self.end:g}"
+                raise ValueError(f"[solid] relaxation: expected {expected}, got one of {got}")
         for where, times in (("[aging] times", self.aging.times), ("[output] maps_at", self.output.maps_at)):
             late = max(times or [], default=-math.inf)
             if late > self.end * (1 + 1e-9):

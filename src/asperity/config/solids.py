@@ -25,6 +25,8 @@ if TYPE_CHECKING:  # these need numpy, for which the help does not wait
     from asperity.solids import Solid
 
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
+OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
+_APPARATUS = "Stiffness of the apparatus that holds it, which may be inf; with it a separation can be held."
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
 
@@ -47,6 +49,11 @@ class SolidSection(Section):
     def span(self) -> tuple[float, float]:
         """First and last time to record where none is given."""
         return _SPAN
+
+    @property
+    def known(self) -> tuple[float, float] | None:
+        """First and last time of which the solid is known, where that is limited."""
+        return None
 
     def resolved(self) -> Self:
         """The same solid without files: with the numbers that they give."""
@@ -158,9 +165,22 @@ class Continuum(SolidSection):
 
     @property
     def span(self) -> tuple[float, float]:
-        """From a tenth of the shortest relaxation time to ten times the longest."""
-        times = [time for share, time in self.maxwell if share > 0]
+        """From a tenth of the shortest relaxation time to ten times the longest; of a table, its times."""
+        if self.known is not None:
+            return self.known
+        times = self.times
         return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
+
+    @property
+    def times(self) -> list[float]:
+        """Relaxation times."""
+        return [time for share, time in self.maxwell if share > 0]
+
+    @property
+    def known(self) -> tuple[float, float] | None:
+        """First and last time that a table knows of; None without."""
+        series = self._series()
+        return None if series is None else series.span
 
     def resolved(self) -> Self:
         """The same solid with the branches and the modulus that a table gives."""
@@ -183,11 +203,7 @@ class HalfSpace(Continuum):
         description="In place of branches: mobility of creep, and the power of the wave number with which "
         "it goes (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface).",
     )
-    apparatus: Stiffness | None = Field(
-        default=None,
-        description="Stiffness of the apparatus that holds it, which may be inf; with it a separation can "
-        "be held.",
-    )
+    apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
 
     @model_validator(mode="after")
     def _one_creep(self) -> Self:
@@ -213,10 +229,8 @@ class Layer(Continuum):
     """A layer on a rigid base; see `asperity.solids.layer`."""
 
     kind: Literal["layer"] = "layer"
-    poisson: Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)] = Field(
-        description="Poisson's ratio."
-    )
-    thickness: Size = Field(description="Thickness of the layer.")
+    poisson: OnePoisson = Field(description="Poisson's ratio.")
+    thickness: Size = Field(description="Thickness of the layer or the film.")
     frictionless: bool = Field(
         default=False, description="The layer slides on its base without friction; else it is bonded to it."
     )
@@ -234,12 +248,47 @@ class Layer(Continuum):
         )
 
 
-SOLIDS: dict[str, type[SpringLattice | HalfSpace | Layer]] = {
+class CoatedHalfSpace(Continuum):
+    """A film on a half-space of another material; see `asperity.solids.coated_half_space`."""
+
+    kind: Literal["coated_half_space"] = "coated_half_space"
+    poisson: OnePoisson = Field(description="Poisson's ratio.")
+    thickness: Size = Field(description="Thickness of the layer or the film.")
+    base_modulus: Modulus = Field(description="Contact modulus of the base at once.")
+    base_poisson: Poisson = Field(description="Poisson's ratio of the base.")
+    base_branches: Annotated[list[Branch], AfterValidator(_shares)] = Field(
+        default=[], description="A share of the modulus of the base and its relaxation time."
+    )
+    apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
+
+    @property
+    def times(self) -> list[float]:
+        """Relaxation times of film and base."""
+        return [*super().times, *(time for share, time in self.base_branches if share > 0)]
+
+    def build(self) -> Solid:
+        """Make the film and its base."""
+        from asperity.solids import coated_half_space
+
+        return coated_half_space(
+            modulus=self.contact_modulus,
+            poisson=self.poisson[0],
+            thickness=self.thickness,
+            branches=self.maxwell,
+            base_modulus=self.base_modulus,
+            base_poisson=self.base_poisson,
+            base_branches=self.base_branches,
+            apparatus=self.apparatus,
+        )
+
+
+SOLIDS: dict[str, type[SpringLattice | HalfSpace | Layer | CoatedHalfSpace]] = {
     "spring_lattice": SpringLattice,
     "half_space": HalfSpace,
     "layer": Layer,
+    "coated_half_space": CoatedHalfSpace,
 }
-AnySolid = Annotated[SpringLattice | HalfSpace | Layer, Field(discriminator="kind")]
+AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(discriminator="kind")]
 
 
 @functools.lru_cache(maxsize=8)
