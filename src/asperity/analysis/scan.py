@@ -49,6 +49,7 @@ def readable(unit: str, span: float) -> tuple[str, float]:
 
 def written(value: float, unit: str, digits: int = 4) -> str:
     """Write a quantity: in SI with a prefix, of a user's own units the number alone."""
-    name, factor = readable(unit, abs(value)) if value else (unit, 1.0)
-    number = f"{value * factor:.{digits}g}"
-    return f"{number} {name}" if unit in _PREFIXED or is_length(unit) else number
+    if not (unit in _PREFIXED or is_length(unit)) or not math.isfinite(value):
+        return f"{value:.{digits}g}"
+    name, factor = readable(unit, abs(value))
+    return f"{value * factor:.{digits}g} {name}"
