@@ -89,7 +89,8 @@ def run(
     """Press an elastic solid onto a rough surface and let the contact age.
 
     Without arguments: a Gaussian surface of 200 x 200 sites, k1/k0 = 3, nine decades of hold time.
-    Flags override the configuration file, whose sections are the groups below.
+    Flags override the configuration file, whose sections are the groups below. On a half-space or a layer,
+    numbers may carry units where the surface has some: --modulus 3.8GPa --pressure "1 MPa".
 
     Parameters
     ----------
