@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         theory,
     )
     from asperity.aging import Frame
+    from asperity.analysis import observe
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
     from asperity.results import Checkpoint, History
     from asperity.simulate import age, press, relax
@@ -55,6 +56,7 @@ __all__ = [
     "errors",
     "figures",
     "fits",
+    "observe",
     "press",
     "protocols",
     "relax",
@@ -67,6 +69,7 @@ __all__ = [
 
 _HOME = {
     "asperity.aging": ("Frame",),
+    "asperity.analysis": ("observe",),
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "relax"),

@@ -193,6 +193,7 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     *((law.exceedance, {"separation": [0.25, 0.5]}) for law in LAWS),
     *((law.mean_excess, {"separation": [0.25, 0.5]}) for law in LAWS),
     (asp.analysis.patches, {"in_contact": MASK, "connectivity": 2}),
+    (asp.observe, {"image": MASK, "pixel": 2.0, "blur": 1.5, "threshold": 0.5, "spacing": [0.5, 1.0]}),
     (asp.analysis.clustering, {"in_contact": MASK, "box": 2}),
     (
         asp.fits.measured_growth,

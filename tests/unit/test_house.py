@@ -91,6 +91,7 @@ def test_public_names():
         "errors",
         "figures",
         "fits",
+        "observe",
         "press",
         "protocols",
         "relax",

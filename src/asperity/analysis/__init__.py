@@ -11,11 +11,13 @@ from asperity.analysis.contact_patches import (
 from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
+from asperity.analysis.observation import Observation, observe
 
 __all__ = [
     "AgingSummary",
     "ContactMaps",
     "LegRow",
+    "Observation",
     "Patches",
     "SiteState",
     "Turnover",
@@ -23,6 +25,7 @@ __all__ = [
     "clustering",
     "contact_maps",
     "leg_table",
+    "observe",
     "patches",
     "turnover",
     "with_limit",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 import scipy.ndimage
@@ -17,7 +18,7 @@ from scipy.sparse.csgraph import connected_components
 
 import asperity.checks as checks
 from asperity.errors import InputError
-from asperity.lattice import Mask
+from asperity.lattice import Edges, Mask
 
 Labels = NDArray[np.int64]
 
@@ -58,8 +59,8 @@ class Patches:
         return float(self.sizes.mean()) if self.count else math.nan
 
 
-def patches(in_contact: ArrayLike, connectivity: int = 1) -> Patches:
-    """Find the patches of contact on the periodic lattice.
+def patches(in_contact: ArrayLike, connectivity: int = 1, *, edges: Edges = "periodic") -> Patches:
+    """Find the patches of contact.
 
     Parameters
     ----------
@@ -67,6 +68,8 @@ def patches(in_contact: ArrayLike, connectivity: int = 1) -> Patches:
         Whether each site is in contact, shape ``(n,)`` or ``(n, m)``.
     connectivity
         1: sites are joined to their nearest neighbors, as by the springs k0; 2: diagonally too.
+    edges
+        "periodic": the last site of an axis is a neighbor of the first; "reflecting": it is not.
 
     Returns
     -------
@@ -75,13 +78,17 @@ def patches(in_contact: ArrayLike, connectivity: int = 1) -> Patches:
     Raises
     ------
     InputError
-        No boolean mask of one or two axes, or an empty one; a connectivity other than 1 or 2.
+        No boolean mask of one or two axes, or an empty one; a connectivity other than 1 or 2; other edges.
     """
     touching = _mask("in_contact", in_contact)
     expected = "1 (nearest neighbors) or 2 (diagonals too)"
     connectivity = checks.integer("connectivity", connectivity, least=1, most=2, expected=expected)
+    if edges not in get_args(Edges):
+        raise InputError("edges", expected="'periodic' or 'reflecting'", got=checks.shown(edges))
     pieces, count = _open_pieces(touching, connectivity)
-    one, other = _across_the_seam(pieces, connectivity)
+    one, other = np.empty((2, 0), dtype=pieces.dtype)
+    if edges == "periodic":
+        one, other = _across_the_seam(pieces, connectivity)
     joined = coo_array((np.ones(one.size, dtype=bool), (one, other)), shape=(count + 1, count + 1))
     # No bond reaches piece 0, which is "no contact": it stays a component of its own.
     components, whole = connected_components(joined, directed=False)

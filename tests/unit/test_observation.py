@@ -1,0 +1,159 @@
+"""What an instrument sees: against the map itself, sums by hand, and a blurred disc in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import scipy.stats
+import xarray as xr
+
+import asperity as asp
+from asperity.lattice import Edges, Field
+from tests.refusals import refuses
+
+EDGES: tuple[Edges, ...] = ("periodic", "reflecting")
+
+
+def brightness(shape: tuple[int, ...], seed: int = 0) -> Field:
+    return np.random.default_rng(seed).random(shape)
+
+
+@pytest.fixture(scope="module")
+def contact() -> asp.Contact:
+    heights = 1e-6 * asp.surfaces.gaussian((24, 32), seed=1)
+    scan = asp.surfaces.Surface(
+        heights, unit="m", pixel_size=(2e-6, 1e-6), length_unit="m", edges="reflecting"
+    )
+    return asp.press(scan, asp.solids.half_space(modulus=1e9), pressure=3e7)
+
+
+@pytest.mark.parametrize("edges", EDGES)
+def test_a_sharp_eye_sees_the_sites_themselves(edges: Edges) -> None:
+    touching = brightness((7, 12)) < 0.3
+    seen = asp.observe(touching, threshold=0.5, edges=edges)
+    np.testing.assert_allclose(seen.image, touching, atol=1e-14)
+    np.testing.assert_array_equal(seen.seen, touching)
+    assert seen.area == np.count_nonzero(touching)
+    assert seen.fraction == touching.mean()
+    ours, known = seen.patches, asp.analysis.patches(touching, edges=edges)
+    np.testing.assert_array_equal(ours.sizes, known.sizes)
+
+
+@pytest.mark.parametrize("edges", EDGES)
+@pytest.mark.parametrize("pixel", [0.5, 1.0, 1.5, 3.0, 6.0])
+@pytest.mark.parametrize("blur", [0.0, 0.3, 2.0, 6.0])
+def test_pixels_that_tile_the_surface_see_all_of_its_light(edges: Edges, pixel: float, blur: float) -> None:
+    light = brightness((6, 12))
+    seen = asp.observe(light, pixel=pixel, blur=blur, edges=edges)
+    assert seen.image.shape == (round(6 / pixel), round(12 / pixel))
+    assert seen.area == pytest.approx(light.sum(), rel=1e-12)
+    assert seen.image.min() >= light.min() - 1e-12
+    assert seen.image.max() <= light.max() + 1e-12
+
+
+def test_a_pixel_is_the_mean_of_what_it_covers() -> None:
+    light = brightness((10, 7))
+    seen = asp.observe(light, pixel=2.5)
+    assert seen.image.shape == (4, 2)  # two sites of the last axis are not seen
+    part = np.array([1.0, 1.0, 0.5, 0, 0, 0, 0])
+    columns = [part, np.array([0, 0, 0.5, 1.0, 1.0, 0, 0])]
+    row = np.append(part, [0, 0, 0])
+    np.testing.assert_allclose(seen.image[0], [row @ light @ column / 6.25 for column in columns])
+
+
+def test_reflecting_edges_are_those_of_the_map_and_its_mirror_images() -> None:
+    light = brightness((9, 8))
+    doubled = np.block([[light, light[:, ::-1]], [light[::-1], light[::-1, ::-1]]])
+    ours = asp.observe(light, pixel=1.0, blur=5.0, edges="reflecting", threshold=0.5)
+    whole = asp.observe(doubled, pixel=1.0, blur=5.0, threshold=0.5)
+    np.testing.assert_allclose(whole.image[:9, :8], ours.image, rtol=1e-12)
+    assert whole.area == 4 * ours.area
+
+
+def test_periodic_edges_are_seen_through() -> None:
+    light = brightness((9, 8))
+    shift = {"shift": (4, 3), "axis": (0, 1)}
+    ours, moved = (asp.observe(each, blur=3.0).image for each in (light, np.roll(light, **shift)))
+    np.testing.assert_allclose(np.roll(ours, **shift), moved, rtol=1e-12)
+
+
+@pytest.mark.parametrize("width", [12.0, 20.0, 40.0])
+def test_a_blurred_disc(width: float) -> None:
+    # A point of the disc's image: the probability that a normal vector around it ends within the disc.
+    n, radius, deviation = 160, 24.0, width / (2 * math.sqrt(2 * math.log(2)))
+    place = np.arange(n) + 0.5 - n / 2
+    distance = np.hypot(place[:, None], place)
+    seen = asp.observe(distance < radius, blur=width, threshold=0.5)
+    exact = scipy.stats.ncx2.cdf((radius / deviation) ** 2, 2, (distance / deviation) ** 2)
+    # The edge of the disc runs along sites: the wider the blur, the less it matters.
+    np.testing.assert_allclose(seen.image, exact, atol=0.15 / width)
+    assert seen.image[n // 2, n // 2] == pytest.approx(
+        1 - math.exp(-((radius / deviation) ** 2) / 2), abs=2e-3
+    )
+    assert seen.area == pytest.approx(np.count_nonzero(exact > 0.5), rel=0.01)
+    assert seen.patches.count == 1
+
+
+def test_a_pixel_that_is_larger_than_a_patch_sees_it_or_not() -> None:
+    touching = np.zeros((40, 40), dtype=bool)
+    touching[2:5, 2:5] = True  # 9 of the 64 sites of a pixel
+    assert asp.observe(touching, pixel=8.0, threshold=0.5).area == 0
+    assert asp.observe(touching, pixel=8.0, threshold=9 / 64).area == 64
+    assert asp.observe(touching, pixel=8.0).area == pytest.approx(9)
+
+
+def test_lengths_are_those_of_the_contact(contact: asp.Contact) -> None:
+    assert 20 < contact.area < 700
+    itself = asp.observe(contact, threshold=0.5)
+    assert itself.spacing == (2e-6, 1e-6)
+    assert itself.area == pytest.approx(contact.contact_area, rel=1e-12)
+    assert itself.edges == "reflecting"
+    written, counted = (
+        asp.observe(contact, pixel=pixel, blur=blur, threshold=0.5)
+        for pixel, blur in (("4 um", "3000 nm"), (4e-6, 3e-6))
+    )
+    assert written.image.shape == (12, 8)
+    np.testing.assert_array_equal(written.image, counted.image)
+    assert written.area == pytest.approx(np.sum(written.image >= 0.5) * 16e-12)
+
+
+def test_a_dataset_is_seen_as_the_contact(contact: asp.Contact) -> None:
+    history = asp.age(contact, [1.0], fields_at=[0.0, 1.0])
+    ours, theirs = (
+        asp.observe(history.dataset.isel(field_time=0), blur="2um"),
+        asp.observe(contact, blur="2um"),
+    )
+    np.testing.assert_array_equal(ours.image, theirs.image)
+    assert ours.spacing == theirs.spacing
+    with refuses("image"):
+        asp.observe(history.dataset)
+    with refuses("image"):
+        asp.observe(xr.Dataset())
+
+
+def test_a_profile_is_seen_too() -> None:
+    seen = asp.observe([0.0, 1.0, 1.0, 0.0], pixel=2.0, threshold=0.6)
+    np.testing.assert_allclose(seen.image, [0.5, 0.5])
+    assert seen.area == 0
+
+
+def test_what_cannot_be_seen(contact: asp.Contact) -> None:
+    touching = brightness((6, 8)) < 0.5
+    with refuses("pixel"):
+        asp.observe(touching, pixel=7.0)
+    with refuses("pixel"):
+        asp.observe(touching, pixel="1 um")
+    with refuses("pixel"):
+        asp.observe(contact, pixel="1 MPa")
+    with refuses("blur"):
+        asp.observe(touching, blur=-1.0)
+    with refuses("spacing"):
+        asp.observe(touching, spacing=[1.0, 2.0, 3.0])
+    with refuses("spacing"):
+        asp.observe(contact, spacing=1.0)
+    with refuses("edges"):
+        asp.observe(touching, edges="open")  # type: ignore[arg-type]
+    with refuses("patches"):
+        assert asp.observe(touching).patches
