@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from asperity.analysis import observe
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
     from asperity.results import Checkpoint, History
+    from asperity.runs.prediction import predict
     from asperity.simulate import age, press, relax
 
 __all__ = [
@@ -57,6 +58,7 @@ __all__ = [
     "figures",
     "fits",
     "observe",
+    "predict",
     "press",
     "protocols",
     "relax",
@@ -72,6 +74,7 @@ _HOME = {
     "asperity.analysis": ("observe",),
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.results": ("Checkpoint", "History"),
+    "asperity.runs.prediction": ("predict",),
     "asperity.simulate": ("age", "press", "relax"),
 }
 

@@ -92,6 +92,7 @@ def test_public_names():
         "figures",
         "fits",
         "observe",
+        "predict",
         "press",
         "protocols",
         "relax",

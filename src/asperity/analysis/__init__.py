@@ -12,13 +12,17 @@ from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
+from asperity.analysis.prediction import Growth, Prediction, Resolved
 
 __all__ = [
     "AgingSummary",
     "ContactMaps",
+    "Growth",
     "LegRow",
     "Observation",
     "Patches",
+    "Prediction",
+    "Resolved",
     "SiteState",
     "Turnover",
     "aging_summary",

@@ -10,8 +10,9 @@ difference of z Phi(z/s) + s phi(z/s), with the standard deviation s of G and th
 density phi. Beyond periodic edges comes the map again, beyond reflecting ones its mirror image.
 
 Microscopes see contacts so: J. H. Dieterich, B. D. Kilgore, Pure Appl. Geophys. 143, 283 (1994), DOI
-10.1007/BF00874332. B. Weber et al., Nat. Commun. 9, 888 (2018), DOI 10.1038/s41467-018-02981-y, convolve what
-they simulate with the point spread function of their microscope before they compare it with what they measure.
+10.1007/BF00874332. B. Weber et al., Nat. Commun. 9, 888 (2018), DOI 10.1038/s41467-018-02981-y, convolve
+what they simulate with the point spread function of their microscope before they compare it with what they
+measure.
 """
 
 from __future__ import annotations
@@ -110,8 +111,8 @@ def observe(
     blur
         Full width at half maximum of the Gaussian point spread function, length, at most the shortest side.
     threshold
-        Least brightness of a pixel that counts as contact, for example 0.5; full contact has 1, a brightness of
-        your own its unit. By default all light counts.
+        Least brightness of a pixel that counts as contact, for example 0.5; full contact has 1, a brightness
+        of your own its unit. By default all light counts.
     spacing
         Of an array: distance between sites along each axis, or one for all; by default 1, so that lengths
         are in sites. A contact and a dataset bring theirs.

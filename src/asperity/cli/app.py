@@ -120,6 +120,123 @@ def run(
     run_it(settings, out=out, overwrite=overwrite, quiet=quiet)
 
 
+@_command("scan")
+def predict(
+    relaxation: Path,
+    /,
+    *,
+    surface: Path,
+    pressure: str | None = None,
+    load: str | None = None,
+    kind: Literal["relaxation", "creep", "dynamic"] | None = None,
+    columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None,
+    noise: float = 0.05,
+    modulus: Literal["young", "shear", "contact"] = "young",
+    poisson: float = 0.35,
+    temperature: str | None = None,
+    reference: str | None = None,
+    activation_energy: str | None = None,
+    wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
+    first: str | None = None,
+    last: str | None = None,
+    per_decade: Whole = 4,
+    shear_strength: str | None = None,
+    pixel: str | None = None,
+    blur: str | None = None,
+    threshold: float = 0.5,
+    out: Out = Path("prediction"),
+    overwrite: Switch = False,
+    quiet: Quiet = False,
+    scan: Flags | None = None,
+) -> None:
+    """Predict how the real contact grows, from a relaxation table, a scan and a load, with units.
+
+    The result is a folder with a page to read, prediction.html, tables and pictures. Beyond the edges of the
+    scan comes its mirror image, each contact counted once.
+
+    Parameters
+    ----------
+    relaxation
+        Table of relaxation modulus or creep compliance against time, or of storage and loss modulus against
+        frequency; the names of its columns say which, and the units: time_s, E_MPa.
+    surface
+        The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
+    pressure
+        Load over nominal area, such as 1MPa.
+    load
+        Normal load, such as 10N, in place of the pressure.
+    kind
+        What the table holds, if the names of its columns do not say.
+    columns
+        Names or numbers, from 0, of its columns: time and modulus, time and compliance, or frequency,
+        storage and loss modulus. [default: those that are named so]
+    noise
+        Largest relative change in the wrong direction that is taken for noise of the table.
+    modulus
+        What the table measures: Young's modulus, the shear modulus, or the contact modulus E*.
+    poisson
+        Poisson's ratio, which does not relax.
+    temperature
+        Temperature of the contact, such as 40degC, if it is not that of the table.
+    reference
+        Temperature of the table.
+    activation_energy
+        How relaxation times depend on temperature, by Arrhenius, such as 100kJ/mol.
+    wlf
+        The same by Williams, Landel and Ferry, for the decimal logarithm: C1 C2, C2 in K.
+    first
+        First time, such as 10ms. [default: that of the table]
+    last
+        Last time, such as 10days. [default: that of the table]
+    per_decade
+        Times recorded in each decade.
+    shear_strength
+        Shear strength of the contacts, such as 50MPa: gives friction.
+    pixel
+        Pixel of an instrument that looks at the contact, such as 1um.
+    blur
+        Full width at half maximum of its point spread function, such as 0.6um.
+    threshold
+        Part of full contact from which such a pixel counts as contact.
+    out
+        Folder for the results, which appears when all is written; it must not exist yet.
+    overwrite
+        Replace the results of an earlier prediction.
+    quiet
+        Print neither progress nor summary.
+    """
+    from asperity.config.models import Scan
+    from asperity.config.reading import file_surface
+
+    settings = file_surface(surface, given(scan).get("surface", {}), Scan)
+    from asperity.cli.predict import Wanted
+    from asperity.cli.predict import predict as predict_it
+
+    wanted = Wanted(
+        relaxation=relaxation,
+        scan=settings,
+        pressure=pressure,
+        load=load,
+        kind=kind,
+        columns=columns,
+        noise=noise,
+        modulus=modulus,
+        poisson=poisson,
+        temperature=temperature,
+        reference=reference,
+        activation_energy=activation_energy,
+        wlf=wlf,
+        first=first,
+        last=last,
+        per_decade=per_decade,
+        shear_strength=shear_strength,
+        pixel=pixel,
+        blur=blur,
+        threshold=threshold,
+    )
+    predict_it(wanted, out=out, overwrite=overwrite, quiet=quiet)
+
+
 @_command("preparation", name="surface")
 def show_surface(
     file: Path,

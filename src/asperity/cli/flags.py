@@ -54,10 +54,13 @@ class Flags:
 
 
 def flags_for(section: str) -> type[Flags]:
-    """Make the flags of a section; ``"preparation"`` stands for the keys that prepare a measured surface."""
+    """Make the flags of a section.
+
+    ``"preparation"`` stands for the keys that prepare a measured surface, ``"scan"`` for the same of a scan.
+    """
     from asperity.config.mistakes import ORDER
 
-    owner = "surface" if section == "preparation" else section
+    owner = "surface" if section in ("preparation", "scan") else section
     group = Group(owner.capitalize(), sort_key=1 + ORDER.index(owner))
     known = list(_keys(section))
     fields = [(key, _annotation(owner, key, field, text), None) for key, field, text in known]
@@ -96,10 +99,11 @@ def _read(written: bool | str | list[str], kinds: set[object]) -> object:
 def _keys(section: str) -> Iterator[tuple[str, FieldInfo, str]]:
     """Keys of a section, and their help."""
     from asperity.config.mistakes import models_of
-    from asperity.config.models import KINDS, MeasuredSurface
+    from asperity.config.models import KINDS, MeasuredSurface, Scan
 
     if section not in KINDS:
-        (model,) = [MeasuredSurface] if section == "preparation" else models_of(section)
+        measured = {"preparation": MeasuredSurface, "scan": Scan}
+        (model,) = [measured[section]] if section in measured else models_of(section)
         for key, field in model.model_fields.items():
             if key not in ("kind", "path"):
                 yield key, field, field.description or ""

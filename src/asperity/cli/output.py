@@ -20,9 +20,12 @@ from asperity.results.quantities import OF_CONTINUA
 from asperity.results.store import whole_file, whole_folder
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from asperity.runs import Outcome
 
 _SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
+_SIGNS_OF_A_PREDICTION = ("history.zarr", "prediction.html", "summary.txt")
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 _COLUMNS = (
     *("time", "area", "area_ratio", "load", "separation", "energy"),
@@ -48,7 +51,8 @@ def check_free(out: Path, *, overwrite: bool) -> None:
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
     if out.exists() and any(out.iterdir()):
-        is_run = all((out / name).exists() for name in _SIGNS_OF_A_RUN)
+        signs = (_SIGNS_OF_A_RUN, _SIGNS_OF_A_PREDICTION)
+        is_run = any(all((out / name).exists() for name in names) for names in signs)
         foreign = sorted(path.name for path in out.iterdir() if not _is_ours(path.name))
         if is_run and overwrite and foreign:
             raise InputError(
@@ -87,7 +91,8 @@ def _try_writing(flag: str, target: Path, folder: Path) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    return name in (*_SIGNS_OF_A_RUN, "aging.csv") or Path(name).stem in ("aging", "history", "contacts")
+    stems = ("aging", "history", "contacts", "growth", "pressure", "relaxation", "observed")
+    return name in {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION} or Path(name).stem in stems
 
 
 def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:
@@ -116,17 +121,22 @@ def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) ->
     """
     check_free(out, overwrite=overwrite)  # again: hours may have passed
     with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
-        try:
-            save(outcome.dataset, folder / "history.zarr")
-        except OutputError as error:
-            # Its own name is that of a folder which will be gone; the disk's reason is what matters.
-            if isinstance(error.__cause__, OSError):
-                raise error.__cause__ from None
-            raise
+        save_within(outcome.dataset, folder)
         (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
         (folder / "summary.txt").write_text(f"{text}\n", encoding="utf-8")
         _write_table(outcome, folder / "aging.csv")
         return _write_figures(outcome, folder)
+
+
+def save_within(dataset: xr.Dataset, folder: Path) -> None:
+    """Save the history in a folder of which the name will change."""
+    try:
+        save(dataset, folder / "history.zarr")
+    except OutputError as error:
+        # Its own name is that of a folder which will be gone; the disk's reason is what matters.
+        if isinstance(error.__cause__, OSError):
+            raise error.__cause__ from None
+        raise
 
 
 def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:

@@ -290,6 +290,14 @@ class MeasuredSurface(SurfaceSection):
         return read(**settings)
 
 
+class Scan(MeasuredSurface):
+    """A measured surface that nobody asks to be periodic: its edges reflect."""
+
+    periodic: Literal["mirror", "reflect", "taper", "wrap"] = Field(
+        default="reflect", description="What lies beyond the edges; mirror is taken as reflect."
+    )
+
+
 SURFACES: dict[str, type[Gaussian | Exponential | SelfAffine | Spectral | MeasuredSurface]] = {
     "gaussian": Gaussian,
     "exponential": Exponential,

@@ -73,7 +73,9 @@ def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> R
     return config
 
 
-def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
+def file_surface(
+    path: Path, flags: dict[str, object], kind: type[MeasuredSurface] = MeasuredSurface
+) -> MeasuredSurface:
     """Check how a surface file shall be prepared.
 
     Raises
@@ -83,7 +85,7 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
     """
     given = {"path": str(path), **flags}
     try:
-        return MeasuredSurface.model_validate(given)
+        return kind.model_validate(given)
     except ValidationError as error:
         raise ConfigError(
             [spelled(detail, {"surface": given}, None, section="surface") for detail in error.errors()]

@@ -1,12 +1,14 @@
 """Figures: what analysis found, drawn. Nothing is computed here, and no display is needed.
 
-Each function returns a `matplotlib.figure.Figure`; write it with ``figure.savefig("name.png")``.
+Each function returns a `matplotlib.figure.Figure`; write it with ``figure.savefig("name.png")``. Those of a
+prediction give pictures and a page.
 """
 
 from asperity.figures.aging import aging_curve
 from asperity.figures.contacts import contact_figure
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
+from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.surface import surface_figure
 
@@ -15,6 +17,8 @@ __all__ = [
     "contact_figure",
     "fit_figure",
     "history_figure",
+    "prediction_page",
+    "prediction_pictures",
     "relaxation_figure",
     "surface_figure",
 ]

@@ -1,0 +1,204 @@
+"""A prediction as one page of words and pictures that needs no network: what a referee would ask for."""
+
+from __future__ import annotations
+
+import base64
+import datetime
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from io import BytesIO
+
+import jinja2
+import numpy as np
+from matplotlib.figure import Figure
+
+from asperity._version import __version__
+from asperity.analysis.prediction import Prediction, Resolved
+from asperity.analysis.scan import written
+from asperity.figures import prediction as drawn
+from asperity.figures.relaxation import relaxation_figure
+from asperity.lattice import Field
+from asperity.surfaces import statistics
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure as pixels, and what it shows."""
+
+    caption: str
+    png: bytes
+
+    @property
+    def data(self) -> str:
+        """The pixels as text."""
+        return base64.b64encode(self.png).decode("ascii")
+
+
+@dataclass(frozen=True)
+class _Row:
+    """What the page says about one time; SI units."""
+
+    time: float
+    counted: float
+    corrected: float
+    fraction: float
+    mean_pressure: float
+    contact_pressure: float
+    largest_pressure: float
+    gap: float
+    friction: float | None
+    friction_force: float | None
+    resolved: Resolved
+
+
+def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
+    """Draw a prediction.
+
+    Parameters
+    ----------
+    prediction
+        From `asperity.predict`.
+
+    Returns
+    -------
+    dict
+        Pictures by the names of their files, without suffix, in the order of the page.
+    """
+    friction = "" if prediction.friction is None else " Bottom: the coefficient of static friction."
+    captions: dict[str, tuple[Figure, str]] = {
+        "growth": (
+            drawn.growth_figure(prediction),
+            "Real contact area against the time under load, and its growth per decade." + friction,
+        ),
+        "contacts": (
+            drawn.contact_maps_figure(prediction),
+            "Where the scan touches, on the scan as measured, and the contact pressure there, at the first "
+            "and the last time.",
+        ),
+        "pressure": (
+            drawn.pressure_figure(prediction),
+            "Distribution of the contact pressure over the contact area; dotted: means. The highest 2 % is "
+            "beyond the axis.",
+        ),
+        "relaxation": (
+            relaxation_figure(prediction.fit),
+            "The relaxation table, the sum of exponentials that stands for it, what that misses, and its "
+            "branches.",
+        ),
+    }
+    if prediction.observed:
+        captions["observed"] = (
+            drawn.observed_figure(prediction),
+            "The contact at the last time, its image in the instrument, and what of it counts as contact.",
+        )
+    return {name: Picture(caption, _pixels(figure)) for name, (figure, caption) in captions.items()}
+
+
+def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, command: str = "") -> str:
+    """Write a prediction as a page of HTML.
+
+    Parameters
+    ----------
+    prediction
+        From `asperity.predict`.
+    pictures
+        From `prediction_pictures`.
+    command
+        The command line that made it; may be empty.
+
+    Returns
+    -------
+    str
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("asperity.figures", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["measured"] = quantity
+    dataset, fit, scan = prediction.dataset, prediction.fit, prediction.origin
+    known = ("file", "sha256", "reader", "channel", "undefined_pixels", "tilt_rule", "periodic_rule")
+    shape = dataset["heights"].shape
+    rows = _rows(prediction)
+    return environment.get_template("prediction.html").render(
+        version=__version__,
+        date=datetime.datetime.now(datetime.UTC).date().isoformat(),
+        command=command,
+        scan={name: scan.get(name) for name in known} | {"file": scan.get("file") or "the surface"},
+        measures=statistics(dataset["heights"].values, prediction.spacing),
+        shape=shape,
+        spacing=prediction.spacing,
+        sides=[n * side for n, side in zip(shape, prediction.spacing, strict=True)],
+        edges=dataset.attrs["edges"],
+        exact=dataset.attrs.get("exact_contact", ""),
+        residual_power=-math.ceil(math.log10(max(float(dataset["residual"].max()), 1e-16))),
+        nominal=prediction.nominal_area,
+        load=float(dataset["load"][0]),
+        modulus=prediction.modulus,
+        late_modulus=prediction.modulus * float(fit.series.modulus_at(rows[-1].time)) / fit.series.modulus,
+        series_modulus=fit.series.modulus,
+        branches=fit.series.branches,
+        span=fit.series.span,
+        decades=fit.decades,
+        rms=fit.rms,
+        error=fit.series.error,
+        assumed=prediction.assumed,
+        shear_strength=prediction.shear_strength,
+        growth=prediction.growth,
+        rows=rows,
+        observed=prediction.observed,
+        remarks=prediction.remarks,
+        pictures=list(pictures.values()),
+    )
+
+
+def quantity(value: float, unit: str, digits: int = 3) -> str:
+    """Write an SI quantity with a prefix as it is printed: 5 MPa, 1610 nm², 10⁶ s."""
+    number, name = written(value, unit, digits).split(" ")
+    if "e" in number:
+        mantissa, ten = number.split("e")
+        raised = str(int(ten)).translate(_RAISED)
+        number = f"{float(number):.0f}" if 3 <= int(ten) < 5 else f"{mantissa} × 10{raised}"
+    return f"{number.removeprefix('1 × ')} {name.replace('^2', '²').replace('u', 'µ')}"
+
+
+def _rows(prediction: Prediction) -> list[_Row]:
+    """What is known at the times of the maps."""
+    dataset = prediction.dataset
+    force, friction = prediction.friction_force, prediction.friction
+
+    def at(values: Field | None, place: int) -> float | None:
+        return None if values is None else float(values[place])
+
+    rows = []
+    for moment, resolved in zip(np.asarray(dataset["field_time"]), prediction.resolved, strict=True):
+        place = int(np.flatnonzero(prediction.time == moment)[0])
+        here = dataset.isel(time=place + 1)
+        corrected = float(here["contact_area_corrected"])
+        rows.append(
+            _Row(
+                time=float(moment),
+                counted=float(here["contact_area"]),
+                corrected=corrected,
+                fraction=corrected / prediction.nominal_area,
+                mean_pressure=float(here["load"]) / prediction.nominal_area,
+                contact_pressure=float(here["mean_contact_pressure"]),
+                largest_pressure=float(here["largest_pressure"]),
+                gap=float(here["mean_gap"]),
+                friction=at(friction, place),
+                friction_force=at(force, place),
+                resolved=resolved,
+            )
+        )
+    return rows
+
+
+def _pixels(figure: Figure) -> bytes:
+    stream = BytesIO()
+    figure.savefig(stream, format="png")
+    return stream.getvalue()

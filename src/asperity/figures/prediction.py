@@ -1,0 +1,215 @@
+"""A prediction drawn: growth of the area, contact and pressure on the scan, what an instrument sees."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm, to_rgba
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from asperity.analysis.maps import SiteState, color_range
+from asperity.analysis.prediction import Prediction
+from asperity.analysis.scan import readable
+from asperity.figures import style
+from asperity.figures.marks import COLORS
+from asperity.lattice import Field
+
+_BINS = 60
+
+
+def growth_figure(prediction: Prediction) -> Figure:
+    """Draw the area against the logarithm of time, its growth per decade with its band, and friction.
+
+    Parameters
+    ----------
+    prediction
+        From `asperity.predict`.
+
+    Returns
+    -------
+    Figure
+    """
+    friction = prediction.friction
+    panels = 2 if friction is None else 3
+    figure = style.Drawing(figsize=(6.8, 3.2 + 2.1 * (panels - 1)), layout="constrained")
+    grid = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 2, 2)[:panels])
+    time, growth = prediction.time, prediction.growth
+    unit, square = _areas(prediction)
+    counted, corrected = (
+        square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
+    )
+    _draw(grid[0], time, counted, style.GRAY, "s", "sites counted")
+    _draw(grid[0], time, corrected, style.INK, "o", "less the rim")
+    grid[0].set_xscale("log")
+    grid[0].set_ylabel(f"real contact area [{unit}]")
+    style.count_nominal_area(grid[0], 100.0 / (prediction.nominal_area * square))
+    begin, end, slope = (np.array(column) for column in zip(*growth.decades, strict=True))
+    edges = np.append(begin, end[-1])
+    grid[1].stairs(
+        100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.8, label="decade by decade"
+    )
+    grid[1].axhline(
+        100 * growth.per_decade, color=style.INK, linewidth=1.2, label="straight line over all decades"
+    )
+    grid[1].axhspan(
+        *(100 * edge for edge in growth.band), color=style.SKY, alpha=0.35, linewidth=0, label="its 95 % band"
+    )
+    grid[1].set_ylabel("growth per decade\n[% of first area]")
+    if friction is not None:
+        _draw(grid[2], time, friction, style.VERMILION, "o", "shear strength × area / load")
+        grid[2].set_ylabel("static friction $\\mu$")
+    for axes in grid:
+        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.legend(loc="upper left", fontsize=8, framealpha=0.95)
+    grid[-1].set_xlabel("time under load [s]")
+    return figure
+
+
+def contact_maps_figure(prediction: Prediction) -> Figure:
+    """Draw where the scan touches at the first and the last time, and with which pressure."""
+    dataset = prediction.dataset
+    heights = np.asarray(dataset["heights"])
+    touching, pressure = (np.asarray(dataset[name])[[0, -1]] for name in ("in_contact", "pressure"))
+    tall = heights.shape[0] * prediction.spacing[0] / (heights.shape[1] * prediction.spacing[1])
+    figure = style.Drawing(figsize=(8.4, 1.2 + 6.1 * min(max(tall, 0.3), 1.6)), layout="constrained")
+    grid = figure.subplots(2, 2, sharex=True, sharey=True)
+    unit, extent = _extent(prediction, heights.shape)
+    low, high = color_range(heights)
+    height_unit, factor = readable("m", high - low)
+    times = np.asarray(dataset["field_time"])[[0, -1]]
+    pressure_unit, scale = readable("Pa", float(pressure.max()))
+    positive = pressure[pressure > 0] * scale
+    limits = LogNorm(*np.quantile(positive, (0.02, 1.0)))
+    shown = {
+        "extent": extent,
+        "interpolation": "antialiased",
+        "interpolation_stage": "rgba",
+        "rasterized": True,
+    }
+    for column, time in enumerate(times):
+        upper, lower = grid[:, column]
+        relief = upper.imshow(
+            heights * factor, cmap="gray", clim=(low * factor, high * factor), alpha=0.75, **shown
+        )
+        colors = np.zeros((*heights.shape, 4))
+        colors[touching[column]] = to_rgba(COLORS[SiteState.NEW])
+        colors[touching[0]] = to_rgba(COLORS[SiteState.KEPT])
+        upper.imshow(colors, **shown)
+        percent = 100 * touching[column].mean()
+        upper.set_title(
+            f"$t$ = ${style.power(float(time))}$ s: {percent:.3g} % of the scan touches", fontsize=9
+        )
+        lower.set_facecolor("0.93")
+        image = lower.imshow(
+            np.where(touching[column], pressure[column] * scale, np.nan), cmap="viridis", norm=limits, **shown
+        )
+        lower.set_xlabel(style.with_unit("x", unit))
+    for axes in grid[:, 0]:
+        axes.set_ylabel(style.with_unit("y", unit))
+    figure.colorbar(
+        relief, ax=grid[0, :], label=style.with_unit("height", height_unit), shrink=0.9, extend="both"
+    )
+    figure.colorbar(
+        image, ax=grid[1, :], label=f"contact pressure [{pressure_unit}]", shrink=0.9, extend="min"
+    )
+    handles = [
+        Line2D([], [], ls="", marker="s", markersize=7, color=COLORS[state], label=label)
+        for state, label in (
+            (SiteState.KEPT, "touches since the first time"),
+            (SiteState.NEW, "touches at the last time only"),
+        )
+    ]
+    figure.legend(handles=handles, loc="outside upper center", ncols=2, fontsize=9, frameon=False)
+    return figure
+
+
+def pressure_figure(prediction: Prediction) -> Figure:
+    """Draw the distribution of the contact pressure at the first and the last time."""
+    pressure = np.asarray(prediction.dataset["pressure"])[[0, -1]]
+    touching = np.asarray(prediction.dataset["in_contact"])[[0, -1]]
+    unit, scale = readable("Pa", float(np.quantile(pressure[touching], 0.9)))
+    figure = style.Drawing(figsize=(6.8, 3.6), layout="constrained")
+    axes = figure.subplots()
+    edges = np.linspace(0, scale * float(np.quantile(pressure[0][touching[0]], 0.98)), _BINS + 1)
+    looks = ((style.GRAY, "--"), (style.VERMILION, "-"))
+    for field, mask, time, (color, dash) in zip(
+        pressure, touching, np.asarray(prediction.dataset["field_time"])[[0, -1]], looks, strict=True
+    ):
+        values = scale * field[mask]
+        density, _ = np.histogram(values, bins=edges)
+        label = f"$t$ = ${style.power(float(time))}$ s, mean {values.mean():.3g} {unit}"
+        axes.stairs(
+            density / values.size / np.diff(edges),
+            edges,
+            color=color,
+            linestyle=dash,
+            linewidth=1.6,
+            label=label,
+        )
+        axes.axvline(values.mean(), color=color, linestyle=":", linewidth=1.2)
+    axes.set_xlim(0, edges[-1])
+    axes.set_ylim(0, None)
+    axes.set_xlabel(f"contact pressure [{unit}]")
+    axes.set_ylabel(f"part of the contact area\nper pressure [1/{unit}]")
+    axes.legend(loc="upper right", fontsize=8, framealpha=0.95)
+    axes.grid(visible=True, color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)
+    return figure
+
+
+def observed_figure(prediction: Prediction) -> Figure:
+    """Draw the contact at the last time, its image in the instrument, and what of it counts as contact."""
+    observation = prediction.observed[-1]
+    touching = np.asarray(prediction.dataset["in_contact"])[-1]
+    figure = style.Drawing(figsize=(9.0, 3.9), layout="constrained")
+    grid = figure.subplots(1, 3, sharex=True, sharey=True)
+    unit, extent = _extent(prediction, touching.shape)
+    rows, columns = (n * side for n, side in zip(observation.image.shape, observation.spacing, strict=True))
+    factor = extent[1] / (touching.shape[1] * prediction.spacing[1])
+    seen_extent = (0.0, columns * factor, rows * factor, 0.0)
+    maps = ((touching, extent, "contact"), (observation.image, seen_extent, "its image"))
+    for axes, (field, where, title) in zip(grid, maps, strict=False):
+        axes.imshow(
+            field, cmap="gray_r", clim=(0, 1), extent=where, interpolation="antialiased", rasterized=True
+        )
+        axes.set_title(title, fontsize=9)
+    assert observation.seen is not None
+    grid[2].imshow(observation.seen, cmap="gray_r", clim=(0, 1), extent=seen_extent, interpolation="nearest")
+    grid[2].set_title(f"above {observation.threshold:g} of full contact", fontsize=9)
+    for axes in grid:
+        axes.set_xlabel(style.with_unit("x", unit))
+        axes.set_xlim(extent[0], extent[1])
+        axes.set_ylim(extent[2], extent[3])
+    grid[0].set_ylabel(style.with_unit("y", unit))
+    return figure
+
+
+def _draw(axes: Axes, time: Field, values: Field, color: str, marker: str, label: str) -> None:
+    axes.plot(
+        time,
+        values,
+        "-",
+        color=color,
+        marker=marker,
+        markersize=4,
+        markerfacecolor="white",
+        linewidth=1.0,
+        label=label,
+    )
+
+
+def _areas(prediction: Prediction) -> tuple[str, float]:
+    """Unit of areas, and the factor to it from m^2."""
+    unit, factor = readable("m", math.sqrt(prediction.nominal_area))
+    return f"{style.spelled(unit)}²", factor**2
+
+
+def _extent(prediction: Prediction, shape: tuple[int, ...]) -> tuple[str, tuple[float, float, float, float]]:
+    """Unit of the axes, and left, right, lower and upper end."""
+    sides = [n * side for n, side in zip(shape, prediction.spacing, strict=True)]
+    unit, factor = readable("m", max(sides))
+    return unit, (0.0, sides[1] * factor, sides[0] * factor, 0.0)

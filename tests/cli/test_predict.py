@@ -1,0 +1,465 @@
+"""``asperity predict``: from a table, a scan and a load to growth, against other ways to it."""
+
+from __future__ import annotations
+
+import csv
+import html.parser
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity.analysis.prediction import Prediction, growth_of
+from asperity.cli import main
+from asperity.cli import predict as command
+from asperity.figures.page import quantity
+from asperity.runs import Silent
+from asperity.runs.prediction import Modulus
+from tests.cli.conftest import Asperity
+from tests.refusals import refuses
+
+TAU = 30e6
+DATA = Path(os.environ.get("ASPERITY_DATA", ""))
+PMMA = Path(__file__).parents[2] / "docs" / "data" / "pmma_like_relaxation.csv"
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a scan without units, as text in nm, and a relaxation table of four decades."""
+    folder = tmp_path_factory.mktemp("files")
+    heights = asp.surfaces.spectral((40, 48), spacing=50.0, hurst=0.8, rms_height=20.0, seed=3)
+    np.savetxt(folder / "scan.txt", heights)
+    time = np.geomspace(0.01, 100.0, 17)
+    modulus = 1000 + 600 * np.exp(-time / 0.3) + 900 * np.exp(-time / 20)
+    lines = (f"{t:.6g},{E:.8g}" for t, E in zip(time, modulus, strict=True))
+    (folder / "relaxation.csv").write_text("\n".join(["time_s,E_MPa", *lines]) + "\n")
+    return folder
+
+
+def words(files: Path, *more: str | Path) -> list[str]:
+    """The command, with the units of the scan."""
+    table, scan = files / "relaxation.csv", files / "scan.txt"
+    units = ("--file-unit", "nm", "--pixel-size", "50", "--length-unit", "nm")
+    return ["predict", str(table), "--surface", str(scan), *units, *map(str, more)]
+
+
+@pytest.fixture(scope="module")
+def finished(files: Path) -> Path:
+    """The folder of a finished prediction, not to be changed."""
+    out = files / "out"
+    extra = ("--shear-strength", "30MPa", "--pixel", "0.2um", "--blur", "150nm", "--threshold", "0.3")
+    assert main([*words(files, "--pressure", "40MPa", "--quiet", "--out", out), *extra]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def scan(files: Path) -> asp.surfaces.Surface:
+    """The scan, with its units."""
+    lengths: dict[str, Any] = {"file_unit": "nm", "pixel_size": 50.0, "length_unit": "nm"}
+    return asp.surfaces.read(files / "scan.txt", periodic="reflect", **lengths)
+
+
+@pytest.fixture(scope="module")
+def prediction(files: Path, scan: asp.surfaces.Surface) -> Prediction:
+    """The same prediction in Python."""
+    return asp.predict(files / "relaxation.csv", scan, pressure="40 MPa", shear_strength=TAU)
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> list[Prediction]:
+    """What the command predicts from now on, without pictures: they take longest."""
+    found: list[Prediction] = []
+    monkeypatch.setattr(command, "_write", lambda prediction, *_, **__: found.append(prediction))
+    return found
+
+
+def table_of(folder: Path) -> dict[str, list[float]]:
+    with (folder / "history.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    return {name: [float(row[name]) for row in rows] for name in rows[0]}
+
+
+def test_all_files_are_there(finished: Path) -> None:
+    assert sorted(p.name for p in finished.iterdir()) == [
+        "contacts.png",
+        "growth.png",
+        "history.csv",
+        "history.zarr",
+        "observed.png",
+        "prediction.html",
+        "pressure.png",
+        "relaxation.png",
+        "summary.txt",
+    ]
+
+
+def test_the_command_and_the_function_agree(finished: Path, prediction: Prediction) -> None:
+    stored, table = asp.results.load(finished), table_of(finished)
+    for name in ("time", "contact_area", "contact_area_corrected", "in_contact", "pressure"):
+        np.testing.assert_array_equal(stored[name], prediction.dataset[name])
+    np.testing.assert_array_equal(table["time [s]"], prediction.time)
+    np.testing.assert_array_equal(table["contact_area [m^2]"], prediction.series("contact_area"))
+    assert "u0" not in stored
+    assert json.loads(stored.attrs["prediction"])["table"] == "relaxation.csv"
+    summary = (finished / "summary.txt").read_text()
+    assert (
+        f"growth            {100 * prediction.growth.per_decade:.3g} % of the first area per decade"
+        in summary
+    )
+
+
+def test_the_contact_is_that_of_an_elastic_solid_as_soft_as_the_table_says(
+    scan: asp.surfaces.Surface, prediction: Prediction
+) -> None:
+    # E. H. Lee, J. R. M. Radok (1960): under a constant load, an elastic contact of modulus 1/J(t).
+    series = prediction.fit.series
+    for place in (0, 7, -1):
+        compliance = float(series.compliance_at(prediction.time[place])) * (1 - 0.35**2)
+        elastic = asp.press(scan, asp.solids.half_space(modulus=1 / compliance), pressure=40e6)
+        assert prediction.series("area")[place] == pytest.approx(elastic.area, abs=1)
+        assert prediction.series("mean_gap")[place] == pytest.approx(elastic.mean_gap, rel=1e-4)
+
+
+def test_friction_is_shear_strength_times_area(finished: Path) -> None:
+    table = table_of(finished)
+    area, load = np.array(table["contact_area_corrected [m^2]"]), np.array(table["load [N]"])
+    np.testing.assert_allclose(table["friction_force [N]"], TAU * area, rtol=1e-14)
+    np.testing.assert_allclose(table["friction [1]"], TAU * area / load, rtol=1e-14)
+    np.testing.assert_allclose(load, 40e6 * 40 * 48 * 50e-9**2, rtol=1e-6)
+
+
+def test_a_load_is_a_pressure_over_the_scan(
+    files: Path, scan: asp.surfaces.Surface, prediction: Prediction
+) -> None:
+    load = 40e6 * 40 * 48 * 50e-9**2
+    ours = asp.predict(files / "relaxation.csv", scan, load=f"{1e3 * load} mN", first=1.0, last="1e5 ms")
+    assert ours.time[[0, -1]].tolist() == pytest.approx([1.0, 100.0])
+    np.testing.assert_array_equal(ours.series("area")[-1], prediction.series("area")[-1])
+    assert ours.friction is None
+
+
+def test_mirror_images_are_taken_as_reflecting_edges(files: Path, prediction: Prediction) -> None:
+    lengths: dict[str, Any] = {"file_unit": "nm", "pixel_size": 50.0, "length_unit": "nm"}
+    mirrored = asp.surfaces.read(files / "scan.txt", periodic="mirror", **lengths)
+    doubled = asp.predict(files / "relaxation.csv", mirrored, pressure="40 MPa")
+    assert mirrored.shape == (80, 96)
+    np.testing.assert_array_equal(doubled.series("area"), prediction.series("area"))
+    assert doubled.growth == prediction.growth
+    # The doubled scan itself, periodic, touches on four times the sites.
+    contact = asp.press(mirrored, asp.solids.half_space(modulus=prediction.modulus), pressure=40e6)
+    assert contact.area == pytest.approx(4 * int(prediction.dataset["area"][0]), abs=4)
+
+
+def test_what_the_table_measures(files: Path, scan: asp.surfaces.Surface, prediction: Prediction) -> None:
+    at_once = prediction.fit.series.modulus
+    assert prediction.modulus == pytest.approx(at_once / (1 - 0.35**2))
+    cases: dict[Modulus, float] = {"shear": 2 * at_once / (1 - 0.4), "contact": at_once}
+    for modulus, stiffness in cases.items():
+        ours = asp.predict(
+            files / "relaxation.csv",
+            scan,
+            pressure=80e6,
+            modulus=modulus,
+            poisson=0.4,
+            last=0.1,
+            per_decade=1,
+        )
+        assert ours.modulus == pytest.approx(stiffness)
+
+
+def test_another_temperature_shifts_every_time(
+    files: Path, prediction: Prediction, undrawn: list[Prediction], tmp_path: Path
+) -> None:
+    warm = ("--temperature", "40degC", "--reference", "293.15 K", "--activation-energy", "100kJ/mol")
+    assert main([*words(files, "--pressure", "40MPa", *warm, "-q", "--out", tmp_path / "out")]) == 0
+    factor = np.exp(1e5 / 8.31446261815324 * (1 / 313.15 - 1 / 293.15))
+    np.testing.assert_allclose(undrawn[0].time, factor * prediction.time, rtol=1e-6)
+    np.testing.assert_allclose(undrawn[0].series("area"), prediction.series("area"), atol=1)
+
+
+def test_what_the_instrument_sees_is_in_the_summary(finished: Path) -> None:
+    dataset = asp.results.load(finished)
+    last = asp.observe(dataset.isel(field_time=-1), pixel=0.2e-6, blur=150e-9, threshold=0.3)
+    assert last.image.shape == (10, 12)
+    assert f"seen at last      {last.area * 1e12:.4g} um^2, patches: {last.patches.count}" in (
+        finished / "summary.txt"
+    ).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "said"),
+    [
+        (5e6, "Pa", "5 MPa"),
+        (3.921e9, "Pa", "3.92 GPa"),
+        (2.2e-11, "m^2", "22 µm²"),
+        (1.61e-15, "m^2", "1610 nm²"),
+        (9.7656e-10, "m", "977 pm"),
+        (1e-3, "s", "1 ms"),
+        (1.78e4, "s", "17800 s"),
+        (1e6, "s", "10⁶ s"),
+        (2.5e7, "s", "2.5 × 10⁷ s"),
+    ],
+)
+def test_quantities_are_spelled_as_printed(value: float, unit: str, said: str) -> None:
+    assert quantity(value, unit) == said
+
+
+class Page(html.parser.HTMLParser):
+    """Reads a page: its words, its pictures, and whether tags are closed in turn."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.words, self.pictures = "", 0
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+        self.pictures += tag == "img" and (dict(attrs)["src"] or "").startswith("data:image/png;base64,iVBOR")
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words += data
+
+
+def test_the_page_says_what_was_predicted(finished: Path, prediction: Prediction) -> None:
+    page = Page((finished / "prediction.html").read_text(encoding="utf-8"))
+    assert page.open == []
+    assert page.pictures == 5
+    text = " ".join(page.words.split())
+    low, high = prediction.growth.band
+    assert f"{100 * prediction.growth.per_decade:.3g} % of the first area per decade" in text
+    assert f"(95 % band {100 * low:.3g} to {100 * high:.3g} %)" in text
+    for said in (
+        "Poisson’s ratio 0.35",
+        "40 × 48 pixels of 50 nm × 50 nm",
+        "17 points",
+        "scan.txt",
+        "mirror image",
+    ):
+        assert said in text
+    assert "nan" not in text.lower().split()
+    for remark in prediction.remarks:
+        assert remark[1:] in text
+
+
+def made_history(slope: float, spread: float) -> xr.Dataset:
+    """A history of area 1 + slope log10 t, in sixteen tiles that grow alike, but for a spread."""
+    time = np.geomspace(1.0, 1e4, 17)
+    moments = time[::4]
+    rows = np.zeros((5, 40, 40), dtype=bool)
+    for number, moment in enumerate(moments):
+        for tile in range(16):
+            own = slope * (1 + spread * (-1) ** tile)
+            filled = round(40 * (1 + own * np.log10(moment)))
+            corner = np.zeros(100, dtype=bool)
+            corner[:filled] = True
+            y, x = 10 * (tile // 4), 10 * (tile % 4)
+            rows[number, y : y + 10, x : x + 10] = corner.reshape(10, 10)
+    area = np.append(np.nan, 1 + slope * np.log10(time))
+    return xr.Dataset(
+        {"contact_area_corrected": ("time", area), "in_contact": (("field_time", "y", "x"), rows)},
+        {"time": np.append(0.0, time), "field_time": moments},
+    )
+
+
+def noisy(error: float, seed: int) -> asp.relaxation.Relaxation:
+    time = np.geomspace(1.0, 1e4, 30)
+    deviations = np.random.default_rng(seed).normal(size=30)
+    # A compliance of 1 + 0.1 log10 t, very nearly.
+    return asp.relaxation.Relaxation(
+        time, 1e9 / (1 + 0.1 * np.log10(time)) * (1 + error * deviations), noise=0.5
+    )
+
+
+def test_growth_of_a_straight_line() -> None:
+    growth = growth_of(made_history(0.1, 0.0), asp.relaxation.fit(noisy(0.0, 0)))
+    assert growth.per_decade == pytest.approx(0.1)
+    assert growth.straight is True
+    assert [slope for *_, slope in growth.decades] == pytest.approx([0.1] * 4)
+    assert [begin for begin, *_ in growth.decades] == pytest.approx([1, 10, 100, 1000])
+    np.testing.assert_allclose(growth.of_scan, 0.1, rtol=1e-9)
+    np.testing.assert_allclose(growth.of_table, 0.1, rtol=0.02)
+
+
+def test_tiles_that_grow_differently_widen_the_band() -> None:
+    # Half of the tiles grow by 5 %, half by 15 % a decade; of 16 drawn, the mean spreads by 5 % / 4.
+    growth = growth_of(made_history(0.1, 0.5), asp.relaxation.fit(noisy(0.0, 0)))
+    low, high = growth.of_scan
+    assert high - low == pytest.approx(2 * 1.96 * 0.05 / 4, rel=0.2)
+    assert growth.band[0] <= low * 1.02
+    assert growth.band[1] >= high * 0.98
+
+
+def test_a_noisy_table_widens_the_band_as_other_tables_spread() -> None:
+    # The area is the compliance here: each table of the same noise gives a slope of its own.
+    time = np.geomspace(1.0, 1e4, 17)
+    slopes = []
+    for seed in range(40):
+        compliance = asp.relaxation.fit(noisy(0.01, seed)).series.compliance_at(time)
+        slopes.append(np.polyfit(np.log10(time), compliance / compliance[0], 1)[0])
+    widths = []
+    for seed in (0, 1, 2):
+        found = asp.relaxation.fit(noisy(0.01, seed))
+        history = made_history(0.1, 0.0)
+        compliance = found.series.compliance_at(time)
+        history["contact_area_corrected"][1:] = compliance / compliance[0]
+        low, high = growth_of(history, found).of_table
+        widths.append(high - low)
+    assert np.mean(widths) == pytest.approx(2 * 1.96 * np.std(slopes), rel=0.35)
+
+
+@pytest.mark.parametrize("pressure", ["1 Pa", "9 GPa"])
+def test_a_contact_of_one_pixel_or_of_all_does_not_grow(
+    files: Path, scan: asp.surfaces.Surface, pressure: str
+) -> None:
+    ours = asp.predict(files / "relaxation.csv", scan, pressure=pressure, per_decade=1)
+    np.testing.assert_array_equal(ours.series("area"), 1 if pressure == "1 Pa" else scan.heights.size)
+    growth = ours.growth
+    np.testing.assert_array_equal([growth.per_decade, *growth.band, *growth.of_table, *growth.of_scan], 0)
+    assert len(asp.figures.prediction_pictures(ours)) == 4
+
+
+def test_an_interrupted_prediction_goes_on(
+    files: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    asperity: Asperity,
+    prediction: Prediction,
+    undrawn: list[Prediction],
+    tmp_path: Path,
+) -> None:
+    class Impatient(Silent):
+        def reached(self, frame: asp.Frame) -> None:
+            if frame.time > 1.0:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "_CHECKPOINT_EVERY", 0.0)
+    monkeypatch.setattr("asperity.cli.progress.Silent", Impatient)
+    call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
+    status, _, said = asperity(*call)
+    assert status == 130
+    assert "the same command goes on from" in said
+    assert [path.suffix for path in tmp_path.iterdir()] == [".checkpoint"]
+    monkeypatch.setattr("asperity.cli.progress.Silent", Silent)
+    assert asperity(*call) == (0, "", "")
+    assert list(tmp_path.iterdir()) == []
+    for name in ("contact_area_corrected", "iterations", "in_contact"):
+        np.testing.assert_array_equal(undrawn[0].dataset[name], prediction.dataset[name])
+
+
+@pytest.mark.parametrize(
+    ("flag", "more"),
+    [
+        ("--pressure", ("--pressure", "1")),
+        ("--pressure", ("--pressure", "1 MPb")),
+        ("--pressure", ("--pressure", "10N")),
+        ("--pressure", ("--pressure=-1MPa",)),
+        ("--pressure", ()),
+        ("--pressure", ("--pressure", "1MPa", "--load", "1N")),
+        ("--load", ("--load", "ten newtons")),
+        ("--shear-strength", ("--pressure", "1MPa", "--shear-strength", "50")),
+        ("--first", ("--pressure", "1MPa", "--first", "1us")),
+        ("--last", ("--pressure", "1MPa", "--last", "2days")),
+        ("--last", ("--pressure", "1MPa", "--first", "10s", "--last", "1s")),
+        ("--poisson", ("--pressure", "1MPa", "--poisson", "0.6")),
+        ("--per-decade", ("--pressure", "1MPa", "--per-decade", "0")),
+        ("--reference", ("--pressure", "1MPa", "--temperature", "40degC")),
+        ("--activation-energy", ("--pressure", "1MPa", "--temperature", "40degC", "--reference", "20degC")),
+        ("--blur", ("--pressure", "40MPa", "--blur", "1mm")),
+        ("--pixel", ("--pressure", "40MPa", "--pixel", "1")),
+    ],
+)
+def test_mistakes_are_one_clear_line(
+    flag: str, more: tuple[str, ...], files: Path, tmp_path: Path, asperity: Asperity
+) -> None:
+    status, out, error = asperity(*words(files, *more, "--quiet", "--out", tmp_path / "out"))
+    assert (status, out) == (2, "")
+    assert error.startswith(f"asperity: {flag}: expected ")
+    assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_files_that_cannot_be_used(files: Path, tmp_path: Path, asperity: Asperity) -> None:
+    bare = ["predict", files / "relaxation.csv", "--surface", files / "scan.txt", "--pressure", "1MPa", "-q"]
+    status, _, error = asperity(*bare, "--out", tmp_path / "out")
+    assert status == 2
+    assert "--surface: expected heights with a unit of length" in error
+    status, _, error = asperity(*bare, "--file-unit", "nm", "--out", tmp_path / "out")
+    assert status == 2
+    assert "--surface: expected the distance between pixels" in error
+    lines = (files / "relaxation.csv").read_text().splitlines()
+    for broken, said in (
+        ([lines[0], lines[2], lines[1], *lines[3:]], "time that rises"),
+        ([*lines[:10], "1.2,9000", *lines[10:]], "no rise with time"),
+        (lines[:4], "points or more"),
+    ):
+        table = tmp_path / "table.csv"
+        table.write_text("\n".join(broken))
+        call = words(files, "--pressure", "1MPa", "--quiet", "--out", tmp_path / "out")
+        status, _, error = asperity(call[0], table, *call[2:])
+        assert status == 2
+        assert said in error
+        assert error.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["table.csv"]
+
+
+def test_a_table_that_needs_words(
+    files: Path, undrawn: list[Prediction], prediction: Prediction, tmp_path: Path, asperity: Asperity
+) -> None:
+    lines = (files / "relaxation.csv").read_text().splitlines()
+    (tmp_path / "table.csv").write_text("\n".join(["a,b", *(line.replace(",", "e0,") for line in lines[1:])]))
+    call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
+    call[1] = str(tmp_path / "table.csv")
+    status, _, error = asperity(*call)
+    assert status == 2
+    assert "--columns [...] to choose" in error
+    status, _, error = asperity(*call, "--kind", "relaxation", "--columns", "a", "b")
+    assert status == 0
+    assert "taken as Pa" in error
+    # Read in Pa, the modulus is a millionth of what it was, and so is the load that gives the same contact.
+    assert undrawn[0].modulus == pytest.approx(prediction.modulus / 1e6)
+    rising = [*lines[:10], "1.2,2500", *lines[10:]]
+    (tmp_path / "table.csv").write_text("\n".join(rising))
+    status, _, error = asperity(*call)
+    assert status == 2
+    assert "try --noise 0." in error
+
+
+def test_results_are_kept(finished: Path, files: Path, asperity: Asperity) -> None:
+    status, _, error = asperity(*words(files, "--pressure", "1MPa", "--out", finished))
+    assert status == 2
+    assert "which holds a run and is kept; try another name, or --overwrite" in error
+
+
+def test_what_python_refuses(files: Path, scan: asp.surfaces.Surface) -> None:
+    table = files / "relaxation.csv"
+    with refuses("load and pressure"):
+        asp.predict(table, scan)
+    with refuses("modulus"):
+        asp.predict(table, scan, pressure=1e6, modulus="bulk")  # type: ignore[arg-type]
+    with refuses("surface"):
+        asp.predict(table, asp.surfaces.Surface(scan.heights[0]), pressure=1e6)
+    with refuses("surface"):
+        asp.predict(table, asp.surfaces.Surface(scan.heights), pressure=1e6)
+    with refuses("data"):
+        asp.predict(3.5, scan, pressure=1e6)  # type: ignore[arg-type]
+
+
+@pytest.mark.skipif(not (DATA / "mi-1.mi").is_file(), reason="needs ASPERITY_DATA")
+def test_a_part_of_a_real_scan(undrawn: list[Prediction], tmp_path: Path, asperity: Asperity) -> None:
+    part = ("--crop", "0", "64", "0", "64", "--pressure", "5MPa", "--per-decade", "1")
+    call = ("predict", PMMA, "--surface", DATA / "mi-1.mi", *part, "--quiet", "--out", tmp_path / "out")
+    assert asperity(*call) == (0, "", "")
+    assert undrawn[0].time.size == 10
+    area = undrawn[0].series("contact_area_corrected")
+    assert (np.diff(area) > 0).all()
+    assert 0.05 < area[0] / (64 * 78.125e-9) ** 2 < 0.6
+    assert 1.2 < area[-1] / area[0] < 3
