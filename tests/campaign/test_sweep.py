@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 import asperity.campaign as campaign
-from asperity import age, press
+from asperity import age, observe, press
 from asperity.campaign.cluster import connect
 from asperity.campaign.gather import SWEPT
 from asperity.campaign.plan import _NOT_SWEPT, value_at
@@ -492,7 +492,7 @@ def identity_of(folder, where):
 
 
 def test_kept_fields_are_those_of_single_runs(tmp_path):
-    plan = written(tmp_path, SMALL + "\n[output]\nmaps_at = [0.0, 1.0]\n")
+    plan = written(tmp_path, SMALL + "\n[output]\nmaps_at = [0.0, 1.0]\npixel = 2.0\n")
     assert main(["sweep", str(plan), "--out", str(tmp_path / "out"), "--workers", "1", "--quiet"]) == 0
     data = campaign.open(tmp_path / "out")
     where = {str(name): data[name].values[-1] for name in data["initial_area"].dims}
@@ -501,6 +501,10 @@ def test_kept_fields_are_those_of_single_runs(tmp_path):
     assert fields["field_time"].values.tolist() == [0.0, 1.0]
     assert fields["in_contact"].isel(field_time=0).sum() == run["initial_area"]
     assert fields["in_contact_relaxed"].sum() == run["relaxed_area"]
+    seen = [observe(fields.isel(field_time=number), pixel=2.0).area for number in (0, 1)]
+    assert fields["area_observed"].values.tolist() == seen
+    assert seen[0] == pytest.approx(float(run["initial_area"]))
+    assert fields.attrs == {"spacing": "[1.0, 1.0]", "edges": "periodic", "si": 0}
     touching = (fields["u"] == fields["heights"]).sum(("y", "x"))
     assert (touching == fields["in_contact"].sum(("y", "x"))).all()
     for wrong in ({}, where | {"k9": 1.0}, where | {"seed": 99}):

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asperity import age, press, relax, results
+from asperity import age, observe, press, relax, results
 from asperity.solids import spring_lattice
 from asperity.surfaces import exponential, gaussian, read, self_affine, spectral
 from tests.cli.conftest import SMALL, Asperity
@@ -308,3 +308,31 @@ def test_the_summary_says_how_a_file_was_prepared(tmp_path: Path, asperity: Aspe
         "pixel_size = 0.5, length_unit = um); loads and areas are those of 4 mirrored copies" in summary
     )
     assert json.loads(results.load(out / "history.zarr").attrs["surface"])["crop"] == [0, 12, 2, 18]
+
+
+def test_an_instrument_looks_at_the_maps(finished: Path, tmp_path: Path, asperity: Asperity) -> None:
+    out = tmp_path / "out"
+    instrument = ("--pixel", "4", "--blur", "2.5", "--threshold", "0.05")
+    status, text, _ = asperity("run", *SMALL, "--seed", "7", *instrument, "--out", out)
+    assert status == 0
+    dataset, usual = results.load(out), results.load(finished)
+    maps = [usual.isel(field_time=number) for number in range(6)]
+    seen = [observe(one, pixel=4.0, blur=2.5, threshold=0.05).area for one in maps]
+    assert dataset["area_observed"].values.tolist() == seen
+    assert dataset["area_observed"].attrs["units"] == "sites"
+    assert max(seen) > 0
+    assert re.search(rf"seen at t = 10 +{seen[-1]:g}\n", text)
+    assert results.load(out).drop_vars("area_observed")["u"].identical(usual["u"])
+
+
+def test_an_instrument_that_sees_nothing(tmp_path: Path, asperity: Asperity) -> None:
+    for words, said in (
+        (("--blur", "99"), "blur: expected a finite number >= 0 and <= 32, got 99.0"),
+        (("--pixel", "2", "--maps-at", ""), "pixel: expected maps to look at, got maps_at = []"),
+        (("--pixel", "2um"), "expected plain numbers for a spring_lattice"),
+        (("--threshold", "2"), "--threshold: expected a number of at most 1.0, got 2"),
+    ):
+        status, _, error = asperity("run", *SMALL, *words, "--quiet", "--out", tmp_path / "out")
+        assert status == 2
+        assert said in error
+    assert list(tmp_path.iterdir()) == []

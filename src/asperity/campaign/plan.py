@@ -34,6 +34,7 @@ Value = float | int | str
 _NOT_SWEPT = (
     *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample"),
     *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation"),
+    *("pixel", "blur", "threshold"),
 )
 _STORE_FORMAT = 3
 

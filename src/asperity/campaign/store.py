@@ -36,7 +36,7 @@ QUANTITIES = ("time", *(SERIES | OF_CONTINUA), "leg")
 FITTED = ("a", "q", "t0", "C")
 _ALWAYS = {"sites", "initial_area", "seconds"}
 """Scalars that every finished run has."""
-KEPT_FIELDS = ("heights", *FIELDS, *FIELDS_OF_CONTINUA, "in_contact_relaxed", "u_relaxed")
+KEPT_FIELDS = ("heights", *FIELDS, *FIELDS_OF_CONTINUA, "in_contact_relaxed", "u_relaxed", "area_observed")
 """Fields of a run that asked for maps."""
 
 
@@ -196,7 +196,8 @@ class Store:
         """
         try:
             group = zarr.open_group(self.runs / identity, mode="r")
-            kept = dict(group.attrs).get("fields_checksum")
+            facts: dict[str, Any] = dict(group.attrs)
+            kept, lattice = facts.get("fields_checksum"), facts.get("lattice", {})
         except FileNotFoundError as error:
             raise self._unreadable(identity, error) from error
         except Exception as error:
@@ -217,12 +218,15 @@ class Store:
         sites = ("y", "x")[2 - arrays["heights"].ndim :]
         times = arrays.pop("field_time")
         before = {1: ("field_time",), 2: ("field_time", "branch")}
+        of_maps = {name: ("field_time", arrays.pop(name)) for name in ("area_observed",) if name in arrays}
         return xr.Dataset(
             {
                 name: ((*before.get(values.ndim - len(sites), ()), *sites), values)
                 for name, values in arrays.items()
-            },
+            }
+            | of_maps,
             coords={"field_time": times},
+            attrs=lattice,
         )
 
     def _unreadable(self, identity: str, error: Exception) -> InputError:
@@ -264,6 +268,7 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
                 name: [known[name].attrs.get(key, "") for key in ("long_name", "units")]
                 for name in quantities
             },
+            "lattice": {name: dataset.attrs[name] for name in ("spacing", "edges", "si")},
             "scalars": _scalars(outcome) | {"seconds": seconds},
             "config": str(dataset.attrs["config"]),
             "asperity_version": str(dataset.attrs["asperity_version"]),

@@ -45,6 +45,11 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
     else:
         value = _said(dataset, held, float(attrs[f"held_{held}"]))
         rows += [("held", f"{held} {value}"), *_growth(summary, dataset)]
+    if "area_observed" in dataset:
+        seen = dataset["area_observed"]
+        ends = dict.fromkeys((0, seen.size - 1))
+        times, areas = seen["field_time"].values.tolist(), seen.values.tolist()
+        rows += [(f"seen at t = {times[n]:g}", written(areas[n], seen.attrs["units"], 5)) for n in ends]
     rows += [
         (
             "worst residual",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
@@ -21,6 +21,7 @@ from asperity.config.sections import (
     Pressure,
     Real,
     Section,
+    Size,
     Time,
     listed,
 )
@@ -440,6 +441,28 @@ class Output(Section):
         description="Times at which to keep and draw the contact. By default 0 and five others.",
     )
     figures: list[Figure] = Field(default=["png"], description='Formats of the figures; "" for none.')
+    pixel: Size | None = Field(
+        default=None,
+        description="Pixel of an instrument that looks at the maps; in sites where there are no units.",
+    )
+    blur: Size | None = Field(
+        default=None, description="Full width at half maximum of its point spread function, likewise."
+    )
+    threshold: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        default=None,
+        description="Part of full contact from which such a pixel counts. By default all light counts.",
+    )
+
+    @property
+    def instrument(self) -> dict[str, Any]:
+        """What looks at the maps, for `asperity.observe`; empty for none."""
+        return self.model_dump(include={"pixel", "blur", "threshold"}, exclude_none=True)
+
+    @model_validator(mode="after")
+    def _check_maps(self) -> Self:
+        if self.maps_at == [] and self.instrument:
+            raise ValueError(f"{next(iter(self.instrument))}: expected maps to look at, got maps_at = []")
+        return self
 
 
 class RunConfig(Section):

@@ -13,7 +13,7 @@ import scipy.fft
 import xarray as xr
 
 from asperity.aging import Frame
-from asperity.analysis import AgingSummary, aging_summary, with_limit
+from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
 from asperity.analysis.scan import written
 from asperity.config import MeasuredSurface, RunConfig, to_toml
 from asperity.config.models import Aging, Independent
@@ -137,12 +137,14 @@ def execute(
         progress.remark(remark)
     with scipy.fft.set_workers(threads if rough.heights.size >= _LARGE else 1):
         contact = _press(rough, solid, config, progress)
+        if config.output.instrument:
+            observe(contact, **config.output.instrument)  # refuses before hours have passed
         history = _age(contact, config, progress, checkpoint)
+        dataset = _observed(history.dataset, config)
         if config.protocol:
-            dataset = history.dataset.assign_attrs(config=to_toml(config))
-            return Outcome(config, dataset, None, remarks)
+            return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
         progress.stage("finding the relaxed state")
-        dataset, late_remarks = _with_limit(history, contact, config)
+        dataset, late_remarks = _with_limit(dataset, contact, config)
     dataset = dataset.assign_attrs(config=to_toml(config))
     return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks + late_remarks)
 
@@ -290,12 +292,26 @@ def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Ch
     )
 
 
-def _with_limit(history: History, contact: Contact, config: RunConfig) -> tuple[xr.Dataset, tuple[str, ...]]:
+def _observed(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
+    """Add the area that the instrument sees on each map, if there is one."""
+    instrument = config.output.instrument
+    if not instrument:
+        return dataset
+    maps = (dataset.isel(field_time=number) for number in range(dataset.sizes["field_time"]))
+    unit = dataset["contact_area"].attrs["units"] if "contact_area" in dataset else "sites"
+    described = {"long_name": "contact area that the instrument sees", "units": unit}
+    areas = [observe(one, **instrument).area for one in maps]
+    return dataset.assign(area_observed=("field_time", areas, described))
+
+
+def _with_limit(
+    dataset: xr.Dataset, contact: Contact, config: RunConfig
+) -> tuple[xr.Dataset, tuple[str, ...]]:
     """Add the relaxed state; where there is none to be had, the history is worth keeping all the same."""
     try:
-        return with_limit(history.dataset, relax(contact, hold=config.aging.hold)), ()
+        return with_limit(dataset, relax(contact, hold=config.aging.hold)), ()
     except (InputError, ConvergenceError) as error:
-        return history.dataset, (f"no relaxed state: {error}",)
+        return dataset, (f"no relaxed state: {error}",)
 
 
 def cores() -> int:
