@@ -9,6 +9,7 @@ import asperity as asp
 import asperity.campaign as campaign
 from asperity.campaign.forecast import _shrunk
 from asperity.campaign.plan import read_plan, value_at
+from asperity.cli import main
 from asperity.errors import ConfigError
 from tests.campaign.conftest import do_here, written
 
@@ -67,6 +68,14 @@ def test_moduli_and_seeds_give_what_single_runs_give_with_their_units(done):
     stiffer, softer = data["initial_area"].sel(modulus=4e9), data["initial_area"].sel(modulus=1e9)
     assert (softer > stiffer).all()
     assert tomllib.loads(data.attrs["config"])["sweep"]["modulus"] == [1e9, 4e9]
+
+
+def test_the_table_names_units(done, capsys):
+    assert main(["gather", str(done)]) == 0
+    header = (done / "gathered.csv").read_text().splitlines()[0].split(",")
+    assert header[:3] == ["modulus_Pa", "seed", "final_area_sites"]
+    assert {"relaxed_load_N", "relaxed_energy_J", "relaxed_separation_m", "relaxed_residual"} <= set(header)
+    assert "4 of 4 runs" in capsys.readouterr().out
 
 
 def test_fields_of_several_branches_come_back(done):

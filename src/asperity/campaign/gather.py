@@ -141,9 +141,8 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             long_name, unit = described[name]
             dataset[free] = ((*dims, "time"), values, {"long_name": long_name, "units": unit})
     for row, name in enumerate(names):
-        unit = (
-            described.get(name.removeprefix("relaxed_"), ("", ""))[1] if name.startswith("relaxed_") else ""
-        )
+        when, _, of_what = name.partition("_")
+        unit = described.get(of_what, ("", ""))[1] if when in ("initial", "final", "relaxed") else ""
         dataset[name] = (dims, scalars[row], {"long_name": name.replace("_", " "), "units": unit})
     units = units_named({name: unit for name, (_, unit) in described.items()})
     for name in map(str, dataset.coords):

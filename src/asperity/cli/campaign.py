@@ -16,6 +16,7 @@ from rich.progress import Progress as Bar
 import asperity.campaign as campaign
 from asperity.campaign import Plan, Tally
 from asperity.campaign.plan import Run, name_of
+from asperity.cli.output import with_unit
 from asperity.cli.report import aligned
 from asperity.errors import AsperityError, InputError
 from asperity.results import save
@@ -99,6 +100,8 @@ def gather(out: Path, *, to: Path | None, overwrite: bool) -> None:
         raise InputError("--to", expected="a new name", got=f"{csv} exists", advice="--overwrite")
     save(dataset, target, overwrite=replace)
     runs = campaign.table(dataset)
+    if dataset["time"].attrs["units"] == "s":
+        runs = runs.rename(columns=lambda name: with_unit(name, dataset[name].attrs.get("units") or "1"))
     with whole_file(csv) as part:
         runs.to_csv(part, index=False)
     sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())

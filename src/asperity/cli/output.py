@@ -197,7 +197,7 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
     return tuple(remarks)
 
 
-def _with_unit(name: str, unit: str) -> str:
+def with_unit(name: str, unit: str) -> str:
     """Head a column: ``load_N``, ``contact_area_m2``, and a pure number by its name alone."""
     spelled = unit.replace("^", "").replace("/", "_per_")
     return name if unit == "1" else f"{name}_{spelled}"
@@ -211,7 +211,7 @@ def _write_table(outcome: Outcome, path: Path) -> None:
     chosen = [*_COLUMNS, *continuum, *(["leg"] if "leg" in dataset.coords else [])]
     columns = [dataset[name].values.tolist() for name in chosen]
     si = bool(dataset.attrs["si"])
-    names = [_with_unit(name, dataset[name].attrs.get("units", "1")) if si else name for name in chosen]
+    names = [with_unit(name, dataset[name].attrs.get("units", "1")) if si else name for name in chosen]
     with path.open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(names)
