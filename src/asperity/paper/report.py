@@ -18,7 +18,7 @@ import matplotlib as mpl
 import pandas as pd
 from markupsafe import Markup, escape
 
-from asperity.config.models import Aging
+from asperity.config.models import RunConfig
 from asperity.errors import InputError, OutputError
 from asperity.paper.corrections import corrections
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
@@ -159,7 +159,7 @@ def write_report(
             ledger={name: [f for f in ordered if section_of(f.place) == name] for name in SECTIONS},
             tally=Counter(finding.verdict for finding in ordered),
             corrections=corrections(),
-            aging=Aging(),
+            usual=RunConfig(),
         )
         with whole_file(folder / name) as part:
             part.write_text(page, encoding="utf-8")
