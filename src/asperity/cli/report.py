@@ -57,6 +57,7 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
         ),
         (
             "effort",
+            f"{'exact contact, ' if attrs.get('exact_contact') == 'at all times' else ''}"
             f"{int(dataset['steps'].sum())} time steps, {int(dataset['iterations'].sum())} iterations, "
             f"{seconds:.1f} s{' in this session' if resumed else ''}",
         ),

@@ -118,7 +118,9 @@ class Surface:
         part = measured_part(self.shape, self.provenance)
         if math.prod(s.stop for s in part) == self.heights.size:
             return self
-        return dataclasses.replace(self, heights=self.heights[part], edges="reflecting")
+        heights = self.heights[part]
+        told = self.provenance | {"periodic_rule": "reflect", "final_shape": list(heights.shape)}
+        return dataclasses.replace(self, heights=heights, edges="reflecting", provenance=told)
 
     @property
     def remarks(self) -> tuple[str, ...]:
