@@ -415,17 +415,21 @@ def test_a_table_that_needs_words(
     files: Path, undrawn: list[Prediction], prediction: Prediction, tmp_path: Path, asperity: Asperity
 ) -> None:
     lines = (files / "relaxation.csv").read_text().splitlines()
-    (tmp_path / "table.csv").write_text("\n".join(["a,b", *(line.replace(",", "e0,") for line in lines[1:])]))
+    numbers = [line.replace(",", "e0,") for line in lines[1:]]
+    (tmp_path / "table.csv").write_text("\n".join(["a,b", *numbers]))
     call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
     call[1] = str(tmp_path / "table.csv")
     status, _, error = asperity(*call)
     assert status == 2
     assert "--columns [...] to choose" in error
+    # Without units a modulus in MPa would be taken for one in Pa.
     status, _, error = asperity(*call, "--kind", "relaxation", "--columns", "a", "b")
+    assert status == 2
+    assert "expected columns that name their units" in error
+    (tmp_path / "table.csv").write_text("\n".join(["a_s,b_MPa", *numbers]))
+    status, _, error = asperity(*call, "--kind", "relaxation", "--columns", "a_s", "b_MPa")
     assert status == 0
-    assert "taken as Pa" in error
-    # Read in Pa, the modulus is a millionth of what it was, and so is the load that gives the same contact.
-    assert undrawn[0].modulus == pytest.approx(prediction.modulus / 1e6)
+    assert undrawn[0].modulus == pytest.approx(prediction.modulus)
     rising = [*lines[:10], "1.2,2500", *lines[10:]]
     (tmp_path / "table.csv").write_text("\n".join(rising))
     status, _, error = asperity(*call)

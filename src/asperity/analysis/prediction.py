@@ -126,6 +126,13 @@ class Prediction:
     observed: tuple[Observation, ...] = ()
     remarks: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        low, high = (100 * edge for edge in self.growth.band)
+        return (
+            f"<Prediction: growth {100 * self.growth.per_decade:.3g} % of the first area per decade, "
+            f"95 % band {low:.3g} to {high:.3g} %, {self.time[0]:g} to {self.time[-1]:g} s>"
+        )
+
     @property
     def time(self) -> Field:
         """Times of the prediction, s: from the first of the table on, without the instant before."""

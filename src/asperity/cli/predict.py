@@ -32,7 +32,7 @@ from asperity.runs.loops import compile_loops
 from asperity.runs.prediction import Modulus
 from asperity.runs.prediction import predict as predict_it
 
-_CHECKPOINT_EVERY = 20.0
+_CHECKPOINT_EVERY = 3.0
 _UNITS = {
     "pressure": "Pa",
     "load": "N",
@@ -240,8 +240,8 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
             (
                 f"contact at {written(float(time[place]), 's')}",
                 f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % "
-                f"({written(counted, 'm^2')} with its rim), patches: {prediction.resolved[place].patches}, "
-                f"{written(load / counted, 'Pa')} on average",
+                f"less its rim; counted {written(counted, 'm^2')} in {prediction.resolved[place].patches} "
+                f"patches, with {written(load / counted, 'Pa')} on average",
             )
         )
     low, high = (100 * edge for edge in growth.band)

@@ -132,6 +132,11 @@ class Contact:
         return float(self.force.sum())
 
     @property
+    def contact_fraction(self) -> float:
+        """Real over nominal contact area."""
+        return self.area / self.heights.size
+
+    @property
     def nominal_area(self) -> float:
         """Area of the whole surface, length^2; of a line, its length, as of all areas below."""
         return self.lattice.sites * self.lattice.cell
@@ -187,7 +192,8 @@ class Contact:
         """Normal contact stiffness dF / d(approach) at once, force / length.
 
         The contacts stay what they are, and nothing creeps; so it solves one linear problem. Without an
-        apparatus, the approach of a half-space is that of the mean of its surface.
+        apparatus, the approach of a half-space is that of the mean of its surface; so a single contact of
+        radius a in a square of side L is stiffer than 2 E* a, see `asperity.theory.hertz`.
         """
         return normal_stiffness(self.system(), self.in_contact)
 

@@ -101,7 +101,7 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
         upper.imshow(colors, **shown)
         percent = 100 * touching[column].mean()
         upper.set_title(
-            f"$t$ = ${style.power(float(time))}$ s: {percent:.3g} % of the scan touches", fontsize=9
+            f"$t$ = ${style.power(float(time))}$ s: {percent:.3g} % of the pixels touch", fontsize=9
         )
         lower.set_facecolor("0.93")
         image = lower.imshow(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 import asperity.checks as checks
 from asperity.analysis.maps import color_range
@@ -249,6 +250,9 @@ def _draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
     across = style.spelled(spectrum.length_unit)
     axes.set_xlabel(f"wave number q [1/{across}]")
     axes.set_ylabel(f"power spectrum C(q) [{_power_unit(spectrum)}]")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_locator(LogLocator(numticks=5))
     window = "" if spectrum.window == "none" else f", {spectrum.window} window"
     axes.set_title(f"power spectrum{window}", fontsize=9)
 

@@ -106,8 +106,6 @@ def dataset_of(
 
 
 def _value(frame: Frame, name: str) -> float:
-    if name == "contact_fraction":
-        return frame.contact.area / frame.contact.heights.size
     owner = frame if hasattr(frame, name) else frame.contact
     value: float = getattr(owner, name)
     return value

@@ -14,6 +14,7 @@ from pathlib import Path
 import xarray as xr
 from zarr.codecs import ZstdCodec
 
+import asperity.checks as checks
 from asperity.errors import InputError, OutputError
 from asperity.words import reason_of
 
@@ -44,6 +45,7 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     -----
     `load` opens it again; so does ``xarray.open_zarr(path)``.
     """
+    checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     target = Path(path)
     if target.suffix.lower() in _OTHER_FORMATS:
         raise InputError(

@@ -6,6 +6,7 @@ import functools
 import hashlib
 import json
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +20,7 @@ import asperity.units as units
 from asperity.analysis.observation import observe
 from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
-from asperity.errors import InputError
+from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.memory import require
 from asperity.relaxation import Fit, Measured, fit
@@ -134,7 +135,7 @@ def predict(
     tell.stage("reading the relaxation table")
     factor = checks.number("shift", shift, above=0)
     if isinstance(relaxation, str | Path):
-        found = fit(read_table(relaxation, kind=kind, columns=columns, noise=noise))
+        found = fit(_table_with_units(relaxation, kind, columns, noise))
     else:
         found = fit(relaxation)
     if factor != 1:
@@ -188,6 +189,19 @@ def predict(
         observed=tuple(look(dataset.isel(field_time=n)) for n in range(len(maps) if looks else 0)),
     )
     return replace(prediction, remarks=(*scan.remarks, *_remarks(prediction, scan)))
+
+
+def _table_with_units(
+    path: str | Path, kind: Kind | None, columns: Sequence[int | str] | None, noise: float
+) -> Measured:
+    """Read a table whose columns name their units: a modulus in MPa taken for Pa is a wrong prediction."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", Remark)
+        try:
+            return read_table(path, kind=kind, columns=columns, noise=noise)
+        except Remark as remark:
+            expected, advice = "columns that name their units", "a header such as time_s,E_MPa"
+            raise InputError("relaxation", expected=expected, got=str(remark), advice=advice) from None
 
 
 def _quantity(name: str, given: object, unit: str) -> float:

@@ -177,7 +177,7 @@ class Surface:
         Returns
         -------
         Surface
-            With periodic edges if it had them; where it is cut there are steps.
+            With edges that reflect, unless it is the whole: where it is cut, a period would be a cliff.
 
         Raises
         ------
@@ -187,7 +187,9 @@ class Surface:
         part = prepare.part_of(self.shape, bounds, unit, self.pixel_size, self.length_unit)
         facts = {name: value for name, value in self.provenance.items() if name != "periodic_rule"}
         cut = [edge for axis in part for edge in (axis.start, axis.stop)]
-        return dataclasses.replace(self, heights=self.heights[part], provenance={**facts, "crop": cut})
+        heights = self.heights[part]
+        edges: Edges = self.edges if heights.size == self.heights.size else "reflecting"
+        return dataclasses.replace(self, heights=heights, edges=edges, provenance={**facts, "crop": cut})
 
     def band(self, *, longest: float | None = None, shortest: float | None = None) -> Surface:
         """Leave out the waves that are longer or shorter than these; the mean stays.
