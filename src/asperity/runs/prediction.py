@@ -200,7 +200,7 @@ def _table_with_units(
         try:
             return read_table(path, kind=kind, columns=columns, noise=noise)
         except Remark as remark:
-            expected, advice = "columns that name their units", "a header such as time_s,E_MPa"
+            expected, advice = "columns that name their units", "a header such as time [s],E [MPa]"
             raise InputError("relaxation", expected=expected, got=str(remark), advice=advice) from None
 
 
