@@ -116,7 +116,10 @@ def test_every_room_is_reached(room):
     assert asperity.__getattr__(room) is sys.modules[f"asperity.{room}"]
 
 
-@pytest.mark.parametrize("room", ["analysis", "campaign", "figures", "fits", "results", "theory"])
+@pytest.mark.parametrize(
+    "room",
+    ["analysis", "campaign", "figures", "fits", "relaxation", "results", "solids", "surfaces", "theory"],
+)
 def test_no_module_hides_behind_a_function_of_its_name(room):
     inside = importlib.import_module(f"asperity.{room}")
     for module in pkgutil.iter_modules(inside.__path__):

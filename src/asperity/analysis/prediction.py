@@ -29,7 +29,8 @@ from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.relaxation import Fit, fit
 from asperity.relaxation.data import scales
-from asperity.theory import static_friction
+from asperity.surfaces import statistics
+from asperity.theory import persson_area, static_friction
 
 _DRAWS = 200
 _TILES = 4
@@ -161,6 +162,16 @@ class Prediction:
     def series(self, name: str) -> Field:
         """A quantity of the dataset at `time`."""
         return np.asarray(self.dataset[name])[1:]
+
+    @property
+    def persson_area(self) -> Field:
+        """Area that Persson's theory has for the load, the table and the rms slope of the scan, m^2.
+
+        The load is the effective one, under which an elastic half-space of E* has this contact.
+        """
+        series, slope = self.fit.series, statistics(self.dataset["heights"].values, self.spacing).rms_slope
+        pressure = self.series("load") / self.nominal_area * series.modulus * series.compliance_at(self.time)
+        return self.nominal_area * persson_area(pressure, modulus=self.modulus, slope=slope)
 
     @property
     def friction_force(self) -> Field | None:

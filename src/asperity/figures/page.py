@@ -71,7 +71,8 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
     captions: dict[str, tuple[Figure, str]] = {
         "growth": (
             drawn.growth_figure(prediction),
-            "Real contact area against the time under load, and its growth per decade." + friction,
+            "Real contact area against the time under load, beside that of Persson's theory for a random "
+            "surface of the same rms slope [7]; and its growth per decade." + friction,
         ),
         "contacts": (
             drawn.contact_maps_figure(prediction),

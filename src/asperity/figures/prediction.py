@@ -43,6 +43,10 @@ def growth_figure(prediction: Prediction) -> Figure:
     )
     _draw(grid[0], time, counted, style.GRAY, "s", "sites counted")
     _draw(grid[0], time, corrected, style.INK, "o", "less the rim")
+    persson = square * prediction.persson_area
+    grid[0].plot(
+        time, persson, "--", color=style.BLUE, linewidth=1.2, label="Persson's theory, from the rms slope"
+    )
     grid[0].set_xscale("log")
     grid[0].set_ylabel(f"real contact area [{unit}]")
     style.count_nominal_area(grid[0], 100.0 / (prediction.nominal_area * square))
