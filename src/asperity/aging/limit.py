@@ -46,7 +46,7 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
         return contact.become(system, *_unloaded(contact, system), position)
     else:
         guess = Guess(contact.u - system.datum, contact.in_contact, disposable=True)
-        problem = system.problem(step, before, position)
+        problem = system.problem(step, before)
         solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
     stretch, position = system.stretch(step, solution, before, position)
     return contact.become(system, solution, solution.u - stretch, position)

@@ -85,8 +85,8 @@ class SeparableSteps:
         The surface now and at the end of the step before.
     loads, load_before
         L and all L_b; L at the end of the step before.
-    anchors
-        Fourier modes of u_b.
+    modes, anchors
+        Fourier modes of u and of u_b.
     """
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -94,6 +94,7 @@ class SeparableSteps:
         self.time, self.load_before, *loads = arrays["loads"].tolist()
         self.loads = np.array(loads)
         self.u, self.before, self.anchors = arrays["u"], arrays["before"], arrays["anchors"].copy()
+        self.modes = system.mechanics.lattice.forward(self.u)
         self.stiffness, shares, times = parts_of(system)
         self.effective = EffectiveLoad(shares, times)
         self.tried = self.u, self.loads
@@ -116,7 +117,7 @@ class SeparableSteps:
         for surface in (start.u, *start.anchors):
             force = system.mechanics.lattice.apply(stiffness, surface - system.datum)
             lifted = force[free]
-            loads.append(-float(lifted.mean()) * lifted.size * (system.sites / lifted.size))
+            loads.append(-float(lifted.mean()) * system.sites)
             if largest(lifted - lifted.mean(), np) > _BALANCED * max(loads[0], 0.0) / max(start.area, 1):
                 return None
         own = np.array(loads[1:])
@@ -142,15 +143,13 @@ class SeparableSteps:
         """See `Steps`."""
         mechanics, load = self.system.mechanics, self.system.at(self.time).load
         lattice, hanging = mechanics.lattice, mechanics.hanging
-        stretch = lattice.forward(self.u) - self.anchors
+        stretch = self._stretch()
         assert load is not None
         own = float(hanging[1:].sum())
-        drop = 0.0
         if own > 0:  # the stiffness at wave vector 0 is the solid's own
             stretch[lattice.mean] = (self.loads[0] - self.loads[1:]) / mechanics.mean_stiffness
             drop = float(self.loads[0]) / mechanics.mean_stiffness
         else:
-            stretch[lattice.mean] = 0.0
             drop = load / float(hanging[0]) if hanging[0] > 0 else 0.0
         position = float(self.u.mean()) - drop / self.system.sites
         return self.u, lattice.backward(stretch), position
@@ -202,12 +201,12 @@ class SeparableSteps:
         grown = float(loads[0] - self.loads[0])
         share = loads[1:] - kept * self.loads[1:] - (1 - kept) * self.loads[0]
         share = np.clip(share / grown, 0.0, 1 - kept) if grown > 0 else 0 * share
-        start, end = lattice.forward(self.u), lattice.forward(u)
+        start, end = self.modes, lattice.forward(u)
         for anchor, old, new in zip(self.anchors, kept, share, strict=True):
             anchor *= old
             anchor += (1 - old - new) * start + new * end
         self.before, self.load_before = self.u, float(self.loads[0])
-        self.u, self.loads, self.time = u, loads, time
+        self.u, self.modes, self.loads, self.time = u, end, loads, time
 
     def resume_state(self) -> dict[str, NDArray[Any]]:
         """See `Steps`."""
@@ -224,9 +223,9 @@ class SeparableSteps:
         return min((load - float(self.loads[0])) / last, 2.0) if last > 0 else 0.0
 
     def _stretch(self) -> NDArray[np.complex128]:
-        lattice = self.system.mechanics.lattice
-        stretch = lattice.forward(self.u) - self.anchors
-        stretch[lattice.mean] = 0.0
+        """Fourier modes of w_b, without the mean."""
+        stretch = self.modes - self.anchors
+        stretch[self.system.mechanics.lattice.mean] = 0.0
         return np.asarray(stretch)
 
 

@@ -34,6 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
+from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
 from asperity.contact.stencils import combined
@@ -119,7 +120,7 @@ def take_step(
     ``earlier`` helps to guess where the contacts will be; ``tolerances`` are those of the two contact
     problems.
     """
-    implicit = Implicit(system, DIAGONAL * duration)
+    implicit = system.mechanics.implicit_step(DIAGONAL * duration)
     anchors, f0 = start.modes - start.stretch, start.rate(system)
     middle, spent = _stage(
         system,
@@ -150,14 +151,6 @@ def take_step(
     return Step(end, duration * mechanics.rms(defect), spent + spent_again)
 
 
-class Implicit:
-    """The implicit step of one duration: by which problem, and how the anchors follow."""
-
-    def __init__(self, system: System, tau: float) -> None:
-        self.tau, self.by = tau, system.mechanics.implicit_step(tau)
-        self.spectral = system.mechanics.spectral.implicit_step(tau)
-
-
 def rms(field: Field) -> float:
     """Root mean square over the sites."""
     scale = largest(field, np)
@@ -169,7 +162,7 @@ def rms(field: Field) -> float:
 
 def _stage(
     system: System,
-    implicit: Implicit,
+    implicit: ImplicitStep,
     solver: ContactSolver,
     *,
     time: float,
@@ -185,7 +178,7 @@ def _stage(
     if system.drift:
         before[system.mechanics.lattice.mean] += implicit.tau * system.drift * system.sites
     held = system.at(time).held(position)
-    problem = implicit.by.problem_of_modes(system.heights, before, held)
+    problem = implicit.problem_of_modes(system.heights, before, held)
     solution = solver.solve(problem, _extrapolate(time, *known), tolerance)
     modes = system.mechanics.lattice.forward(solution.u)
     stretch, position = implicit.spectral.stretch_modes(modes, before, held)

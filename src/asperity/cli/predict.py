@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import hashlib
 import re
 import shlex
 import sys
@@ -20,6 +19,7 @@ from asperity.analysis.scan import written
 from asperity.cli.output import check_free, save_within
 from asperity.cli.progress import progress_shown
 from asperity.cli.report import Row, aligned
+from asperity.cli.resuming import place_beside, tell_results
 from asperity.config import MeasuredSurface
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, prediction_pictures
@@ -111,36 +111,28 @@ def predict(wanted: Wanted, *, out: Path, overwrite: bool, quiet: bool) -> None:
         As `asperity.predict` does; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
-    place = _place(wanted, out)
-    resumed = place.exists()
-    try:
-        with progress_shown(quiet=quiet) as progress:
-            arguments = _arguments(wanted)
-            compile_loops(progress.stage, progress.remark)
-            started = clock.perf_counter()
-            if resumed:
-                progress.stage(f"going on from {place}")
-            try:
-                prediction = predict_it(
-                    wanted.relaxation,
-                    wanted.scan.build(),
-                    **arguments,
-                    progress=progress,
-                    checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY),
-                    threads=cores(),
-                )
-            except InputError as error:
-                raise _of_flags(error) from error
-            rows = _report(prediction, seconds=clock.perf_counter() - started)
-            progress.stage("writing the results")
-            _write(prediction, out, text=aligned(rows), overwrite=overwrite)
-    except KeyboardInterrupt:
-        kept = f"the same command goes on from {place}" if place.exists() else "nothing was written"
-        raise KeyboardInterrupt(f"interrupted; {kept}") from None
-    place.unlink(missing_ok=True)
+    with place_beside(out, repr(wanted)) as place, progress_shown(quiet=quiet) as progress:
+        arguments = _arguments(wanted)
+        compile_loops(progress.stage, progress.remark)
+        started = clock.perf_counter()
+        if place.exists():
+            progress.stage(f"going on from {place}")
+        try:
+            prediction = predict_it(
+                wanted.relaxation,
+                wanted.scan.build(),
+                **arguments,
+                progress=progress,
+                checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY),
+                threads=cores(),
+            )
+        except InputError as error:
+            raise _of_flags(error) from error
+        rows = _report(prediction, seconds=clock.perf_counter() - started)
+        progress.stage("writing the results")
+        _write(prediction, out, text=aligned(rows), overwrite=overwrite)
     if not quiet:
-        files = ", ".join(sorted(path.name for path in out.iterdir()))
-        sys.stdout.write(f"{aligned([*rows, ('written', f'{out}: {files}')])}\n")
+        tell_results(rows, out)
 
 
 def _arguments(wanted: Wanted) -> dict[str, Any]:
@@ -202,12 +194,6 @@ def _of_flags(error: InputError) -> InputError:
     name = _flag(error.name) if error.name in named else error.name
     advice = re.sub(r"\b(noise|kind|columns)=\S", lambda found: f"--{found[1]} {found[0][-1]}", error.advice)
     return InputError(name, expected=error.expected, got=error.got, advice=advice)
-
-
-def _place(wanted: Wanted, out: Path) -> Path:
-    """Name the checkpoint after what is wanted, so that another prediction never meets it."""
-    mark = hashlib.sha256(repr(wanted).encode()).hexdigest()[:8]
-    return out.with_name(f"{out.name}.{mark}.checkpoint")
 
 
 def _report(prediction: Prediction, *, seconds: float) -> list[Row]:

@@ -52,7 +52,7 @@ def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | Non
     if system.load is None:
         anchors += control.value - contact.separation
         position = control.value - system.datum
-    problem = system.problem(system.mechanics.implicit_step(0.0), anchors, position)
+    problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
     guess = Guess(contact.u - system.datum, contact.in_contact, disposable=True)
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
     solution = chosen_solver(solver, system).solve(problem, guess, _STRICT * TOLERANCE)

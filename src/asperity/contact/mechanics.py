@@ -50,7 +50,14 @@ class Prescribed:
 
 
 class ImplicitStep(ABC):
-    """An implicit step of creep of one duration."""
+    """An implicit step of creep of one duration ``tau``."""
+
+    tau: float
+
+    @property
+    @abstractmethod
+    def spectral(self) -> SpectralStep:
+        """The same in Fourier modes."""
 
     @abstractmethod
     def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> ContactProblem:
@@ -128,10 +135,6 @@ class Mechanics(ABC):
         """Contact force H u + sum of C_b w_b at every site; a load from afar where nothing hangs."""
 
     @abstractmethod
-    def creep_rate(self, stretch: Field) -> Field:
-        """Rates d u_b / dt = M_b C_b w_b."""
-
-    @abstractmethod
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """Elastic energy 1/2 sum_q [ H |u|^2 + sum of C_b |w_b|^2 ]."""
 
@@ -202,10 +205,6 @@ class SpectralMechanics(Mechanics):
             modes.flat[0] = held.load
         return lattice.backward(modes)
 
-    def creep_rate(self, stretch: Field) -> Field:
-        """See `Mechanics`."""
-        return self.lattice.backward(self.spectra.rate * self.lattice.forward(stretch))
-
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """See `Mechanics`."""
         lattice, spectra = self.lattice, self.spectra
@@ -256,6 +255,11 @@ class SpectralStep(ImplicitStep):
 
     mechanics: SpectralMechanics
     tau: float
+
+    @property
+    def spectral(self) -> SpectralStep:
+        """The step itself."""
+        return self
 
     @cached_property
     def damping(self) -> Spectrum:
@@ -365,7 +369,7 @@ class SpringMechanics(Mechanics):
         return lattice_force(u, stretch[0], self.springs.k0, self.springs.k1)
 
     def creep_rate(self, stretch: Field) -> Field:
-        """See `Mechanics`."""
+        """Rates d u_b / dt = M_b C_b w_b."""
         k1, R, R_viscous = self.springs.k1, self.springs.R, self.springs.R_viscous
         return lattice_force(stretch[0], stretch[0], k1 * R, k1 * R_viscous)[np.newaxis]
 

@@ -101,9 +101,9 @@ class System:
         assert self.load is not None
         return moved - self.load / (self.sites * mechanics.mean_stiffness)
 
-    def problem(self, step: ImplicitStep, anchors: Field | float, position: float = 0.0) -> ContactProblem:
+    def problem(self, step: ImplicitStep, anchors: Field | float) -> ContactProblem:
         """The contact problem of an implicit step from anchors v_b: fields, or the level of flat ones."""
-        return step.problem(self.heights, anchors, self.held(position))
+        return step.problem(self.heights, anchors, self.held())
 
     def stretch(
         self, step: ImplicitStep, solution: Solution, anchors: Field | float, position: float
@@ -137,6 +137,7 @@ class System:
 
     def creep_rate(self, stretch: Field) -> Field:
         """Rate d u0 / dt on the lattice of springs; under load control the load decides its mean."""
+        assert isinstance(self.mechanics, SpringMechanics)
         rate = self.mechanics.creep_rate(stretch)
         if self.control.load_controlled:
             rate -= rate.mean()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -135,7 +136,7 @@ def execute(
     config, remarks = _completed(config, rough)
     for remark in remarks:
         progress.remark(remark)
-    with scipy.fft.set_workers(threads if rough.heights.size >= _LARGE else 1):
+    with transforms_on(threads, rough.heights.size):
         contact = _press(rough, solid, config, progress)
         if config.output.instrument:
             observe(contact, **config.output.instrument)  # refuses before hours have passed
@@ -312,6 +313,12 @@ def _with_limit(
         return with_limit(dataset, relax(contact, hold=config.aging.hold)), ()
     except (InputError, ConvergenceError) as error:
         return dataset, (f"no relaxed state: {error}",)
+
+
+def transforms_on(threads: int, sites: int) -> AbstractContextManager[None]:
+    """Let transforms use threads, where the lattice is large enough to gain from them."""
+    workers: AbstractContextManager[None] = scipy.fft.set_workers(threads if sites >= _LARGE else 1)
+    return workers
 
 
 def cores() -> int:

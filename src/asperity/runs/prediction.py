@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
-import scipy.fft
 
 import asperity.checks as checks
 import asperity.units as units
@@ -28,7 +27,7 @@ from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
 from asperity.runs.defaults import USUAL_MAPS, hold_times
-from asperity.runs.pipeline import Progress, Silent
+from asperity.runs.pipeline import Progress, Silent, transforms_on
 from asperity.simulate import age, press
 from asperity.solids import contact_modulus, half_space
 from asperity.surfaces import Surface, read
@@ -39,7 +38,6 @@ _SITE, _BRANCH = 400, 16
 """Bytes a site that a run needs, and that each branch adds; and each branch of a map 8 of them."""
 
 _LEAST_TIMES = 5
-_LARGE = 512**2
 
 _UNEVEN = 1.5
 """Ratio of steps across rows to steps along them, above which a remark is made."""
@@ -154,7 +152,7 @@ def predict(
     require(_SITE + branches * (_BRANCH + 8 * len(maps)), scan.shape)
     solid = half_space(modulus=stiffness, branches=found.series.branches)
     tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
-    with scipy.fft.set_workers(threads if scan.heights.size >= _LARGE else 1):
+    with transforms_on(threads, scan.heights.size):
         by_load = which == "load"
         contact = press(scan, solid, load=amount if by_load else None, pressure=None if by_load else amount)
         look = functools.partial(
