@@ -10,10 +10,10 @@ One step of length h from anchors u_b with rates f0_b = M_b C_b (u - u_b), for a
 
 Stage 2 is the result (stiffly accurate). The difference to the companion of order three,
 
-    e = h [ (1 - 4 w)/3 f0 + 1/3 f1 - 2 d/3 f2 ] / (1 + d h z),     z = M C (1 - C / (H + sum of C)),
+    e = h [ (1 - 4 w)/3 f0 + 1/3 f1 - 2 d/3 f2 ] / (1 + d h z),     z = M C (1 - (1 - a) C / (H + sum of C)),
 
-estimates its error. The denominator, with the decay rates z off contact, keeps stiff modes from
-being overrated; branches count by their stiffness. A load that changes in time enters at the stages' own
+estimates its error. The denominator, with the decay rates z where the fraction a of the sites touches, keeps
+stiff modes from being overrated; branches count by their stiffness. A load that changes in time enters at the stages' own
 times; a rigid body that moves adds its velocity V to f, and the contact problem of a stage starts from
 v + d h V.
 (R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985),
@@ -145,7 +145,8 @@ def take_step(
     )
     defect = ERROR_WEIGHTS[0] * f0 + ERROR_WEIGHTS[1] * f1 + ERROR_WEIGHTS[2] * end.rate(system)
     mechanics = system.mechanics.spectral
-    defect /= 1.0 + DIAGONAL * duration * mechanics.free_decay_rate
+    touching = np.count_nonzero(end.u <= system.heights) / system.sites
+    defect *= mechanics.decay(DIAGONAL * duration, touching)
     if system.control.load_controlled:  # the load decides the mean
         defect[system.mechanics.lattice.mean] = 0.0
     return Step(end, duration * mechanics.rms(defect), spent + spent_again)

@@ -584,9 +584,18 @@ def finish_step(
 
 @_compiled
 def damped_power(
-    modes: Any, y: Any, x: Any, bed: float, spreading: float, dragging: float, out: Any, low: int, high: int
+    modes: Any,
+    y: Any,
+    x: Any,
+    bed: float,
+    touching: float,
+    spreading: float,
+    dragging: float,
+    out: Any,
+    low: int,
+    high: int,
 ) -> None:
-    """Sums by rows of squared modes, each divided by 1 + (spreading lam + dragging) lam / (lam + bed).
+    """Sums by rows of squared modes, divided by 1 + (spreading lam + dragging) (lam + pinned) / (lam + bed).
 
     lam = y + x, the eigenvalue of L. Modes that stand for their conjugates too count twice; ``out[i, 1]``
     is the part of the first column, ``out[i, 2]`` that of the last.
@@ -595,9 +604,10 @@ def damped_power(
         value = np.float32(0.0)
         for j in range(x.shape[0]):
             lam = y[i] + x[j]
-            damping = np.float32(1.0) + (spreading * lam + dragging) * lam / (lam + bed)
-            size = modes[i, j].real ** 2 + modes[i, j].imag ** 2
-            power = size / (damping * damping)
+            rate = spreading * lam + dragging
+            free = (lam + bed) / (lam + bed + rate * lam)
+            damping = touching / (np.float32(1.0) + rate) + (np.float32(1.0) - touching) * free
+            power = (modes[i, j].real ** 2 + modes[i, j].imag ** 2) * damping * damping
             value += power
             if j == 0:
                 out[i, 1] = power

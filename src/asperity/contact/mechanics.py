@@ -236,16 +236,20 @@ class SpectralMechanics(Mechanics):
         return np.asarray(np.divide(self.spectra.creeping, total, out=shares, where=total > 0))
 
     @cached_property
-    def free_decay_rate(self) -> Spectrum:
-        """Rates z_b = M_b C_b (1 - C_b / (H + sum of C)) at which a branch alone decays off contact.
+    def _own_share(self) -> Spectrum:
+        """C_b / (H + sum of C), at each wave vector; 1 where all vanish, for there nothing creeps either."""
+        C = self.spectra.creeping
+        whole = np.broadcast_to(self.spectra.permanent + C.sum(axis=0), C.shape)
+        return np.divide(C, whole, out=np.ones_like(C), where=whole > 0)
 
-        That is the paper's z_q for one branch, M C H / (H + C).
+    def decay(self, tau: float, touching: float) -> Spectrum:
+        """Factors by which an implicit step damps a branch alone: the mean of those in contact and off it.
+
+        1 / (1 + tau z), where z is M_b C_b in contact, where u is held, and off it
+        M_b C_b (1 - C_b / (H + sum of C)), the paper's z_q of one branch.
         """
-        H, C = self.spectra.permanent, self.spectra.creeping
-        whole = H + C.sum(axis=0)
-        # Where all vanish, at wave vector 0 of a half-space, nothing creeps either.
-        share = np.divide(whole - C, whole, out=np.zeros_like(C), where=whole > 0)
-        return np.asarray(self.spectra.rate * share)
+        z = tau * self.spectra.rate
+        return np.asarray(touching / (1.0 + z) + (1.0 - touching) / (1.0 + z * (1.0 - self._own_share)))
 
 
 @final
@@ -384,9 +388,9 @@ class SpringMechanics(Mechanics):
         w = balanced(u, stretch[0], heights, self.springs.k0, self.springs.k1, total)
         return np.asarray(w)[np.newaxis]
 
-    def damped_power(self, modes: Modes, tau: float) -> float:
-        """Mean over the modes of |mode / (1 + tau z)|^2, with the decay rate z of the free surface."""
-        return damped_power(modes, self.lattice.shape, self.springs, tau)
+    def damped_power(self, modes: Modes, tau: float, touching: float) -> float:
+        """Mean over the modes of |mode / (1 + tau z)|^2, with z as in `SpectralMechanics.decay_rate`."""
+        return damped_power(modes, self.lattice.shape, self.springs, tau, touching)
 
 
 @final

@@ -33,18 +33,21 @@ def bond_energy(u: Field) -> float:
     return float(rows.sum())
 
 
-def damped_power(modes: Modes, shape: tuple[int, ...], springs: SpringConstants, tau: float) -> float:
+def damped_power(
+    modes: Modes, shape: tuple[int, ...], springs: SpringConstants, tau: float, touching: float
+) -> float:
     """Mean over all modes of a field of |mode / (1 + tau z)|^2.
 
-    z is the rate at which a mode decays off contact.
+    z is the rate at which a mode decays where the fraction ``touching`` of the sites is in contact.
     """
     y, x = (4.0 * np.sin(np.pi * np.arange(n) / n).astype(np.float32) ** 2 for n in shape)
     x = x[: modes.shape[1]]
     k1 = springs.k1
-    coefficients = map(np.float32, (k1 / springs.k0, tau * k1 * springs.R, tau * k1 * springs.R_viscous))
+    bed = k1 / springs.k0
+    numbers = (bed, touching, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
     rows = np.empty((len(modes), 3))
     kernel: Any = kernels.damped_power
-    kernel(modes, y, x, *coefficients, rows, 0, len(modes))
+    kernel(modes, y, x, *map(np.float32, numbers), rows, 0, len(modes))
     whole, first, last = map(float, rows.sum(axis=0))
     return (2.0 * whole - first - (last if shape[1] % 2 == 0 else 0.0)) / (shape[0] * shape[1])
 

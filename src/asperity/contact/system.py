@@ -158,10 +158,10 @@ class System:
         """Elastic energy."""
         return self.mechanics.energy(u, stretch, self.held(position))
 
-    def damped_rms(self, error: NDArray[np.floating], tau: float) -> float:
+    def damped_rms(self, error: NDArray[np.floating], tau: float, touching: float) -> float:
         """Rms over the sites of an error of u0 on the lattice of springs, each mode divided by 1 + tau z.
 
-        Under load control the mean does not count. Single precision does for the size of an error.
+        ``touching`` is the fraction of the sites in contact, on which z depends. Under load control the mean does not count. Single precision does for the size of an error.
         """
         assert isinstance(self.mechanics, SpringMechanics)
         scale = largest(error, np)
@@ -170,4 +170,4 @@ class System:
         modes = self.mechanics.lattice.forward((error / scale).astype(np.float32, copy=False))
         if self.control.load_controlled:
             modes.flat[0] = 0.0
-        return scale * math.sqrt(self.mechanics.damped_power(modes, tau) / self.sites)
+        return scale * math.sqrt(self.mechanics.damped_power(modes, tau, touching) / self.sites)
