@@ -45,8 +45,9 @@ def test_products_along_bonds_are_those_of_the_laplacian(shape):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("touching", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("tau", [0.0, 1.0, 1e4])
-def test_power_is_damped_as_the_spectra_say(shape, tau):
+def test_power_is_damped_as_the_spectra_say(shape, tau, touching):
     solid = asp.solids.spring_lattice(k0=2.0, k1=0.7, R=1.5, R_viscous=0.3)
     error = np.random.default_rng(1).normal(size=shape)
     mechanics = mechanics_of(solid, Lattice(shape))
@@ -54,8 +55,9 @@ def test_power_is_damped_as_the_spectra_say(shape, tau):
     lattice, s = mechanics.lattice, mechanics.spectral.spectra
     H, (C,), (rate,) = s.permanent, s.creeping, s.rate
     modes = lattice.forward(error)
-    exact = lattice.mean_over_modes(np.abs(modes / (1 + tau * rate * H / (H + C))) ** 2)
-    found = damped_power(modes.astype(np.complex64), shape, mechanics.springs, tau)
+    damping = touching / (1 + tau * rate) + (1 - touching) / (1 + tau * rate * H / (H + C))
+    exact = lattice.mean_over_modes(np.abs(modes * damping) ** 2)
+    found = damped_power(modes.astype(np.complex64), shape, mechanics.springs, tau, touching)
     assert found == pytest.approx(exact, rel=1e-4)
 
 

@@ -58,6 +58,12 @@ Where k1/k0 is beyond a thousand and nearly all sites touch, the error is overra
 `asperity.aging.tr_bdf2` takes contacts for free sites, and steps may be too short by any factor.
 """
 
+_MANY_STEPS = 4.0
+"""Those after which steps on the lattice of springs go on in double precision and by Fourier modes.
+
+Near rest rounding in single precision, and what cycles leave, can look like errors of steps.
+"""
+
 _MOST_REJECTIONS = 50
 """Rejections in a row after which a step is not going to succeed."""
 
@@ -200,7 +206,7 @@ def _begin(system: System, solver: ContactSolver, start: Contact, exact: bool) -
 
 def _resume(system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> Steps:
     """The steps that left a state."""
-    kind: Any = SeparableSteps if "loads" in arrays else _kind_of_steps(system, solver)
+    kind: Any = SeparableSteps if "loads" in arrays else SpringSteps if "times" in arrays else FieldSteps
     steps: Steps = kind(system, solver, arrays)
     return steps
 
@@ -345,7 +351,11 @@ class _March:
             length = left if landing else left / 2 if 2 * usual > left else usual
             self.prepare(length)
             unnoticed = UNNOTICED * self.tolerance * self.deformation
-            stuck = self.steps + self.rejected - begun > _MOST_STEPS * self.tolerance ** (-1 / 3)
+            taken = (self.steps + self.rejected - begun) * self.tolerance ** (1 / 3)
+            if taken > _MANY_STEPS and isinstance(self.now, SpringSteps):
+                self.now = FieldSteps.going_on(self.now)
+                begun, since = self.steps + self.rejected, self.now.time
+            stuck = taken > _MOST_STEPS
             if stuck or not (landing or self.now.time + length > self.now.time):
                 raise ConvergenceError(
                     f"aging: steps shrank to {length:.1e} at time {self.now.time:.3e}, too short to get "

@@ -595,10 +595,11 @@ def damped_power(
     low: int,
     high: int,
 ) -> None:
-    """Sums by rows of squared modes, divided by 1 + (spreading lam + dragging) (lam + pinned) / (lam + bed).
+    """Sums by rows of squared modes, each times a / (1 + z) + (1 - a) / (1 + z lam / (lam + bed)).
 
-    lam = y + x, the eigenvalue of L. Modes that stand for their conjugates too count twice; ``out[i, 1]``
-    is the part of the first column, ``out[i, 2]`` that of the last.
+    z = spreading lam + dragging, a = ``touching``, lam = y + x, the eigenvalue of L. Modes that stand for
+    their conjugates too count twice; ``out[i, 1]`` is the part of the first column, ``out[i, 2]`` that of the
+    last.
     """
     for i in range(low, high):
         value = np.float32(0.0)

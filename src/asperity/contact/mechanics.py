@@ -235,22 +235,6 @@ class SpectralMechanics(Mechanics):
         shares = np.full_like(self.spectra.creeping, even)
         return np.asarray(np.divide(self.spectra.creeping, total, out=shares, where=total > 0))
 
-    @cached_property
-    def _own_share(self) -> Spectrum:
-        """C_b / (H + sum of C), at each wave vector; 1 where all vanish, for there nothing creeps either."""
-        C = self.spectra.creeping
-        whole = np.broadcast_to(self.spectra.permanent + C.sum(axis=0), C.shape)
-        return np.divide(C, whole, out=np.ones_like(C), where=whole > 0)
-
-    def decay(self, tau: float, touching: float) -> Spectrum:
-        """Factors by which an implicit step damps a branch alone: the mean of those in contact and off it.
-
-        1 / (1 + tau z), where z is M_b C_b in contact, where u is held, and off it
-        M_b C_b (1 - C_b / (H + sum of C)), the paper's z_q of one branch.
-        """
-        z = tau * self.spectra.rate
-        return np.asarray(touching / (1.0 + z) + (1.0 - touching) / (1.0 + z * (1.0 - self._own_share)))
-
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -389,7 +373,7 @@ class SpringMechanics(Mechanics):
         return np.asarray(w)[np.newaxis]
 
     def damped_power(self, modes: Modes, tau: float, touching: float) -> float:
-        """Mean over the modes of |mode / (1 + tau z)|^2, with z as in `SpectralMechanics.decay_rate`."""
+        """See `asperity.contact.stencils.damped_power`."""
         return damped_power(modes, self.lattice.shape, self.springs, tau, touching)
 
 

@@ -159,9 +159,10 @@ class System:
         return self.mechanics.energy(u, stretch, self.held(position))
 
     def damped_rms(self, error: NDArray[np.floating], tau: float, touching: float) -> float:
-        """Rms over the sites of an error of u0 on the lattice of springs, each mode divided by 1 + tau z.
+        """Rms over the sites of an error of u0 on the lattice of springs, damped by an implicit step.
 
-        ``touching`` is the fraction of the sites in contact, on which z depends. Under load control the mean does not count. Single precision does for the size of an error.
+        ``touching`` is the fraction of the sites in contact. Under load control the mean does not count.
+        Single precision does for the size of an error.
         """
         assert isinstance(self.mechanics, SpringMechanics)
         scale = largest(error, np)
