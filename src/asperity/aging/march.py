@@ -53,9 +53,7 @@ _LONGEST = 1e30
 _MOST_STEPS = 60.0
 """Time steps, taken or repeated, in which time must at least double, in units of tolerance^(-1/3).
 
-Steps of a method whose error grows like their cube are as many as these units: 0.65 were the most seen.
-Where k1/k0 is beyond a thousand and nearly all sites touch, the error is overrated, for the denominator of
-`asperity.aging.tr_bdf2` takes contacts for free sites, and steps may be too short by any factor.
+Steps of a method whose error grows like their cube are as many as these units.
 """
 
 _MANY_STEPS = 4.0
