@@ -33,6 +33,7 @@ ROOMS = [
     {"config"},
     {"runs"},
     {"campaign"},
+    {"explore"},
     {"paper"},
     {"cli"},
     {"__main__"},
