@@ -1,4 +1,4 @@
-"""The flags of the commands, made of the configuration's models: one flag for each key.
+"""The flags of the commands, one for each key of the configuration.
 
 A flag overrides its key; its help, default and choices are the key's. What was written becomes a number
 where the key may be one, and is checked together with the configuration. The models load a library, so they
@@ -11,14 +11,14 @@ import dataclasses
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from cyclopts import Group, Parameter, Token
 
 from asperity.words import number, numbers
 
 if TYPE_CHECKING:
-    from pydantic.fields import FieldInfo
+    from asperity.config.keys import Key, What
 
 
 def _whole(_: object, tokens: Sequence[Token]) -> int:
@@ -34,7 +34,12 @@ Quiet = Annotated[bool, Parameter(name=("--quiet", "-q"), negative=(), show_defa
 Out = Annotated[Path, Parameter(name=("--out", "-o"))]
 Whole = Annotated[int, Parameter(converter=_whole)]
 _METAVARS = {
+    "number": "FLOAT",
+    "whole": "INT",
+    "choice": "CHOICE",
     "path": "PATH",
+    "text": "TEXT",
+    "text or whole": "TEXT",
     "shape": "N",
     "times": "T",
     "maps_at": "T",
@@ -42,15 +47,15 @@ _METAVARS = {
     "branches": "SHARE TIME",
     "base_branches": "SHARE TIME",
     "flow": "MOBILITY POWER",
-    "relaxation": "PATH",
 }
+"""What stands for the words of a flag in the help, by what its key is, or by its name."""
 
 
 class Flags:
     """What was written for the keys of one section; None for a flag that was not given."""
 
     section: ClassVar[str]
-    fields: ClassVar[dict[str, Any]]
+    keys: ClassVar[dict[str, Any]]  # of Key; the library evaluates this line
 
 
 def flags_for(section: str) -> type[Flags]:
@@ -62,9 +67,9 @@ def flags_for(section: str) -> type[Flags]:
 
     owner = "surface" if section in ("preparation", "scan") else section
     group = Group(owner.capitalize(), sort_key=1 + ORDER.index(owner))
-    known = list(_keys(section))
-    fields = [(key, _annotation(owner, key, field, text), None) for key, field, text in known]
-    facts = {"__module__": __name__, "section": owner, "fields": {key: field for key, field, _ in known}}
+    keys = {key.name: key for key in _keys(section)}
+    fields = [(name, _annotation(owner, key), None) for name, key in keys.items()]
+    facts = {"__module__": __name__, "section": owner, "keys": keys}
     made = dataclasses.make_dataclass(section, fields, bases=(Flags,), namespace=facts, kw_only=True)
     return Parameter(name="*", group=group)(made)
 
@@ -75,99 +80,75 @@ def given(*groups: Flags | None) -> dict[str, dict[str, object]]:
     for group in filter(None, groups):
         for key, written in vars(group).items():
             if written is not None:
-                kinds = set(_kinds(group.fields[key].annotation))
-                sections.setdefault(group.section, {})[key] = _read(written, kinds)
+                sections.setdefault(group.section, {})[key] = _read(written, group.keys[key].what)
     return sections
 
 
-def _read(written: bool | str | list[str], kinds: set[object]) -> object:
-    """Turn words into numbers, where a key's kinds of values allow one; the check refuses the rest."""
-    if isinstance(written, bool):
-        return written
-    if tuple in kinds:
-        pairs = [[number(part) for part in re.split(r"[\s,]+", word.strip(), maxsplit=1)] for word in written]
-        return pairs if list in kinds else pairs[-1]
-    if float not in kinds and int not in kinds:
-        return [word for item in written for word in item.split()] if isinstance(written, list) else written
+def _read(written: bool | str | list[str], what: What) -> object:
+    """Turn words into numbers, where a key may be one; the check refuses the rest."""
     if isinstance(written, list):
-        return numbers(written, whole=float not in kinds)
-    return (
-        int(written) if str in kinds and written.isdecimal() else written if str in kinds else number(written)
-    )
+        if what in ("pair", "pairs"):
+            pairs = [
+                [number(part) for part in re.split(r"[\s,]+", word.strip(), maxsplit=1)] for word in written
+            ]
+            return pairs if what == "pairs" else pairs[-1]
+        if what == "choices":
+            return [word for item in written for word in item.split()]
+        return numbers(written, whole=what == "wholes")
+    if isinstance(written, bool) or what in ("choice", "text", "path"):
+        return written
+    if what == "text or whole":
+        return int(written) if written.isdecimal() else written
+    return number(written)
 
 
-def _keys(section: str) -> Iterator[tuple[str, FieldInfo, str]]:
-    """Keys of a section, and their help."""
-    from asperity.config.mistakes import models_of
-    from asperity.config.models import KINDS, MeasuredSurface, Scan
+def _keys(section: str) -> Iterator[Key]:
+    """Keys of a section; of several kinds, each key with what is said of all."""
+    from asperity.config.keys import Key, keys_of, sections
+    from asperity.config.models import MeasuredSurface, Scan
 
-    if section not in KINDS:
-        measured = {"preparation": MeasuredSurface, "scan": Scan}
-        (model,) = [measured[section]] if section in measured else models_of(section)
-        for key, field in model.model_fields.items():
-            if key not in ("kind", "path"):
-                yield key, field, field.description or ""
+    if section in ("preparation", "scan"):
+        measured = keys_of(Scan if section == "scan" else MeasuredSurface)
+        yield from (key for key in measured.values() if key.name != "path")
         return
-    kinds = KINDS[section]
-    usual = next(iter(kinds.values())).model_fields["kind"]
-    yield "kind", usual, f"Kind of {section}. [choices: {', '.join(kinds)}]"
-    made = {kind: model for kind, model in kinds.items() if model is not MeasuredSurface}
-    for key in dict.fromkeys(key for model in made.values() for key in model.model_fields if key != "kind"):
-        if section == "surface" and key in MeasuredSurface.model_fields:
-            continue
-        owners = [kind for kind, model in made.items() if key in model.model_fields]
-        field = made[owners[0]].model_fields[key]
-        fields = {kind: made[kind].model_fields[key] for kind in owners}
-        others = {
-            kind: one.default
-            for kind, one in fields.items()
-            if not one.is_required() and one.default != field.default
-        }
-        differs = "".join(f" By default {default:g} for {kind}." for kind, default in others.items())
-        yield key, field, f"{field.description} For {', '.join(owners)}.{differs}"
-    if section == "surface":
-        path = MeasuredSurface.model_fields["path"]
-        yield "path", path, path.description or ""
+    kinds = sections()[section]
+    if "" in kinds:
+        yield from kinds[""].values()
+        return
+    said = f"Kind of {section}."
+    yield Key(name="kind", what="choice", choices=tuple(kinds), default=next(iter(kinds)), description=said)
+    measured = kinds.pop("file", {})
+    for name in dict.fromkeys(name for keys in kinds.values() for name in keys if name not in measured):
+        owners = {kind: keys[name] for kind, keys in kinds.items() if name in keys}
+        first = next(iter(owners.values()))
+        text = f"{first.description} For {', '.join(owners)}."
+        for kind, key in owners.items():
+            if not key.required and key.default != first.default:
+                text += f" By default {key.default:g} for {kind}."
+        yield dataclasses.replace(first, description=text)
+    if measured:
+        yield measured["path"]
 
 
-def _annotation(section: str, key: str, field: FieldInfo, text: str) -> object:
+def _annotation(section: str, key: Key) -> object:
     """Annotation of one flag: a word, or a list of words, with its help."""
     from asperity.config.mistakes import flag_of
 
-    kinds = list(_kinds(field.annotation))
-    choices = [kind for kind in kinds if isinstance(kind, str)]
-    if choices and key != "kind":
-        text += f" [choices: {', '.join(choices)}]"
-    if bool in kinds:
-        help_only = Parameter(name=flag_of(section, key), help=text, negative=(), show_default=False)
+    text = key.description + (f" [choices: {', '.join(key.choices)}]" if key.choices else "")
+    if key.what == "switch":
+        help_only = Parameter(name=flag_of(section, key.name), help=text, negative=(), show_default=False)
         return Annotated[bool | None, help_only]
-    if not field.is_required() and field.default not in (None, []):
-        default = field.default if isinstance(field.default, list) else [field.default]
+    if key.default not in (None, []):
+        default = key.default if isinstance(key.default, list) else [key.default]
         words = [f"{one:g}" if isinstance(one, float) else str(one) for one in default]
         text += f" [default: {' '.join(words)}]"
-    name = "CHOICE" if choices else "FLOAT" if float in kinds else "INT" if str not in kinds else "TEXT"
-    paired = tuple in kinds  # two words in one argument, which may be given again
-    several = list in kinds or paired
+    paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
     parameter = Parameter(
-        name=flag_of(section, key),
+        name=flag_of(section, key.name),
         help=text,
-        metavar=_METAVARS.get(key, name),
+        metavar=_METAVARS.get(key.name) or _METAVARS[key.what.removesuffix("s")],
         negative=(),
-        consume_multiple=several and not paired,
+        consume_multiple=key.several and not paired,
         show_default=False,
     )
-    return Annotated[(list[str] if several else str) | None, parameter]
-
-
-def _kinds(annotation: Any) -> Iterator[object]:
-    """All that a key may be: the types and the words in its annotation, and ``list`` where it may be one."""
-    parts = get_args(annotation)
-    if not parts:
-        yield annotation
-    elif annotation.__class__.__name__ == "_AnnotatedAlias":
-        yield from _kinds(parts[0])
-    else:
-        if (origin := getattr(annotation, "__origin__", None)) in (list, tuple):
-            yield origin
-        for part in parts:
-            yield from _kinds(part)
+    return Annotated[(list[str] if key.several or paired else str) | None, parameter]

@@ -72,6 +72,8 @@ Shape = Annotated[
 _SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
 _RMS = "Rms height."
 _SEED = "Seed of the random heights."
+_DURATION = "How long it lasts."
+_MOBILITY = "Factor on the mobility of creep meanwhile."
 
 
 class SurfaceSection(Section):
@@ -383,16 +385,20 @@ class HoldLeg(Section):
     """Nothing changes for a while; see `asperity.protocols.Hold`."""
 
     kind: Literal["hold"] = "hold"
-    duration: Duration
-    hold: Literal["load", "separation", "area"] | None = None
-    mobility: Factor = 1.0
+    duration: Duration = Field(description=_DURATION)
+    hold: Literal["load", "separation", "area"] | None = Field(
+        default=None, description="What is held. By default what was prescribed last."
+    )
+    mobility: Factor = Field(default=1.0, description=_MOBILITY)
 
 
 class Target(Section):
     """A load or a separation to get to."""
 
-    load: Force | None = None
-    separation: Position | None = None
+    load: Force | None = Field(default=None, description="Load at the end.")
+    separation: Position | None = Field(
+        default=None, description="Separation at the end; instead of the load."
+    )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:
@@ -406,8 +412,8 @@ class RampLeg(Target):
     """A change linear in time; see `asperity.protocols.Ramp`."""
 
     kind: Literal["ramp"] = "ramp"
-    duration: Duration
-    mobility: Factor = 1.0
+    duration: Duration = Field(description=_DURATION)
+    mobility: Factor = Field(default=1.0, description=_MOBILITY)
 
 
 class StepLeg(Target):
@@ -420,8 +426,8 @@ class RepeatLeg(Section):
     """Legs repeated; see `asperity.protocols.Repeat`."""
 
     kind: Literal["repeat"] = "repeat"
-    legs: list[AnyLeg] = Field(min_length=1)
-    count: Annotated[int, Field(ge=1, le=100_000)]
+    legs: list[AnyLeg] = Field(min_length=1, description="The legs that are repeated.")
+    count: Annotated[int, Field(ge=1, le=100_000)] = Field(description="How often in all.")
 
 
 LEGS: dict[str, type[HoldLeg | RampLeg | StepLeg | RepeatLeg]] = {

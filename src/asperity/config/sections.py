@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidator
@@ -35,23 +36,29 @@ def written_with_units(table: object) -> Iterator[str]:
             yield from written_with_units(value)
 
 
-def _in(unit: str) -> WrapValidator:
+@dataclass(frozen=True)
+class InUnit:
     """Take a text with a unit for a number in SI; anything else is checked as it is."""
 
-    def read(value: object, check: Callable[[object], float]) -> float:
+    unit: str
+
+    def __call__(self, value: object, check: Callable[[object], float]) -> float:
+        """Read a number, which remembers how it was written."""
         if not has_unit(value):
             return check(value)
         from asperity.units import quantity
 
         try:
-            number = quantity(value, unit)
+            number = quantity(value, self.unit)
         except InputError as error:
             raise ValueError(f"expected {error.expected}, got {error.got}") from None
         found = InUnits(check(number))
         found.written = str(value)
         return found
 
-    return WrapValidator(read)
+
+def _in(unit: str) -> WrapValidator:
+    return WrapValidator(InUnit(unit))
 
 
 def listed(value: object) -> object:

@@ -1,4 +1,4 @@
-"""A page of one file: style, scripts and the messages of a run within it; it opens anywhere, without a server.
+"""A page of one file, with style, scripts and the messages of a run in it; it needs no server.
 
 The messages are one stream: before each stands its length (uint64, little endian). The stream is compressed
 (gzip) and written in base64 in ``<script type="application/octet-stream" id="recording">``.

@@ -1,9 +1,9 @@
 """What the page shows of one run: a scene, its rows and maps, and how it ended; and all that as bytes.
 
-A message is the length of its header (uint32, little endian), the header (JSON, UTF-8), zeros up to a multiple
-of 8, and the arrays that the header lists under ``arrays``, each with zeros up to a multiple of 8. Heights and
-pressures are whole numbers from 0 to 65535 over a range that the header gives. A run that is computed, a run in
-a folder and an exported page give the same messages.
+A message is the length of its header (uint32, little endian), the header (JSON, UTF-8), zeros up to a
+multiple of 8, and the arrays that the header lists under ``arrays``, each with zeros up to a multiple of 8.
+Heights and pressures are whole numbers from 0 to 65535 over a range that the header gives. A run that is
+computed, a run in a folder and an exported page give the same messages.
 """
 
 from __future__ import annotations
