@@ -54,12 +54,15 @@ class Finished:
         Its configuration.
     described
         Long name and unit of the series that it has.
+    lattice
+        Attributes of its dataset that describe the lattice.
     """
 
     series: Field
     scalars: dict[str, float]
     config: str
     described: dict[str, tuple[str, str]]
+    lattice: dict[str, Any]
 
 
 class Store:
@@ -177,7 +180,7 @@ class Store:
             sound = facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS
             described = {name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()}
             completed = _completed(series, facts["quantities"])
-            finished = Finished(completed, scalars, str(facts["config"]), described)
+            finished = Finished(completed, scalars, str(facts["config"]), described, facts.get("lattice", {}))
         except FileNotFoundError as error:
             raise self._unreadable(identity, error) from error
         except Exception as error:  # a damaged byte of a description leads anywhere

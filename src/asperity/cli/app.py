@@ -409,6 +409,43 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
 
 
 @_command()
+def explore(
+    folder: Path | None = None,
+    /,
+    *,
+    port: Whole | None = None,
+    no_browser: Switch = False,
+    export: Path | None = None,
+    overwrite: Switch = False,
+) -> None:
+    """Show a page on which contacts age, in the browser of this machine, or write it to a file.
+
+    Without a folder: choose a surface, a solid and a load, press, and watch. With the folder of a run, a
+    prediction or a campaign, or of several: what they found. Ctrl-C ends it.
+
+    Parameters
+    ----------
+    folder
+        Folder of results to show.
+    port
+        Port to listen on. [default: the first free one from 8765]
+    no_browser
+        Only print the address.
+    export
+        File to write (.html) in place of all that: the page with the results of the folder, which opens
+        anywhere without a server.
+    overwrite
+        Replace that file if it exists.
+    """
+    from asperity.cli import explore as door
+
+    if export is not None:
+        door.export(folder, export, overwrite=overwrite)
+    else:
+        door.explore(folder, port=port, browser=not no_browser)
+
+
+@_command()
 def reproduce(
     *,
     out: Out,

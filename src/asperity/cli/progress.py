@@ -35,7 +35,7 @@ def progress_shown(*, quiet: bool) -> Iterator[Progress]:
             yield _OnTerminal(bar)
 
 
-class _Lines:
+class _Lines(Silent):
     """Plain lines, for logs."""
 
     def __init__(self) -> None:
@@ -59,7 +59,7 @@ class _Lines:
         print(printable(text), file=sys.stderr, flush=True)
 
 
-class _OnTerminal:
+class _OnTerminal(Silent):
     """A bar whose length is the number of times recorded: even in the decades."""
 
     def __init__(self, bar: Bar) -> None:

@@ -280,16 +280,15 @@ def ending(
     return {
         "kind": "done",
         "limit": known,
-        "fit": None if summary is None else _fit(dataset, summary),
+        "fit": None if "protocol" in dataset.attrs else _fit(dataset, summary),
         "effort": {**effort, "seconds": seconds},
         "remarks": list(remarks),
     }
 
 
-def _fit(dataset: xr.Dataset, summary: AgingSummary) -> Header:
+def _fit(dataset: xr.Dataset, summary: AgingSummary | None) -> Header:
     """Growth per decade over all times, with its 95 % interval, in areas at first; and the fitted law."""
-    found: Header = {"note": summary.fit_note, "growth": None, "law": None}
-    found["steepest"] = {"per_decade": summary.steepest_per_decade, "time": summary.steepest_time}
+    found: Header = {"note": "", "growth": None, "law": None, "steepest": None}
     try:
         rate = growth_rate(dataset["time"].values, dataset["area"].values.astype(np.float64))
     except (InputError, ConvergenceError):
@@ -298,6 +297,10 @@ def _fit(dataset: xr.Dataset, summary: AgingSummary) -> Header:
         low, high = (math.log(10) * edge for edge in rate.interval("B"))
         growth = {"per_decade": math.log(10) * rate.B, "low": low, "high": high, "straight": rate.straight}
         found["growth"] = growth | {"first": rate.first, "last": rate.last}
+    if summary is None:
+        return found
+    found["note"] = summary.fit_note
+    found["steepest"] = {"per_decade": summary.steepest_per_decade, "time": summary.steepest_time}
     if (law := summary.fit) is not None:
         found["law"] = {name: getattr(law, name) for name in ("a", "q", "t0", "C", "rms_residual")}
     return found

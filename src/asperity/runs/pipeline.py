@@ -58,6 +58,10 @@ class Progress(Protocol):
         """Begin a stage; aging passes the times that it will record."""
         ...
 
+    def completed(self, config: RunConfig) -> None:
+        """Nothing is left open any more: the configuration with its load and times."""
+        ...
+
     def remark(self, text: str) -> None:
         """The user should know this before the run ends."""
         ...
@@ -71,6 +75,9 @@ class Silent:
     """A `Progress` that tells nobody."""
 
     def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        """Say nothing."""
+
+    def completed(self, config: RunConfig) -> None:
         """Say nothing."""
 
     def remark(self, text: str) -> None:
@@ -133,7 +140,8 @@ def execute(
     if made is None:
         _require_memory(rough.shape, solid, config)
     _check_units(config, solid, rough)
-    config, remarks = _completed(config, rough)
+    config, remarks = completed(config, rough)
+    progress.completed(config)
     for remark in remarks:
         progress.remark(remark)
     with transforms_on(threads, rough.heights.size):
@@ -190,7 +198,7 @@ def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) 
     return contact
 
 
-def _completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
+def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
     """Decide what the configuration leaves open: the load, the times, the maps; make paths absolute."""
     chosen = config.surface
     remarks = rough.remarks

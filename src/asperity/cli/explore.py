@@ -1,0 +1,74 @@
+"""The command ``asperity explore``: a page in the browser, or in a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from asperity.cli.output import check_new_file
+from asperity.errors import InputError, MissingExtraError
+from asperity.explore.export import exported_page
+from asperity.explore.folders import entries, open_entry
+from asperity.explore.scene import pack
+from asperity.results.store import whole_file
+
+_PORTS = 65535
+
+
+def explore(folder: Path | None, *, port: int | None, browser: bool) -> None:
+    """Serve the page until Ctrl-C.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, or the port cannot be had.
+    MissingExtraError
+        The libraries of the server are not installed.
+    """
+    if folder is not None:
+        _check_folder(folder)
+    if port is not None and not 1 <= port <= _PORTS:
+        raise InputError("--port", expected=f"a number from 1 to {_PORTS}", got=port)
+    try:
+        from asperity.explore.server import serve
+    except ImportError as error:
+        raise MissingExtraError(
+            f"asperity explore needs starlette, uvicorn and websockets ({error}); "
+            "install them with: pip install starlette uvicorn websockets"
+        ) from error
+
+    def told(address: str) -> None:
+        print(f"{address}  (Ctrl-C to end)", flush=True)
+
+    serve(folder, port=port, told=told, browser=browser)
+
+
+def export(folder: Path | None, page: Path, *, overwrite: bool) -> None:
+    """Write the page of a folder to one file: of a campaign its curves, and the maps of its first run.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, or it holds none or several results, or the file cannot be written.
+    """
+    if folder is None:
+        raise InputError("--export", expected="a folder of results", got="none", advice="its name")
+    _check_folder(folder)
+    check_new_file("--export", page, (".html", ".htm"), overwrite=overwrite)
+    found = entries(folder)
+    if len(found) != 1:
+        got = f"{folder}, which holds {len(found)} results"
+        advice = f"{folder / found[0]['path']}" if found else ""
+        raise InputError("folder", expected="one run, prediction or campaign", got=got, advice=advice)
+    opened = open_entry(folder, found[0]["path"])
+    messages = [] if opened.campaign is None else [pack(*opened.campaign)]
+    messages += [] if opened.recording is None else opened.recording.messages()
+    title = found[0]["title"]
+    with whole_file(page) as part:
+        part.write_text(exported_page(messages, title=f"{title} · Asperity"), encoding="utf-8")
+    print(page)
+
+
+def _check_folder(folder: Path) -> None:
+    if not folder.is_dir():
+        got = f"{folder}, which is a file" if folder.exists() else f"{folder}, which does not exist"
+        raise InputError("folder", expected="a folder of results", got=got)

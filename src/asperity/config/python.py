@@ -1,0 +1,137 @@
+"""A configuration as a short Python program that gives the same numbers."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+from asperity._version import __version__
+from asperity.config.models import MeasuredSurface, RunConfig, SelfAffine, Spectral
+from asperity.config.solids import CoatedHalfSpace, Layer, SpringLattice
+from asperity.errors import InputError
+from asperity.protocols import Leg, Repeat, described
+
+_LONG = 96
+"""Characters of a line."""
+
+
+def to_python(config: RunConfig, times: list[float]) -> str:
+    """Write a configuration in Python, as `asperity.press`, `asperity.age` and `asperity.relax`.
+
+    Parameters
+    ----------
+    config
+        With nothing left open: what presses is given.
+    times
+        Times to record; where the configuration gives first, last and how many, these are written instead.
+
+    Returns
+    -------
+    str
+        A program, of which ``contact``, ``history`` and, without a protocol, ``limit`` are those of the run,
+        to the last digit.
+
+    Raises
+    ------
+    InputError
+        The load is left open.
+    """
+    pressed = config.contact.model_dump(exclude_none=True)
+    if not pressed:
+        raise InputError("contact", expected="a load, a pressure or a separation", got="none")
+    contact = _call("asp.press", "rough", "solid", **pressed)
+    given: dict[str, Any] = {}
+    if config.protocol:
+        given["protocol"] = list(config.legs)
+    given |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
+    given = {name: value for name, value in given.items() if value not in (None, [])}
+    spread = config.aging.times is None and not config.protocol
+    lines = [
+        f"# Asperity {__version__}",
+        *(["import numpy as np", ""] if spread or "np." in _solid(config) else []),
+        "import asperity as asp",
+        "",
+        f"rough = {_surface(config)}",
+        f"solid = {_solid(config)}",
+        f"contact = {contact}",
+        f"times = np.geomspace({config.span[0]!r}, {config.span[1]!r}, {len(times)})"
+        if spread
+        else f"times = {_written(times)}",
+        f"history = {_call('asp.age', 'contact', 'times', **given)}",
+    ]
+    if not config.protocol:
+        hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
+        lines.append(f"limit = {_call('asp.relax', 'contact', **hold)}")
+    return "\n".join([*lines, "print(history)", ""])
+
+
+def _surface(config: RunConfig) -> str:
+    chosen = config.surface
+    facts = chosen.model_dump(exclude_none=True, exclude={"kind"})
+    if isinstance(chosen, MeasuredSurface):
+        usual = {name: field.default for name, field in MeasuredSurface.model_fields.items()}
+        path = facts.pop("path")
+        if len(facts.get("pixel_size", [])) == 1:
+            facts["pixel_size"] = facts["pixel_size"][0]
+        facts = {name: value for name, value in facts.items() if value != usual[name]}
+        return _call("asp.surfaces.read", repr(path), **facts)
+    if isinstance(chosen, SelfAffine):
+        return _call("asp.surfaces.self_affine", repr(facts.pop("size")), **facts)
+    shape = repr(tuple(facts.pop("shape")))
+    if not isinstance(chosen, Spectral):
+        return _call(f"asp.surfaces.{chosen.kind}", shape, **facts)
+    unit, spacing = facts.pop("unit", None), facts.pop("spacing")
+    size = tuple([*spacing, *spacing][: len(chosen.shape)])
+    heights = _call(
+        "asp.surfaces.spectral", shape, spacing=spacing[0] if len(spacing) == 1 else spacing, **facts
+    )
+    units = {} if unit is None else {"unit": unit, "length_unit": unit}
+    return _call("asp.surfaces.Surface", heights, pixel_size=size, **units)
+
+
+def _solid(config: RunConfig) -> str:
+    solid = config.solid.resolved()
+    if isinstance(solid, SpringLattice):
+        return _call("asp.solids.spring_lattice", **solid.model_dump(exclude={"kind"}))
+    facts: dict[str, Any] = {"modulus": solid.contact_modulus}
+    if solid.maxwell:
+        facts["branches"] = solid.maxwell
+    if isinstance(solid, Layer | CoatedHalfSpace):
+        facts |= {"poisson": solid.poisson[0], "thickness": solid.thickness}
+    if isinstance(solid, Layer):
+        facts |= {"bonded": False} if solid.frictionless else {}
+    else:
+        facts |= {"apparatus": solid.apparatus}
+    if isinstance(solid, CoatedHalfSpace):
+        facts |= {"base_modulus": solid.base_modulus, "base_poisson": solid.base_poisson}
+        facts |= {"base_branches": solid.base_branches or None}
+    facts["flow"] = getattr(solid, "flow", None)
+    given = {name: value for name, value in facts.items() if value is not None}
+    return _call(f"asp.solids.{solid.kind}", **given)
+
+
+def _call(name: str, *positional: str, **named: object) -> str:
+    """Write a call, one argument a line where it is long."""
+    arguments = [*positional, *(f"{key}={_written(value)}" for key, value in named.items())]
+    line = f"{name}({', '.join(arguments)})"
+    if len(line) <= _LONG:
+        return line
+    return "".join([f"{name}(\n", *(f"    {one},\n" for one in arguments), ")"])
+
+
+def _written(value: object) -> str:
+    """Write a value so that Python reads the very same one."""
+    if isinstance(value, float):
+        return "np.inf" if value == float("inf") else repr(float(value))
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_written, value))}{',' * (len(value) == 1)})"
+    if isinstance(value, list):
+        line = f"[{', '.join(map(_written, value))}]"
+        return line if len(line) <= _LONG else textwrap.fill(line, _LONG, subsequent_indent="        ")
+    if isinstance(value, Leg):
+        facts = described(value)
+        del facts["kind"]
+        if isinstance(value, Repeat):
+            facts["legs"] = list(value.legs)
+        return _call(f"asp.protocols.{type(value).__name__}", **facts)
+    return repr(value)
