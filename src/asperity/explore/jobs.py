@@ -28,8 +28,8 @@ from asperity.aging import Frame
 from asperity.config import RunConfig, to_tables
 from asperity.config.keys import sections
 from asperity.config.python import to_python
-from asperity.errors import AsperityError, ConfigError, InputError
-from asperity.explore.scene import Header, Map, Recording, ending, mapped, of_frame, started
+from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError
+from asperity.explore.scene import Map, Recording, ending, mapped, of_frame, started
 from asperity.protocols import Schedule, legs_of
 from asperity.runs import Silent, cores, execute
 from asperity.runs.loops import compile_loops
@@ -52,8 +52,12 @@ Shown = dict[str, str]
 """What stands for the absolute path of a file where others read it."""
 
 
-def mistakes_of(error: BaseException) -> list[Mistake]:
+def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistake]:
     """Say in one line each what is wrong, and which key it is about: ``contact.load``, or nothing."""
+    for path, name in (shown or {}).items():
+        if isinstance(error, SurfaceFileError) or (isinstance(error, AsperityError) and path in str(error)):
+            where = "solid.relaxation" if "relaxation" in str(error) else "surface.path"
+            return [{"where": where, "text": brief(str(error).replace(path, name))}]
     if isinstance(error, ConfigError):
         return [{"where": _place(problem), "text": problem} for problem in error.problems]
     if isinstance(error, InputError):
@@ -169,7 +173,7 @@ def _done(connection: Connection, config: RunConfig, shown: Shown, title: str) -
     except _StoppedError:
         return "stopped", None
     except Exception as error:  # said to the user, in the page
-        return "failed", mistakes_of(error)
+        return "failed", mistakes_of(error, shown)
     seconds = perf_counter() - begun
     return "done", ending(outcome.dataset, outcome.summary, remarks=outcome.remarks, seconds=seconds)
 
@@ -377,8 +381,3 @@ def _name_of(config: RunConfig) -> str:
             facts = Path(name).stat()
             states.append((facts.st_mtime_ns, facts.st_size))
     return hashlib.sha256(json.dumps([tables, states], sort_keys=True).encode()).hexdigest()[:24]
-
-
-def error_header(job: str, mistakes: list[Mistake]) -> Header:
-    """Header of a message that says what is wrong."""
-    return {"kind": "mistakes", "job": job, "mistakes": mistakes}

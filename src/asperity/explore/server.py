@@ -76,20 +76,17 @@ class Places:
         InputError
             It lies elsewhere.
         """
-        path = Path(name)
+        path, homes = Path(name), [home for home in (self.root, self.uploads) if home is not None]
         if path.is_absolute():
-            found, homes = path.resolve(), [home for home in (self.root, self.uploads) if home is not None]
-            if found in self._named or any(found.is_relative_to(home.resolve()) for home in homes):
-                return found
-            raise InputError(
-                "path",
-                expected="a file in the folder that is shown, or one dropped on the page",
-                got=name,
-                advice="dropping it on the page",
-            )
-        if self.root is not None and (here := inside(self.root, name)).exists():
-            return here
-        return inside(self.uploads, name)
+            found = path.resolve()
+            known = found in self._named or any(found.is_relative_to(home.resolve()) for home in homes)
+            choices = [found] if known else []
+        else:
+            choices = [inside(home, name) for home in homes]
+        if file := next((one for one in choices if one.is_file()), None):
+            return file
+        expected = "a file that was dropped on the page, or lies in the folder that is shown"
+        raise InputError("path", expected=expected, got=name, advice="dropping it on the page")
 
 
 def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
@@ -119,7 +116,7 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
             try:
                 table[key] = str(places.find(name))
             except InputError as error:
-                said = f"expected {error.expected}, got {error.got}"
+                said = str(error).removeprefix("path: ")
                 raise ConfigError([f"[{section}] {key}: {said}"]) from None
             shown[table[key]] = name
     solid = known.get("solid")
@@ -170,7 +167,7 @@ class Session:
             self._leave(at_once=False)
             with contextlib.suppress(asyncio.CancelledError, RuntimeError, WebSocketDisconnect):
                 await sender
-            with contextlib.suppress(RuntimeError):
+            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
                 await self._websocket.close()
 
     async def _take(self, message: dict[str, Any]) -> None:

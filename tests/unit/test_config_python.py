@@ -1,0 +1,128 @@
+"""A configuration as Python: executed, the text gives the areas and energies of the run, to the last bit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asperity.config import RunConfig, config_from, to_toml
+from asperity.config.python import to_python
+from asperity.runs import Silent, execute, recorded_times
+from tests.refusals import refuses
+
+GAUSSIAN = {"kind": "gaussian", "shape": [16, 12], "rms": 0.7, "seed": 3}
+WAVES = {"kind": "spectral", "shape": [16, 16], "rms_slope": 0.1, "spacing": [2e-6], "unit": "m", "seed": 2}
+SPRINGS = {"kind": "spring_lattice", "k1": 5.0, "R_viscous": 0.3}
+MAXWELL = {"kind": "half_space", "modulus": 3.1e9, "branches": [[0.3, 0.1], [0.2, 7.0]]}
+SHORT = {"first": 0.1, "last": 20.0, "per_decade": 2}
+
+CASES: dict[str, dict[str, Any]] = {
+    "gaussian": {"surface": GAUSSIAN},
+    "exponential": {"surface": GAUSSIAN | {"kind": "exponential"}, "solid": SPRINGS},
+    "self-affine": {"surface": {"kind": "self_affine", "size": 16, "hurst": 0.7, "seed": 1}},
+    "line": {"surface": GAUSSIAN | {"shape": [64]}, "contact": {"load": 1.5}},
+    "waves without units": {"surface": {"kind": "spectral", "shape": [16, 16], "spacing": [1.0, 1.0]}},
+    "half-space": {"surface": WAVES, "solid": MAXWELL, "contact": {"pressure": "2 MPa"}},
+    "half-space without units": {"surface": GAUSSIAN, "solid": MAXWELL | {"modulus": 2.0}},
+    "two bodies": {
+        "surface": WAVES,
+        "solid": {"kind": "half_space", "young": ["3 GPa", "70 GPa"], "poisson": [0.35, 0.22]},
+    },
+    "flow": {"surface": GAUSSIAN, "solid": {"kind": "half_space", "modulus": 2.0, "flow": [0.5, 1.0]}},
+    "layer": {
+        "surface": WAVES,
+        "solid": MAXWELL | {"kind": "layer", "poisson": 0.4, "thickness": "5 um", "frictionless": True},
+    },
+    "coated": {
+        "surface": WAVES,
+        "solid": MAXWELL
+        | {
+            "kind": "coated_half_space",
+            "poisson": 0.4,
+            "thickness": 1e-5,
+            "base_modulus": 9e9,
+            "base_poisson": 0.3,
+            "base_branches": [[0.5, 1.0]],
+            "apparatus": float("inf"),
+        },
+    },
+    "separation": {"surface": GAUSSIAN, "contact": {"separation": 1.2}},
+    "hold": {"surface": GAUSSIAN, "aging": SHORT | {"hold": "separation", "rtol": 1e-3}},
+    "times": {"surface": GAUSSIAN, "aging": {"times": [0.0, 0.3, 1 / 3, 9.0]}},
+    "maps": {"surface": GAUSSIAN, "output": {"maps_at": [0.0, 0.77]}},
+    "protocol": {
+        "surface": GAUSSIAN | {"shape": [24, 24]},
+        "contact": {"load": 60.0},
+        "aging": {"per_decade": 2},
+        "protocol": [
+            {"kind": "hold", "duration": 3.0, "hold": "area"},
+            {"kind": "step", "load": 15.0},
+            {"kind": "hold", "duration": 1.0, "mobility": 2.5},
+            {
+                "kind": "repeat",
+                "count": 2,
+                "legs": [
+                    {"kind": "ramp", "duration": 0.7, "load": 30.0},
+                    {"kind": "ramp", "duration": 0.1, "load": 20.0, "mobility": 0.5},
+                ],
+            },
+        ],
+    },
+}
+
+
+def completed(tables: dict[str, Any]) -> tuple[RunConfig, Any]:
+    tables = {"aging": {} if "protocol" in tables else SHORT, **tables}
+    outcome = execute(config_from(tables, {}, None), Silent())
+    return outcome.config, outcome.dataset
+
+
+def results_of(text: str) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    exec(compile(text, "<copied>", "exec"), found)
+    return found
+
+
+@pytest.mark.filterwarnings("ignore::asperity.errors.Remark")
+@pytest.mark.parametrize("tables", CASES.values(), ids=CASES)
+def test_the_text_gives_the_same_numbers(tables: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+    config, dataset = completed(tables)
+    found = results_of(to_python(config, recorded_times(config).tolist()))
+    again = found["history"].dataset
+    for name in ("time", "area", "energy", "load", "separation"):
+        assert np.array_equal(again[name].values, dataset[name].values)
+    if "limit" in found:
+        assert found["limit"].energy == dataset.attrs["relaxed_energy"]
+    assert capsys.readouterr().out.startswith("<History: ")
+
+
+def test_a_measured_surface_is_read_again(tmp_path: Path) -> None:
+    path = tmp_path / "it's a 'scan'.npy"
+    np.save(path, np.random.default_rng(0).normal(size=(14, 12)))
+    surface = {
+        "kind": "file",
+        "path": str(path),
+        "periodic": "taper",
+        "file_unit": "nm",
+        "crop": [0, 12, 0, 12],
+    }
+    measured = {"pixel_size": [3e-8], "length_unit": "m"}
+    config, dataset = completed({"surface": surface | measured, "solid": MAXWELL})
+    found = results_of(to_python(config, recorded_times(config).tolist()))
+    assert np.array_equal(found["history"].dataset["energy"].values, dataset["energy"].values)
+
+
+def test_long_lines_are_broken_and_the_toml_says_the_same() -> None:
+    config, _ = completed(CASES["protocol"])
+    text = to_python(config, recorded_times(config).tolist())
+    assert max(map(len, text.splitlines())) <= 110
+    assert "count = 2" in to_toml(config)
+
+
+def test_a_load_that_is_left_open_is_refused() -> None:
+    config = config_from({}, {}, None)
+    with refuses("contact"):
+        to_python(config, [1.0])
