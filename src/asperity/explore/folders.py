@@ -18,10 +18,11 @@ from asperity.campaign.plan import Plan, Run, name_of
 from asperity.campaign.store import QUANTITIES, Store
 from asperity.config import RunConfig, config_from
 from asperity.config.python import to_python
-from asperity.errors import ConfigError, InputError
+from asperity.errors import AsperityError, ConfigError, InputError
 from asperity.explore.scene import Arrays, Header, Recording, ending, recorded
 from asperity.protocols import described
 from asperity.runs import recorded_times
+from asperity.words import printable, reason_of
 
 _DEEPEST, _MOST = 4, 500
 """Folders within folders that are looked into, and results that are listed."""
@@ -43,7 +44,7 @@ def inside(root: Path, name: str) -> Path:
         found = (root / pure).resolve()
         if found.is_relative_to(root.resolve()):
             return found
-    raise InputError("path", expected="a name in the folder that is shown", got=name)
+    raise InputError("path", expected="a name in the folder that is shown", got=printable(name))
 
 
 def kind_of(folder: Path) -> str:
@@ -90,6 +91,16 @@ def open_entry(root: Path, name: str) -> Opened:
     InputError
         There is no such thing, or it is damaged.
     """
+    try:
+        return _opened(root, name)
+    except AsperityError:
+        raise
+    except Exception as error:  # a damaged byte leads anywhere
+        got = f"{name}: {reason_of(error)}"
+        raise InputError("path", expected="results as asperity wrote them", got=got) from error
+
+
+def _opened(root: Path, name: str) -> Opened:
     folder = inside(root, name)
     kind = kind_of(folder)
     if kind == "campaign":

@@ -93,6 +93,14 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def json_tables(config: RunConfig) -> dict[str, Any]:
+    """A configuration for a page: which JSON can write."""
+    tables = to_tables(config)
+    if tables["solid"].get("apparatus") == math.inf:
+        tables["solid"]["apparatus"] = "inf"
+    return tables
+
+
 def _padded(raw: bytes) -> bytes:
     return raw + bytes(-len(raw) % 8)
 
@@ -340,10 +348,9 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     spacing = json.loads(dataset.attrs["spacing"])
     steps_between = [1.0, *spacing][-2:]
     switches = [row.begin for row in leg_table(dataset)[1:]]
-    asked = {} if config is None else to_tables(config)
     header = {
         "title": title,
-        "config": asked or None,
+        "config": None if config is None else json_tables(config),
         "toml": "" if config is None else to_toml(config),
         "shape": list(heights.shape),
         "edges": dataset.attrs["edges"],

@@ -27,13 +27,13 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asperity._version import __version__
-from asperity.config import RunConfig, config_from, to_tables, to_toml
+from asperity.config import RunConfig, config_from, to_toml
 from asperity.config.keys import sections
 from asperity.errors import ConfigError, InputError
 from asperity.explore.export import exported_page, page_files
 from asperity.explore.folders import Opened, entries, inside, open_entry
 from asperity.explore.jobs import Job, Jobs, Shown, mistakes_of
-from asperity.explore.scene import Arrays, Cursor, Header, Recording, pack
+from asperity.explore.scene import Arrays, Cursor, Header, Recording, json_tables, pack
 from asperity.runs.pipeline import completed
 
 HOST = "127.0.0.1"
@@ -123,14 +123,6 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
     if isinstance(solid, dict) and solid.get("apparatus") == "inf":
         solid["apparatus"] = math.inf
     return config_from(known, {}, None), shown
-
-
-def json_tables(config: RunConfig) -> dict[str, Any]:
-    """A configuration for a page: what `read_request` takes, which JSON can write."""
-    tables = to_tables(config)
-    if tables["solid"].get("apparatus") == math.inf:
-        tables["solid"]["apparatus"] = "inf"
-    return tables
 
 
 class Session:
@@ -424,6 +416,7 @@ def free_socket(port: int | None) -> socket.socket:
         taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             taken.bind((HOST, number))
+            taken.listen()  # from now on: a browser that is quicker than the server waits
         except OSError as error:
             taken.close()
             reason = error.strerror or str(error)

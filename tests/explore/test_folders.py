@@ -1,0 +1,173 @@
+"""What a folder holds, and that nothing leads out of it."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.campaign import fields, load_plan
+from asperity.campaign import open as open_campaign
+from asperity.explore.export import exported_page
+from asperity.explore.folders import entries, inside, kind_of, open_entry
+from asperity.explore.scene import pack, unpack
+from tests.explore.conftest import maps
+from tests.refusals import refuses
+
+
+def all_of(recording):
+    return [unpack(message) for message in recording.messages()]
+
+
+def test_results_are_found_at_any_depth_and_links_are_not_followed(results_folder: Path) -> None:
+    found = [(one["path"], one["kind"], one["title"]) for one in entries(results_folder)]
+    assert found == [("a run", "run", "a run"), ("deeper/campaign", "campaign", "deeper/campaign")]
+    assert [one["path"] for one in entries(results_folder / "a run")] == ["."]
+    assert entries(results_folder / "a run")[0]["title"] == "a run"
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["..", "a/../..", "/etc/passwd", "link", "link/history.zarr", "a\\..\\b", "x\0y", "//etc", "~/../.."],
+)
+def test_a_name_stays_in_its_folder(results_folder: Path, name: str) -> None:
+    with refuses("path"):
+        inside(results_folder, name)
+
+
+def test_a_name_in_its_folder_is_found(results_folder: Path) -> None:
+    assert inside(results_folder, "a run/history.zarr").is_dir()
+    assert inside(results_folder, ".") == results_folder.resolve()
+
+
+def test_a_run_is_shown_as_it_was_stored(results_folder: Path) -> None:
+    dataset = asp.results.load(results_folder / "a run")
+    opened = open_entry(results_folder, "a run")
+    assert opened.campaign is None
+    assert opened.recording is not None
+    messages = all_of(opened.recording)
+    (scene, _), (_, arrays), (done, _) = messages
+    areas = arrays["rows"][:, scene["columns"].index("area")]
+    assert np.array_equal(areas, dataset["area"].values)
+    for index, mask in enumerate(dataset["in_contact"].values):
+        assert np.array_equal(np.unpackbits(maps(messages)[index][1]).reshape(mask.shape), mask)
+    assert scene["toml"] == dataset.attrs["config"]
+    assert done["limit"]["area"] == dataset.attrs["relaxed_area"]
+    assert done["fit"]["law"]["a"] == dataset.attrs["relaxed_area"] / dataset["area"].values[0]
+    found: dict[str, object] = {}
+    exec(scene["python"], found)
+    history = found["history"]
+    assert isinstance(history, asp.History)
+    assert np.array_equal(history.dataset["area"].values, dataset["area"].values)
+
+
+def test_a_saved_history_is_shown_without_a_configuration(tmp_path: Path) -> None:
+    rough = asp.surfaces.self_affine(16, seed=0)
+    contact = asp.press(rough, asp.solids.half_space(modulus=2.0, branches=[(0.5, 1.0)]), pressure=0.01)
+    history = asp.age(contact, [0.1, 1.0, 10.0], fields_at=[0.0, 10.0])
+    history.save(tmp_path / "mine.zarr")
+    opened = open_entry(tmp_path, "mine.zarr")
+    assert opened.recording is not None
+    (scene, _), (_, arrays), (done, _) = all_of(opened.recording)
+    assert (scene["config"], scene["toml"]) == (None, "")
+    assert arrays["rows"].shape == (4, len(scene["columns"]))
+    assert done["limit"] is None
+    assert kind_of(tmp_path) == ""
+
+
+def test_a_campaign_is_shown_with_its_curves_and_any_of_its_runs(results_folder: Path) -> None:
+    folder = results_folder / "deeper" / "campaign"
+    opened = open_entry(results_folder, "deeper/campaign")
+    assert opened.campaign is not None
+    header, curves = opened.campaign
+    together = open_campaign(folder)
+    assert header["parameters"] == ["load", "seed"]
+    assert len(header["runs"]) == 4
+    for run in header["runs"]:
+        assert run["state"] == "done"
+        known = together.sel(load=run["load"], seed=run["seed"])
+        assert np.array_equal(curves[f"area.{run['id']}"], known["area"].values)
+        one = open_entry(results_folder, f"deeper/campaign/{run['id']}")
+        assert one.recording is not None
+        messages = all_of(one.recording)
+        scene, arrays = messages[0]
+        kept = fields(folder, load=run["load"], seed=run["seed"])
+        low, high = scene["height_range"]
+        assert low + (high - low) * arrays["heights"] / 65535 == pytest.approx(
+            kept["heights"].values, abs=1e-3
+        )
+        for index, mask in enumerate(kept["in_contact"].values):
+            assert np.array_equal(np.unpackbits(maps(messages)[index][1]).reshape(mask.shape), mask)
+        assert scene["title"] == f"load = {run['load']}, seed = {run['seed']}"
+        assert f"load = {run['load']}" in scene["toml"]
+
+
+def test_a_campaign_of_runs_without_fields_shows_their_surfaces(results_folder: Path, tmp_path: Path) -> None:
+    from asperity.campaign import read_plan
+    from tests.campaign.conftest import do_here, written
+
+    surface = (
+        'surface = { kind = "spectral", shape = [16, 16], rms_slope = 0.1, spacing = [1e-6], unit = "m" }'
+    )
+    solid = 'solid = { kind = "half_space", modulus = 3e9, branches = [[0.5, 1.0]] }'
+    times = "aging = { first = 0.1, last = 10.0, per_decade = 2 }\noutput.maps_at = []"
+    swept = "sweep = { pressure = [1e6, 3e6] }"
+    path = written(tmp_path, "\n".join([surface, solid, times, swept]))
+    do_here(read_plan(path), tmp_path / "campaign")
+    opened = open_entry(tmp_path, "campaign")
+    assert opened.recording is not None
+    (scene, arrays), (_, rows), (done, _) = all_of(opened.recording)
+    heights = load_plan(tmp_path / "campaign").runs[0].config.surface.build().in_meters()[0]
+    low, high = scene["height_range"]
+    assert low + (high - low) * arrays["heights"] / 65535 == pytest.approx(heights, abs=1e-4 * (high - low))
+    assert scene["units"]["pressure"] == "Pa"
+    assert scene["spacing"] == [1e-6, 1e-6]
+    area = rows["rows"][:, scene["columns"].index("contact_area")]
+    assert area == pytest.approx(rows["rows"][:, scene["columns"].index("area")] * 1e-12)
+    assert done["limit"]["contact_area"] == pytest.approx(done["limit"]["area"] * 1e-12)
+
+
+def test_an_exported_page_holds_everything(results_folder: Path) -> None:
+    opened = open_entry(results_folder, "a run")
+    assert opened.recording is not None
+    messages = list(opened.recording.messages())
+    page = exported_page(messages, title="a <run>")
+    assert "<title>a &lt;run&gt;</title>" in page
+    assert not re.search(r"<(script|link|img)[^>]*\s(src|href)=[\"'](?!data:)", page)
+    assert "connect-src data: blob:" in page
+    (packed,) = re.findall(r'<script type="application/octet-stream" id="recording">([^<]*)</script>', page)
+    stream = gzip.decompress(base64.b64decode(packed))
+    found = []
+    while stream:
+        length = int.from_bytes(stream[:8], "little")
+        found.append(stream[8 : 8 + length])
+        stream = stream[8 + length :]
+    assert found == messages
+
+
+def test_a_page_without_a_recording_waits_for_one() -> None:
+    page = exported_page([], title="Asperity")
+    (packed,) = re.findall(r'id="recording">([^<]*)</script>', page)
+    assert gzip.decompress(base64.b64decode(packed)) == b""
+    assert json.loads(pack({"a": 1})[4:].split(b"\0")[0]) == {"a": 1, "arrays": []}
+
+
+@pytest.mark.parametrize("name", ["nothing", "deeper", "deeper/campaign/nothing"])
+def test_what_is_no_result_is_refused(results_folder: Path, name: str) -> None:
+    with refuses("path"):
+        open_entry(results_folder, name)
+
+
+def test_a_damaged_run_is_refused(results_folder: Path, tmp_path: Path) -> None:
+    import shutil
+
+    shutil.copytree(results_folder / "a run", tmp_path / "run")
+    shutil.rmtree(tmp_path / "run" / "history.zarr" / "area")
+    with refuses("path"):
+        open_entry(tmp_path, "run")

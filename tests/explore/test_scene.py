@@ -1,0 +1,148 @@
+"""Messages: what was packed comes out; what a scene makes of areas and loads is what it says."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.explore.scene import Cursor, Recording, map_of, mapped, most_maps, pack, recorded, unpack
+
+ARRAYS: dict[str, Any] = {
+    "rows": np.arange(6.0).reshape(3, 2),
+    "bits.0": np.array([3, 255, 7], dtype=np.uint8),
+    "none": np.empty((0, 2)),
+    "pressure": np.array([[1], [65535]], dtype=np.uint16),
+    "small": np.float32([1.5]),
+    "whole": np.int32([-7, 2**31 - 1]),
+}
+
+
+def test_what_was_packed_comes_out() -> None:
+    header, arrays = unpack(pack({"kind": "rows", "text": "µ–∞"}, ARRAYS))
+    assert header == {"kind": "rows", "text": "µ–∞"}
+    assert arrays.keys() == ARRAYS.keys()
+    for name, array in ARRAYS.items():
+        assert arrays[name].dtype == array.dtype
+        assert np.array_equal(arrays[name], array)
+
+
+@pytest.mark.parametrize("length", range(9))
+def test_everything_begins_at_multiples_of_eight(length: int) -> None:
+    message = pack({"text": "x" * length}, {"a": np.zeros(3, np.uint8), "b": np.ones(2)})
+    assert len(message) % 8 == 0
+    (count,) = struct.unpack("<I", message[:4])
+    listed = json.loads(message[4 : 4 + count])["arrays"]
+    start = math.ceil((4 + count) / 8) * 8
+    assert [one["offset"] for one in listed] == [0, 8]
+    assert np.frombuffer(message[start + 8 : start + 24], "<f8").tolist() == [1.0, 1.0]
+
+
+def test_what_is_not_finite_is_null() -> None:
+    header, _ = unpack(pack({"a": math.nan, "b": [math.inf, np.float64(2.5)], "c": {"d": -math.inf}}))
+    assert header == {"a": None, "b": [None, 2.5], "c": {"d": None}}
+
+
+def test_a_map_holds_contacts_and_pressures() -> None:
+    mask = np.zeros((3, 5), dtype=bool)
+    mask[0, 1] = mask[2, 4] = True
+    pressure = np.where(mask, 4.0, 0.0)
+    pressure[2, 4] = 1.0
+    found = map_of(2.0, 1, mask, pressure)
+    assert np.array_equal(np.unpackbits(found.bits, count=15).reshape(3, 5), mask)
+    assert found.scale == 4.0
+    assert found.pressure.tolist() == [65535, round(65535 / 4)]
+
+
+def test_which_moments_are_mapped() -> None:
+    times = np.geomspace(1e-3, 1e6, 400).tolist()
+    chosen = mapped(times, [123.0], 200**2)
+    assert {0.0, times[-1], 123.0} <= chosen
+    assert len(chosen) <= most_maps(200**2) + 1 <= 41
+    steps = np.diff(np.log10(sorted(chosen - {0.0, 123.0})))
+    assert steps.max() < 2 * steps.min()
+    assert most_maps(4096**2) == 6
+
+
+@pytest.fixture(scope="module")
+def aged() -> Any:
+    rough = asp.surfaces.gaussian((24, 24), seed=2)
+    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
+    legs = [asp.protocols.Hold(10.0), asp.protocols.Step(load=15.0), asp.protocols.Hold(10.0)]
+    return asp.age(contact, [0.1, 1.0, 10.0, 11.0, 20.0], protocol=legs, fields_at=[0.0, 10.0, 20.0]).dataset
+
+
+def test_a_history_becomes_rows_and_maps(aged: Any) -> None:
+    scene = recorded(aged, None, job="one", title="two")
+    assert scene.scene is not None
+    columns = scene.scene["columns"]
+    rows = np.array(scene.rows)
+    for name in ("time", "leg", "area", "load", "separation", "residual"):
+        assert np.array_equal(rows[:, columns.index(name)], aged[name].values)
+    assert scene.scene["switches"] == [10.0]
+    area, load = aged["area"].values, aged["load"].values
+    friction = rows[:, columns.index("friction")]
+    assert friction == pytest.approx(area / load / (area[0] / load[0]), rel=1e-12)
+    assert [one.time for one in scene.maps] == aged["field_time"].values.tolist()
+    for one, mask in zip(scene.maps, aged["in_contact"].values, strict=True):
+        assert np.array_equal(np.unpackbits(one.bits).reshape(24, 24), mask)
+        # Forces of springs come from u and u0: their sum is the load, and none is off contact.
+        total = one.pressure.astype(float).sum() * one.scale / 65535
+        at = np.flatnonzero((aged["time"].values == one.time) & (aged["leg"].values == one.leg))
+        assert total == pytest.approx(aged["load"].values[at[0]], rel=1e-4)
+
+
+def test_growth_per_decade_counts_from_the_last_switch(aged: Any) -> None:
+    scene = recorded(aged, None, job="one", title="two")
+    assert scene.scene is not None
+    at = scene.scene["columns"].index("decade_growth")
+    found = {(row[0], row[1]): row[at] for row in scene.rows}
+    area = dict(
+        zip(zip(aged["time"].values, aged["leg"].values, strict=True), aged["area"].values, strict=True)
+    )
+    first = aged["area"].values[0]
+    assert found[1.0, 0] == pytest.approx((area[1.0, 0] - area[0.1, 0]) / first)
+    assert found[20.0, 2] == pytest.approx((area[20.0, 2] - area[11.0, 2]) / first)
+    assert np.isnan([found[0.0, 0], found[0.1, 0], found[10.0, 1], found[11.0, 2]]).all()
+
+
+def test_heights_are_within_a_step_of_their_range(aged: Any) -> None:
+    scene = recorded(aged, None, job="one", title="two")
+    assert scene.scene is not None
+    assert scene.heights is not None
+    low, high = scene.scene["height_range"]
+    back = low + (high - low) * scene.heights / 65535
+    assert np.abs(back - aged["heights"].values).max() <= 0.51 * (high - low) / 65535
+
+
+def test_a_late_reader_gets_all_in_few_messages_and_an_early_one_the_same() -> None:
+    def fill(recording: Recording) -> None:
+        for number in range(100):
+            recording.rows.append([float(number)])
+            mask = np.ones((8, 8), dtype=bool)
+            recording.maps.append(map_of(float(number), 0, mask, mask.astype(float)))
+
+    late, early = Recording("one"), Recording("one")
+    for one in (late, early):
+        one.scene = {"columns": ["time"], "last_time": 99.0}
+        one.heights = np.zeros((8, 8), np.uint16)
+    cursor = Cursor()
+    assert early.next(cursor) is not None
+    seen: list[float] = []
+    for number in range(100):
+        early.rows.append([float(number)])
+        header, arrays = early.next(cursor) or ({}, {})
+        assert header["time_now"] == number
+        seen += arrays["rows"][:, 0].tolist()
+        assert early.next(cursor) is None
+    fill(late)
+    late.end = {"kind": "done"}
+    messages = [unpack(one) for one in late.messages()]
+    assert [header["kind"] for header, _ in messages] == ["scene", "rows", "done"]
+    assert messages[1][1]["rows"][:, 0].tolist() == seen
+    assert len(messages[1][0]["maps"]) == 100

@@ -1,0 +1,382 @@
+"""The running server: what a page is told, how it stays quick, and what it survives."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time as clock
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+
+from asperity.config import config_from
+from asperity.config.python import to_python
+from asperity.runs import Silent, execute, recorded_times
+from tests.explore.conftest import LARGE, QUICK, Server, column, maps, only
+
+pytest.importorskip("uvicorn", reason="needs the extra explore")
+
+STEPPED = QUICK | {
+    "contact": {"load": 20.0},
+    "aging": {"first": 0.1},
+    "protocol": [
+        {"kind": "hold", "duration": 10.0},
+        {"kind": "step", "load": 5.0},
+        {"kind": "hold", "duration": 10.0},
+    ],
+}
+SI: dict[str, Any] = {
+    "surface": {"kind": "spectral", "shape": [24, 24], "rms_slope": 0.1, "spacing": [2e-6], "unit": "m"},
+    "solid": {"kind": "half_space", "modulus": "3 GPa", "branches": [[0.3, 1.0]], "apparatus": "inf"},
+    "contact": {"pressure": "2 MPa"},
+}
+MANY = {"aging": {"first": 1e-3, "last": 1e6, "per_decade": 100}}
+"""Times enough to do something meanwhile."""
+
+
+def workers(server: Server) -> list[psutil.Process]:
+    """Processes of a server that compute."""
+    children = psutil.Process(server.process.pid).children()
+    return [one for one in children if "spawn_main" in " ".join(one.cmdline())]
+
+
+def seed(number: int) -> dict[str, Any]:
+    return QUICK | {"surface": {"shape": [24, 24], "seed": number}}
+
+
+def test_a_page_is_told_what_there_is(server: Server) -> None:
+    with server.page() as page:
+        header, _ = page.receive()
+    assert header["kind"] == "hello"
+    assert header["form"]["solid"]["half_space"]["modulus"]["unit"] == "Pa"
+    assert header["defaults"]["contact"] == {"load": 800.0}
+    assert {(one["path"], one["kind"]) for one in header["folder"]} == {
+        ("a run", "run"),
+        ("deeper/campaign", "campaign"),
+    }
+
+
+@pytest.mark.parametrize("config", [QUICK, STEPPED, SI], ids=["springs", "protocol", "si"])
+def test_a_run_has_the_numbers_of_the_command_line(server: Server, config: dict[str, Any]) -> None:
+    with server.page() as page:
+        page.receive()
+        messages = page.ran(config)
+    scene = only(messages, "scene")[0]
+    asked = config_from({**scene["config"], "solid": _finite(scene["config"]["solid"])}, {}, None)
+    asked = asked.model_copy(update={"output": asked.output.model_copy(update={"maps_at": [0.0]})})
+    outcome = execute(asked, Silent())
+    dataset = outcome.dataset
+    for name in ("time", "area", "load", "separation", "residual"):
+        assert np.array_equal(column(messages, name), dataset[name].values)
+    # Text to copy says the same: nothing is left open, and it is that of the run.
+    written = outcome.config.model_copy(update={"output": config_from(config, {}, None).output})
+    assert scene["python"] == to_python(written, recorded_times(written).tolist())
+    assert "per_decade = 8" in scene["toml"]
+    facts, bits, pressure = maps(messages)[0]
+    assert np.array_equal(
+        np.unpackbits(bits).reshape(24, 24), dataset["in_contact"].isel(field_time=0).values
+    )
+    cell = np.prod(scene["spacing"] or [1.0])
+    load = pressure.astype(float).sum() * facts["pressure_scale"] / 65535 * cell
+    assert load == pytest.approx(dataset["load"].values[0], rel=1e-4)
+    done = only(messages, "done")[0]
+    if outcome.summary is not None:
+        assert done["limit"]["area"] == dataset.attrs["relaxed_area"]
+    if scene["length_unit"]:
+        assert scene["units"] == {
+            **{"time": "s", "area": "m^2", "load": "N", "pressure": "Pa", "height": "m", "separation": "m"}
+        }
+        assert column(messages, "contact_area") == dataset["contact_area"].values.tolist()
+    assert len(maps(messages)) > 10
+
+
+def _finite(solid: dict[str, Any]) -> dict[str, Any]:
+    return {name: float("inf") if value == "inf" else value for name, value in solid.items()}
+
+
+def test_both_sides_of_a_step_are_mapped(server: Server) -> None:
+    with server.page() as page:
+        page.receive()
+        messages = page.ran(STEPPED)
+    at = [facts for facts, _, _ in maps(messages).values() if facts["time"] == 10.0]
+    assert [(one["leg"], one["side"]) for one in at] == [(0, ""), (1, "after")]
+    assert at[0]["area"] > at[1]["area"]
+    assert only(messages, "scene")[0]["switches"] == [10.0]
+
+
+def test_the_same_run_is_not_computed_again(server: Server) -> None:
+    with server.page() as page:
+        page.receive()
+        first = page.ran(seed(11))
+        second = page.ran(seed(11))
+    with server.page() as other:
+        other.receive()
+        third = other.ran(seed(11))
+    for again in (second, third):
+        assert column(again, "area") == column(first, "area")
+        assert only(again, "done")[0]["effort"] == only(first, "done")[0]["effort"]  # the seconds too
+        assert len(again) == 3
+
+
+def test_a_page_that_is_loaded_again_joins_its_run(server: Server) -> None:
+    config = MANY | {"surface": {"shape": [64, 64], "seed": 5}}
+    with server.page() as page:
+        page.receive()
+        page.send("run", config=config)
+        before = page.until("rows")
+    with server.page() as page:
+        page.receive()
+        page.send("run", config=config)
+        after = page.until("done")
+    assert only(after, "scene")[0]["job"] == only(before, "scene")[0]["job"]
+    assert len(column(after, "time")) == 2 + 9 * 100
+    assert only(after, "done")[0]["effort"]["seconds"] > 0
+
+
+def test_two_pages_have_runs_of_their_own(server: Server) -> None:
+    with server.page() as one, server.page() as other:
+        one.receive(), other.receive()
+        one.send("run", config=seed(21))
+        other.send("run", config=seed(22))
+        first, second = one.until("done"), other.until("done")
+    assert column(first, "separation") != column(second, "separation")
+
+
+def test_a_slow_page_gets_the_latest_in_one(server: Server) -> None:
+    config = seed(31) | {"aging": {"first": 1e-3, "last": 1e3, "per_decade": 20}}
+    with server.page() as slow, server.page() as quick:
+        slow.receive(acknowledge=False)
+        slow.send("run", config=config)
+        quick.receive()
+        all_of_it = quick.ran(config)
+        with pytest.raises(TimeoutError):  # nothing comes before the first message was acknowledged
+            slow.socket.recv(timeout=0.3)
+        slow.acknowledge()
+        late = slow.until("done")
+    assert [header["kind"] for header, _ in late] == ["scene", "rows", "done"]
+    assert column(late, "area") == column(all_of_it, "area")
+    assert maps(late).keys() == maps(all_of_it).keys()
+
+
+def test_a_large_press_keeps_nobody_waiting_and_can_be_stopped(server: Server) -> None:
+    with server.page() as page, server.page() as other:
+        page.receive(), other.receive()
+        page.send("run", config=LARGE)
+        while "pressing" not in page.receive()[0].get("text", ""):
+            pass
+        waits = []
+        for _ in range(10):
+            begun = clock.perf_counter()
+            other.send("form", config={"contact": {"load": -1.0}})
+            assert other.receive()[0]["kind"] == "mistakes"
+            waits.append(clock.perf_counter() - begun)
+        assert max(waits) < 0.5
+        begun = clock.perf_counter()
+        page.send("stop")
+        stopped = page.until("failed")[-1][0]
+        assert stopped["mistakes"] == [{"where": "", "text": "stopped"}]
+        assert clock.perf_counter() - begun < 0.5
+        assert page.ran(seed(41))[-1][0]["kind"] == "done"
+
+
+def test_a_killed_process_is_said_and_replaced(server: Server) -> None:
+    with server.page() as page:
+        page.receive()
+        page.send("run", config=LARGE | {"surface": {"shape": [1024, 1024], "seed": 3}})
+        while "pressing" not in page.receive()[0].get("text", ""):
+            pass
+        for worker in workers(server):
+            os.kill(worker.pid, signal.SIGKILL)
+        failed = page.until("failed")[-1][0]
+        assert failed["mistakes"] == [
+            {"where": "", "text": "the computing process was stopped by the system (signal 9); press again"}
+        ]
+        assert page.ran(seed(51))[-1][0]["kind"] == "done"
+
+
+MISTAKES: dict[str, tuple[object, str, str]] = {
+    "number": ({"contact": {"load": -1}}, "contact.load", "expected a number above 0.0, got -1"),
+    "section": ({"contact": {"load": 1, "pressure": 1}}, "contact", "expected load or pressure, got both"),
+    "leg": ({"protocol": [{"kind": "hold"}]}, "protocol[0].duration", "expected a value, got none"),
+    "nested": (
+        {"protocol": [{"kind": "repeat", "count": 2, "legs": [{"kind": "step"}]}]},
+        "protocol[0].legs[0]",
+        "expected load or separation",
+    ),
+    "unknown": ({"solid": {"k_0": 1.0}}, "solid.k_0", "no such key; did you mean 'k0'?"),
+    "unit": ({"aging": {"last": "3 K"}}, "aging.last", "expected"),
+    "found late": ({"contact": {"separation": 100.0}}, "contact.separation", "at which the solids touch"),
+    "memory": ({"surface": {"shape": [10**6, 10**6]}}, "", "fits into the memory"),
+    "no table": (3, "", "expected the sections of a configuration"),
+    "outside": ({"surface": {"kind": "file", "path": "/etc/passwd"}}, "surface.path", "dropped on the page"),
+    "above": ({"surface": {"kind": "file", "path": "../scan.npy"}}, "surface.path", "in the folder"),
+    "link": ({"surface": {"kind": "file", "path": "link/aging.csv"}}, "surface.path", "in the folder"),
+    "table": (
+        {"solid": {"kind": "half_space", "modulus": 1.0, "relaxation": "/etc/hosts"}},
+        "solid.relaxation",
+        "dropped on the page",
+    ),
+}
+
+
+@pytest.mark.parametrize(("config", "where", "text"), MISTAKES.values(), ids=MISTAKES)
+def test_a_mistake_is_said_in_one_line_where_it_is(
+    server: Server, config: object, where: str, text: str
+) -> None:
+    with server.page() as page:
+        page.receive()
+        found = page.ran(config)[-1][0]["mistakes"]
+    assert [one["where"] for one in found] == [where]
+    assert text in found[0]["text"]
+    assert "\n" not in found[0]["text"]
+
+
+def test_nonsense_ends_a_connection_and_nothing_else(server: Server) -> None:
+    for text in ("{", "[" * 5000, '{"kind": "ack"}', "3"):
+        with server.page() as page:
+            page.receive()
+            page.socket.send(text)
+    with server.page() as page:
+        page.receive()
+        page.send("open", path=["no", "text"])
+        assert page.receive()[0]["kind"] == "failed"
+        page.send("nothing that is known")
+        assert page.ran(seed(1))[-1][0]["kind"] == "done"
+
+
+def test_a_dropped_file_becomes_a_surface(server: Server, tmp_path: Any) -> None:
+    heights = np.random.default_rng(4).normal(size=(16, 16))
+    np.save(tmp_path / "my scan.npy", heights)
+    content = (tmp_path / "my scan.npy").read_bytes()
+    assert server.upload("my%20scan.npy", content) == (200, {"path": "my scan.npy"})
+    config = {"surface": {"kind": "file", "path": "my scan.npy", "periodic": "wrap", "tilt": "none"}}
+    with server.page() as page:
+        page.receive()
+        messages = page.ran(config | {"aging": {"last": 1.0}})
+        scene, arrays = only(messages, "scene")
+        assert 'path = "my scan.npy"' in scene["toml"]
+        assert "asp.surfaces.read('my scan.npy'" in scene["python"]
+        low, high = scene["height_range"]
+        assert low + (high - low) * arrays["heights"] / 65535 == pytest.approx(heights, abs=1e-4)
+        server.upload("my%20scan.npy", content[:300])  # another file of the same name is another surface
+        (mistake,) = page.ran(config | {"aging": {"last": 1.0}})[-1][0]["mistakes"]
+        assert mistake["where"] == "surface.path"
+        assert mistake["text"].startswith("my scan.npy: expected ")
+
+
+@pytest.mark.parametrize("name", ["..", "%2e%2e%2fpage", "a%2Fb", ".hidden", "a%00b", "c:d", "a%5Cb", "%0a"])
+def test_names_of_dropped_files_lead_nowhere(server: Server, name: str) -> None:
+    status, _ = server.upload(name, b"x")
+    assert status in (400, 404, 405)
+
+
+@pytest.mark.parametrize("path", ["a run", "deeper/campaign"])
+def test_results_are_opened(server: Server, path: str) -> None:
+    with server.page() as page:
+        page.receive()
+        page.send("open", path=path)
+        messages = page.until("done")
+    kinds = [header["kind"] for header, _ in messages]
+    assert kinds == ["campaign"] * path.startswith("deeper") + ["scene", "rows", "done"]
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["..", "../outside", "/etc", "a run/..", "link", "nope", "a\\b", "\0", "a run/history.zarr/../../x"],
+)
+def test_what_lies_outside_is_not_opened(server: Server, path: str) -> None:
+    with server.page() as page:
+        page.receive()
+        page.send("open", path=path)
+        found = page.receive()[0]
+    assert found["kind"] == "failed"
+    assert "expected" in found["mistakes"][0]["text"]
+
+
+@pytest.mark.parametrize("path", ["/", "/style.css", "/shell.html"])
+def test_the_page_may_load_nothing_from_elsewhere(server: Server, path: str) -> None:
+    status, content, headers = server.request("GET", path)
+    if path == "/style.css" and status == 404:
+        pytest.skip("the page has no style yet")
+    assert status == 200
+    assert content
+    policy = headers["Content-Security-Policy"]
+    assert policy.startswith("default-src 'none'")
+    assert "unsafe" not in policy
+    assert "*" not in policy
+    assert headers["X-Content-Type-Options"] == "nosniff"
+
+
+@pytest.mark.parametrize(
+    "path", ["/../server.py", "/%2e%2e/server.py", "/__init__.py", "/..%2fscene.py", "/files/x"]
+)
+def test_other_files_are_not_served(server: Server, path: str) -> None:
+    assert server.request("GET", path)[0] in (404, 405)
+
+
+@pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1", "127.0.0.1:1", "", "127.1"])
+def test_other_hosts_are_refused(server: Server, host: str) -> None:
+    assert server.request("GET", "/", Host=host)[0] in (400, 403)
+
+
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "https://127.0.0.1", None, "http://127.0.0.1"]
+)
+def test_pages_of_others_are_refused(server: Server, origin: str | None) -> None:
+    from websockets.exceptions import InvalidStatus
+
+    with pytest.raises(InvalidStatus) as refused, server.page(origin=origin):
+        pass
+    assert refused.value.response.status_code == 403
+    headers = {} if origin is None else {"Origin": origin}
+    assert server.request("POST", "/files/x", b"x", **headers)[0] == 403
+    if origin is not None:
+        assert server.request("GET", "/", **headers)[0] == 403
+
+
+def test_it_listens_on_this_machine_alone(server: Server) -> None:
+    listening = [
+        one for one in psutil.Process(server.process.pid).net_connections() if one.status == "LISTEN"
+    ]
+    assert {one.laddr.ip for one in listening} == {"127.0.0.1"}
+
+
+def test_it_ends_quietly_with_all_its_processes() -> None:
+    own = Server()
+    with own.page() as page:
+        page.receive()
+        page.send("run", config=LARGE)
+        page.until("stage")
+        children = psutil.Process(own.process.pid).children(recursive=True)
+        assert children
+        status, errors = own.end()
+    assert (status, errors) == (0, "")
+    _, alive = psutil.wait_procs(children, timeout=10)
+    assert not alive
+
+
+def test_its_processes_end_when_it_is_killed() -> None:
+    own = Server()
+    with own.page() as page:
+        page.receive()
+        children = psutil.Process(own.process.pid).children(recursive=True)
+        assert children
+    own.process.kill()
+    own.process.communicate()
+    _, alive = psutil.wait_procs(children, timeout=20)
+    assert not alive
+
+
+def test_pages_share_a_run_until_the_last_leaves_it(server: Server) -> None:
+    config = MANY | {"surface": {"shape": [64, 64], "seed": 9}}
+    with server.page() as one, server.page() as other:
+        one.receive(), other.receive()
+        one.send("run", config=config)
+        one.until("rows")
+        other.send("run", config=config)
+        other.until("rows")
+        one.send("stop")
+        one.until("failed")
+        assert other.until("done", "failed")[-1][0]["kind"] == "done"
