@@ -18,8 +18,8 @@ ARRAYS: dict[str, Any] = {
     "bits.0": np.array([3, 255, 7], dtype=np.uint8),
     "none": np.empty((0, 2)),
     "pressure": np.array([[1], [65535]], dtype=np.uint16),
-    "small": np.float32([1.5]),
-    "whole": np.int32([-7, 2**31 - 1]),
+    "small": np.array([1.5], dtype=np.float32),
+    "whole": np.array([-7, 2**31 - 1], dtype=np.int32),
 }
 
 

@@ -71,7 +71,7 @@ def test_a_run_has_the_numbers_of_the_command_line(server: Server, config: dict[
     for name in ("time", "area", "load", "separation", "residual"):
         assert np.array_equal(column(messages, name), dataset[name].values)
     # Text to copy says the same: nothing is left open, and it is that of the run.
-    written = outcome.config.model_copy(update={"output": config_from(config, {}, None).output})
+    written = outcome.config.model_copy(update={"output": config_from({}, {}, None).output})
     assert scene["python"] == to_python(written, recorded_times(written).tolist())
     assert "per_decade = 8" in scene["toml"]
     facts, bits, pressure = maps(messages)[0]
@@ -330,7 +330,7 @@ def test_pages_of_others_are_refused(server: Server, origin: str | None) -> None
     with pytest.raises(InvalidStatus) as refused, server.page(origin=origin):
         pass
     assert refused.value.response.status_code == 403
-    headers = {} if origin is None else {"Origin": origin}
+    headers: dict[str, Any] = {} if origin is None else {"Origin": origin}
     assert server.request("POST", "/files/x", b"x", **headers)[0] == 403
     if origin is not None:
         assert server.request("GET", "/", **headers)[0] == 403

@@ -22,7 +22,7 @@ from asperity.errors import AsperityError, ConfigError, InputError
 from asperity.explore.scene import Arrays, Header, Recording, ending, recorded
 from asperity.protocols import described
 from asperity.runs import recorded_times
-from asperity.words import printable, reason_of
+from asperity.words import printable
 
 _DEEPEST, _MOST = 4, 500
 """Folders within folders that are looked into, and results that are listed."""
@@ -96,7 +96,7 @@ def open_entry(root: Path, name: str) -> Opened:
     except AsperityError:
         raise
     except Exception as error:  # a damaged byte leads anywhere
-        got = f"{name}: {reason_of(error)}"
+        got = f"{name}, which is damaged"
         raise InputError("path", expected="results as asperity wrote them", got=got) from error
 
 
