@@ -8,7 +8,7 @@ PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup
 # The first use of a loop compiles it; done once here, for every process after.
 COMPILE = $(BIN)/python -W ignore -c "from asperity.runs.loops import compile_loops as c; c(lambda text: print(text, '...'))"
 
-.PHONY: help run test test-slow check format bench clean
+.PHONY: help run test test-slow check format docs bench clean
 
 help:  ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -32,11 +32,14 @@ format: $(VENV)/.dev  ## Format the source
 	$(BIN)/ruff check --fix
 	$(BIN)/ruff format
 
+docs: $(VENV)/.dev  ## Build the documentation: docs/_build/html/index.html
+	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
+
 bench: $(VENV)/.run  ## Time Asperity beside its peers: BENCH="--all" for every case
 	$(BIN)/python benchmarks/bench.py $(BENCH)
 
 clean:  ## Remove the environment and what was computed
-	rm -rf $(VENV) .boot results .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .boot results dist docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 # Some systems ship Python without venv; virtualenv then makes the environment.
 $(BIN)/python:
