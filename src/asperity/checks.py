@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 import reprlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import timedelta
 from decimal import Decimal
 from numbers import Real
@@ -16,7 +18,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.errors import LARGEST, InputError
+from asperity.errors import LARGEST, InputError, MissingExtraError
 
 Floats = NDArray[np.float64]
 T = TypeVar("T")
@@ -336,3 +338,28 @@ def _hint(name: str, value: object) -> str:
     if kind == "m" or isinstance(first, timedelta):
         return f'{name} / np.timedelta64(1, "s")'
     return f"{name}.real" if kind == "c" or isinstance(value, complex) else ""
+
+
+@contextmanager
+def extra(name: str, what: str) -> Iterator[None]:
+    """Import within it what an extra of the package installs.
+
+    Parameters
+    ----------
+    name
+        The extra, as `pip` knows it: ``"campaign"``.
+    what
+        What cannot be done without it, for the message.
+
+    Raises
+    ------
+    MissingExtraError
+        A package is missing; the message says how to install it.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise MissingExtraError(
+            f"{what}: expected the packages of the extra {name}, got: {error}; "
+            f"try pip install 'asperity[{name}]'"
+        ) from error

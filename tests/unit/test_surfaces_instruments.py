@@ -206,7 +206,7 @@ def test_without_the_library_it_says_how_to_install_it(
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
     (tmp_path / "afm.di").write_bytes(b"\\*File list\r\n")
-    with pytest.raises(MissingExtraError, match=r"install it with: pip install SurfaceTopography$"):
+    with pytest.raises(MissingExtraError, match=r"try pip install 'asperity\[instruments\]'$"):
         read(tmp_path / "afm.di")
 
 

@@ -108,9 +108,13 @@ def sweep(
         The scheduler cannot be reached, or runs another version.
     OutputError
         The disk refused; what is finished stays, and the same call goes on.
+    MissingExtraError
+        Dask is not installed, which the extra ``campaign`` brings.
     """
     checks.instance("plan", plan, Plan, 'asperity.campaign.read_plan("campaign.toml")')
     leave_if_imported_by_worker()
+    with checks.extra("campaign", "running a campaign"):  # before anything is written
+        import distributed  # noqa: F401
     store = Store(Path(directory).resolve())
     try:
         store.directory.mkdir(parents=True, exist_ok=True)

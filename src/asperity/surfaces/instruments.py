@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.errors import MissingExtraError, SurfaceFileError
+import asperity.checks as checks
+from asperity.errors import SurfaceFileError
 from asperity.surfaces.raw import RawSurface
 
 # These formats have no signature: the library takes any file of a suitable size for one of them.
@@ -48,13 +49,8 @@ def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
         no such channel of heights.
     """
     with _quiet() as remarks:
-        try:
-            from SurfaceTopography.IO import open_topography  # optional, and slow to import
-        except ImportError as error:
-            raise MissingExtraError(
-                f"{path}: reading instrument files needs SurfaceTopography ({error}); "
-                "install it with: pip install SurfaceTopography"
-            ) from error
+        with checks.extra("instruments", f"{path}: reading an instrument's file"):
+            from SurfaceTopography.IO import open_topography  # slow to import
         remarks.clear()  # the import's warnings are no remark on this file
         try:
             with open_topography(str(path)) as reader:

@@ -20,7 +20,6 @@ import numpy as np
 import scipy.fft
 import scipy.sparse
 from numpy.typing import NDArray
-from scipy.signal.windows import tukey
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import spsolve
 
@@ -354,6 +353,8 @@ def make_periodic(heights: Field, rule: str, *, border: float) -> Field:
         return heights
     if rule in ("wrap", "reflect"):
         return heights
+    from scipy.signal.windows import tukey  # scipy.signal is slow to import
+
     mean = heights.mean()
     weight = np.ones(heights.shape)
     for axis, n in enumerate(heights.shape):

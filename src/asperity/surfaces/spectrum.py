@@ -24,8 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
-import scipy.stats
-from scipy.signal.windows import hann
+import scipy.special
 
 import asperity.checks as checks
 from asperity.errors import InputError
@@ -174,7 +173,7 @@ def power_spectrum(
         axes = [(1.0, np.ones(n)) for n in heights.shape]
     else:
         level, _ = remove_tilt(heights, np.ones(heights.shape, dtype=bool), "plane")
-        axes = [(_HANN, hann(n + 1, sym=True)[:-1] if n > 1 else np.ones(1)) for n in heights.shape]
+        axes = [(_HANN, _hann(n) if n > 1 else np.ones(1)) for n in heights.shape]
     q, power = _isotropic(level, sizes, [window for _, window in axes])
     least = 0.0 if fits else 6 * math.pi / min(n * s for n, s in zip(heights.shape, sizes, strict=True))
     most = math.pi / max(sizes)  # beyond it only waves of some directions are on the lattice
@@ -292,7 +291,7 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
     left = y - float(np.average(y, weights=weight)) - slope * (x - center)
     free = chosen.size - 2
     misfit = float(np.sum(weight * left**2)) / free
-    reach = float(scipy.stats.t.ppf(0.975, free)) * math.sqrt(max(misfit, 1.0) / spread) / 2
+    reach = float(scipy.special.stdtrit(free, 0.975)) * math.sqrt(max(misfit, 1.0) / spread) / 2
     hurst = (-slope - axes) / 2
     level = float(np.average(np.log(bins.power[chosen]), weights=weight))
     found = SelfAffineRange(
@@ -309,11 +308,18 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
     return found, misfit, float(drift.max())
 
 
+def _hann(n: int) -> Field:
+    """Hann's window, periodic in `n` points."""
+    from scipy.signal.windows import hann  # scipy.signal is slow to import
+
+    return np.asarray(hann(n + 1, sym=True)[:-1])
+
+
 def _along(level: Field, axis: int, size: float, fits: bool) -> tuple[Field, Field]:
     """Mean spectrum of the profiles along one axis; q and -q are the same wave, and stand there once."""
     n = level.shape[axis]
     profiles = np.moveaxis(level, axis, -1).reshape(-1, n)
-    window = np.ones(n) if fits or n == 1 else hann(n + 1, sym=True)[:-1]
+    window = np.ones(n) if fits or n == 1 else _hann(n)
     modes = scipy.fft.rfft(profiles * window, axis=-1)
     power = np.mean(np.abs(modes) ** 2, axis=0) * (size / float(np.sum(window**2)))
     first = 1 if fits else 3

@@ -1,0 +1,111 @@
+"""What the base install does alone, and what is said where an extra is missing."""
+
+import importlib.metadata as metadata
+import re
+import subprocess
+import sys
+import textwrap
+import tomllib
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+BLOCK = """
+import sys
+from importlib.machinery import PathFinder
+find = PathFinder.find_spec
+blocked = {blocked!r}
+PathFinder.find_spec = lambda name, *rest: None if name.partition(".")[0] in blocked else find(name, *rest)
+"""
+MAIN = "from asperity.cli import main\nsys.argv[0] = 'asperity'\nsys.exit(main())"
+
+
+def canonical(name):
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def closure(requirements):
+    """Distributions that these requirements bring, through all of theirs."""
+    found, open_ = set(), [Requirement(text) for text in requirements]
+    while open_:
+        requirement = open_.pop()
+        key = (canonical(requirement.name), frozenset(requirement.extras))
+        if key in found:
+            continue
+        found.add(key)
+        environments = [{"extra": extra} for extra in ("", *requirement.extras)]
+        for text in metadata.requires(requirement.name) or []:
+            further = Requirement(text)
+            if further.marker is None or any(further.marker.evaluate(given) for given in environments):
+                open_.append(further)
+    return {name for name, _ in found}
+
+
+@pytest.fixture(scope="module")
+def without_extras():
+    """Code which makes every package of this environment missing that the base install does not bring."""
+    base = closure(PROJECT["dependencies"]) | {"asperity"}
+    owners = metadata.packages_distributions()
+    blocked = {module for module, names in owners.items() if not {canonical(name) for name in names} & base}
+    assert blocked >= {"distributed", "dask", "tornado", "pytest"}
+    assert not blocked & {"numpy", "scipy", "numba", "xarray", "zarr", "pandas", "asperity"}
+    return BLOCK.format(blocked=blocked)
+
+
+def python(code, *arguments, folder):
+    command = [sys.executable, "-W", "ignore", "-c", textwrap.dedent(code), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+
+
+def test_every_module_is_imported_without_the_extras(without_extras, tmp_path):
+    code = without_extras + textwrap.dedent("""
+        import importlib, pkgutil, asperity
+        for module in pkgutil.walk_packages(asperity.__path__, "asperity."):
+            if not module.name.endswith("__main__"):
+                importlib.import_module(module.name)
+        print(len([name for name in sys.modules if name.startswith("asperity.")]))
+    """)
+    done = python(code, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 100
+
+
+def test_a_run_needs_no_extra(without_extras, tmp_path):
+    done = python(
+        without_extras + MAIN, "run", "--shape", "24", "24", "--out", "run", "--quiet", folder=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "run" / "aging.png").exists()
+
+
+def test_a_campaign_says_which_extra_it_needs_and_writes_nothing(without_extras, tmp_path):
+    (tmp_path / "campaign.toml").write_text("[surface]\nshape = [16, 16]\n[sweep]\nseeds = 2\n")
+    done = python(without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", folder=tmp_path)
+    assert done.returncode != 0
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.endswith("try pip install 'asperity[campaign]'\n")
+    assert not (tmp_path / "study").exists()
+    planned = python(
+        without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", "--dry-run", folder=tmp_path
+    )
+    assert planned.returncode == 0, planned.stderr
+
+
+def test_the_hints_name_extras_that_there_are():
+    hints = {
+        extra
+        for file in (ROOT / "src").rglob("*.py")
+        for extra in re.findall(r'checks\.extra\("(\w+)"', file.read_text(encoding="utf-8"))
+    }
+    assert {"campaign", "instruments"} <= hints <= set(PROJECT["optional-dependencies"])
+
+
+def test_what_is_slow_or_optional_is_imported_late():
+    late = {"dask", "distributed", "pint", "SurfaceTopography", "matplotlib", "jinja2", "scipy.signal"}
+    code = f"import sys, asperity.cli.app, asperity as asp; asp.press; print({late!r} & set(sys.modules))"
+    done = python(code, folder=None)
+    assert done.stdout == "set()\n", done.stderr
