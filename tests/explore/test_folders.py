@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import gzip
-import json
 import re
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from asperity.campaign import fields, load_plan
 from asperity.campaign import open as open_campaign
 from asperity.explore.export import exported_page
 from asperity.explore.folders import entries, inside, kind_of, open_entry
-from asperity.explore.scene import pack, unpack
+from asperity.explore.scene import unpack
 from tests.explore.conftest import maps
 from tests.refusals import refuses
 
@@ -152,10 +151,7 @@ def test_an_exported_page_holds_everything(results_folder: Path) -> None:
 
 
 def test_a_page_without_a_recording_waits_for_one() -> None:
-    page = exported_page([], title="Asperity")
-    (packed,) = re.findall(r'id="recording">([^<]*)</script>', page)
-    assert gzip.decompress(base64.b64decode(packed)) == b""
-    assert json.loads(pack({"a": 1})[4:].split(b"\0")[0]) == {"a": 1, "arrays": []}
+    assert 'id="recording"></script>' in exported_page([], title="Asperity")
 
 
 @pytest.mark.parametrize("name", ["nothing", "deeper", "deeper/campaign/nothing"])

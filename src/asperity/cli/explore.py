@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import asperity.checks as checks
 from asperity.cli.output import check_new_file
-from asperity.errors import InputError, MissingExtraError
+from asperity.errors import InputError
 from asperity.explore.export import exported_page
 from asperity.explore.folders import entries, open_entry
 from asperity.explore.scene import pack
@@ -28,13 +29,8 @@ def explore(folder: Path | None, *, port: int | None, browser: bool) -> None:
         _check_folder(folder)
     if port is not None and not 1 <= port <= _PORTS:
         raise InputError("--port", expected=f"a number from 1 to {_PORTS}", got=port)
-    try:
+    with checks.extra("explore", "the page"):
         from asperity.explore.server import serve
-    except ImportError as error:
-        raise MissingExtraError(
-            f"asperity explore needs starlette, uvicorn and websockets ({error}); "
-            "install them with: pip install starlette uvicorn websockets"
-        ) from error
 
     def told(address: str) -> None:
         print(f"{address}  (Ctrl-C to end)", flush=True)

@@ -34,12 +34,12 @@ def exported_page(messages: Iterable[bytes], *, title: str) -> str:
     Parameters
     ----------
     messages
-        What a server would have sent.
+        What a server would have sent; without any, the element stays empty.
     title
         Title of the page.
     """
     stream = b"".join(len(message).to_bytes(8, "little") + message for message in messages)
-    packed = base64.b64encode(gzip.compress(stream, mtime=0)).decode("ascii")
+    packed = base64.b64encode(gzip.compress(stream, mtime=0)).decode("ascii") if stream else ""
     recording = f'<script type="application/octet-stream" id="recording">{packed}</script>'
     files = {name: content.decode() for name, content in page_files().items()}
     page = _LINK.sub(lambda found: f"<style>\n{files[found[1]]}</style>", files["index.html"])
