@@ -167,3 +167,28 @@ def test_a_damaged_run_is_refused(results_folder: Path, tmp_path: Path) -> None:
     shutil.rmtree(tmp_path / "run" / "history.zarr" / "area")
     with refuses("path"):
         open_entry(tmp_path, "run")
+
+
+def test_surfaces_are_read_from_known_places_alone(tmp_path: Path) -> None:
+    pytest.importorskip("uvicorn", reason="needs the extra explore")
+    from asperity.config import config_from
+    from asperity.explore.server import Places
+
+    shown, dropped, elsewhere = (tmp_path / name for name in ("shown", "dropped", "elsewhere"))
+    for folder in (shown, dropped, elsewhere):
+        folder.mkdir()
+        (folder / f"{folder.name}.npy").touch()
+        (folder / "both.npy").touch()
+    places = Places(shown, dropped)
+    assert places.find("both.npy") == shown / "both.npy"
+    assert places.find("dropped.npy") == dropped / "dropped.npy"
+    assert places.find(str(dropped / "both.npy")) == dropped / "both.npy"
+    path = str(elsewhere / "elsewhere.npy")
+    with refuses("path"):
+        Places(None, dropped).find("elsewhere.npy")
+    # A run that the user opened may lie beside its surface's folder; then that one file is known.
+    places.allow(config_from({"surface": {"path": path}}, {}, None))
+    assert places.find(path) == elsewhere / "elsewhere.npy"
+    (shown / "link.npy").symlink_to(elsewhere / "both.npy")
+    with refuses("path"):
+        places.find("link.npy")

@@ -46,7 +46,9 @@ PER_DECADE = 8
 _LARGEST_FILE, _LARGEST_FILES = 200_000_000, 1_000_000_000
 """Bytes of one file that is dropped on the page, and of all."""
 
-_LARGEST_REQUEST = 2**20
+_LARGEST_REQUEST, _MOST_OPENED = 2**20, 4
+"""Bytes of a message of a page; results of the folder that are kept in memory."""
+
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -303,7 +305,7 @@ class Server:
         if path not in self._opened or self._opened[path].campaign is not None:
             opened = await asyncio.to_thread(open_entry, root, path)
             self.places.allow(opened.config)
-            while len(self._opened) >= 8:
+            while len(self._opened) >= _MOST_OPENED:
                 del self._opened[next(iter(self._opened))]
             self._opened[path] = opened
         return self._opened[path]
@@ -450,6 +452,7 @@ def serve(root: Path | None, *, port: int | None, told: Callable[[str], None], b
             log_level="error",
             lifespan="on",
             ws="websockets-sansio",
+            proxy_headers=False,
             ws_max_size=_LARGEST_REQUEST,
             ws_per_message_deflate=False,
             timeout_graceful_shutdown=1,
