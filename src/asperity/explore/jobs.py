@@ -238,10 +238,6 @@ class Jobs:
         self._next()
         return job
 
-    def find(self, name: str) -> Job | None:
-        """The run of this name, if it is known."""
-        return self._running.get(name) or self._kept.get(name)
-
     def leave(self, job: Job, watcher: Callable[[], None], *, at_once: bool) -> None:
         """Watch a run no more; what nobody watches ends, at once or after a while."""
         job.watchers.discard(watcher)

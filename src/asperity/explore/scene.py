@@ -94,7 +94,7 @@ def finite(value: Any) -> Any:
 
 
 def json_tables(config: RunConfig) -> dict[str, Any]:
-    """A configuration for a page: which JSON can write."""
+    """A configuration as JSON can write it: an infinite stiffness is a word."""
     tables = to_tables(config)
     if tables["solid"].get("apparatus") == math.inf:
         tables["solid"]["apparatus"] = "inf"
@@ -256,7 +256,7 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     """Make the recording of a finished history: rows, and the maps that it kept."""
     recording = Recording(job)
     recording.begin(dataset, config, title)
-    names = [name for name in row_names(dataset) if name != "leg"]
+    names = [name for name in ("time", *_SERIES, *_OF_LENGTHS, "mean_contact_pressure") if name in dataset]
     series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
@@ -267,12 +267,6 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
         mask = np.asarray(one["in_contact"], dtype=bool)
         recording.maps.append(map_of(float(one["field_time"]), int(legs[number]), mask, _pressure(one)))
     return recording
-
-
-def row_names(dataset: xr.Dataset) -> list[str]:
-    """Series of a dataset that an entry is made of."""
-    names = ("time", "leg", *_SERIES, *_OF_LENGTHS, "mean_contact_pressure")
-    return [name for name in names if name in dataset.variables]
 
 
 def ending(
