@@ -1,0 +1,136 @@
+"use strict";
+// What is shown: a surface, the rows of its history, and its maps, as far as they have come.
+
+const FREE = 0, KEPT = 1, NEW = 2, LOST = 3;
+
+class Scene {
+  constructor(buffer, { header, arrays }) {
+    Object.assign(this, header);
+    this.buffers = [buffer];
+    this.heights = arrays.heights;
+    [this.ny, this.nx] = header.shape;
+    this.sites = this.ny * this.nx;
+    this.rows = []; // one array a row, in the order of `columns`
+    this.maps = [];
+    this.lastTime = null;
+    this.finished = null; // the message that says how it ended
+    this.decoded = new Map();
+  }
+
+  add(buffer, { header, arrays }) {
+    this.buffers.push(buffer);
+    if (header.kind === "done") { this.finished = header; return; }
+    const width = this.columns.length;
+    const rows = arrays.rows || [];
+    for (let at = 0; at < rows.length; at += width) this.rows.push(Array.from(rows.subarray(at, at + width)));
+    for (const map of header.maps || []) {
+      this.maps.push({ ...map, bits: arrays[`bits.${map.index}`], pressures: arrays[`pressure.${map.index}`] });
+    }
+    this.lastTime = header.last_time ?? this.lastTime;
+    this.timeNow = header.time_now ?? this.timeNow;
+  }
+
+  get isLine() { return this.ny === 1; }
+
+  has(name) { return this.columns.includes(name) && this.rows.some((row) => Number.isFinite(row[this.columns.indexOf(name)])); }
+
+  value(row, name) {
+    const at = this.columns.indexOf(name);
+    return at < 0 || !this.rows[row] ? NaN : this.rows[row][at];
+  }
+
+  column(name) { return this.rows.map((_, row) => this.value(row, name)); }
+
+  /** The row of the same moment as a map: at a jump, of the same side. */
+  rowOf(map) {
+    const { time, leg } = this.maps[map];
+    const same = [];
+    this.rows.forEach((_, row) => { if (this.value(row, "time") === time) same.push(row); });
+    const ofLeg = same.filter((row) => this.value(row, "leg") === leg);
+    return (ofLeg.length ? ofLeg : same).at(-1) ?? -1;
+  }
+
+  height(site) {
+    const [low, high] = this.height_range;
+    return low + (high - low) * this.heights[site] / 65535;
+  }
+
+  /** Which sites touch in a map: one byte a site. The last few are kept. */
+  contacts(map) {
+    let found = this.decoded.get(map);
+    if (!found) {
+      const { bits } = this.maps[map];
+      found = new Uint8Array(this.sites);
+      for (let at = 0; at < this.sites; at++) found[at] = (bits[at >> 3] >> (7 - (at & 7))) & 1;
+      if (this.decoded.size > 6) this.decoded.delete([...this.decoded.keys()].find((key) => key !== 0));
+      this.decoded.set(map, found);
+    }
+    return found;
+  }
+
+  touches(map, site) { return (this.maps[map].bits[site >> 3] >> (7 - (site & 7))) & 1; }
+
+  state(map, site) {
+    const [then, now] = [this.touches(0, site), this.touches(map, site)];
+    return now ? (then ? KEPT : NEW) : then ? LOST : FREE;
+  }
+
+  /** State of each site in a map, compared with the first, and how many sites have each. */
+  states(map) {
+    const first = this.contacts(0), now = this.contacts(map);
+    const states = new Uint8Array(this.sites), counts = [0, 0, 0, 0];
+    for (let at = 0; at < this.sites; at++) counts[states[at] = now[at] ? (first[at] ? KEPT : NEW) : first[at] ? LOST : FREE]++;
+    return { states, counts };
+  }
+
+  /** Pressure of each site in a map, 0 where nothing touches. */
+  pressures(map) {
+    const { pressures, pressure_scale: scale } = this.maps[map];
+    const now = this.contacts(map), found = new Float32Array(this.sites);
+    for (let at = 0, next = 0; at < this.sites; at++) if (now[at]) found[at] = scale * pressures[next++] / 65535;
+    return found;
+  }
+
+  pressure(map, site) {
+    if (!this.touches(map, site)) return 0;
+    const now = this.contacts(map);
+    let rank = 0;
+    for (let at = 0; at < site; at++) rank += now[at];
+    return this.maps[map].pressure_scale * this.maps[map].pressures[rank] / 65535;
+  }
+
+  /** The first map of the present unbroken contact of a site, or of its present absence. */
+  since(map, site) {
+    const now = this.touches(map, site);
+    let first = map;
+    while (first > 0 && this.touches(first - 1, site) === now) first--;
+    return first;
+  }
+
+  /** Age of each contact in a map, -1 where nothing touches. */
+  ages(map) {
+    const found = new Float32Array(this.sites).fill(-1), now = this.contacts(map);
+    for (let at = 0; at < this.sites; at++) if (now[at]) found[at] = this.maps[map].time - this.maps[this.since(map, at)].time;
+    return found;
+  }
+
+  /** What a site does in a map, in words. */
+  describe(map, site) {
+    const [row, column] = [Math.floor(site / this.nx), site % this.nx];
+    const time = (at) => quantity(this.maps[at].time, this.units.time);
+    const parts = [this.isLine ? `site ${column}` : `row ${row}, column ${column}`];
+    if (this.spacing && this.length_unit) {
+      const [dy, dx] = this.spacing;
+      const along = quantity(column * dx, this.length_unit);
+      parts.push(this.isLine ? `x ${along}` : `x ${along}, y ${quantity(row * dy, this.length_unit)}`);
+    }
+    parts.push(`height ${quantity(this.height(site), this.units.height)}`);
+    const since = this.since(map, site);
+    if (this.touches(map, site)) {
+      parts.push(`pressure ${quantity(this.pressure(map, site), this.units.pressure)}`);
+      if (since === 0) parts.push(map ? `in contact since first touch: age ${time(map)}` : "in contact at first touch");
+      else parts.push(`new between t = ${time(since - 1)} and ${time(since)}: age ${quantity(this.maps[map].time - this.maps[since].time, this.units.time)}`);
+    } else parts.push(since === 0 ? "never in contact so far" : `contact lost between t = ${time(since - 1)} and ${time(since)}`);
+    return parts.join(" · ");
+  }
+}
