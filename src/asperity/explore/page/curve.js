@@ -2,16 +2,16 @@
 // A quantity against time, with the moment shown, the limit, an earlier curve, and the moment of a change of load.
 
 const QUANTITIES = {
-  area: "contact area", contact_area: "contact area", contact_fraction: "contact fraction", load: "load",
-  mean_pressure: "mean pressure in contact", friction: "friction, relative", separation: "separation", decade_growth: "growth per decade",
+  contact_area: "contact area", area: "contact area in sites", contact_fraction: "contact fraction", load: "load",
+  mean_pressure: "mean pressure in contact", friction: "friction relative to first", separation: "separation", decade_growth: "growth per decade",
   residual: "residual",
 };
-const MARGIN = { left: 62, right: 14, top: 12, bottom: 44 };
+const MARGIN = { left: 70, right: 14, top: 12, bottom: 44 };
 
 class CurveView {
   constructor(canvas) {
     this.canvas = canvas;
-    this.name = "area";
+    this.name = "";
     this.onpick = () => {};
     const pick = (event) => {
       if (!this.axis) return;
@@ -87,7 +87,7 @@ class CurveView {
     context.translate(13, MARGIN.top + high / 2);
     context.rotate(-Math.PI / 2);
     context.textAlign = "center";
-    const told = name === "area" ? "sites" : name === "decade_growth" ? "area at first" : unit;
+    const told = name === "area" ? "sites" : name === "decade_growth" ? "areas at first" : unit;
     context.fillText(QUANTITIES[name] + (told ? ` [${told}]` : ""), 0, 0);
     context.restore();
 
@@ -134,11 +134,11 @@ class CurveView {
   times(context, colors, x, wide, high) {
     const floor = MARGIN.top + high, unit = readable(1, this.scene.units.time)[0];
     context.textAlign = "center";
+    let free = -Infinity;
     for (const [index, piece] of this.axis.pieces.entries()) {
       context.strokeStyle = colors.of(index ? "muted" : "grid");
       if (index) line(context, [[x(piece.left), MARGIN.top], [x(piece.left), floor]]);
       context.fillStyle = colors.of("ink");
-      let free = -Infinity;
       for (const { place, label, end } of this.axis.ticks(piece, wide).sort((a, b) => a.place - b.place)) {
         context.strokeStyle = colors.of("muted");
         line(context, [[x(place), floor], [x(place), floor + (label ? 5 : 3)]]);

@@ -192,15 +192,16 @@ function curveInWords() {
 function showQuantities() {
   const select = byId("quantity"), names = Object.keys(QUANTITIES).filter((name) => app.scene.has(name));
   if (!same([...select.options].map((one) => one.value), names)) {
-    select.replaceChildren(...names.map((name) => element("option", { value: name }, QUANTITIES[name] + (name === "area" && names.includes("contact_area") ? " in sites" : ""))));
+    select.replaceChildren(...names.map((name) => element("option", { value: name }, QUANTITIES[name])));
   }
-  if (!names.includes(app.curveView.name)) app.curveView.name = "area";
+  if (!names.includes(app.curveView.name)) [app.curveView.name] = names;
   select.value = app.curveView.name;
 }
 
 function showLegend() {
   const { scene, map, mapView } = app, list = byId("legend");
-  const note = mapView.side > 1 ? [element("li", { className: "hint" }, `one mark covers ${mapView.side} × ${scene.isLine ? 1 : mapView.side} sites: zoom in to see each`)] : [];
+  const note = mapView.side > 1 ? [element("li", { className: "hint" }, `one mark covers ${mapView.side} × ${scene.isLine ? 1 : mapView.side} sites, so areas look larger: zoom in`)] : [];
+  if (scene.isLine) note.push(element("li", { className: "hint" }, "position across, time downward"));
   if (mapView.colored === "state") {
     const { counts } = scene.states(map);
     const items = [KEPT, NEW, LOST].map((state) => {
@@ -231,7 +232,7 @@ function showNumbers() {
   const items = names.map((name) => {
     const value = scene.value(row, name), unit = scene.column_units[name];
     const text = name === "contact_fraction" ? percent(value) : name === "area" ? `${count(value)} sites`
-      : name === "decade_growth" && Number.isFinite(value) ? `${percent(value)} of the area at first` : quantity(value, unit, name === "residual" ? 2 : 4);
+      : name === "decade_growth" && Number.isFinite(value) ? `${percent(value)} of first` : quantity(value, unit, name === "residual" ? 2 : 4);
     const label = name === "friction" && scene.shear ? "friction coefficient" : QUANTITIES[name];
     return element("div", { title: scene.names[name] || "" }, element("dt", {}, label), element("dd", { id: `number-${name}` }, text));
   });

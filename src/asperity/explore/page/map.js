@@ -5,6 +5,8 @@
 const STATES = ["free", "kept", "new", "lost"];
 const SITE_WORDS = [null, "in contact now and at first touch", "new: not in contact at first touch", "lost: in contact only at first touch"];
 
+const BELOW = 22; // pixels below a map, for its scale bar
+
 /** The colors of the page, as they are now: light or dark. */
 function theme() {
   const style = getComputedStyle(document.documentElement);
@@ -97,8 +99,9 @@ class MapView {
     return { left: held(this.center[0], across * nx, width), top: held(this.center[1], down * ny, height), across, down };
   }
 
-  /** Paint the map into a box of another canvas, or of the own one. */
-  paint(context, width, height, map = this.map, scale = 1) {
+  /** Paint the map and a scale bar below it into a box of another canvas, or of the own one. */
+  paint(context, width, whole, map = this.map) {
+    const height = whole - BELOW;
     const { left, top, across, down } = this.frame(width, height);
     const [nx, ny] = this.extent, colors = theme();
     const side = Math.max(1, Math.ceil(1 / across - 1e-9));
@@ -114,23 +117,23 @@ class MapView {
     const high = this.scene.isLine ? 1 : side;
     context.save();
     context.beginPath();
-    context.rect(0, 0, width, height);
+    context.rect(0, 0, width, whole);
     context.clip();
     context.fillStyle = colors.of("page");
-    context.fillRect(0, 0, width, height);
+    context.fillRect(0, 0, width, whole);
     context.fillStyle = colors.of("free");
     context.fillRect(left, top, across * nx, down * ny);
     context.imageSmoothingEnabled = false;
     context.beginPath();
-    context.rect(left, top, across * nx, down * ny);
+    context.rect(Math.max(left, 0), Math.max(top, 0), Math.min(across * nx, width), Math.min(down * ny, height));
     context.clip();
     context.drawImage(this.cells.canvas, left, top, this.cells.canvas.width * across * side, this.cells.canvas.height * down * high);
     context.restore();
     context.strokeStyle = colors.of("line");
     context.strokeRect(Math.max(left, 0) + 0.5, Math.max(top, 0) + 0.5, Math.min(across * nx, width) - 1, Math.min(down * ny, height) - 1);
     if (this.scene.isLine) this.markRow(context, { left, top, across, down }, width, map, colors);
-    this.scaleBar(context, width, height, across, colors);
-    return { left, top, across, down, scale };
+    this.scaleBar(context, width, height, across, Math.max(left, 0), colors);
+    return { left, top, across, down };
   }
 
   markRow(context, { top, down }, width, map, colors) {
@@ -140,8 +143,7 @@ class MapView {
     context.lineWidth = 1;
   }
 
-  /** A round length in a corner. */
-  scaleBar(context, width, height, across, colors) {
+  scaleBar(context, width, height, across, left, colors) {
     const { spacing, length_unit: unit } = this.scene;
     const inUnits = spacing && unit;
     const pixel = inUnits ? spacing.at(-1) : 1;
@@ -152,16 +154,11 @@ class MapView {
     const wide = length / factor / pixel * across, text = `${number(length)} ${name}`;
     if (!(wide > 0)) return;
     context.font = "12px system-ui, sans-serif";
-    const box = Math.max(wide, context.measureText(text).width) + 12;
-    context.fillStyle = colors.of("page");
-    context.globalAlpha = 0.85;
-    context.fillRect(6, height - 34, box, 28);
-    context.globalAlpha = 1;
     context.fillStyle = colors.of("ink");
-    context.fillRect(12, height - 13, wide, 3);
+    context.fillRect(left, height + 10, wide, 3);
     context.textAlign = "left";
-    context.textBaseline = "alphabetic";
-    context.fillText(text, 12, height - 18);
+    context.textBaseline = "middle";
+    context.fillText(text, left + wide + 8, height + 12);
   }
 
   draw() {
@@ -169,17 +166,17 @@ class MapView {
     const width = canvas.clientWidth;
     if (!this.scene || !this.scene.maps.length || !width) return;
     const [nx, ny, aspect] = this.extent;
-    const height = this.scene.isLine ? 360 : Math.round(width * Math.min(1.3, Math.max(0.4, aspect * ny / nx)));
+    const height = this.scene.isLine ? 340 : Math.round(width * Math.min(1.3, Math.max(0.4, aspect * ny / nx)));
     const scale = window.devicePixelRatio || 1;
-    if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round(height * scale)) {
+    if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round((height + BELOW) * scale)) {
       canvas.width = Math.round(width * scale);
-      canvas.height = Math.round(height * scale);
-      canvas.style.height = `${height}px`;
+      canvas.height = Math.round((height + BELOW) * scale);
+      canvas.style.height = `${height + BELOW}px`;
     }
     const context = canvas.getContext("2d");
     context.setTransform(scale, 0, 0, scale, 0, 0);
     this.box = { width, height };
-    this.drawn = this.paint(context, width, height);
+    this.drawn = this.paint(context, width, height + BELOW);
     canvas.classList.toggle("zoomed", this.zoom > 1);
     if (this.cursor !== null) this.drawCursor(context);
   }
