@@ -2,10 +2,13 @@
 // A quantity against time, with the moment shown, the limit, an earlier curve, and the moment of a change of load.
 
 const QUANTITIES = {
-  contact_area: "contact area", area: "contact area in sites", contact_fraction: "contact fraction", load: "load",
+  contact_area: "contact area", area: "contact area", contact_fraction: "contact fraction", load: "load",
   mean_pressure: "mean pressure in contact", friction: "friction relative to first", separation: "separation", decade_growth: "growth per decade",
   residual: "residual",
 };
+/** What a quantity is called; where the area is known in lengths, the count of sites is another. */
+const nameOf = (scene, name) => (name === "area" && scene.has("contact_area") ? "sites in contact" : QUANTITIES[name]);
+
 const MARGIN = { left: 70, right: 14, top: 12, bottom: 44 };
 
 class CurveView {
@@ -88,7 +91,7 @@ class CurveView {
     context.rotate(-Math.PI / 2);
     context.textAlign = "center";
     const told = name === "area" ? "sites" : name === "decade_growth" ? "areas at first" : unit;
-    context.fillText(QUANTITIES[name] + (told ? ` [${told}]` : ""), 0, 0);
+    context.fillText(nameOf(scene, name) + (told ? ` [${told}]` : ""), 0, 0);
     context.restore();
 
     context.save();

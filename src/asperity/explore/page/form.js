@@ -11,16 +11,16 @@ const TITLES = { surface: "Rough surface", solid: "Solid", contact: "What presse
 const LEFT_OUT = { aging: ["times"] };
 
 const EXAMPLES = [
-  ["Lattice of springs", "200 × 200 independent heights; nine decades of time", {}],
-  ["Polymer on a rough face", "1 mm across, in SI units; two relaxation times", {
+  ["Lattice of springs", "nine decades of time", {}],
+  ["Polymer on a rough face", "in SI units", {
     surface: { kind: "spectral", shape: [256, 256], hurst: 0.8, rms_height: 1e-6, spacing: [4e-6], cutoff: 4e-5, unit: "m", seed: 1 },
     solid: { kind: "half_space", modulus: 3e9, branches: [[0.3, 1], [0.3, 1000]] },
     contact: { pressure: 1e6 },
   }],
-  ["Unloading", "hold, lift a part of the load, hold again: lost contacts", {
+  ["Unloading", "hold, unload, hold: contacts are lost", {
     contact: { load: 800 }, protocol: [{ kind: "hold", duration: 100 }, { kind: "step", load: 300 }, { kind: "hold", duration: 1e5 }],
   }],
-  ["A line contact", "4096 sites in a row; position across, time downward", { surface: { shape: [4096] } }],
+  ["Line contact", "4096 sites in a row", { surface: { shape: [4096] } }],
 ];
 
 const same = (a, b) => JSON.stringify(a ?? null) === JSON.stringify(b ?? null);
@@ -93,7 +93,6 @@ class Form {
     else {
       input = element("input", { type: "text", value: shown, autocomplete: "off", spellcheck: false });
       if (key.what === "number" || key.what === "whole") input.inputMode = "decimal";
-      if (!key.required && shown === "") input.placeholder = "by default";
     }
     input.addEventListener("input", () => { held[key.name] = key.what === "switch" ? input.checked : input.value; });
     return input;
@@ -164,21 +163,27 @@ class Form {
 function textOf(value, key) {
   if (key.what === "switch") return value === true;
   if (value === null || value === undefined) return "";
-  if (key.what === "pairs") return value.map((pair) => pair.join(" ")).join("\n");
-  return Array.isArray(value) ? value.join(" ") : String(value);
+  if (key.what === "pairs") return value.map((pair) => pair.map(typed).join(" ")).join("\n");
+  return Array.isArray(value) ? value.map(typed).join(" ") : typed(value);
+}
+
+/** A number as one types it: 1e6 rather than 1000000. */
+function typed(value) {
+  const size = Math.abs(value);
+  return typeof value === "number" && (size >= 1e5 || (size > 0 && size < 1e-3)) ? value.toExponential().replace("e+", "e") : String(value);
 }
 
 /** What was typed, as a value; a text that is no number stays one, and the server says what is wrong with it. */
 function valueOf(text, key) {
   if (key.what === "switch") return text;
-  const typed = text.trim();
+  const written = text.trim();
   const one = (word) => (/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(word) ? Number(word) : word);
   const words = (line) => line.trim().split(/\s+/).map(one);
-  if (typed === "") return null;
-  if (key.what === "pairs") return typed.split(/[\n;]+/).filter((part) => part.trim()).map(words);
-  if (["numbers", "wholes", "pair"].includes(key.what)) return key.unit ? withUnits(words(typed)) : words(typed);
-  if (key.what === "number" || key.what === "whole") return one(typed);
-  return key.what === "text or whole" && /^\d+$/.test(typed) ? Number(typed) : typed;
+  if (written === "") return null;
+  if (key.what === "pairs") return written.split(/[\n;]+/).filter((part) => part.trim()).map(words);
+  if (["numbers", "wholes", "pair"].includes(key.what)) return key.unit ? withUnits(words(written)) : words(written);
+  if (key.what === "number" || key.what === "whole") return one(written);
+  return key.what === "text or whole" && /^\d+$/.test(written) ? Number(written) : written;
 }
 
 /** Put numbers and the units behind them together: "3 GPa" is one quantity. */

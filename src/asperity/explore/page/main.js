@@ -45,6 +45,7 @@ const ARRIVALS = {
   },
   done(header, message, buffer) {
     if (app.scene && header.job === app.scene.job) app.scene.add(buffer, message);
+    if (!app.scene.maps.length) app.scene.doWithoutMaps();
     busy(false);
     suggestBranch();
     show();
@@ -55,9 +56,9 @@ const ARRIVALS = {
 };
 
 function receive(buffer) {
-  const message = readMessage(buffer), { kind } = message.header;
+  const message = readMessage(buffer), { kind, sequence } = message.header;
+  send({ kind: "ack", sequence });
   ARRIVALS[kind]?.(message.header, message, buffer);
-  return message.header.sequence;
 }
 
 function connect(wait = 500) {
@@ -65,10 +66,7 @@ function connect(wait = 500) {
   socket.binaryType = "arraybuffer";
   app.socket = socket;
   socket.onopen = () => { app.connected = true; wait = 500; said("", false); };
-  socket.onmessage = ({ data }) => {
-    const sequence = receive(data);
-    if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ kind: "ack", sequence }));
-  };
+  socket.onmessage = ({ data }) => receive(data);
   socket.onclose = () => {
     app.connected = false;
     said("The connection to the server is lost; trying again …", true);
@@ -123,7 +121,7 @@ function begin(folder) {
 
 function busy(now, text = "") {
   app.busy = now;
-  byId("progress").hidden = byId("stop").hidden = !now;
+  byId("progress").firstElementChild.hidden = byId("stop").hidden = !now;
   if (!now) { byId("stage").textContent = ""; return; }
   if (text) byId("stage").textContent = text;
   const bar = byId("progress").firstElementChild, { scene } = app;
@@ -186,13 +184,13 @@ function show() {
 function curveInWords() {
   const { scene } = app, { name } = app.curveView, values = scene.column(name).filter(Number.isFinite);
   const said = (value) => quantity(value, scene.column_units[name]);
-  return `${QUANTITIES[name]} against time: ${said(values[0])} at first touch, ${said(values.at(-1))} at t = ${quantity(scene.rows.at(-1)[scene.columns.indexOf("time")], scene.units.time)}.`;
+  return `${nameOf(scene, name)} against time: ${said(values[0])} at first touch, ${said(values.at(-1))} at t = ${quantity(scene.rows.at(-1)[scene.columns.indexOf("time")], scene.units.time)}.`;
 }
 
 function showQuantities() {
   const select = byId("quantity"), names = Object.keys(QUANTITIES).filter((name) => app.scene.has(name));
   if (!same([...select.options].map((one) => one.value), names)) {
-    select.replaceChildren(...names.map((name) => element("option", { value: name }, QUANTITIES[name])));
+    select.replaceChildren(...names.map((name) => element("option", { value: name }, nameOf(app.scene, name))));
   }
   if (!names.includes(app.curveView.name)) [app.curveView.name] = names;
   select.value = app.curveView.name;
@@ -202,6 +200,7 @@ function showLegend() {
   const { scene, map, mapView } = app, list = byId("legend");
   const note = mapView.side > 1 ? [element("li", { className: "hint" }, `one mark covers ${mapView.side} × ${scene.isLine ? 1 : mapView.side} sites, so areas look larger: zoom in`)] : [];
   if (scene.isLine) note.push(element("li", { className: "hint" }, "position across, time downward"));
+  if (scene.mapless) { list.replaceChildren(element("li", {}, "This run kept no maps of its contact: the heights are shown."), ...note); return; }
   if (mapView.colored === "state") {
     const { counts } = scene.states(map);
     const items = [KEPT, NEW, LOST].map((state) => {
@@ -233,7 +232,7 @@ function showNumbers() {
     const value = scene.value(row, name), unit = scene.column_units[name];
     const text = name === "contact_fraction" ? percent(value) : name === "area" ? `${count(value)} sites`
       : name === "decade_growth" && Number.isFinite(value) ? `${percent(value)} of first` : quantity(value, unit, name === "residual" ? 2 : 4);
-    const label = name === "friction" && scene.shear ? "friction coefficient" : QUANTITIES[name];
+    const label = name === "friction" && scene.shear ? "friction coefficient" : nameOf(scene, name);
     return element("div", { title: scene.names[name] || "" }, element("dt", {}, label), element("dd", { id: `number-${name}` }, text));
   });
   byId("numbers").replaceChildren(...items);
@@ -311,14 +310,14 @@ function suggestBranch() {
   app.changeRow = rows[Math.floor(0.6 * (rows.length - 1))];
   byId("target").value = scene.config.contact?.separation === undefined ? "load" : "separation";
   suggestValue();
-  byId("after").value = Number(last.toPrecision(3));
-  byId("ramp").value = Number((last / 100).toPrecision(3));
+  byId("after").value = typed(Number(last.toPrecision(3)));
+  byId("ramp").value = typed(Number((last / 100).toPrecision(3)));
 }
 
 function suggestValue() {
   const value = app.scene.value(app.changeRow, byId("target").value);
   const scale = byId("target").value === "load" ? 2 * value : value - 0.1 * (app.scene.height_range[1] - app.scene.height_range[0]);
-  byId("new-value").value = Number(scale.toPrecision(3));
+  byId("new-value").value = typed(Number(scale.toPrecision(3)));
 }
 
 function showBranch() {
@@ -390,7 +389,7 @@ function listen() {
     button.addEventListener("click", () => { app.keep = false; app.form.write(config); ask({ kind: "run", config: app.form.read() }); });
     return button;
   }));
-  const own = element("button", { type: "button" }, "Your own scan …", element("small", {}, "choose a file, or drop one anywhere on the page"));
+  const own = element("button", { type: "button" }, "Your own scan …", element("small", {}, "or drop a file on the page"));
   own.addEventListener("click", () => { app.form.wanted = "surface.path"; byId("file").click(); });
   byId("presets").append(own);
 

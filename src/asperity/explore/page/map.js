@@ -16,7 +16,8 @@ function theme() {
 }
 
 /** Colors of cells of `side` x `side` sites, RGBA: one that holds any contact is drawn as a contact. */
-function cellsOf(scene, map, colored, side, colors) {
+function cellsOf(scene, map, wanted, side, colors) {
+  const colored = scene.mapless ? "heights" : wanted;
   const rows = scene.isLine ? scene.maps.length : scene.ny;
   const down = scene.isLine ? 1 : side;
   const [wide, high] = [Math.ceil(scene.nx / side), Math.ceil(rows / down)];
@@ -314,6 +315,7 @@ class MapView {
 
   /** The map in words, for those who do not see it. */
   inWords() {
+    if (this.scene.mapless) return "No maps of the contact were kept; the heights are shown.";
     const { counts } = this.scene.states(this.map), touching = counts[KEPT] + counts[NEW];
     const size = this.scene.isLine ? `a line of ${count(this.scene.nx)} sites` : `${this.scene.ny} × ${this.scene.nx} sites`;
     return `Contact map: ${size}, ${count(touching)} in contact, ${percent(touching / this.scene.sites)}, at t = `

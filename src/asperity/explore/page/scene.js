@@ -30,6 +30,12 @@ class Scene {
     this.timeNow = header.time_now ?? this.timeNow;
   }
 
+  /** Take the rows for moments where no maps were kept. */
+  doWithoutMaps() {
+    this.mapless = true;
+    this.maps = this.rows.map((_, row) => ({ index: row, time: this.value(row, "time"), leg: this.value(row, "leg"), area: this.value(row, "area"), pressure_scale: 0 }));
+  }
+
   get isLine() { return this.ny === 1; }
 
   has(name) { return this.columns.includes(name) && this.rows.some((row) => Number.isFinite(row[this.columns.indexOf(name)])); }
@@ -61,14 +67,14 @@ class Scene {
     if (!found) {
       const { bits } = this.maps[map];
       found = new Uint8Array(this.sites);
-      for (let at = 0; at < this.sites; at++) found[at] = (bits[at >> 3] >> (7 - (at & 7))) & 1;
+      if (bits) for (let at = 0; at < this.sites; at++) found[at] = (bits[at >> 3] >> (7 - (at & 7))) & 1;
       if (this.decoded.size > 6) this.decoded.delete([...this.decoded.keys()].find((key) => key !== 0));
       this.decoded.set(map, found);
     }
     return found;
   }
 
-  touches(map, site) { return (this.maps[map].bits[site >> 3] >> (7 - (site & 7))) & 1; }
+  touches(map, site) { return this.mapless ? 0 : (this.maps[map].bits[site >> 3] >> (7 - (site & 7))) & 1; }
 
   state(map, site) {
     const [then, now] = [this.touches(0, site), this.touches(map, site)];
@@ -125,6 +131,7 @@ class Scene {
       parts.push(this.isLine ? `x ${along}` : `x ${along}, y ${quantity(row * dy, this.length_unit)}`);
     }
     parts.push(`height ${quantity(this.height(site), this.units.height)}`);
+    if (this.mapless) return parts.join(" · ");
     const since = this.since(map, site);
     if (this.touches(map, site)) {
       parts.push(`pressure ${quantity(this.pressure(map, site), this.units.pressure)}`);
