@@ -50,7 +50,7 @@ class CurveView {
     return scene.column(name).map((value, row) => [this.axis.place(times[row], row > 0 && legs[row] !== legs[row - 1]), value]);
   }
 
-  paint(context, width, height, map = this.extras.map) {
+  paint(context, width, height, map = this.extras.map, handles = true) {
     const { scene, name, extras } = this, colors = theme();
     const [wide, high] = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const own = this.points(scene, name).filter(([, value]) => Number.isFinite(value));
@@ -115,7 +115,7 @@ class CurveView {
     line(context, own.map(([place, value]) => [x(place), y(value)]));
     for (const [place, value] of own) disc(context, x(place), y(value), 2.2);
     context.lineWidth = 1;
-    if (extras.change !== null && extras.change !== undefined) {
+    if (handles && extras.change !== null) {
       context.strokeStyle = context.fillStyle = colors.of("ink");
       context.setLineDash([3, 3]);
       const at = x(this.axis.place(extras.change));

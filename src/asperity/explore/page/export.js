@@ -15,7 +15,7 @@ function picture(app, map, scale = 2) {
   context.fillText(scene.title, 16, 28, width - 32);
   const at = (left, top, paint) => { context.save(); context.translate(left, top); paint(); context.restore(); };
   at(16, 48, () => app.mapView.paint(context, 470, 470, map));
-  at(520, 48, () => app.curveView.paint(context, 504, 470, map));
+  at(520, 48, () => app.curveView.paint(context, 504, 470, map, false));
   context.font = "13px system-ui, sans-serif";
   context.textAlign = "left";
   context.textBaseline = "alphabetic";

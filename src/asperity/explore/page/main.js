@@ -27,7 +27,7 @@ const ARRIVALS = {
   scene(header, message, buffer) {
     app.earlier = app.scene && app.keep && same(app.scene.column_units, header.column_units) ? app.scene : null;
     app.scene = new Scene(buffer, message);
-    app.scene.shear = app.shear;
+    if (!app.picked) app.curveView.name = "";
     Object.assign(app, { map: 0, following: true, change: null });
     stopPlaying();
     if (app.form && header.config) app.form.write({ ...header.config, output: app.form.output });
@@ -232,7 +232,7 @@ function showNumbers() {
     const value = scene.value(row, name), unit = scene.column_units[name];
     const text = name === "contact_fraction" ? percent(value) : name === "area" ? `${count(value)} sites`
       : name === "decade_growth" && Number.isFinite(value) ? `${percent(value)} of first` : quantity(value, unit, name === "residual" ? 2 : 4);
-    const label = name === "friction" && scene.shear ? "friction coefficient" : nameOf(scene, name);
+    const label = nameOf(scene, name);
     return element("div", { title: scene.names[name] || "" }, element("dt", {}, label), element("dd", { id: `number-${name}` }, text));
   });
   byId("numbers").replaceChildren(...items);
@@ -308,6 +308,10 @@ function suggestBranch() {
   if (byId("branch").hidden) return;
   const rows = changeable(scene), last = scene.value(scene.rows.length - 1, "time");
   app.changeRow = rows[Math.floor(0.6 * (rows.length - 1))];
+  for (const option of byId("target").options) {
+    const unit = readable(1, scene.column_units[option.value])[0];
+    option.textContent = unit ? `${option.value} [${unit}]` : option.value;
+  }
   byId("target").value = scene.config.contact?.separation === undefined ? "load" : "separation";
   suggestValue();
   byId("after").value = typed(Number(last.toPrecision(3)));
@@ -405,7 +409,7 @@ function listen() {
   app.curveView.onpick = (place) => { stopPlaying(); choose(app.curveView.nearest(place)); };
   app.mapView.onread = (site, map) => { if (app.scene.isLine && map !== app.map) { stopPlaying(); choose(map); } readSite(site, map); };
   on("play", "click", () => { app.following = app.replay = false; if (app.playing) stopPlaying(); else play(); });
-  on("quantity", "change", ({ target }) => { app.curveView.name = target.value; show(); });
+  on("quantity", "change", ({ target }) => { app.picked = app.curveView.name = target.value; show(); });
   on("colored", "change", ({ target }) => { app.mapView.colored = target.value; show(); });
   on("earlier", "change", show);
   on("closer", "click", () => { app.mapView.closer(); showLegend(); });
