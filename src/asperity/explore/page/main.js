@@ -374,7 +374,7 @@ function showCampaign({ path, parameters, runs }, arrays) {
   }).filter((run) => run.curve.length);
   const head = element("tr", {}, ...["run", ...parameters].map((name) => element("th", { scope: "col" }, name)));
   byId("campaign").querySelector("table").replaceChildren(head, ...runs.map((run) => {
-    const button = element("button", { type: "button" }, run.id.slice(0, 8));
+    const button = element("button", { type: "button", disabled: !app.live || run.state !== "done" }, run.id.slice(0, 8));
     button.addEventListener("click", () => { ask({ kind: "open", path: `${path}/${run.id}` }); mark(button); });
     return element("tr", {}, element("td", {}, button), ...parameters.map((name) => element("td", {}, typeof run[name] === "number" ? number(run[name]) : String(run[name]))));
   }));

@@ -1,0 +1,139 @@
+"""A browser that looks at the page: from a server, and from an exported file."""
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity.config import config_from
+from asperity.explore.export import exported_page
+from asperity.explore.scene import ending, recorded
+from asperity.runs.pipeline import Silent, execute
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FOLDER = Path(__file__).parent
+
+
+def pytest_collection_modifyitems(items):
+    """Run all of them in one process: they share a browser and a server."""
+    for item in items:
+        if FOLDER in item.path.parents:
+            item.add_marker(pytest.mark.xdist_group("browser"))
+
+
+@pytest.fixture(scope="session")
+def browser():
+    sync_api = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install playwright")
+    with sync_api.sync_playwright() as playwright:
+        try:
+            made = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        except sync_api.Error:
+            if CHROMIUM is not None:
+                raise
+            pytest.skip("needs chromium: apt-get install chromium")
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def tab(browser):
+    """Open addresses in tabs of their own; no page may fail, or load anything from elsewhere."""
+    faults, contexts = [], []
+
+    def open_tab(address, **options):
+        settings = {"viewport": {"width": 1280, "height": 900}, "reduced_motion": "reduce", **options}
+        context = browser.new_context(**settings)
+        contexts.append(context)
+        context.set_default_timeout(10_000)
+        page = context.new_page()
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("console", lambda said: faults.append(said.text) if said.type == "error" else None)
+        own = ("blob:", "data:", address.split("#")[0] if address.startswith("file:") else address[:21])
+        page.on("request", lambda sent: None if sent.url.startswith(own) else faults.append(sent.url))
+        page.goto(address)
+        return page
+
+    open_tab.faults = faults
+    yield open_tab
+    for context in contexts:
+        context.close()
+    assert faults == []
+
+
+def until(page, question, seconds=60):
+    """Wait until an expression is true; the page's policy forbids Playwright's own way, which evaluates text."""
+    end = time.monotonic() + seconds
+    while not (answer := page.evaluate(question)):
+        assert time.monotonic() < end, f"never true: {question}; {state(page)}"
+        page.wait_for_timeout(30)
+    return answer
+
+
+def state(page):
+    return page.evaluate("asperity.state")
+
+
+def finished(page, after=None):
+    """Wait for a run to end, another one than `after`."""
+    until(
+        page, f"asperity.state.finished && !asperity.state.busy && asperity.state.job !== {json.dumps(after)}"
+    )
+    return state(page)
+
+
+def rows(page):
+    """The time series of the page, by name."""
+    listed = page.evaluate("Array.from({length: asperity.state.rows}, (_, at) => asperity.row(at))")
+    return {name: [row[name] for row in listed] for name in listed[0]}
+
+
+@pytest.fixture(scope="session")
+def outcome():
+    """A run with an unloading, as the library makes it: maps at all recorded times."""
+    legs = [
+        {"kind": "hold", "duration": 100.0},
+        {"kind": "step", "load": 50.0},
+        {"kind": "hold", "duration": 10.0},
+    ]
+    config = config_from(
+        {
+            "surface": {"shape": [64, 64], "seed": 3},
+            "contact": {"load": 150.0},
+            "aging": {"per_decade": 2, "first": 0.01},
+            "protocol": legs,
+        },
+        {},
+        None,
+    )
+    first = execute(config, Silent())
+    times = np.unique(first.dataset["time"].values).tolist()
+    maps = config.output.model_copy(update={"maps_at": times})
+    return execute(config.model_copy(update={"output": maps}), Silent())
+
+
+@pytest.fixture(scope="session")
+def exported(outcome, tmp_path_factory):
+    """The page of that run, in a file."""
+    recording = recorded(outcome.dataset, outcome.config, job="unloading", title='Unloading <&> "quoted"')
+    recording.end = ending(outcome.dataset, outcome.summary, remarks=outcome.remarks, seconds=None)
+    path = tmp_path_factory.mktemp("exported") / "page.html"
+    path.write_text(exported_page(recording.messages(), title="Unloading"), encoding="utf-8")
+    return path.as_uri()
+
+
+@pytest.fixture(scope="session")
+def served():
+    """Address of a server of its own process."""
+    pytest.importorskip("uvicorn", reason="needs the extra explore")
+    command = [sys.executable, "-W", "ignore", "-m", "asperity", "explore", "--no-browser"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    yield process.stdout.readline().split()[0]
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=20)

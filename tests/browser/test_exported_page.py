@@ -1,0 +1,387 @@
+"""The page in a file, without a server: it shows what the library computed."""
+
+import base64
+import io
+import json
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import asperity as asp
+from asperity.explore.export import exported_page
+from asperity.explore.scene import pack
+from tests.browser.conftest import rows, state, until
+
+KEPT, NEW, LOST = 1, 2, 3
+
+
+def classes(in_contact, number):
+    """State of each site in a map: touching then and first, only then, only first."""
+    first, now = in_contact[0], in_contact[number]
+    return np.select([now & first, now, first], [KEPT, NEW, LOST], 0)
+
+
+def colors(page):
+    """Colors of the states, free first, as the page has them."""
+    return np.array(page.evaluate("theme().states"))
+
+
+def pixels(page, selector="#map"):
+    """What a canvas shows, shape (rows, columns, 3)."""
+    written = page.evaluate("one => document.querySelector(one).toDataURL()", selector)
+    with Image.open(io.BytesIO(base64.b64decode(written.split(",")[1]))) as picture:
+        return np.asarray(picture.convert("RGB"))
+
+
+def middle(drawn, site, columns):
+    """Where the middle of a site is drawn."""
+    row, column = divmod(site, columns)
+    return drawn["left"] + (column + 0.5) * drawn["across"], drawn["top"] + (row + 0.5) * drawn["down"]
+
+
+def test_it_shows_the_series_of_the_run(tab, exported, outcome):
+    page = tab(exported)
+    series, dataset = rows(page), outcome.dataset
+    for name in ("time", "leg", "area", "contact_fraction", "load", "separation", "residual"):
+        assert series[name] == dataset[name].values.tolist()
+    np.testing.assert_allclose(series["mean_pressure"], dataset["load"] / dataset["area"], rtol=1e-12)
+    tabor = (dataset["area"] / dataset["load"]) / (dataset["area"][0] / dataset["load"][0])
+    np.testing.assert_allclose(series["friction"], tabor, rtol=1e-12)
+    assert page.locator("#title").text_content() == 'Unloading <&> "quoted"'
+    assert page.locator("#number-area").text_content() == f"{int(dataset['area'][-1])} sites"
+    assert not page.locator("#form").is_visible()
+
+
+def test_every_map_has_the_classes_of_the_fields(tab, exported, outcome):
+    page = tab(exported)
+    in_contact = outcome.dataset["in_contact"].values
+    page.focus("#moment")
+    page.keyboard.press("Home")
+    for number in range(len(in_contact)):
+        seen = state(page)
+        assert seen["map"] == number
+        assert seen["maps"][number]["time"] == outcome.dataset["field_time"].values[number]
+        assert seen["counts"] == np.bincount(classes(in_contact, number).ravel(), minlength=4).tolist()
+        page.keyboard.press("ArrowRight")
+    assert state(page)["counts"][LOST] > 0  # the unloading has lost some
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_pixels_have_the_colors_of_their_sites(tab, exported, outcome, scheme):
+    page = tab(exported, color_scheme=scheme)
+    expected = classes(outcome.dataset["in_contact"].values, state(page)["map"]).ravel()
+    picture, palette, drawn = pixels(page), colors(page), state(page)["drawn"]
+    for site in np.flatnonzero(expected).tolist() + list(range(0, expected.size, 97)):
+        x, y = middle(drawn, site, 64)
+        np.testing.assert_array_equal(picture[int(y), int(x)], palette[expected[site]])
+
+
+def test_a_site_reads_height_pressure_and_age(tab, exported, outcome):
+    page = tab(exported)
+    dataset, last = outcome.dataset, state(page)["map"]
+    in_contact, times = dataset["in_contact"].values, dataset["field_time"].values
+    heights = dataset["heights"].values
+    for number in (0, 4, last):
+        for site in np.flatnonzero(in_contact[number])[:40:8].tolist():
+            read = page.evaluate(f"asperity.site({site}, {number})")
+            assert abs(read["height"] - heights.flat[site]) <= np.ptp(heights) / 65535
+            history = in_contact[: number + 1].reshape(number + 1, -1)[:, site]
+            changes = np.flatnonzero(np.diff(history))
+            assert read["since"] == times[changes[-1] + 1 if changes.size else 0]
+    pressed = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=150.0)
+    for site in np.flatnonzero(in_contact[0]).tolist():
+        read = page.evaluate(f"asperity.site({site}, 0)")["pressure"]
+        assert read == pytest.approx(pressed.force.flat[site], abs=pressed.force.max() / 65535)
+    sites = np.flatnonzero(in_contact[last]).tolist()
+    total = page.evaluate(f"{sites}.reduce((sum, site) => sum + asperity.site(site).pressure, 0)")
+    assert total == pytest.approx(50.0, rel=1e-4)
+
+    kept = int(np.flatnonzero(in_contact.all(axis=0))[5])
+    x, y = middle(state(page)["drawn"], kept, 64)
+    box = page.locator("#map").bounding_box()
+    page.mouse.move(box["x"] + x, box["y"] + y)
+    assert state(page)["cursor"] == kept
+    said = page.locator("#site").text_content()
+    assert f"row {kept // 64}, column {kept % 64}" in said
+    assert "since first touch: age 110" in said
+    assert f"height {heights.flat[kept]:.4g}"[:10] in said
+
+
+def test_keys_move_between_sites_and_zoom(tab, exported, outcome):
+    page = tab(exported)
+    touching = np.flatnonzero(outcome.dataset["in_contact"].values[-1])
+    page.focus("#map")
+    page.keyboard.press("n")
+    assert state(page)["cursor"] == touching[0]
+    page.keyboard.press("n")
+    assert state(page)["cursor"] == touching[1]
+    page.keyboard.press("p")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("Shift+ArrowRight")
+    column = min(63, touching[0] % 64 + 10)
+    assert state(page)["cursor"] == (touching[0] // 64 + 1) * 64 + column
+    assert state(page)["zoom"] == 1
+    for _ in range(3):
+        page.keyboard.press("+")
+    zoomed = state(page)
+    assert zoomed["zoom"] == pytest.approx(1.5**3)
+    width = page.locator("#map").bounding_box()["width"]
+    assert all(
+        0 <= place <= width for place in middle(zoomed["drawn"], zoomed["cursor"], 64)
+    )  # still in view
+    page.keyboard.press("0")
+    assert state(page)["zoom"] == 1
+    said = page.locator("#map").get_attribute("aria-label")
+    assert "64 × 64 sites" in said
+    assert f"{touching.size} in contact" in said
+
+
+def test_a_drag_on_the_curve_scrubs(tab, exported):
+    page = tab(exported)
+    box = page.locator("#curve").bounding_box()
+    page.mouse.move(box["x"] + 75, box["y"] + 100)
+    page.mouse.down()
+    assert state(page)["map"] == 0
+    before = pixels(page)
+    page.mouse.move(box["x"] + box["width"] - 16, box["y"] + 100)
+    page.mouse.up()
+    assert state(page)["map"] == len(state(page)["maps"]) - 1
+    assert (pixels(page) != before).any()
+    assert page.locator("#shown").text_content() == "t = 110"
+
+
+def test_play_runs_through_all_maps(tab, exported):
+    page = tab(exported)
+    page.click("#play")
+    assert state(page)["playing"]
+    assert state(page)["map"] <= 1
+    until(page, "!asperity.state.playing")
+    assert state(page)["map"] == len(state(page)["maps"]) - 1
+
+
+@pytest.mark.parametrize("quantity", ["load", "friction", "residual", "separation", "decade_growth"])
+def test_other_quantities_are_drawn(tab, exported, quantity):
+    page = tab(exported)
+    area = pixels(page, "#curve")
+    page.select_option("#quantity", quantity)
+    assert state(page)["quantity"] == quantity
+    assert (pixels(page, "#curve") != area).sum() > 500
+
+
+def test_table_holds_every_digit(tab, exported, outcome):
+    page = tab(exported)
+    with page.expect_download() as saved:
+        page.click('[data-save="csv"]')
+    lines = saved.value.path().read_text().splitlines()
+    names = lines[0].split(",")
+    assert names[:3] == ["time [1 / (stiffness unit * R unit)]", "leg", "area [sites]"]
+    table = np.genfromtxt(lines[1:], delimiter=",")
+    np.testing.assert_array_equal(table[:, names.index("area [sites]")], outcome.dataset["area"])
+    np.testing.assert_array_equal(table[:, 0], outcome.dataset["time"])
+    np.testing.assert_array_equal(table[:, names.index("residual")], outcome.dataset["residual"])
+
+
+def test_picture_and_animation_are_read_by_others(tab, exported, outcome):
+    page = tab(exported)
+    with page.expect_download() as saved:
+        page.click('[data-save="png"]')
+    with Image.open(io.BytesIO(saved.value.path().read_bytes())) as picture:
+        assert picture.size == (2080, 1180)
+    with page.expect_download() as saved:
+        page.click('[data-save="gif"]')
+    animation = Image.open(io.BytesIO(saved.value.path().read_bytes()))
+    in_contact = outcome.dataset["in_contact"].values
+    assert (animation.size, animation.n_frames) == ((1040, 590), len(in_contact))
+    assert animation.info["loop"] == 0
+    palette = colors(page)
+    for number in (0, 5, len(in_contact) - 1):
+        animation.seek(number)
+        frame = np.asarray(animation.convert("RGB"))[50:490, 30:480]
+        drawn = [(frame == palette[one]).all(axis=-1).sum() for one in (KEPT, NEW, LOST)]
+        counts = np.bincount(classes(in_contact, number).ravel(), minlength=4)[1:]
+        scale = (448 / 64) ** 2  # pixels of a site
+        np.testing.assert_allclose(drawn[1:], counts[1:] * scale, rtol=0.1, atol=40)
+
+
+def scene(shape, masks):
+    """Messages of a scene that nobody computed: heights are 0, and of each map the sites in contact are known."""
+    columns = ["time", "leg", "area"]
+    times = [0.0, *(10.0 ** np.arange(len(masks) - 1)).tolist()]
+    unit = dict.fromkeys(("time", "area", "load", "pressure", "height", "separation"), "1")
+    header = {
+        "kind": "scene",
+        "job": "made",
+        "title": "made",
+        "config": None,
+        "toml": "",
+        "python": "",
+        "shape": shape,
+    }
+    header |= {
+        "spacing": None,
+        "length_unit": None,
+        "units": unit,
+        "column_units": dict.fromkeys(columns, "1"),
+    }
+    header |= {"names": {}, "columns": columns, "switches": [], "remarks": [], "height_range": [0.0, 1.0]}
+    yield pack(header, {"heights": np.zeros(shape, dtype=np.uint16)})
+    maps, arrays = (
+        [],
+        {"rows": np.array([[time, 0, mask.sum()] for time, mask in zip(times, masks, strict=True)])},
+    )
+    for number, (time, mask) in enumerate(zip(times, masks, strict=True)):
+        maps.append(
+            {
+                "index": number,
+                "time": time,
+                "leg": 0,
+                "side": "",
+                "area": int(mask.sum()),
+                "pressure_scale": 1.0,
+            }
+        )
+        arrays |= {
+            f"bits.{number}": np.packbits(mask),
+            f"pressure.{number}": np.full(mask.sum(), 65535, dtype=np.uint16),
+        }
+    yield pack(
+        {"kind": "rows", "job": "made", "time_now": times[-1], "last_time": times[-1], "maps": maps}, arrays
+    )
+    yield pack({"kind": "done", "job": "made", "limit": None, "fit": None, "effort": {}, "remarks": []})
+
+
+def test_no_contact_of_a_large_map_is_lost_and_zoom_shows_each(tab, tmp_path):
+    draws = np.random.default_rng(0)
+    first = draws.random((1024, 1024)) < 2e-4
+    later = first | (draws.random((1024, 1024)) < 2e-4)
+    path = tmp_path / "large.html"
+    path.write_text(exported_page(scene([1024, 1024], [first, later]), title="made"), encoding="utf-8")
+    page = tab(path.as_uri())
+    whole = state(page)
+    assert whole["side"] == 2
+    free = colors(page)[0]
+    marked = (pixels(page) != free).any(axis=-1)
+    for site in np.flatnonzero(later).tolist():
+        x, y = middle(whole["drawn"], site, 1024)
+        near = marked[max(0, int(y) - 1) : int(y) + 2, max(0, int(x) - 1) : int(x) + 2]
+        assert near.any()
+    box = page.locator("#map").bounding_box()
+    new = np.flatnonzero(later & ~first)
+    site = int(new[new.size // 2])
+    x, y = map(round, middle(whole["drawn"], site, 1024))  # a pointer is at whole pixels
+    page.mouse.move(box["x"] + x, box["y"] + y)
+    for _ in range(12):
+        page.mouse.wheel(0, -150)
+    page.wait_for_timeout(100)
+    seen = state(page)
+    assert seen["side"] == 1
+    assert seen["zoom"] > 20
+    at_x, at_y = middle(seen["drawn"], site, 1024)
+    assert max(abs(at_x - x), abs(at_y - y)) < seen["zoom"]  # what lay below the pointer still does
+    np.testing.assert_array_equal(pixels(page)[int(at_y), int(at_x)], colors(page)[NEW])
+    page.mouse.down()
+    page.mouse.move(box["x"] + x + 40, box["y"] + y + 25)
+    page.mouse.up()
+    moved = middle(state(page)["drawn"], site, 1024)
+    assert moved == pytest.approx((at_x + 40, at_y + 25), abs=1)
+
+
+def test_a_line_contact_is_drawn_against_time(tab, tmp_path):
+    masks = [np.zeros((1, 300), dtype=bool) for _ in range(5)]
+    for number, mask in enumerate(masks):
+        mask[0, 100 : 103 + 10 * number] = True
+    path = tmp_path / "line.html"
+    path.write_text(exported_page(scene([1, 300], masks), title="made"), encoding="utf-8")
+    page = tab(path.as_uri())
+    drawn, picture, palette = state(page)["drawn"], pixels(page), colors(page)
+    for number, mask in enumerate(masks):
+        y = int(drawn["top"] + (number + 0.5) * drawn["down"])
+        seen = [picture[y, int(drawn["left"] + (site + 0.5) * drawn["across"])] for site in range(3, 297)]
+        expected = palette[classes(np.array(masks), number)[0, 3:297]]
+        np.testing.assert_array_equal(seen, expected)
+
+
+def luminance(color):
+    """Relative luminance of WCAG 2 of colors from 0 to 255, last axis."""
+    part = np.asarray(color) / 255
+    linear = np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
+    return linear @ [0.2126, 0.7152, 0.0722]
+
+
+def contrast(one, other):
+    low, high = sorted([luminance(one), luminance(other)])
+    return (high + 0.05) / (low + 0.05)
+
+
+# G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, IEEE Trans. Vis. Comput. Graph. 15, 1291 (2009): full loss of
+# the long, the middle and the short cones, for linear red, green and blue.
+CONES = {
+    "protan": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deutan": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "tritan": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.303900],
+    ],
+}
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_colors_are_told_apart_in_gray_by_all_eyes_and_read(tab, exported, scheme):
+    page = tab(exported, color_scheme=scheme)
+    palette = colors(page)
+    assert np.diff(np.sort(luminance(palette) ** (1 / 2.2))).min() > 0.15  # gray: steps of lightness
+    linear = (palette / 255) ** 2.2
+    for cones in CONES.values():
+        seen = np.clip(linear @ np.transpose(cones), 0, 1) ** (1 / 2.2)
+        apart = np.linalg.norm(seen[:, np.newaxis] - seen, axis=-1)
+        assert apart[~np.eye(4, dtype=bool)].min() > 0.25
+    color = {
+        name: page.evaluate(f"theme().rgb({name!r})")
+        for name in ("page", "panel", "ink", "muted", "wrong", "button", "button-ink", "accent", "curve")
+    }
+    for name in ("ink", "muted", "wrong"):
+        assert contrast(color[name], color["page"]) >= 4.5
+        assert contrast(color[name], color["panel"]) >= 4.5
+    assert contrast(color["button"], color["button-ink"]) >= 4.5
+    for name in ("accent", "curve"):
+        assert contrast(color[name], color["page"]) >= 3
+    background = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert background == f"rgb({', '.join(map(str, color['page']))})"
+
+
+def test_a_phone_needs_no_sideways_scrolling(tab, exported):
+    page = tab(
+        exported,
+        viewport={"width": 390, "height": 844},
+        has_touch=True,
+        is_mobile=True,
+        device_scale_factor=2,
+    )
+    wide = page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
+    assert wide[0] <= wide[1] == 390
+    tops = [page.locator(one).bounding_box()["y"] for one in ("#map", "#curve")]
+    assert tops[0] + 300 < tops[1]
+    assert page.locator("#moment").is_visible()
+
+
+def test_everything_has_a_name(tab, exported):
+    page = tab(exported)
+    nameless = page.evaluate(
+        """[...document.querySelectorAll("button, input, select, textarea, canvas[tabindex], [role=img]")].filter(one =>
+        !(one.getAttribute("aria-label") || one.labels?.length || one.textContent.trim() || one.closest("label"))).map(one => one.outerHTML)"""
+    )
+    assert nameless == []
+    assert json.loads(page.evaluate("JSON.stringify([document.documentElement.lang, document.title])")) == [
+        "en",
+        'Unloading <&> "quoted" · Asperity',
+    ]

@@ -1,0 +1,283 @@
+"""The page with its server: what is pressed, changed, dropped, saved and copied gives the library's numbers."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import asperity as asp
+from asperity.config import config_from
+from asperity.config.reading import read_tables
+from asperity.runs.pipeline import Silent, execute
+from tests.browser.conftest import finished, rows, state, until
+
+SMALL = {"surface": {"shape": [48, 48]}, "aging": {"per_decade": 2}}
+
+
+@pytest.fixture
+def live(tab, served):
+    """A tab with a small run that has ended."""
+
+    def open_live(config=SMALL, **options):
+        page = tab(f"{served}#config={link(config)}", **options)
+        finished(page)
+        return page
+
+    return open_live
+
+
+def link(config):
+    """The configuration of a link."""
+    import base64
+    import json
+
+    return base64.urlsafe_b64encode(json.dumps(config).encode()).decode().rstrip("=")
+
+
+def again(page, act):
+    """Do something that starts another run, and wait for its end."""
+    before = state(page)["job"]
+    act()
+    return finished(page, after=before)
+
+
+def computed(config):
+    return execute(config_from(config, {}, None), Silent()).dataset
+
+
+def test_the_first_visit_shows_the_usual_run(tab, served):
+    page = tab(served)
+    seen = finished(page)
+    assert seen["shape"] == [200, 200]
+    series = rows(page)
+    contact = asp.press(
+        asp.surfaces.gaussian((200, 200), rms=1.0, seed=0),
+        asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0),
+        load=800.0,
+    )
+    assert series["area"][0] == contact.area
+    assert "27" in page.locator("#fit").text_content()
+    assert page.locator("#press").is_visible()
+    dataset = computed({"aging": {"per_decade": 8}})
+    assert series["area"] == dataset["area"].values.tolist()
+
+
+def test_another_load_is_another_run(live):
+    page = live()
+    page.fill("[id='contact.load']", "120")
+    again(page, lambda: page.keyboard.press("Enter"))
+    dataset = computed(SMALL | {"contact": {"load": 120.0}})
+    assert rows(page)["area"] == dataset["area"].values.tolist()
+    assert page.locator("#number-load").text_content() == "120"
+
+
+@pytest.mark.parametrize("how", ["step", "ramp"])
+def test_a_change_of_load_branches_from_its_moment(live, how):
+    page = live()
+    first = state(page)
+    areas = rows(page)["area"]
+    page.focus("#when")
+    page.keyboard.press("Home")
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    moment = state(page)["change"]
+    assert moment == pytest.approx(10.0)
+    page.select_option("#how", how)
+    if how == "ramp":
+        page.fill("#ramp", "5")
+    page.fill("#new-value", "20")
+    page.fill("#after", "100")
+    seen = again(page, lambda: page.click("#branch button"))
+    change = (
+        {"kind": "step", "load": 20.0} if how == "step" else {"kind": "ramp", "duration": 5.0, "load": 20.0}
+    )
+    protocol = [{"kind": "hold", "duration": moment}, change, {"kind": "hold", "duration": 100.0}]
+    load = rows(page)["load"][0]
+    dataset = computed(SMALL | {"contact": {"load": float(f"{load:.3g}")}, "protocol": protocol})
+    assert rows(page)["area"] == dataset["area"].values.tolist()
+    assert rows(page)["area"][:8] == areas[:8]
+    assert seen["counts"][3] > 0
+    assert seen["earlier"] == first["job"]
+    assert seen["config"]["protocol"][1].items() >= change.items()
+    with_it = page.evaluate("document.querySelector('#curve').toDataURL()")
+    page.uncheck("#earlier")
+    assert page.evaluate("document.querySelector('#curve').toDataURL()") != with_it
+    again(page, lambda: page.click("#no-history"))
+    assert "protocol" not in state(page)["config"]
+
+
+def test_a_dropped_file_becomes_the_surface(live):
+    page = live()
+    heights = np.random.default_rng(4).standard_normal((40, 40))
+    stream = io.BytesIO()
+    np.save(stream, heights)
+    drop = """data => { const files = new DataTransfer(); files.items.add(new File([new Uint8Array(data)], "own scan.npy"));
+      dispatchEvent(new DragEvent("drop", {dataTransfer: files, cancelable: true})); }"""
+    seen = again(page, lambda: page.evaluate(drop, list(stream.getvalue())))
+    assert seen["shape"] == [80, 80]  # mirrored
+    assert page.input_value("[id='surface.kind']") == "file"
+    assert page.input_value("[id='surface.path']") == "own scan.npy"
+    page.click("#section-surface summary")
+    page.select_option("[id='surface.tilt']", "none")
+    page.select_option("[id='surface.periodic']", "wrap")
+    assert again(page, lambda: page.click("#press"))["shape"] == [40, 40]
+    site = page.evaluate("asperity.site(41)")
+    assert site["height"] == pytest.approx(heights.flat[41], abs=np.ptp(heights) / 60000)
+
+
+def test_a_file_that_is_none_is_refused_at_its_field(live):
+    page = live()
+    page.set_input_files("#file", {"name": "notes.txt", "mimeType": "text/plain", "buffer": b"not heights"})
+    until(page, "asperity.state.mistakes.length && !asperity.state.busy")
+    assert "notes.txt" in page.locator("#form").inner_text()
+    assert state(page)["finished"]  # what was there before is still shown
+
+
+def test_a_mistake_stands_at_its_field(live):
+    page = live()
+    page.fill("[id='surface.rms']", "-1")
+    page.fill("[id='solid.k0']", "0,5")
+    page.click("#press")
+    until(page, "asperity.state.mistakes.length == 2")
+    rms = page.locator("[id='mistake-surface.rms']").text_content()
+    assert rms == "[surface] rms: expected a number above 0.0, got -1"
+    assert "try 0.5" in page.locator("[id='mistake-solid.k0']").text_content()
+    assert page.locator("[id='surface.rms']").get_attribute("aria-invalid") == "true"
+    assert page.evaluate("document.activeElement.id") == "surface.rms"
+    page.fill("[id='surface.rms']", "2")
+    page.fill("[id='solid.k0']", "0.5")
+    again(page, lambda: page.click("#press"))
+    assert page.locator("[aria-invalid]").count() == 0
+    page.fill("#new-value", "much")
+    page.click("#branch button")
+    assert page.locator("#branch-mistake").text_content() == 'load: expected a number, got "much"'
+
+
+def test_the_keyboard_is_enough(live):
+    page = live()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "Skip to the results"
+    reached = []
+    for _ in range(60):
+        page.keyboard.press("Tab")
+        reached.append(
+            page.evaluate("document.activeElement.id || document.activeElement.dataset.save || ''")
+        )
+        if page.evaluate("document.activeElement === document.body"):
+            break  # the end of the page
+        style = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
+        assert style != "none", reached[-1]
+        if reached[-1] == "contact.load":
+            page.keyboard.press("Control+a")
+            page.keyboard.type("60")
+    for name in (
+        "surface.kind",
+        "contact.load",
+        "press",
+        "map",
+        "colored",
+        "quantity",
+        "moment",
+        "play",
+        "when",
+        "new-value",
+        "gif",
+    ):
+        assert name in reached, name
+    page.focus("#press")
+    again(page, lambda: page.keyboard.press("Space"))
+    assert rows(page)["load"][0] == pytest.approx(60.0)
+
+
+def test_a_reload_restores_and_two_tabs_share_a_run(live):
+    page = live()
+    page.fill("[id='surface.seed']", "5")
+    seen = again(page, lambda: page.click("#press"))
+    areas = rows(page)["area"]
+    page.reload()
+    assert finished(page)["job"] == seen["job"]
+    assert rows(page)["area"] == areas
+    assert page.input_value("[id='surface.seed']") == "5"
+    other = page.context.new_page()
+    other.goto(page.url)
+    assert finished(other)["job"] == seen["job"]
+    other.close()
+
+
+def test_what_is_copied_gives_the_same_numbers(live, tmp_path):
+    page = live(permissions=["clipboard-read", "clipboard-write"])
+    areas = rows(page)["area"]
+    page.click('[data-copy="toml"]')
+    until(page, "document.querySelector('#taken').textContent === 'Copied.'")
+    path = tmp_path / "copied.toml"
+    path.write_text(page.evaluate("navigator.clipboard.readText()"))
+    config = config_from(read_tables(path), {}, path)
+    assert execute(config, Silent()).dataset["area"].values.tolist() == areas
+    page.click("#take summary")
+    page.select_option("#language", "python")
+    text = page.evaluate("document.querySelector('#text').value")
+    names: dict[str, object] = {}
+    exec(compile(text, "copied", "exec"), names)
+    assert names["history"].dataset["area"].values.tolist() == areas
+    page.click('[data-copy="link"]')
+    page.wait_for_timeout(100)
+    address = page.evaluate("navigator.clipboard.readText()")
+    other = page.context.new_page()
+    other.goto(address)
+    assert finished(other)["job"] == state(page)["job"]
+    other.close()
+
+
+def test_the_page_as_a_file_opens_without_a_server(live, tab, tmp_path):
+    page = live()
+    with page.expect_download() as saved:
+        page.click('[data-save="page"]')
+    path = tmp_path / "saved.html"
+    saved.value.save_as(path)
+    alone = tab(path.as_uri())
+    assert not state(alone)["live"]
+    assert rows(alone) == rows(page)
+    assert state(alone)["counts"] == state(page)["counts"]
+    assert alone.evaluate("document.querySelector('#map').toDataURL()").startswith("data:image/png")
+    with alone.expect_download() as saved:
+        alone.click('[data-save="gif"]')
+    with Image.open(io.BytesIO(saved.value.path().read_bytes())) as animation:
+        assert animation.n_frames == len(state(page)["maps"])
+
+
+def test_a_long_run_can_be_stopped(live):
+    page = live()
+    page.fill("[id='surface.shape']", "700 700")
+    page.click("#press")
+    until(page, "asperity.state.busy && document.querySelector('#stage').textContent.includes('700')")
+    page.click("#stop")
+    until(page, "!asperity.state.busy")
+    assert not page.locator("#stop").is_visible()
+    page.fill("[id='surface.shape']", "32 32")
+    assert again(page, lambda: page.click("#press"))["shape"] == [32, 32]
+
+
+def test_a_lost_connection_is_said_and_mended(live, tab):
+    page = live()
+    page.evaluate("app.socket.close()")
+    until(page, "!asperity.state.connected")
+    assert "lost" in page.locator("#connection").text_content()
+    until(page, "asperity.state.connected")
+    assert page.locator("#connection").text_content() == ""
+    page.fill("[id='surface.seed']", "9")
+    again(page, lambda: page.click("#press"))
+
+
+def test_a_damaged_link_is_said(tab, served):
+    page = tab(f"{served}#config=%%%")
+    until(page, "document.querySelector('#failure').textContent")
+    assert "damaged" in page.locator("#failure").text_content()
+
+
+def test_a_phone_and_the_dark_need_no_sideways_scrolling(live):
+    page = live(viewport={"width": 390, "height": 844}, color_scheme="dark")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    page.click("#setup summary")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert page.evaluate("theme().dark")
