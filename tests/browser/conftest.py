@@ -14,6 +14,7 @@ import pytest
 from asperity.config import config_from
 from asperity.explore.export import exported_page
 from asperity.explore.scene import ending, recorded
+from asperity.results import save
 from asperity.runs.pipeline import Silent, execute
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -67,7 +68,7 @@ def tab(browser):
 
 
 def until(page, question, seconds=60):
-    """Wait until an expression is true; the page's policy forbids Playwright's own way, which evaluates text."""
+    """Wait until an expression is true; the page's policy forbids Playwright's own way, which runs text."""
     end = time.monotonic() + seconds
     while not (answer := page.evaluate(question)):
         assert time.monotonic() < end, f"never true: {question}; {state(page)}"
@@ -128,10 +129,14 @@ def exported(outcome, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def served():
-    """Address of a server of its own process."""
+def served(outcome, tmp_path_factory):
+    """Address of a server of its own process, for a folder with two results."""
     pytest.importorskip("uvicorn", reason="needs the extra explore")
     command = [sys.executable, "-W", "ignore", "-m", "asperity", "explore", "--no-browser"]
+    folder = tmp_path_factory.mktemp("folder")
+    for name in ("first", "second"):
+        save(outcome.dataset, folder / f"{name}.zarr")
+    command.append(str(folder))
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     yield process.stdout.readline().split()[0]

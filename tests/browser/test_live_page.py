@@ -1,6 +1,8 @@
-"""The page with its server: what is pressed, changed, dropped, saved and copied gives the library's numbers."""
+"""The page with its server: what is pressed, changed, dropped and copied gives the library's numbers."""
 
+import base64
 import io
+import json
 
 import numpy as np
 import pytest
@@ -29,9 +31,6 @@ def live(tab, served):
 
 def link(config):
     """The configuration of a link."""
-    import base64
-    import json
-
     return base64.urlsafe_b64encode(json.dumps(config).encode()).decode().rstrip("=")
 
 
@@ -46,8 +45,8 @@ def computed(config):
     return execute(config_from(config, {}, None), Silent()).dataset
 
 
-def test_the_first_visit_shows_the_usual_run(tab, served):
-    page = tab(served)
+def test_the_usual_run(tab, served):
+    page = tab(f"{served}#config={link({})}")
     seen = finished(page)
     assert seen["shape"] == [200, 200]
     series = rows(page)
@@ -61,6 +60,32 @@ def test_the_first_visit_shows_the_usual_run(tab, served):
     assert page.locator("#press").is_visible()
     dataset = computed({"aging": {"per_decade": 8}})
     assert series["area"] == dataset["area"].values.tolist()
+
+
+def test_a_folder_is_opened_without_computing(tab, served, outcome):
+    page = tab(served)
+    finished(page)
+    assert rows(page)["area"] == outcome.dataset["area"].values.tolist()
+    assert page.url.endswith("#open=first.zarr")
+    assert page.locator("#entries button").all_inner_texts() == ["first.zarr", "second.zarr"]
+    again(page, lambda: page.click("text=second.zarr"))
+    page.reload()
+    assert finished(page)["job"] == "second.zarr"
+
+
+def test_friction_of_a_given_shear_strength(live):
+    surface = {"kind": "spectral", "shape": [32, 32], "rms_height": 1e-6, "spacing": [4e-6], "unit": "m"}
+    solid = {"kind": "half_space", "modulus": 3e9, "branches": [[0.5, 1.0]]}
+    page = live(
+        {"surface": surface, "solid": solid, "contact": {"pressure": 1e7}, "aging": {"per_decade": 2}}
+    )
+    assert state(page)["quantity"] == "contact_area"
+    series = rows(page)
+    assert series["load"][0] == pytest.approx(1e7 * (32 * 4e-6) ** 2)
+    page.fill("#shear", "5e7")
+    expected = 5e7 * np.array(series["contact_area"]) / series["load"]
+    np.testing.assert_allclose(rows(page)["friction"], expected, rtol=1e-12)
+    assert page.locator("#number-load").text_content() == f"{1e3 * series['load'][0]:.4g}\u00a0mN"
 
 
 def test_another_load_is_another_run(live):
@@ -112,7 +137,9 @@ def test_a_dropped_file_becomes_the_surface(live):
     heights = np.random.default_rng(4).standard_normal((40, 40))
     stream = io.BytesIO()
     np.save(stream, heights)
-    drop = """data => { const files = new DataTransfer(); files.items.add(new File([new Uint8Array(data)], "own scan.npy"));
+    drop = """data => {
+      const files = new DataTransfer();
+      files.items.add(new File([new Uint8Array(data)], "own scan.npy"));
       dispatchEvent(new DragEvent("drop", {dataTransfer: files, cancelable: true})); }"""
     seen = again(page, lambda: page.evaluate(drop, list(stream.getvalue())))
     assert seen["shape"] == [80, 80]  # mirrored

@@ -7,7 +7,8 @@ const QUANTITIES = {
   residual: "residual",
 };
 /** What a quantity is called; where the area is known in lengths, the count of sites is another. */
-const nameOf = (scene, name) => (name === "area" && scene.has("contact_area") ? "sites in contact" : QUANTITIES[name]);
+const nameOf = (scene, name) => (name === "area" && scene.has("contact_area") ? "sites in contact"
+  : name === "friction" && scene.shear ? "friction coefficient" : QUANTITIES[name]);
 
 const MARGIN = { left: 70, right: 14, top: 12, bottom: 44 };
 

@@ -27,6 +27,7 @@ const ARRIVALS = {
   scene(header, message, buffer) {
     app.earlier = app.scene && app.keep && same(app.scene.column_units, header.column_units) ? app.scene : null;
     app.scene = new Scene(buffer, message);
+    app.scene.shear = app.shear;
     if (!app.picked) app.curveView.name = "";
     Object.assign(app, { map: 0, following: true, change: null });
     stopPlaying();
@@ -46,6 +47,7 @@ const ARRIVALS = {
   done(header, message, buffer) {
     if (app.scene && header.job === app.scene.job) app.scene.add(buffer, message);
     if (!app.scene.maps.length) app.scene.doWithoutMaps();
+    if (app.following) app.map = app.scene.maps.length - 1;
     busy(false);
     suggestBranch();
     show();
@@ -116,7 +118,7 @@ function begin(folder) {
     return undefined;
   }
   if (!folder) return ask({ kind: "run", config: {} });
-  return folder.length === 1 ? ask({ kind: "open", path: folder[0].path }) : undefined;
+  return folder.length ? byId("entries").querySelector("button").click() : undefined;
 }
 
 function busy(now, text = "") {
@@ -189,7 +191,8 @@ function curveInWords() {
 
 function showQuantities() {
   const select = byId("quantity"), names = Object.keys(QUANTITIES).filter((name) => app.scene.has(name));
-  if (!same([...select.options].map((one) => one.value), names)) {
+  const shown = [...select.options].map((one) => one.textContent);
+  if (!same(shown, names.map((name) => nameOf(app.scene, name)))) {
     select.replaceChildren(...names.map((name) => element("option", { value: name }, nameOf(app.scene, name))));
   }
   if (!names.includes(app.curveView.name)) [app.curveView.name] = names;
@@ -200,7 +203,7 @@ function showLegend() {
   const { scene, map, mapView } = app, list = byId("legend");
   const note = mapView.side > 1 ? [element("li", { className: "hint" }, `one mark covers ${mapView.side} × ${scene.isLine ? 1 : mapView.side} sites, so areas look larger: zoom in`)] : [];
   if (scene.isLine) note.push(element("li", { className: "hint" }, "position across, time downward"));
-  if (scene.mapless) { list.replaceChildren(element("li", {}, "This run kept no maps of its contact: the heights are shown."), ...note); return; }
+  if (scene.mapless) { list.replaceChildren(element("li", {}, `This run kept no maps of its contact: the heights are shown.${app.live && scene.config ? " “Press and age” makes them." : ""}`), ...note); return; }
   if (mapView.colored === "state") {
     const { counts } = scene.states(map);
     const items = [KEPT, NEW, LOST].map((state) => {
@@ -236,6 +239,8 @@ function showNumbers() {
     return element("div", { title: scene.names[name] || "" }, element("dt", {}, label), element("dd", { id: `number-${name}` }, text));
   });
   byId("numbers").replaceChildren(...items);
+  byId("shear-field").hidden = !scene.columns.includes("contact_area");
+  byId("shear-field").querySelector("span").textContent = scene.column_units.mean_pressure === "Pa" ? "[Pa]" : "";
   const growth = scene.finished?.fit?.growth;
   byId("fit").textContent = growth
     ? `Growth per decade from t = ${quantity(growth.first, scene.units.time, 3)} to ${quantity(growth.last, scene.units.time, 3)}: ${percent(growth.per_decade)} `
@@ -349,9 +354,9 @@ function branched(scene, row, { how, target, value, ramp, after }) {
 // ---- folders and campaigns ---------------------------------------------------------------------------------------
 
 function showFolder(entries) {
-  byId("folder").hidden = !entries || entries.length < 2;
-  if (byId("folder").hidden) return;
-  byId("folder").querySelector("summary").textContent = `${entries.length} results in this folder`;
+  byId("folder").hidden = !entries;
+  if (!entries) return;
+  byId("folder").querySelector("summary").textContent = entries.length ? `Results in this folder: ${entries.length}` : "This folder holds no results";
   byId("entries").replaceChildren(...entries.map(({ path, kind, title }) => {
     const button = element("button", { type: "button" }, `${path}${kind === "run" ? "" : ` (${kind})`}`);
     button.title = title || "";
@@ -412,6 +417,13 @@ function listen() {
   on("quantity", "change", ({ target }) => { app.picked = app.curveView.name = target.value; show(); });
   on("colored", "change", ({ target }) => { app.mapView.colored = target.value; show(); });
   on("earlier", "change", show);
+  on("shear", "input", ({ target }) => {
+    const value = valueOf(target.value, { what: "number" });
+    app.shear = app.scene.shear = value > 0 ? value : null;
+    if (app.earlier) app.earlier.shear = app.shear;
+    target.toggleAttribute("aria-invalid", value !== null && !(value > 0));
+    show();
+  });
   on("closer", "click", () => { app.mapView.closer(); showLegend(); });
   on("farther", "click", () => { app.mapView.magnify(1 / 1.5); showLegend(); });
   on("whole", "click", () => { app.mapView.whole(); showLegend(); });

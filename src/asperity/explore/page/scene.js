@@ -42,6 +42,8 @@ class Scene {
 
   value(row, name) {
     const at = this.columns.indexOf(name);
+    // With a shear strength it is the coefficient: strength times area over load.
+    if (name === "friction" && this.shear) return this.shear * this.value(row, "contact_area") / this.value(row, "load");
     return at < 0 || !this.rows[row] ? NaN : this.rows[row][at];
   }
 
