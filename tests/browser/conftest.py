@@ -60,7 +60,6 @@ def tab(browser):
         page.goto(address)
         return page
 
-    open_tab.faults = faults
     yield open_tab
     for context in contexts:
         context.close()

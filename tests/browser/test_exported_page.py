@@ -6,6 +6,7 @@ import io
 import numpy as np
 import pytest
 from PIL import Image
+from PIL.GifImagePlugin import GifImageFile
 
 import asperity as asp
 from asperity.explore.export import exported_page
@@ -189,7 +190,7 @@ def test_picture_and_animation_are_read_by_others(tab, exported, outcome):
         assert picture.size == (2080, 1180)
     with page.expect_download() as saved:
         page.click('[data-save="gif"]')
-    animation = Image.open(io.BytesIO(saved.value.path().read_bytes()))
+    animation = GifImageFile(io.BytesIO(saved.value.path().read_bytes()))
     in_contact = outcome.dataset["in_contact"].values
     assert (animation.size, animation.n_frames) == ((1040, 590), len(in_contact))
     assert animation.info["loop"] == 0

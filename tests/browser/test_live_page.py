@@ -3,10 +3,11 @@
 import base64
 import io
 import json
+from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL.GifImagePlugin import GifImageFile
 
 import asperity as asp
 from asperity.config import config_from
@@ -244,7 +245,7 @@ def test_what_is_copied_gives_the_same_numbers(live, tmp_path):
     page.click("#take summary")
     page.select_option("#language", "python")
     text = page.evaluate("document.querySelector('#text').value")
-    names: dict[str, object] = {}
+    names: dict[str, Any] = {}
     exec(compile(text, "copied", "exec"), names)
     assert names["history"].dataset["area"].values.tolist() == areas
     page.click('[data-copy="link"]')
@@ -269,7 +270,7 @@ def test_the_page_as_a_file_opens_without_a_server(live, tab, tmp_path):
     assert alone.evaluate("document.querySelector('#map').toDataURL()").startswith("data:image/png")
     with alone.expect_download() as saved:
         alone.click('[data-save="gif"]')
-    with Image.open(io.BytesIO(saved.value.path().read_bytes())) as animation:
+    with GifImageFile(io.BytesIO(saved.value.path().read_bytes())) as animation:
         assert animation.n_frames == len(state(page)["maps"])
 
 
