@@ -137,6 +137,27 @@ def test_keys_move_between_sites_and_zoom(tab, exported, outcome):
     assert f"{touching.size} in contact" in said
 
 
+def test_two_fingers_zoom(tab, exported):
+    page = tab(exported, viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    box = page.locator("#map").bounding_box()
+    x, y = box["x"] + 150, box["y"] + 160
+    session = page.context.new_cdp_session(page)
+    for kind, apart in (
+        ("touchStart", 20),
+        ("touchMove", 30),
+        ("touchMove", 50),
+        ("touchMove", 80),
+        ("touchEnd", 0),
+    ):
+        points = [{"x": x - apart, "y": y, "id": 1}, {"x": x + apart, "y": y, "id": 2}] if apart else []
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    drawn = state(page)["drawn"]
+    assert 2.5 < state(page)["zoom"] <= 4.1
+    assert drawn["left"] < -150
+    page.click("#whole")
+    assert state(page)["zoom"] == 1
+
+
 def test_a_drag_on_the_curve_scrubs(tab, exported):
     page = tab(exported)
     box = page.locator("#curve").bounding_box()

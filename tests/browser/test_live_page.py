@@ -96,6 +96,11 @@ def test_another_load_is_another_run(live):
     dataset = computed(SMALL | {"contact": {"load": 120.0}})
     assert rows(page)["area"] == dataset["area"].values.tolist()
     assert page.locator("#number-load").text_content() == "120"
+    page.fill("[id='contact.load']", "")  # then it follows from the surface again
+    page.fill("[id='surface.rms']", "3")
+    again(page, lambda: page.click("#press"))
+    assert rows(page)["load"][0] == pytest.approx(138.0)
+    assert page.locator("[id='contact.load']").get_attribute("placeholder") == "138"
 
 
 @pytest.mark.parametrize("how", ["step", "ramp"])

@@ -33,6 +33,7 @@ class Form {
     this.kinds = {};
     this.protocol = [];
     this.output = {};
+    this.chosen = null; // the configuration of the run shown, with nothing left open
     for (const [section, kinds] of Object.entries(description)) {
       if (!(section in EVERYDAY)) continue;
       this.kinds[section] = Object.keys(kinds)[0];
@@ -89,7 +90,7 @@ class Form {
       const options = (key.default === null || key.default === undefined ? [""] : []).concat(key.choices);
       input = element("select", {}, ...options.map((one) => element("option", { value: one }, one || "by default")));
       input.value = shown;
-    } else if (key.what === "pairs") input = element("textarea", { rows: 2, value: shown, placeholder: "one pair a line" });
+    } else if (key.what === "pairs") input = element("textarea", { rows: 2, value: shown });
     else {
       input = element("input", { type: "text", value: shown, autocomplete: "off", spellcheck: false });
       if (key.what === "number" || key.what === "whole") input.inputMode = "decimal";
@@ -135,6 +136,16 @@ class Form {
     history.hidden = !this.protocol.length;
     history.firstElementChild.textContent = `History: ${this.protocol.map(legInWords).join(", ")}.`;
     this.mistakes([]);
+  }
+
+  /** Show in empty fields what was taken for them. */
+  showChosen() {
+    for (const section of Object.keys(this.values)) {
+      for (const key of this.keys(section)) {
+        const value = this.chosen?.[section]?.[key.name];
+        byId(`${section}.${key.name}`).placeholder = value === undefined ? "" : textOf(value, key);
+      }
+    }
   }
 
   /** Show mistakes where they were made; those of no field stand above the form. */

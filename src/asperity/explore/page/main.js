@@ -31,7 +31,11 @@ const ARRIVALS = {
     if (!app.picked) app.curveView.name = "";
     Object.assign(app, { map: 0, following: true, change: null });
     stopPlaying();
-    if (app.form && header.config) app.form.write({ ...header.config, output: app.form.output });
+    if (app.form && header.config) {
+      if (app.wanted?.kind === "open") app.form.write(header.config);
+      app.form.chosen = header.config;
+      app.form.showChosen();
+    }
     document.title = `${header.title} · Asperity`;
     byId("title").textContent = header.title;
     document.body.dataset.scene = "yes";

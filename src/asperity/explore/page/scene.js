@@ -85,10 +85,11 @@ class Scene {
 
   /** State of each site in a map, compared with the first, and how many sites have each. */
   states(map) {
+    if (this.classified?.map === map) return this.classified;
     const first = this.contacts(0), now = this.contacts(map);
     const states = new Uint8Array(this.sites), counts = [0, 0, 0, 0];
     for (let at = 0; at < this.sites; at++) counts[states[at] = now[at] ? (first[at] ? KEPT : NEW) : first[at] ? LOST : FREE]++;
-    return { states, counts };
+    return (this.classified = { map, states, counts });
   }
 
   /** Pressure of each site in a map, 0 where nothing touches. */
