@@ -284,8 +284,10 @@ def test_a_long_run_can_be_stopped(live):
     page.fill("[id='surface.shape']", "700 700")
     page.click("#press")
     until(page, "asperity.state.busy && document.querySelector('#stage').textContent.includes('700')")
-    page.click("#stop")
+    page.focus("#stop")
+    page.keyboard.press("Enter")
     until(page, "!asperity.state.busy")
+    assert page.evaluate("document.activeElement.id") == "press"
     assert not page.locator("#stop").is_visible()
     page.fill("[id='surface.shape']", "32 32")
     assert again(page, lambda: page.click("#press"))["shape"] == [32, 32]

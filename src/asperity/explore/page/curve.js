@@ -10,7 +10,7 @@ const QUANTITIES = {
 const nameOf = (scene, name) => (name === "area" && scene.has("contact_area") ? "sites in contact"
   : name === "friction" && scene.shear ? "friction coefficient" : QUANTITIES[name]);
 
-const MARGIN = { left: 70, right: 14, top: 12, bottom: 44 };
+const MARGIN = { left: 74, right: 14, top: 12, bottom: 44 };
 
 class CurveView {
   constructor(canvas) {
@@ -88,7 +88,7 @@ class CurveView {
     }
     this.times(context, colors, x, wide, high);
     context.save();
-    context.translate(13, MARGIN.top + high / 2);
+    context.translate(9, MARGIN.top + high / 2);
     context.rotate(-Math.PI / 2);
     context.textAlign = "center";
     const told = name === "area" ? "sites" : name === "decade_growth" ? "areas at first" : unit;

@@ -11,13 +11,13 @@ const TITLES = { surface: "Rough surface", solid: "Solid", contact: "What presse
 const LEFT_OUT = { aging: ["times"] };
 
 const EXAMPLES = [
-  ["Lattice of springs", "nine decades of time", {}],
-  ["Polymer on a rough face", "in SI units", {
+  ["Lattice of springs", "nine decades", {}],
+  ["Polymer half-space", "in SI units", {
     surface: { kind: "spectral", shape: [256, 256], hurst: 0.8, rms_height: 1e-6, spacing: [4e-6], cutoff: 4e-5, unit: "m", seed: 1 },
     solid: { kind: "half_space", modulus: 3e9, branches: [[0.3, 1], [0.3, 1000]] },
     contact: { pressure: 1e6 },
   }],
-  ["Unloading", "hold, unload, hold: contacts are lost", {
+  ["Unloading", "contacts are lost", {
     contact: { load: 800 }, protocol: [{ kind: "hold", duration: 100 }, { kind: "step", load: 300 }, { kind: "hold", duration: 1e5 }],
   }],
   ["Line contact", "4096 sites in a row", { surface: { shape: [4096] } }],

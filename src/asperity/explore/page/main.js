@@ -127,6 +127,8 @@ function begin(folder) {
 
 function busy(now, text = "") {
   app.busy = now;
+  if (!now && document.activeElement === byId("stop")) byId("press").focus();
+  document.querySelector("#branch button").setAttribute("aria-disabled", now);
   byId("progress").firstElementChild.hidden = byId("stop").hidden = !now;
   if (!now) { byId("stage").textContent = ""; return; }
   if (text) byId("stage").textContent = text;
@@ -220,7 +222,7 @@ function showLegend() {
   }
   const bar = element("canvas", { width: 90, height: 1 }), context = bar.getContext("2d"), { dark } = theme();
   const ranges = {
-    pressure: [0, scene.maps[map].pressure_scale, scene.units.pressure], age: [0, scene.maps[map].time, scene.units.time],
+    pressure: [0, scene.maps[map].pressure_scale, scene.units.pressure], age: [scene.maps[map].time, 0, scene.units.time],
     heights: [...scene.height_range, scene.units.height],
   };
   const [low, high, unit] = ranges[mapView.colored];
@@ -229,7 +231,7 @@ function showLegend() {
     context.fillStyle = `rgb(${cividis(mapView.colored === "heights" ? part : dark ? 0.25 + 0.75 * part : 0.8 * (1 - part)).join()})`;
     context.fillRect(x, 0, 1, 1);
   }
-  list.replaceChildren(element("li", {}, `${mapView.colored} ${quantity(low, unit)} `, bar, ` ${quantity(high, unit)}${mapView.colored === "age" ? " (logarithmic)" : ""}`), ...note);
+  list.replaceChildren(element("li", {}, `${{ age: "in contact since t =" }[mapView.colored] || mapView.colored} ${quantity(low, unit)} `, bar, ` ${quantity(high, unit)}${mapView.colored === "age" ? " (logarithmic)" : ""}`), ...note);
 }
 
 function showNumbers() {
@@ -402,7 +404,7 @@ function listen() {
     button.addEventListener("click", () => { app.keep = false; app.form.write(config); ask({ kind: "run", config: app.form.read() }); });
     return button;
   }));
-  const own = element("button", { type: "button" }, "Your own scan …", element("small", {}, "or drop a file on the page"));
+  const own = element("button", { type: "button" }, "Your own scan …", element("small", {}, "or drop a file here"));
   own.addEventListener("click", () => { app.form.wanted = "surface.path"; byId("file").click(); });
   byId("presets").append(own);
 
@@ -464,6 +466,7 @@ function steps(id, now, length, go) {
 }
 
 function branch() {
+  if (app.busy) return; // the run from which it branches has not ended
   const wrong = [];
   const read = (id, name) => {
     const key = { what: "number" }, value = valueOf(byId(id).value, key);

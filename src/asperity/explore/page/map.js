@@ -37,14 +37,14 @@ function cellsOf(scene, map, wanted, side, colors) {
   function prepare(which) {
     if (colored === "state") values = scene.states(which).states;
     else if (colored === "pressure") { values = scene.pressures(which); top = scene.maps[which].pressure_scale || 1; }
-    else if (colored === "age") { values = scene.ages(which); top = Math.log1p(scene.maps[which].time / oldest(scene)) || 1; }
+    else if (colored === "age") { values = scene.beginnings(which); top = Math.log1p(scene.maps[which].time / oldest(scene)) || 1; }
     else values = scene.heights;
   }
   function gather(site, cell) {
     const value = values[site], at = 3 * cell;
     if (colored === "state") { if (value) sums[at + value - 1] += 1; }
     else if (colored === "pressure") sums[at] = Math.max(sums[at], value / top);
-    else if (colored === "age") sums[at] = Math.max(sums[at], value < 0 ? 0 : 1e-9 + Math.log1p(value / oldest(scene)) / top);
+    else if (colored === "age") sums[at] = Math.max(sums[at], value < 0 ? 0 : 1 + 1e-9 - Math.log1p(value / oldest(scene)) / top);
     else { sums[at] += value / 65535; sums[at + 1] += 1; }
   }
   for (let cell = 0; cell < wide * high; cell++) {
@@ -56,7 +56,7 @@ function cellsOf(scene, map, wanted, side, colors) {
   return cells;
 }
 
-/** The time from which ages are told apart by color: the first that was recorded. */
+/** The time from which beginnings are told apart by color: the first that was recorded. */
 const oldest = (scene) => scene.maps.find((map) => map.time > 0)?.time || 1;
 
 class MapView {

@@ -116,10 +116,10 @@ class Scene {
     return first;
   }
 
-  /** Age of each contact in a map, -1 where nothing touches. */
-  ages(map) {
+  /** Time since which each site has been in contact, -1 where nothing touches. */
+  beginnings(map) {
     const found = new Float32Array(this.sites).fill(-1), now = this.contacts(map);
-    for (let at = 0; at < this.sites; at++) if (now[at]) found[at] = this.maps[map].time - this.maps[this.since(map, at)].time;
+    for (let at = 0; at < this.sites; at++) if (now[at]) found[at] = this.maps[this.since(map, at)].time;
     return found;
   }
 
