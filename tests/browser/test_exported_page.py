@@ -58,11 +58,16 @@ def test_every_map_has_the_classes_of_the_fields(tab, exported, outcome):
     in_contact = outcome.dataset["in_contact"].values
     page.focus("#moment")
     page.keyboard.press("Home")
+    legs = outcome.dataset["field_leg"].values
     for number in range(len(in_contact)):
         seen = state(page)
         assert seen["map"] == number
         assert seen["maps"][number]["time"] == outcome.dataset["field_time"].values[number]
+        assert seen["maps"][number]["leg"] == legs[number]
         assert seen["counts"] == np.bincount(classes(in_contact, number).ravel(), minlength=4).tolist()
+        assert page.locator("#number-area").text_content() == f"{in_contact[number].sum()} sites"
+        load = outcome.dataset["load"].values[outcome.dataset["leg"].values == legs[number]][0]
+        assert page.locator("#number-load").text_content() == f"{load:.4g}"
         page.keyboard.press("ArrowRight")
     assert state(page)["counts"][LOST] > 0  # the unloading has lost some
 

@@ -23,8 +23,6 @@ const EXAMPLES = [
   ["Line contact", "4096 sites in a row", { surface: { shape: [4096] } }],
 ];
 
-const same = (a, b) => JSON.stringify(a ?? null) === JSON.stringify(b ?? null);
-
 class Form {
   constructor(place, description) {
     this.description = description;

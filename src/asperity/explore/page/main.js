@@ -366,7 +366,7 @@ function showFolder(entries) {
   byId("entries").replaceChildren(...entries.map(({ path, kind, title }) => {
     const button = element("button", { type: "button" }, `${path}${kind === "run" ? "" : ` (${kind})`}`);
     button.title = title || "";
-    button.addEventListener("click", () => { app.runs = []; byId("campaign").hidden = true; ask({ kind: "open", path }); mark(button); });
+    button.addEventListener("click", () => { app.runs = []; app.keep = false; byId("campaign").hidden = true; ask({ kind: "open", path }); mark(button); });
     return button;
   }));
 }
@@ -386,7 +386,7 @@ function showCampaign({ path, parameters, runs }, arrays) {
   const head = element("tr", {}, ...["run", ...parameters].map((name) => element("th", { scope: "col" }, name)));
   byId("campaign").querySelector("table").replaceChildren(head, ...runs.map((run) => {
     const button = element("button", { type: "button", disabled: !app.live || run.state !== "done" }, run.id.slice(0, 8));
-    button.addEventListener("click", () => { ask({ kind: "open", path: `${path}/${run.id}` }); mark(button); });
+    button.addEventListener("click", () => { app.keep = false; ask({ kind: "open", path: `${path}/${run.id}` }); mark(button); });
     return element("tr", {}, element("td", {}, button), ...parameters.map((name) => element("td", {}, typeof run[name] === "number" ? number(run[name]) : String(run[name]))));
   }));
 }

@@ -75,10 +75,9 @@ class MapView {
   }
 
   show(scene, map) {
-    if (scene !== this.scene) { this.cursor = null; this.whole(); }
-    this.scene = scene;
-    this.map = map;
-    this.draw();
+    const other = !same(scene.shape, this.scene?.shape);
+    Object.assign(this, { scene, map });
+    if (other) { this.cursor = null; this.whole(); } else this.draw();
   }
 
   whole() { this.zoom = 1; this.center = [0.5, 0.5]; this.draw(); }
@@ -114,7 +113,6 @@ class MapView {
       this.cells.canvas.getContext("2d").putImageData(cells, 0, 0);
       Object.assign(this.cells, { key, scene: this.scene });
     }
-    this.side = side;
     const high = this.scene.isLine ? 1 : side;
     context.save();
     context.beginPath();
@@ -134,7 +132,7 @@ class MapView {
     context.strokeRect(Math.max(left, 0) + 0.5, Math.max(top, 0) + 0.5, Math.min(across * nx, width) - 1, Math.min(down * ny, height) - 1);
     if (this.scene.isLine) this.markRow(context, { left, top, across, down }, width, map, colors);
     this.scaleBar(context, width, height, across, Math.max(left, 0), colors);
-    return { left, top, across, down };
+    return { left, top, across, down, side };
   }
 
   markRow(context, { top, down }, width, map, colors) {
@@ -178,6 +176,7 @@ class MapView {
     context.setTransform(scale, 0, 0, scale, 0, 0);
     this.box = { width, height };
     this.drawn = this.paint(context, width, height + BELOW);
+    this.side = this.drawn.side;
     canvas.classList.toggle("zoomed", this.zoom > 1);
     if (this.cursor !== null) this.drawCursor(context);
   }

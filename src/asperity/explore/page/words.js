@@ -3,6 +3,8 @@
 
 const byId = (id) => document.getElementById(id);
 
+const same = (a, b) => JSON.stringify(a ?? null) === JSON.stringify(b ?? null);
+
 /** Make an element with properties and children. */
 function element(tag, facts = {}, ...children) {
   const made = document.createElement(tag);
