@@ -327,7 +327,8 @@ def test_curves_of_a_campaign_stand_behind_its_run(tab, tmp_path):
     path.write_text(exported_page([campaign, *made], title="made"), encoding="utf-8")
     page = tab(path.as_uri())
     assert state(page)["runs"] == 3
-    assert page.locator("#campaign td").all_inner_texts() == ["run0", "0", "run1", "10", "run2", "20"]
+    cells = [text.strip() for text in page.locator("#campaign td").all_inner_texts()]
+    assert cells == ["run0", "0", "run1", "10", "run2", "20"]
     path.write_text(exported_page(made, title="made"), encoding="utf-8")
     ink = [(pixels(one, "#curve").max(axis=-1) < 200)[:, 80:].sum() for one in (page, tab(path.as_uri()))]
     assert ink[0] > ink[1] + 300  # three more lines

@@ -50,10 +50,10 @@ function table(scene) {
 }
 
 /** This page as one file: the server gives the page without data, and the messages are put into it. */
-async function wholePage(scene) {
+async function wholePage({ scene, campaign }) {
   const answer = await fetch("shell.html");
   if (!answer.ok) throw new Error(`the server did not give the page: ${answer.status}`);
-  const shell = await answer.text(), packed = await packMessages(scene.buffers);
+  const shell = await answer.text(), packed = await packMessages(campaign ? [campaign, ...scene.buffers] : scene.buffers);
   const title = element("i", {}, scene.title).innerHTML;
   return new Blob([shell.replace(/(<script type="application\/octet-stream" id="recording">)[^<]*/, (_, tag) => tag + packed)
     .replace(/<title>[^<]*/, () => `<title>${title}`)], { type: "text/html" });
@@ -66,7 +66,7 @@ function save(blob, name) {
 }
 
 const SAVES = {
-  page: async ({ scene }) => save(await wholePage(scene), "asperity.html"),
+  page: async (app) => save(await wholePage(app), "asperity.html"),
   png: async (app) => save(await new Promise((done) => picture(app, app.map).toBlob(done, "image/png")), "asperity.png"),
   csv: async ({ scene }) => save(new Blob([table(scene)], { type: "text/csv" }), "asperity.csv"),
   gif: async (app, told) => {

@@ -28,7 +28,7 @@ const ARRIVALS = {
     app.earlier = app.scene && app.keep && same(app.scene.column_units, header.column_units) ? app.scene : null;
     app.scene = new Scene(buffer, message);
     app.scene.shear = app.shear;
-    if (!app.picked) app.curveView.name = "";
+    if (!app.picked) app.curveView.name = app.runs.length ? "area" : "";
     Object.assign(app, { map: 0, following: true, change: null });
     stopPlaying();
     if (app.form && header.config) {
@@ -58,7 +58,7 @@ const ARRIVALS = {
     if (app.replay && app.following && !calm.matches) play();
     app.replay = app.following = false;
   },
-  campaign(header, message) { showCampaign(header, message.arrays); },
+  campaign(header, message, buffer) { showCampaign(header, message.arrays, buffer); },
 };
 
 function receive(buffer) {
@@ -157,6 +157,7 @@ async function upload(file, field = "surface.path") {
       delete config.contact;
       config.protocol = [];
     } else config[section] = { ...config[section], [key]: told.path };
+    forgetCampaign();
     app.form.write(config);
     ask({ kind: "run", config: app.form.read() });
   } catch {
@@ -172,7 +173,7 @@ function show() {
   const earlier = byId("earlier").checked ? app.earlier : null;
   document.querySelector(".earlier").hidden = !app.earlier;
   showQuantities();
-  app.curveView.show(scene, { map, earlier, change: app.live ? app.change : null, runs: app.runs.map((run) => run.curve) });
+  app.curveView.show(scene, { map, earlier, change: app.live ? app.change : null, runs: app.curveView.name === "area" ? app.runs.map((run) => run.curve) : [] });
   app.mapView.show(scene, map);
   byId("map").setAttribute("aria-label", app.mapView.inWords());
   const place = app.curveView.placeOf(map), time = quantity(scene.maps[map].time, scene.units.time);
@@ -366,9 +367,15 @@ function showFolder(entries) {
   byId("entries").replaceChildren(...entries.map(({ path, kind, title }) => {
     const button = element("button", { type: "button" }, `${path}${kind === "run" ? "" : ` (${kind})`}`);
     button.title = title || "";
-    button.addEventListener("click", () => { app.runs = []; app.keep = false; byId("campaign").hidden = true; ask({ kind: "open", path }); mark(button); });
+    button.addEventListener("click", () => { forgetCampaign(); app.keep = false; ask({ kind: "open", path }); mark(button); });
     return button;
   }));
+}
+
+function forgetCampaign() {
+  app.runs = [];
+  app.campaign = null;
+  byId("campaign").hidden = true;
 }
 
 function mark(button) {
@@ -376,7 +383,8 @@ function mark(button) {
   button.setAttribute("aria-current", "true");
 }
 
-function showCampaign({ path, parameters, runs }, arrays) {
+function showCampaign({ path, parameters, runs }, arrays, buffer) {
+  app.campaign = buffer;
   byId("campaign").hidden = false;
   byId("campaign").querySelector("summary").textContent = `Campaign of ${runs.length} runs: ${parameters.join(", ")}`;
   app.runs = runs.map((run) => {
@@ -385,9 +393,10 @@ function showCampaign({ path, parameters, runs }, arrays) {
   }).filter((run) => run.curve.length);
   const head = element("tr", {}, ...["run", ...parameters].map((name) => element("th", { scope: "col" }, name)));
   byId("campaign").querySelector("table").replaceChildren(head, ...runs.map((run) => {
-    const button = element("button", { type: "button", disabled: !app.live || run.state !== "done" }, run.id.slice(0, 8));
+    const button = app.live && run.state === "done" ? element("button", { type: "button" }, run.id.slice(0, 8)) : element("span", {}, run.id.slice(0, 8));
     button.addEventListener("click", () => { app.keep = false; ask({ kind: "open", path: `${path}/${run.id}` }); mark(button); });
-    return element("tr", {}, element("td", {}, button), ...parameters.map((name) => element("td", {}, typeof run[name] === "number" ? number(run[name]) : String(run[name]))));
+    const fate = run.state === "done" ? "" : [run.state, run.reason].filter(Boolean).join(": ");
+    return element("tr", {}, element("td", {}, button, " ", fate), ...parameters.map((name) => element("td", {}, typeof run[name] === "number" ? number(run[name]) : String(run[name]))));
   }));
 }
 
@@ -401,7 +410,7 @@ function listen() {
   on("file", "change", ({ target }) => { if (target.files[0]) upload(target.files[0], app.form.wanted); target.value = ""; });
   byId("presets").append(...EXAMPLES.map(([title, text, config]) => {
     const button = element("button", { type: "button" }, title, element("small", {}, text));
-    button.addEventListener("click", () => { app.keep = false; app.form.write(config); ask({ kind: "run", config: app.form.read() }); });
+    button.addEventListener("click", () => { forgetCampaign(); app.keep = false; app.form.write(config); ask({ kind: "run", config: app.form.read() }); });
     return button;
   }));
   const own = element("button", { type: "button" }, "Your own scan …", element("small", {}, "or drop a file here"));

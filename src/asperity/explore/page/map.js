@@ -165,7 +165,8 @@ class MapView {
     const width = canvas.clientWidth;
     if (!this.scene || !this.scene.maps.length || !width) return;
     const [nx, ny, aspect] = this.extent;
-    const height = this.scene.isLine ? 340 : Math.round(width * Math.min(1.3, Math.max(0.4, aspect * ny / nx)));
+    const seen = Math.max(280, 0.75 * innerHeight); // no more than fits on the screen
+    const height = this.scene.isLine ? 340 : Math.round(Math.min(seen, width * Math.min(1.3, Math.max(0.4, aspect * ny / nx))));
     const scale = window.devicePixelRatio || 1;
     if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round((height + BELOW) * scale)) {
       canvas.width = Math.round(width * scale);
