@@ -66,7 +66,7 @@ def tab(browser):
     assert faults == []
 
 
-def until(page, question, seconds=60):
+def until(page, question, seconds=120):
     """Wait until an expression is true; the page's policy forbids Playwright's own way, which runs text."""
     end = time.monotonic() + seconds
     while not (answer := page.evaluate(question)):

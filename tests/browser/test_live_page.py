@@ -283,12 +283,13 @@ def test_a_long_run_can_be_stopped(live):
     page = live()
     page.fill("[id='surface.shape']", "700 700")
     page.click("#press")
-    until(page, "asperity.state.busy && document.querySelector('#stage').textContent.includes('700')")
+    until(page, "asperity.state.busy && /pressing|aging/.test(document.querySelector('#stage').textContent)")
     page.focus("#stop")
     page.keyboard.press("Enter")
     until(page, "!asperity.state.busy")
     assert page.evaluate("document.activeElement.id") == "press"
     assert not page.locator("#stop").is_visible()
+    assert page.locator("#form-mistakes").text_content() == "stopped"
     page.fill("[id='surface.shape']", "32 32")
     assert again(page, lambda: page.click("#press"))["shape"] == [32, 32]
 

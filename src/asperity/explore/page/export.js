@@ -85,3 +85,35 @@ async function copy(text) {
     return false;
   }
 }
+
+/** Save or copy what a button says, and tell how it went. */
+async function take(button) {
+  const told = (text) => { byId("taken").textContent = text; };
+  told("");
+  try {
+    if (button.dataset.save) {
+      await SAVES[button.dataset.save](app, told);
+      told("Saved.");
+      return;
+    }
+    const kind = button.dataset.copy;
+    const text = kind === "link" ? linkOf(app.scene) : app.scene[kind] || "";
+    if (await copy(text)) told("Copied.");
+    else {
+      if (kind !== "link") byId("language").value = kind;
+      byId("text").value = text;
+      byId("text").closest("details").open = true;
+      byId("text").select();
+      told("The browser did not let the page copy: the text is selected below.");
+    }
+  } catch (error) {
+    told(`This did not work: ${error.message}`);
+  }
+}
+
+/** The address of this page with the configuration of the run that is shown. */
+function linkOf(scene) {
+  const shown = new URL(location.href);
+  shown.hash = app.form && scene.config && app.wanted?.kind !== "run" ? `config=${encoded(scene.config)}` : location.hash.slice(1);
+  return shown.href;
+}

@@ -1,0 +1,42 @@
+"use strict";
+// What a folder holds, and the runs of a campaign.
+
+function showFolder(entries) {
+  byId("folder").hidden = !entries;
+  if (!entries) return;
+  byId("folder").querySelector("summary").textContent = entries.length ? `Results in this folder: ${entries.length}` : "This folder holds no results";
+  byId("entries").replaceChildren(...entries.map(({ path, kind, title }) => {
+    const button = element("button", { type: "button" }, `${path}${kind === "run" ? "" : ` (${kind})`}`);
+    button.title = title || "";
+    button.addEventListener("click", () => { forgetCampaign(); app.keep = false; ask({ kind: "open", path }); mark(button); });
+    return button;
+  }));
+}
+
+function forgetCampaign() {
+  app.runs = [];
+  app.campaign = null;
+  byId("campaign").hidden = true;
+}
+
+function mark(button) {
+  for (const other of button.closest("section").querySelectorAll("[aria-current]")) other.removeAttribute("aria-current");
+  button.setAttribute("aria-current", "true");
+}
+
+function showCampaign({ path, parameters, runs }, arrays, buffer) {
+  app.campaign = buffer;
+  byId("campaign").hidden = false;
+  byId("campaign").querySelector("summary").textContent = `Campaign of ${runs.length} runs: ${parameters.join(", ")}`;
+  app.runs = runs.map((run) => {
+    const times = arrays[`time.${run.id}`] || [], areas = arrays[`area.${run.id}`] || [];
+    return { ...run, curve: Array.from(times, (time, at) => [time, areas[at]]) };
+  }).filter((run) => run.curve.length);
+  const head = element("tr", {}, ...["run", ...parameters].map((name) => element("th", { scope: "col" }, name)));
+  byId("campaign").querySelector("table").replaceChildren(head, ...runs.map((run) => {
+    const button = app.live && run.state === "done" ? element("button", { type: "button" }, run.id.slice(0, 8)) : element("span", {}, run.id.slice(0, 8));
+    button.addEventListener("click", () => { app.keep = false; ask({ kind: "open", path: `${path}/${run.id}` }); mark(button); });
+    const fate = run.state === "done" ? "" : [run.state, run.reason].filter(Boolean).join(": ");
+    return element("tr", {}, element("td", {}, button, " ", fate), ...parameters.map((name) => element("td", {}, typeof run[name] === "number" ? number(run[name]) : String(run[name]))));
+  }));
+}
