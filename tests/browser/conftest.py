@@ -58,6 +58,8 @@ def tab(browser):
         own = ("blob:", "data:", address.split("#")[0] if address.startswith("file:") else address[:21])
         page.on("request", lambda sent: None if sent.url.startswith(own) else faults.append(sent.url))
         page.goto(address)
+        if address.startswith("file:"):
+            until(page, "asperity.state.finished && asperity.state.drawn")
         return page
 
     yield open_tab

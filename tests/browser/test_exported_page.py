@@ -346,6 +346,25 @@ def test_a_run_without_maps_shows_its_heights(tab, tmp_path):
     assert "kept no maps" in page.locator("#legend").text_content()
 
 
+def test_a_crowded_map_shows_its_area(tab, tmp_path):
+    draws = np.random.default_rng(1)
+    mask = draws.random((1024, 1024)) < 0.25
+    mask[100:200, 300:400] = True
+    mask[500:600, 700:800] = False
+    path = tmp_path / "crowded.html"
+    path.write_text(exported_page(scene([1024, 1024], [mask]), title="made"), encoding="utf-8")
+    page = tab(path.as_uri())
+    drawn, marked = state(page)["drawn"], (pixels(page) != colors(page)[0]).any(axis=-1)
+    whole = marked[: int(1024 * drawn["down"])]
+    assert whole.mean() == pytest.approx(mask.mean(), abs=0.02)
+    step = drawn["across"]
+    patch = [slice(int(low * step) + 2, int(high * step) - 2) for low, high in ((100, 200), (300, 400))]
+    assert marked[tuple(patch)].all()
+    gap = [slice(int(low * step) + 2, int(high * step) - 2) for low, high in ((500, 600), (700, 800))]
+    assert not marked[tuple(gap)].any()
+    assert "the true area" in page.locator("#legend").text_content()
+
+
 def test_a_line_contact_is_drawn_against_time(tab, tmp_path):
     masks = [np.zeros((1, 300), dtype=bool) for _ in range(5)]
     for number, mask in enumerate(masks):

@@ -15,7 +15,25 @@ function theme() {
   return { of, rgb, dark: of("scheme") === "dark", states: STATES.map(rgb) };
 }
 
-/** Colors of cells of `side` x `side` sites, RGBA: one that holds any contact is drawn as a contact. */
+const CROWDED = 0.12; // part of a map up to which marks may be larger than their sites
+
+/**
+ * Which cells are marked, given how many of their `size` sites are. Where few are, all cells with any: no contact is lost.
+ * Where cells of this kind would fill more than `CROWDED`, so many that the marked area is the true one: those with more
+ * sites than an even pattern of thresholds, the same in all maps. A cell full of contact is always marked.
+ */
+function markedCells(counts, wide, size) {
+  let sites = 0, covered = 0;
+  for (const one of counts) { sites += one; covered += one > 0; }
+  const wanted = Math.round(Math.max(sites / size, Math.min(covered, CROWDED * counts.length)));
+  if (wanted >= covered) return { marked: counts, crowded: false };
+  // The pattern: multiples of the powers of the plastic number, which fill the unit interval evenly.
+  const parts = counts.map((one, cell) => one / size / (1 - (0.7548776662466927 * (cell % wide) + 0.5698402909980532 * Math.floor(cell / wide)) % 1));
+  const least = Math.min(1, parts.filter((part) => part > 0).sort().at(-Math.max(1, wanted)));
+  return { marked: parts.map((part) => part >= least), crowded: true };
+}
+
+/** Colors of cells of `side` x `side` sites, RGBA, and whether there are fewer marks than cells with contact. */
 function cellsOf(scene, map, wanted, side, colors) {
   const colored = scene.mapless ? "heights" : wanted;
   const rows = scene.isLine ? scene.maps.length : scene.ny;
@@ -26,7 +44,7 @@ function cellsOf(scene, map, wanted, side, colors) {
     pixels[4 * cell] = red; pixels[4 * cell + 1] = green; pixels[4 * cell + 2] = blue; pixels[4 * cell + 3] = 255;
   };
   const shade = (part) => cividis(colors.dark ? 0.25 + 0.75 * part : 0.8 * (1 - part));
-  const sums = new Float64Array(3 * wide * high);
+  const sums = new Float64Array(3 * wide * high), counts = new Float64Array(wide * high);
   let values, top; // of the map that is being gathered
   for (let row = 0; row < rows; row++) {
     const shown = scene.isLine ? row : map;
@@ -42,18 +60,21 @@ function cellsOf(scene, map, wanted, side, colors) {
   }
   function gather(site, cell) {
     const value = values[site], at = 3 * cell;
+    if (colored !== "heights") counts[cell] += colored === "age" ? value >= 0 : value > 0;
     if (colored === "state") { if (value) sums[at + value - 1] += 1; }
     else if (colored === "pressure") sums[at] = Math.max(sums[at], value / top);
     else if (colored === "age") sums[at] = Math.max(sums[at], value < 0 ? 0 : 1 + 1e-9 - Math.log1p(value / oldest(scene)) / top);
     else { sums[at] += value / 65535; sums[at + 1] += 1; }
   }
+  const { marked, crowded } = markedCells(counts, wide, side * down);
   for (let cell = 0; cell < wide * high; cell++) {
     const [a, b, c] = [sums[3 * cell], sums[3 * cell + 1], sums[3 * cell + 2]];
-    if (colored === "state") paint(cell, colors.states[c && c >= b && c >= a ? LOST : b && b >= a ? NEW : a ? KEPT : FREE]);
-    else if (colored === "heights") paint(cell, cividis(a / b));
-    else paint(cell, a > 0 ? shade(a) : colors.states[FREE]);
+    if (colored === "heights") paint(cell, cividis(a / b));
+    else if (!marked[cell]) paint(cell, colors.states[FREE]);
+    else if (colored === "state") paint(cell, colors.states[c && c >= b && c >= a ? LOST : b && b >= a ? NEW : KEPT]);
+    else paint(cell, shade(a));
   }
-  return cells;
+  return { cells, crowded };
 }
 
 /** The time from which beginnings are told apart by color: the first that was recorded. */
@@ -107,11 +128,11 @@ class MapView {
     const side = Math.max(1, Math.ceil(1 / across - 1e-9));
     const key = [this.scene.job, this.scene.rows.length, this.scene.isLine ? "" : map, this.colored, side, colors.dark].join();
     if (this.cells.key !== key || this.cells.scene !== this.scene) {
-      const cells = cellsOf(this.scene, map, this.colored, side, colors);
+      const { cells, crowded } = cellsOf(this.scene, map, this.colored, side, colors);
       this.cells.canvas.width = cells.width;
       this.cells.canvas.height = cells.height;
       this.cells.canvas.getContext("2d").putImageData(cells, 0, 0);
-      Object.assign(this.cells, { key, scene: this.scene });
+      Object.assign(this.cells, { key, scene: this.scene, crowded });
     }
     const high = this.scene.isLine ? 1 : side;
     context.save();
@@ -132,7 +153,7 @@ class MapView {
     context.strokeRect(Math.max(left, 0) + 0.5, Math.max(top, 0) + 0.5, Math.min(across * nx, width) - 1, Math.min(down * ny, height) - 1);
     if (this.scene.isLine) this.markRow(context, { left, top, across, down }, width, map, colors);
     this.scaleBar(context, width, height, across, Math.max(left, 0), colors);
-    return { left, top, across, down, side };
+    return { left, top, across, down, side, crowded: this.cells.crowded };
   }
 
   markRow(context, { top, down }, width, map, colors) {

@@ -42,7 +42,11 @@ function showQuantities() {
 
 function showLegend() {
   const { scene, map, mapView } = app, list = byId("legend");
-  const note = mapView.side > 1 ? [element("li", { className: "hint" }, `one mark covers ${mapView.side} × ${scene.isLine ? 1 : mapView.side} sites, so areas look larger: zoom in`)] : [];
+  const size = `${mapView.side} × ${scene.isLine ? 1 : mapView.side} sites`, note = [];
+  if (mapView.side > 1 && mapView.colored !== "heights") {
+    const text = mapView.drawn.crowded ? `a mark is ${size}, and all marks together have the true area` : `a mark covers ${size}, so areas look larger`;
+    note.push(element("li", { className: "hint" }, `${text}: zoom in to see each site`));
+  }
   if (scene.isLine) note.push(element("li", { className: "hint" }, "position across, time downward"));
   if (scene.mapless) { list.replaceChildren(element("li", {}, `This run kept no maps of its contact: the heights are shown.${app.live && scene.config ? " “Press and age” makes them." : ""}`), ...note); return; }
   if (mapView.colored === "state") {
