@@ -125,7 +125,8 @@ def one_of(advice: str, **given: object) -> str:
 def instance(name: str, value: object, kind: type[T], advice: str) -> T:
     """Pass on a thing that is of this class; `InputError` for anything else."""
     if not isinstance(value, kind):
-        raise InputError(name, expected=f"a {kind.__name__}", got=kind_of(value), advice=advice)
+        article = "an" if kind.__name__[0] in "AEIO" else "a"
+        raise InputError(name, expected=f"{article} {kind.__name__}", got=kind_of(value), advice=advice)
     return value
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from asperity.analysis.scan import readable
+from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 from asperity.surfaces.surface import measured_part
@@ -98,13 +101,31 @@ class ContactMaps:
         -------
         ndarray of int8, shape ``(k, ceil(n / side), ceil(m / side))``
         """
+        return self.coarsened(self.states, side, SiteState.FREE)
+
+    def coarsened(self, fields: NDArray[Any], side: int, free: float) -> NDArray[Any]:
+        """Give each cell the value of the site that `sampled` takes for it, and `free` where it takes none.
+
+        Parameters
+        ----------
+        fields
+            One field a map, of any type, shape ``(k, n, m)``.
+        side
+            Sites along each side of a cell.
+        free
+            Value of a cell without contact.
+
+        Returns
+        -------
+        ndarray of the same type, shape ``(k, ceil(n / side), ceil(m / side))``
+        """
         shape = tuple(-(-n // side) for n in self.heights.shape)
         rows, columns = np.nonzero((self.states != SiteState.FREE).any(axis=0))
         order = np.argsort(_along_a_z_curve(rows // side, columns // side), kind="stable")
         order = order[side**2 // 2 :: side**2]
         rows, columns = rows[order], columns[order]
-        cells = np.full((len(self.times), *shape), SiteState.FREE, dtype=np.int8)
-        cells[:, rows // side, columns // side] = self.states[:, rows, columns]
+        cells = np.full((len(fields), *shape), free, dtype=fields.dtype)
+        cells[:, rows // side, columns // side] = fields[:, rows, columns]
         return cells
 
     def close_up(self) -> tuple[slice, slice]:
@@ -160,16 +181,57 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         times.append(float("inf"))
         touching.append(np.asarray(dataset["in_contact_relaxed"], dtype=bool))
         surfaces.append(np.asarray(dataset["u_relaxed"], dtype=np.float64))
-    origin = json.loads(dataset.attrs.get("surface", "{}"))
-    heights = np.asarray(dataset["heights"], dtype=np.float64)
+    si = bool(dataset.attrs.get("si"))
+    return _maps_of(
+        np.asarray(dataset["heights"], dtype=np.float64),
+        times,
+        touching,
+        surfaces,
+        origin=json.loads(dataset.attrs.get("surface", "{}")),
+        spacing=json.loads(dataset.attrs["spacing"]) if si else None,
+    )
+
+
+def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
+    """Compare a contact with an earlier one, by default with itself; the times are unknown (NaN).
+
+    Raises
+    ------
+    InputError
+        The earlier one is of another surface.
+    """
+    both = (contact if since is None else since, contact)
+    if both[0].heights is not contact.heights and not np.array_equal(both[0].heights, contact.heights):
+        got = "one of other heights"
+        raise InputError("since", expected="a contact of the same surface", got=got)
+    return _maps_of(
+        contact.heights,
+        [math.nan] * 2,
+        [one.in_contact for one in both],
+        [one.u for one in both],
+        origin=contact.surface,
+        spacing=contact.lattice.spacing if contact.si else None,
+    )
+
+
+def _maps_of(
+    heights: Field,
+    times: Sequence[float],
+    touching: Sequence[Mask],
+    surfaces: Sequence[Field],
+    *,
+    origin: Mapping[str, Any],
+    spacing: Sequence[float] | None,
+) -> ContactMaps:
+    """Compare maps with the first; `spacing` is given in metres, like all lengths then."""
     here = measured_part(heights.shape, origin)
     copies = heights.size
-    touching, surfaces = ([field[here] for field in fields] for fields in (touching, surfaces))
+    touching, surfaces = [field[here] for field in touching], [field[here] for field in surfaces]
     heights = heights[here]
     size, lateral = origin.get("pixel_size") or None, str(origin.get("length_unit", ""))
     unit = str(origin.get("unit", "1"))
-    if dataset.attrs.get("si"):
-        size, lateral, unit = json.loads(dataset.attrs["spacing"]), "m", "m"
+    if spacing is not None:
+        size, lateral, unit = spacing, "m", "m"
     low, high = color_range(heights)
     unit, factor = readable(unit, high - low)
     return ContactMaps(
@@ -183,7 +245,7 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         copies=copies // heights.size,
         pixel_size=None if size is None else float(size[-1]),
         length_unit=lateral or "unit of the file",
-        time_unit="s" if dataset.attrs.get("si") else "",
+        time_unit="" if spacing is None else "s",
         aspect=1.0 if size is None else float(size[0] / size[-1]),
     )
 

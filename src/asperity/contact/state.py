@@ -6,10 +6,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.problem import Solution, residual
@@ -18,6 +20,9 @@ from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _BLOCK = 2**20
 """Sites taken at a time where memory is spared."""
@@ -196,6 +201,29 @@ class Contact:
         radius a in a square of side L is stiffer than 2 E* a, see `asperity.theory.hertz`.
         """
         return normal_stiffness(self.system(), self.in_contact)
+
+    def plot(self, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True) -> Axes:
+        """Draw where it touches and with which pressure; see `asperity.figures.plot_contact`.
+
+        Parameters
+        ----------
+        ax
+            Where to draw; by default a new figure.
+        since
+            An earlier contact of the same surface: draw what is new and what is lost since.
+        colorbar
+            Whether to explain the colors.
+
+        Returns
+        -------
+        Axes
+
+        Raises
+        ------
+        InputError
+            The earlier contact is of another surface.
+        """
+        return views.plot_contact(self, ax, since=since, colorbar=colorbar)
 
     def system(self, control: Control | None = None) -> System:
         """Set up the system that this contact is a state of, under its own control or another."""

@@ -9,6 +9,7 @@ from asperity.figures.contacts import contact_figure
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
 from asperity.figures.page import prediction_page, prediction_pictures
+from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
 from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.surface import surface_figure
 
@@ -17,6 +18,10 @@ __all__ = [
     "contact_figure",
     "fit_figure",
     "history_figure",
+    "plot_contact",
+    "plot_history",
+    "plot_spectrum",
+    "plot_surface",
     "prediction_page",
     "prediction_pictures",
     "relaxation_figure",

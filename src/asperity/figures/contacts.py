@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
+from matplotlib.colors import Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -17,6 +17,7 @@ from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.scan import readable
 from asperity.figures import style
 from asperity.figures.marks import COLORS
+from asperity.lattice import Field
 from asperity.words import thousands
 
 _COLUMNS = 4
@@ -63,9 +64,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     columns = min(_COLUMNS, panels)
     rows = math.ceil(panels / columns)
     tall = min(3.0, max(0.4, maps.aspect * shape[0] / shape[1]))
-    side = math.ceil(
-        _SMALLEST / (style.RESOLUTION * _PANEL * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]) / shape[1])
-    )
+    side = side_of_cells(maps, _PANEL * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]))
     heights = [tall, 1.0] * rows if side > 1 else [tall] * rows
     figure = style.Drawing(
         figsize=(_PANEL * columns + 0.8, sum(_PANEL * height + 0.4 for height in heights) + 0.9),
@@ -75,8 +74,8 @@ def _map_figure(maps: ContactMaps) -> Figure:
     for axes in grid.ravel():
         axes.set_axis_off()
     whole = (grid[::2] if side > 1 else grid).ravel()
-    everything = (slice(0, shape[0]), slice(0, shape[1]))
-    image = _draw_heights(whole[0], maps, everything)
+    everything = everywhere(maps)
+    image = draw_heights(whole[0], maps, everything)
     whole[0].set_title("rough surface", fontsize=9)
     figure.colorbar(
         image,
@@ -89,13 +88,25 @@ def _map_figure(maps: ContactMaps) -> Figure:
     )
     states = maps.sampled(side) if side > 1 else maps.states
     for number, axes in enumerate(whole[1:panels]):
-        _draw_states(axes, states[number], everything, side, maps.aspect)
+        draw_states(axes, states[number], everything, side, maps.aspect)
         axes.set_title(_caption(maps, number), fontsize=8.5)
     if side > 1:
         _draw_close_ups(maps, whole[0], grid[1::2].ravel())
     figure.suptitle(_title(maps, side, figure), fontsize=10)
     _legend(figure, maps)
     return figure
+
+
+def side_of_cells(maps: ContactMaps, width: float) -> int:
+    """Sites along a side of the smallest cell that is seen in a map so many inches wide."""
+    columns: int = maps.heights.shape[1]
+    return math.ceil(_SMALLEST * columns / (style.RESOLUTION * width))
+
+
+def everywhere(maps: ContactMaps) -> tuple[slice, slice]:
+    """Region that is the whole map."""
+    rows, columns = maps.heights.shape
+    return slice(0, rows), slice(0, columns)
 
 
 def _title(maps: ContactMaps, side: int, figure: style.Drawing) -> str:
@@ -135,14 +146,13 @@ def _draw_close_ups(maps: ContactMaps, topography: Axes, below: NDArray[np.objec
             linewidth=1.2,
         )
     )
-    _draw_heights(below[0], maps, region)
+    draw_heights(below[0], maps, region)
     for number, axes in enumerate(below[1 : 1 + len(maps.times)]):
-        _draw_states(axes, maps.states[number, rows, columns], region, 1, maps.aspect)
+        draw_states(axes, maps.states[number, rows, columns], region, 1, maps.aspect)
 
 
-def _draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) -> AxesImage:
+def draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) -> AxesImage:
     """Topography of a region, with a scale bar below where the size of a pixel is known."""
-    columns = region[1]
     image = axes.imshow(
         maps.heights[region],
         cmap=style.HEIGHT_MAP,
@@ -153,6 +163,13 @@ def _draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) ->
         rasterized=True,
     )
     _frame(axes, region)
+    draw_scale_bar(axes, maps, region)
+    return image
+
+
+def draw_scale_bar(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) -> None:
+    """Draw a round length below a map of a region, where the size of a pixel is known."""
+    columns = region[1]
     if bar := maps.scale_bar(columns.stop - columns.start):
         sites, length, unit = bar
         start = columns.start - 0.5
@@ -173,7 +190,6 @@ def _draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) ->
             va="center",
             fontsize=8.5,
         )
-    return image
 
 
 def _frame(axes: Axes, region: tuple[slice, slice]) -> None:
@@ -188,23 +204,55 @@ def _extent(region: tuple[slice, slice]) -> tuple[float, float, float, float]:
     return columns.start - 0.5, columns.stop - 0.5, rows.stop - 0.5, rows.start - 0.5
 
 
-def _draw_states(
+def draw_states(
     axes: Axes, states: NDArray[np.int8], region: tuple[slice, slice], side: int, aspect: float
-) -> None:
+) -> AxesImage:
     """Color each cell of side x side sites."""
-    palette = np.ones((len(SiteState), 3))
-    for state, color in COLORS.items():
-        palette[state] = to_rgb(color)
-    top, left = (part.start - 0.5 for part in region)
-    axes.imshow(
-        palette[states],
-        extent=(left, left + side * states.shape[1], top + side * states.shape[0], top),
+    image = axes.imshow(
+        colored(states),
+        extent=_extent_of_cells(states.shape, region, side),
         interpolation="antialiased",
         interpolation_stage="rgba",
         aspect=aspect,
         rasterized=True,
     )
     _frame(axes, region)
+    return image
+
+
+def colored(states: NDArray[np.int8]) -> Field:
+    """Colors of sites or cells: red, green and blue along the last axis."""
+    palette = np.ones((len(SiteState), 3))
+    for state, color in COLORS.items():
+        palette[state] = to_rgb(color)
+    return palette[states]
+
+
+def draw_pressure(
+    axes: Axes, pressure: Field, norm: Normalize, region: tuple[slice, slice], side: int, aspect: float
+) -> AxesImage:
+    """Color each cell of side x side sites by its pressure; without contact it is NaN."""
+    axes.set_facecolor("0.93")
+    image = axes.imshow(
+        pressure,
+        cmap=style.PRESSURE_MAP,
+        norm=norm,
+        extent=_extent_of_cells(pressure.shape, region, side),
+        interpolation="antialiased",
+        interpolation_stage="rgba",
+        aspect=aspect,
+        rasterized=True,
+    )
+    _frame(axes, region)
+    return image
+
+
+def _extent_of_cells(
+    cells: tuple[int, ...], region: tuple[slice, slice], side: int
+) -> tuple[float, float, float, float]:
+    """Left, right, lower and upper end; the last cells may reach beyond the region."""
+    top, left = (part.start - 0.5 for part in region)
+    return left, left + side * cells[1], top + side * cells[0], top
 
 
 def _caption(maps: ContactMaps, number: int) -> str:
@@ -239,34 +287,18 @@ def _profile_figure(maps: ContactMaps) -> Figure:
     figure = style.Drawing(figsize=(8.0, 5.6), layout="constrained")
     upper, lower = figure.subplots(2, 1, height_ratios=(3, 2))
     first, last = maps.window
-    step, label = _positions(maps)
-    here = step * np.arange(first, last)
-    heights = maps.heights[first:last]
-    surfaces = maps.surfaces[:, first:last]
-    floor = float(heights.min()) - 0.08 * float(np.ptp(surfaces) + np.ptp(heights) or 1.0)
-    upper.fill_between(here, heights, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
-    for number, time in enumerate(maps.times):
-        shade = number / max(1, len(maps.times) - 1)
-        upper.plot(
-            here,
-            surfaces[number],
-            color=_shade(shade),
-            linewidth=1.1 + 0.7 * shade,
-            label=_moment(maps, float(time)),
-        )
+    step, label = positions(maps)
+    draw_profile(upper, maps, [_moment(maps, float(time)) for time in maps.times])
     touching = np.isin(maps.states[-1, first:last], (SiteState.KEPT, SiteState.NEW))
     upper.plot(
-        here[touching],
-        heights[touching],
+        step * np.arange(first, last)[touching],
+        maps.heights[first:last][touching],
         "s",
         color=style.VERMILION,
         markersize=4,
         zorder=5,
         label="contact at the end",
     )
-    upper.set_xlim(step * (first - 0.5), step * (last - 0.5))
-    upper.set_ylim(floor, None)
-    upper.set_ylabel(style.with_unit("height", maps.unit))
     stretch = "the whole profile" if last - first == maps.heights.size else "the stretch with most contacts"
     upper.set_title(f"The elastic surface sinks onto the rough one as it ages ({stretch})", fontsize=10)
     upper.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False)
@@ -276,7 +308,23 @@ def _profile_figure(maps: ContactMaps) -> Figure:
     return figure
 
 
-def _positions(maps: ContactMaps) -> tuple[float, str]:
+def draw_profile(axes: Axes, maps: ContactMaps, labels: list[str]) -> None:
+    """Draw the rough profile in the stretch with most contacts, and above it the elastic surfaces."""
+    first, last = maps.window
+    step, _ = positions(maps)
+    here = step * np.arange(first, last)
+    heights, surfaces = maps.heights[first:last], maps.surfaces[:, first:last]
+    floor = float(heights.min()) - 0.08 * float(np.ptp(surfaces) + np.ptp(heights) or 1.0)
+    axes.fill_between(here, heights, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
+    for number, (surface, label) in enumerate(zip(surfaces, labels, strict=True)):
+        shade = 1 - (len(labels) - 1 - number) / max(1, len(labels) - 1)
+        axes.plot(here, surface, color=_shade(shade), linewidth=1.1 + 0.7 * shade, label=label)
+    axes.set_xlim(step * (first - 0.5), step * (last - 0.5))
+    axes.set_ylim(floor, None)
+    axes.set_ylabel(style.with_unit("height", maps.unit))
+
+
+def positions(maps: ContactMaps) -> tuple[float, str]:
     """Distance between sites along a profile, and the name of its axis."""
     if maps.pixel_size is None:
         return 1.0, "site"

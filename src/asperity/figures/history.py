@@ -118,7 +118,7 @@ def history_figure(dataset: xr.Dataset) -> Figure:
             "dataset", expected="a history with times above 0", got="none", advice="age(contact, times)"
         )
     names = ["load", "area"] if _only_load(dataset, table) else ["separation", "load", "area"]
-    columns = _columns(dataset, table)
+    columns = _columns(dataset, table, _width)
     ratios = [2.0] * (len(names) - 1) + [3.0]
     size = (_width(len(columns)), 1.6 + 0.8 * sum(ratios))
     figure = style.Drawing(figsize=size, layout="constrained")
@@ -127,7 +127,7 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     figure.align_ylabels(grid)
     per_site = 1.0
     for axes, name in zip(grid, names, strict=True):
-        values, label, factor = _shown(dataset, name)
+        values, label, factor = shown_series(dataset, name)
         _draw(axes, entries, values)
         axes.set_ylabel(label, multialignment="center")
         per_site = factor
@@ -152,9 +152,27 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _shown(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
+def draw_legs(axes: Axes, dataset: xr.Dataset, name: str) -> Field:
+    """Draw one series of a history with a protocol, leg by leg; return where its entries are on the axis."""
+    table = leg_table(dataset)
+    width = axes.get_window_extent().width / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    columns = _columns(dataset, table, lambda _: width + _BESIDE)
+    entries = _entries(dataset, table, columns)
+    values, label, factor = shown_series(dataset, name)
+    _draw(axes, entries, values)
+    axes.set_ylabel(label, multialignment="center")
+    if columns:
+        _divide([axes], columns)
+        _head(axes, table, columns, partial(style.said, dataset, digits=5), factor)
+    axes.set_xlabel(
+        style.over_time(dataset, "time since the beginning of each leg" if columns else "time $t$")
+    )
+    return entries.place
+
+
+def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
     """Values as they are drawn, their label, and what one of the series (of the area: a site) is in them."""
-    label, own = _LABELS[name]
+    label, own = _LABELS.get(name, (name.replace("_", " "), ""))
     values = dataset[name].values.astype(np.float64)
     if not dataset.attrs.get("si"):
         continuum = "contact_area" in dataset and name != "area"
@@ -182,8 +200,8 @@ def _width(columns: int) -> float:
     return 6.4 + 0.9 * max(columns - 2, 0)
 
 
-def _columns(dataset: xr.Dataset, table: list[LegRow]) -> list[_Column]:
-    """Lay columns out; none where one linear axis shows as much."""
+def _columns(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], float]) -> list[_Column]:
+    """Lay columns out in the width that so many of them have; none where one linear axis shows as much."""
     time, numbers = dataset["time"].values, numbers_of(dataset)
     lasting = [row for row in table if row.end > row.begin]
     firsts: list[float | None] = []
@@ -197,7 +215,7 @@ def _columns(dataset: xr.Dataset, table: list[LegRow]) -> list[_Column]:
     recorded = [wide for wide, first in zip(decades, firsts, strict=True) if first is not None]
     if len(lasting) > _MOST_COLUMNS or max(recorded, default=0) < math.log10(_WIDEST_LINEAR):
         return []
-    room = _width(len(lasting)) - _BESIDE - _GAP * (len(lasting) - 1)
+    room = width(len(lasting)) - _BESIDE - _GAP * (len(lasting) - 1)
     share = np.maximum(decades, _FEWEST_DECADES)
     widths = np.maximum(share / share.sum() * room, _NARROWEST)
     widths *= room / widths.sum()

@@ -109,7 +109,10 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
         )
         lower.set_facecolor("0.93")
         image = lower.imshow(
-            np.where(touching[column], pressure[column] * scale, np.nan), cmap="viridis", norm=limits, **shown
+            np.where(touching[column], pressure[column] * scale, np.nan),
+            cmap=style.PRESSURE_MAP,
+            norm=limits,
+            **shown,
         )
         lower.set_xlabel(style.with_unit("x", unit))
     for axes in grid[:, 0]:

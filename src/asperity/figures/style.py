@@ -31,6 +31,9 @@ GRAY = "#8C8C8C"
 HEIGHT_MAP = "cividis"
 """Height maps: luminance grows with height, readable with any color vision."""
 
+PRESSURE_MAP = "viridis"
+"""Maps of the contact pressure, on light gray where nothing touches."""
+
 RESOLUTION = 200
 """Dots per inch of figures that are written as pixels."""
 

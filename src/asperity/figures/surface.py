@@ -102,7 +102,9 @@ def surface_figure(
     engine.set(w_pad=_PAD, h_pad=_PAD / 2)  # type: ignore[call-arg]
     if flat:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.2, 1), height_ratios=(1.5, 1))
-        _draw_map(figure, figure.add_subplot(grid[0, 0]), view)
+        upper_left = figure.add_subplot(grid[0, 0])
+        draw_map(upper_left, view)
+        upper_left.axhline(view.middle, color="white", linestyle="--", linewidth=1.0)
         waves, profile, histogram = (figure.add_subplot(grid[i, j]) for i, j in ((0, 1), (1, 0), (1, 1)))
         profile.set_title("profile along the dashed line", fontsize=9)
     else:
@@ -115,7 +117,7 @@ def surface_figure(
     profile.set_ylabel(style.with_unit("height", view.unit))
     profile.margins(x=0)
     _draw_histogram(histogram, view)
-    _draw_spectrum(waves, view.spectrum)
+    draw_spectrum(waves, view.spectrum)
     about = [title, *(style.lines(note.split(", "), figure.room).split("\n") if note else [])]
     about[0] = style.lines([title], figure.room)
     figure.suptitle("\n".join(about), fontsize=10)
@@ -193,7 +195,8 @@ def _axes(surface: Surface, shape: tuple[int, ...]) -> tuple[tuple[float, ...], 
     return tuple(s * factor for s in surface.pixel_size), shown, factor
 
 
-def _draw_map(figure: Figure, axes: Axes, view: SurfaceView) -> None:
+def draw_map(axes: Axes, view: SurfaceView) -> None:
+    """Draw the heights of a surface, with axes in its unit of length."""
     rows, columns = view.heights.shape
     image = axes.imshow(
         view.heights,
@@ -203,10 +206,11 @@ def _draw_map(figure: Figure, axes: Axes, view: SurfaceView) -> None:
         interpolation="antialiased",
         rasterized=True,
     )
-    axes.axhline(view.middle, color="white", linestyle="--", linewidth=1.0)
     axes.set_xlabel(style.with_unit("x", view.length_unit))
     axes.set_ylabel(style.with_unit("y", view.length_unit))
     axes.set_title("height map", fontsize=9)
+    figure = axes.get_figure()
+    assert figure is not None
     figure.colorbar(image, ax=axes, label=style.with_unit("height", view.unit), shrink=0.85, extend="both")
 
 
@@ -226,7 +230,8 @@ def _draw_histogram(axes: Axes, view: SurfaceView) -> None:
     axes.set_title("heights", fontsize=9)
 
 
-def _draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
+def draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
+    """Draw a power spectrum, with the power law of its self-affine range."""
     flat = len(spectrum.along) == 2
     # What a surface of smooth waves has beyond the shortest of them is rounding.
     shown = spectrum.power > _ROUNDING * spectrum.power.max(initial=0.0)

@@ -21,18 +21,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.fft
 import scipy.special
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.surfaces.heights import check_heights, checked_spacing
 from asperity.surfaces.moments import statistics
 from asperity.surfaces.prepare import remove_tilt
 from asperity.surfaces.surface import Surface
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _PER_DECADE = 10
 _BROAD = 5
@@ -120,6 +125,10 @@ class PowerSpectrum:
     fit: SelfAffineRange | None
     unit: str
     length_unit: str
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw it, into axes that are given or a new figure; see `asperity.figures.plot_spectrum`."""
+        return views.plot_spectrum(self, ax)
 
 
 def power_spectrum(

@@ -6,17 +6,21 @@ import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import prepare
 from asperity.surfaces.heights import check_heights, checked_spacing
 from asperity.surfaces.moments import Statistics, statistics
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Provenance = dict[str, str | int | float | bool | list[int] | list[float] | list[str]]
 
@@ -134,6 +138,10 @@ class Surface:
                 f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load",
             )
         return remarks
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the heights, into axes that are given or a new figure; see `asperity.figures.plot_surface`."""
+        return views.plot_surface(self, ax)
 
     def describe(self) -> Statistics:
         """Measure the surface.

@@ -1,0 +1,358 @@
+"""Single plots: what `Contact.plot`, `History.plot` and the like draw, into axes of the user or new ones."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
+
+import asperity.checks as checks
+from asperity.analysis import ContactMaps, SiteState
+from asperity.analysis.maps import maps_between
+from asperity.analysis.scan import readable, written
+from asperity.contact.state import Contact
+from asperity.errors import InputError
+from asperity.figures import style
+from asperity.figures.contacts import (
+    draw_pressure,
+    draw_profile,
+    draw_scale_bar,
+    draw_states,
+    everywhere,
+    positions,
+    side_of_cells,
+)
+from asperity.figures.history import draw_legs, shown_series
+from asperity.figures.marks import COLORS
+from asperity.figures.surface import draw_map, draw_spectrum, surface_view
+from asperity.lattice import Field
+from asperity.surfaces import PowerSpectrum, Surface
+
+_LOWEST = 0.02
+"""Part of the sites in contact whose pressure is below the range of colors."""
+
+_SINCE = {SiteState.KEPT: "touches, then and now", SiteState.NEW: "new", SiteState.LOST: "lost"}
+
+
+def plot_contact(
+    contact: Contact, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True
+) -> Axes:
+    """Draw where a contact touches and with which pressure, or what it won and lost since an earlier one.
+
+    Parameters
+    ----------
+    contact
+        From `asperity.press`, `asperity.relax`, or the ``final`` of a history.
+    ax
+        Where to draw; by default a new figure.
+    since
+        An earlier contact of the same surface. Then the colors tell contacts that were there, new and lost.
+    colorbar
+        Whether to explain the colors, of pressures by a bar, of changes by a legend.
+
+    Returns
+    -------
+    Axes
+        Of a surface a map; where sites are too small to be seen, a coarser sample of true area. Of a profile
+        heights and elastic surface in the stretch with most contacts. Of a mirrored scan the scan alone.
+
+    Raises
+    ------
+    InputError
+        The earlier contact is of another surface.
+    """
+    checks.instance("contact", contact, Contact, "asperity.press(...)")
+    if since is not None:
+        checks.instance("since", since, Contact, "the contact before: asperity.press(...)")
+    maps = maps_between(contact, since)
+    axes = axes_for(ax)
+    pressure, label = _pressure(contact, maps)
+    if maps.heights.ndim == 1:
+        _draw_line(axes, maps, pressure, label, told=since is not None, colorbar=colorbar)
+    elif since is not None:
+        side = _side(axes, maps)
+        states = maps.sampled(side)[-1] if side > 1 else maps.states[-1]
+        draw_states(axes, states, everywhere(maps), side, maps.aspect)
+        draw_scale_bar(axes, maps, everywhere(maps))
+        if colorbar:
+            _explain(axes, maps)
+    else:
+        side = _side(axes, maps)
+        if side > 1:
+            pressure = maps.coarsened(pressure[np.newaxis], side, np.nan)[0]
+        _draw_pressures(axes, maps, pressure, label, side, colorbar=colorbar)
+    axes.set_title(_said(contact, maps), fontsize=9)
+    return axes
+
+
+def plot_history(
+    dataset: xr.Dataset,
+    ax: Axes | None = None,
+    *,
+    quantity: str = "area",
+    limit: Contact | None = None,
+    label: str = "",
+    color: str = style.BLUE,
+) -> Axes:
+    """Draw how one quantity of a history changed.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History`.
+    ax
+        Where to draw; by default a new figure.
+    quantity
+        Any series of the dataset, such as ``"area"``, ``"load"`` or ``"separation"``.
+    limit
+        The relaxed state, from `asperity.relax`, to be drawn as a dotted line. It is not needed where
+        `asperity.analysis.with_limit` has put it into the dataset.
+    label, color
+        Name of the curve in the legend, and its color, where several histories share axes.
+
+    Returns
+    -------
+    Axes
+        Without a protocol, the quantity over the logarithm of time; that at time 0 is a thin line. With one,
+        a column for each leg that lasts, over the time since its beginning.
+
+    Raises
+    ------
+    InputError
+        There is no such series, or no time above 0.
+    """
+    return draw_series(axes_for(ax), dataset, quantity, limit, label, color, alone=ax is None)[0]
+
+
+def draw_series(
+    axes: Axes,
+    dataset: xr.Dataset,
+    quantity: str,
+    limit: Contact | None = None,
+    label: str = "",
+    color: str = style.BLUE,
+    *,
+    alone: bool = True,
+) -> tuple[Axes, Field]:
+    """Draw a series; return also where its entries are along the time axis."""
+    series = [name for name in map(str, dataset.data_vars) if dataset[name].dims == ("time",)]
+    if quantity not in series:
+        raise InputError("quantity", expected=f"one of {', '.join(series)}", got=checks.shown(quantity))
+    time = dataset["time"].values.astype(np.float64)
+    if time[-1] <= 0:
+        raise InputError(
+            "history", expected="times above 0", got="time 0 alone", advice="age(contact, times=[1.0, 10.0])"
+        )
+    values, name, factor = shown_series(dataset, quantity)
+    relaxed = _limit_of(dataset, quantity, limit)
+    if "protocol" in dataset.attrs:
+        place = draw_legs(axes, dataset, quantity)
+    else:
+        place = time
+        axes.set_xscale("log")
+        later = time > 0
+        axes.plot(
+            time[later],
+            values[later],
+            "o-",
+            color=color,
+            linewidth=1.2,
+            markersize=4,
+            markerfacecolor="white",
+            label=label or None,
+            zorder=3,
+        )
+        if not label:
+            axes.axhline(values[0], color=style.GRAY, linewidth=0.8, label="at $t$ = 0", zorder=1)
+        axes.set_ylabel(name, multialignment="center")
+        axes.set_xlabel(style.over_time(dataset, "hold time $t$"))
+        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+    if relaxed is not None:
+        own = f"{label}: " if label else ""
+        axes.axhline(
+            relaxed * factor,
+            color=color if label else style.INK,
+            linestyle=":",
+            linewidth=1.4,
+            label=rf"{own}relaxed limit, $t \to \infty$",
+            zorder=1,
+        )
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="best", fontsize=8, framealpha=0.95)
+    if alone and quantity == "area":
+        style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * factor))
+    return axes, place
+
+
+def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
+    """Draw a surface as a map of heights, a profile as a line, and of a mirrored scan the scan.
+
+    Raises
+    ------
+    InputError
+        It is no `Surface`.
+    """
+    checks.instance("surface", surface, Surface, "asperity.surfaces.Surface(heights)")
+    view = surface_view(surface)
+    axes = axes_for(ax)
+    if view.heights.ndim == 2:
+        draw_map(axes, view)
+    else:
+        axes.plot(view.profile_position, view.profile, color=style.INK, linewidth=0.8)
+        axes.set_xlabel(style.with_unit("position", view.length_unit))
+        axes.set_ylabel(style.with_unit("height", view.unit))
+        axes.margins(x=0)
+    return axes
+
+
+def plot_spectrum(spectrum: PowerSpectrum, ax: Axes | None = None) -> Axes:
+    """Draw a power spectrum, with the power law of its self-affine range if it has one.
+
+    Raises
+    ------
+    InputError
+        It is no `PowerSpectrum`.
+    """
+    checks.instance("spectrum", spectrum, PowerSpectrum, "asperity.surfaces.power_spectrum(surface)")
+    axes = axes_for(ax)
+    draw_spectrum(axes, spectrum)
+    return axes
+
+
+def axes_for(ax: Axes | None) -> Axes:
+    """Axes that were given, or those of a new figure, which a notebook or ``pyplot.show()`` shows."""
+    if ax is not None:
+        return checks.instance("ax", ax, Axes, "fig, ax = matplotlib.pyplot.subplots()")
+    import matplotlib.pyplot as plt  # it looks for a display, so only where a figure is to be shown
+
+    options: dict[str, Any] = {"FigureClass": style.Drawing, "layout": "constrained"}
+    return plt.figure(figsize=(5.6, 4.2), **options).subplots()
+
+
+def _pressure(contact: Contact, maps: ContactMaps) -> tuple[Field, str]:
+    """Pressure over the sites that are shown, NaN off contact, and the label of its axis."""
+    here = tuple(slice(0, n) for n in maps.heights.shape)
+    touching = contact.in_contact[here]
+    pressure = np.where(touching, contact.pressure[here], np.nan)
+    if not contact.solid.in_lengths:
+        return pressure, r"contact force  [stiffness $\times$ height]"
+    if not contact.si:
+        return pressure, "contact pressure"
+    unit, factor = readable("Pa", float(np.nanmax(pressure, initial=0.0)))
+    return pressure * factor, style.with_unit("contact pressure", unit)
+
+
+def _norm(pressure: Field) -> LogNorm:
+    """Colors of pressures: logarithmic, the lowest of them beyond the range."""
+    positive = pressure[np.nan_to_num(pressure) > 0]
+    if not positive.size:
+        return LogNorm(0.1, 1.0)
+    low, high = np.quantile(positive, (_LOWEST, 1.0))
+    return LogNorm(low if low < high else high / 2, high)
+
+
+def _draw_pressures(
+    axes: Axes, maps: ContactMaps, pressure: Field, label: str, side: int, *, colorbar: bool
+) -> None:
+    image = draw_pressure(axes, pressure, _norm(pressure), everywhere(maps), side, maps.aspect)
+    draw_scale_bar(axes, maps, everywhere(maps))
+    if colorbar:
+        _figure_of(axes).colorbar(image, ax=axes, label=label, extend="min", shrink=0.9)
+
+
+def _draw_line(
+    axes: Axes, maps: ContactMaps, pressure: Field, label: str, *, told: bool, colorbar: bool
+) -> None:
+    first, last = maps.window
+    step, across = positions(maps)
+    if not told:
+        maps = _last_of(maps)
+    draw_profile(axes, maps, ["then", "now"] if told else ["elastic surface"])
+    here, heights = step * np.arange(first, last), maps.heights[first:last]
+    pressed = pressure[first:last]
+    touching = ~np.isnan(pressed)
+    if told:
+        for state, word in _SINCE.items():
+            (at,) = np.nonzero(maps.states[-1, first:last] == state)
+            if at.size:
+                axes.plot(here[at], heights[at], "s", color=COLORS[state], markersize=4, zorder=5, label=word)
+    elif touching.any():
+        dots = axes.scatter(
+            here[touching],
+            heights[touching],
+            c=pressed[touching],
+            norm=_norm(pressed),
+            cmap=style.PRESSURE_MAP,
+            marker="s",
+            s=16,
+            zorder=5,
+        )
+        if colorbar:
+            _figure_of(axes).colorbar(dots, ax=axes, label=label, extend="min", shrink=0.9)
+    axes.set_xlabel(across)
+    if colorbar:
+        axes.legend(fontsize=7.5, loc="lower left", framealpha=0.95)
+
+
+def _last_of(maps: ContactMaps) -> ContactMaps:
+    """Only the last of the maps."""
+    return dataclasses.replace(
+        maps, times=maps.times[-1:], states=maps.states[-1:], surfaces=maps.surfaces[-1:]
+    )
+
+
+def _explain(axes: Axes, maps: ContactMaps) -> None:
+    handles = [
+        Line2D([], [], ls="", marker="s", markersize=6, color=color, label=_SINCE[state])
+        for state, color in COLORS.items()
+        if (maps.states[-1] == state).any()
+    ]
+    if handles:
+        axes.legend(
+            handles=handles,
+            loc="upper right",
+            bbox_to_anchor=(1.0, 0.0 if maps.pixel_size is None else -0.07),
+            ncols=len(handles),
+            fontsize=8,
+            frameon=False,
+        )
+
+
+def _said(contact: Contact, maps: ContactMaps) -> str:
+    """What touches, and under which load."""
+    force = "N/m" if contact.lattice.dimension == 1 else "N"
+    load = style.spaced(written(contact.load, force if contact.si else "1"))
+    percent = f"{100 * contact.contact_fraction:.3g} % of the sites touch, load {load}"
+    changes = [(word, maps.count(-1, state)) for state, word in _SINCE.items() if state != SiteState.KEPT]
+    told = [f"{word} {count}" for word, count in changes if count]
+    return "\n".join([percent, *([", ".join(told)] if told else [])])
+
+
+def _limit_of(dataset: xr.Dataset, quantity: str, limit: Contact | None) -> float | None:
+    """The quantity in the relaxed state, where that is known."""
+    if limit is None:
+        known = dataset.attrs.get(f"relaxed_{quantity}")
+        return None if known is None else float(known)
+    checks.instance("limit", limit, Contact, "asperity.relax(contact)")
+    value = getattr(limit, quantity, None)
+    if value is None:
+        raise InputError("limit", expected=f"none, as a contact alone has no {quantity}", got="a contact")
+    return float(value)
+
+
+def _side(axes: Axes, maps: ContactMaps) -> int:
+    """Sites along a side of the cells that are drawn in these axes."""
+    return side_of_cells(maps, axes.get_window_extent().width / _figure_of(axes).dpi)
+
+
+def _figure_of(axes: Axes) -> Figure | SubFigure:
+    figure = axes.get_figure()
+    assert figure is not None
+    return figure
