@@ -11,9 +11,10 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from asperity.figures.film import Film, animate_history
     from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
 
-__all__ = ["plot_contact", "plot_history", "plot_spectrum", "plot_surface"]
+__all__ = ["Film", "animate_history", "plot_contact", "plot_history", "plot_spectrum", "plot_surface"]
 
 if not TYPE_CHECKING:
 

@@ -224,6 +224,7 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.predict,
     asp.figures.contact_figure,
     asp.figures.fit_figure,
+    asp.figures.animate_history,
     asp.figures.plot_contact,
     asp.figures.plot_history,
     asp.figures.plot_spectrum,

@@ -172,7 +172,8 @@ def test_a_protocol_has_a_column_for_each_leg(pressed: Contact) -> None:
 
 def test_what_a_history_has_not_is_refused(pressed: Contact, aged: History) -> None:
     with refuses("quantity"):
-        aged.plot(axes(), quantity="friction")
+        aged.plot(quantity="friction")
+    assert not plt.get_fignums()  # no empty figure is left behind
     with refuses("history"):
         age(pressed, [0.0]).plot(axes())
 

@@ -10,6 +10,7 @@ import asperity as asp
 from asperity.errors import InputError, OutputError
 from asperity.results.store import whole_folder
 from tests.independent import prove
+from tests.refusals import refuses
 from tests.surfaces import uncorrelated
 
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)
@@ -184,3 +185,13 @@ def test_names_of_other_formats_are_refused(tmp_path, name):
     assert (
         xr.open_zarr(tmp_path / "history.zarr")["area"].size == 4
     )  # without a warning, which is an error here
+
+
+def test_a_history_gives_its_series_by_name():
+    for name in ("time", "area", "load", "separation", "energy", "u", "heights"):
+        assert HISTORY[name].identical(HISTORY.dataset[name])
+    for name in ("time", "area", "load", "separation"):
+        assert getattr(HISTORY, name).identical(HISTORY.dataset[name])
+    for wrong in ("seperation", "dims", 3):
+        with refuses("name"):
+            HISTORY[wrong]  # type: ignore[index]

@@ -172,7 +172,7 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
     """
     if "in_contact" not in dataset:
         raise InputError(
-            "dataset", expected="a history that kept fields", got="none", advice="age(..., fields_at=[0.0])"
+            "dataset", expected="a history that kept fields", got="none", advice="age(..., fields_at=times)"
         )
     times = [float(t) for t in dataset["field_time"]]
     touching = list(np.asarray(dataset["in_contact"], dtype=bool))

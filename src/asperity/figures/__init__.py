@@ -6,6 +6,7 @@ prediction give pictures and a page.
 
 from asperity.figures.aging import aging_curve
 from asperity.figures.contacts import contact_figure
+from asperity.figures.film import Film, animate_history
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
 from asperity.figures.page import prediction_page, prediction_pictures
@@ -14,7 +15,9 @@ from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.surface import surface_figure
 
 __all__ = [
+    "Film",
     "aging_curve",
+    "animate_history",
     "contact_figure",
     "fit_figure",
     "history_figure",

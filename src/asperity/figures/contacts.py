@@ -89,11 +89,11 @@ def _map_figure(maps: ContactMaps) -> Figure:
     states = maps.sampled(side) if side > 1 else maps.states
     for number, axes in enumerate(whole[1:panels]):
         draw_states(axes, states[number], everything, side, maps.aspect)
-        axes.set_title(_caption(maps, number), fontsize=8.5)
+        axes.set_title(caption(maps, number), fontsize=8.5)
     if side > 1:
         _draw_close_ups(maps, whole[0], grid[1::2].ravel())
     figure.suptitle(_title(maps, side, figure), fontsize=10)
-    _legend(figure, maps)
+    legend(figure, maps)
     return figure
 
 
@@ -255,7 +255,7 @@ def _extent_of_cells(
     return left, left + side * cells[1], top + side * cells[0], top
 
 
-def _caption(maps: ContactMaps, number: int) -> str:
+def caption(maps: ContactMaps, number: int) -> str:
     """Time, contact fraction, and sites won and lost."""
     new, lost = (maps.count(number, state) for state in (SiteState.NEW, SiteState.LOST))
     percent = 100.0 * maps.area(number) / maps.heights.size
@@ -265,7 +265,8 @@ def _caption(maps: ContactMaps, number: int) -> str:
     return f"{moment}:  {percent:.3g} %\n{thousands(maps.area(number))} sites{changes}"
 
 
-def _legend(figure: Figure, maps: ContactMaps) -> None:
+def legend(figure: Figure, maps: ContactMaps) -> None:
+    """Explain the colors of the states that occur, below all panels."""
     first = _moment(maps, float(maps.times[0]))
     handles = [
         Line2D([], [], ls="", marker="s", markersize=7, color=color, label=_WORDS[state].format(first=first))
@@ -304,7 +305,7 @@ def _profile_figure(maps: ContactMaps) -> Figure:
     upper.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False)
     _draw_strips(lower, maps, step)
     lower.set_xlabel(label)
-    _legend(figure, maps)
+    legend(figure, maps)
     return figure
 
 

@@ -76,14 +76,14 @@ def plot_contact(
     if maps.heights.ndim == 1:
         _draw_line(axes, maps, pressure, label, told=since is not None, colorbar=colorbar)
     elif since is not None:
-        side = _side(axes, maps)
+        side = cells_in(axes, maps)
         states = maps.sampled(side)[-1] if side > 1 else maps.states[-1]
         draw_states(axes, states, everywhere(maps), side, maps.aspect)
         draw_scale_bar(axes, maps, everywhere(maps))
         if colorbar:
             _explain(axes, maps)
     else:
-        side = _side(axes, maps)
+        side = cells_in(axes, maps)
         if side > 1:
             pressure = maps.coarsened(pressure[np.newaxis], side, np.nan)[0]
         _draw_pressures(axes, maps, pressure, label, side, colorbar=colorbar)
@@ -127,30 +127,38 @@ def plot_history(
     InputError
         There is no such series, or no time above 0.
     """
-    return draw_series(axes_for(ax), dataset, quantity, limit, label, color, alone=ax is None)[0]
+    check_series(dataset, quantity)
+    relaxed = _limit_of(dataset, quantity, limit)
+    axes = axes_for(ax)
+    draw_series(axes, dataset, quantity, relaxed, label, color)
+    if ax is None and quantity == "area":
+        _, _, factor = shown_series(dataset, quantity)
+        style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * factor))
+    return axes
+
+
+def check_series(dataset: xr.Dataset, quantity: str) -> None:
+    """Refuse a history that has no such series, or no time above 0."""
+    series = [name for name in map(str, dataset.data_vars) if dataset[name].dims == ("time",)]
+    if quantity not in series:
+        raise InputError("quantity", expected=f"one of {', '.join(series)}", got=checks.shown(quantity))
+    if float(dataset["time"][-1]) <= 0:
+        raise InputError(
+            "history", expected="times above 0", got="time 0 alone", advice="age(contact, times=[1.0, 10.0])"
+        )
 
 
 def draw_series(
     axes: Axes,
     dataset: xr.Dataset,
     quantity: str,
-    limit: Contact | None = None,
+    relaxed: float | None = None,
     label: str = "",
     color: str = style.BLUE,
-    *,
-    alone: bool = True,
-) -> tuple[Axes, Field]:
-    """Draw a series; return also where its entries are along the time axis."""
-    series = [name for name in map(str, dataset.data_vars) if dataset[name].dims == ("time",)]
-    if quantity not in series:
-        raise InputError("quantity", expected=f"one of {', '.join(series)}", got=checks.shown(quantity))
-    time = dataset["time"].values.astype(np.float64)
-    if time[-1] <= 0:
-        raise InputError(
-            "history", expected="times above 0", got="time 0 alone", advice="age(contact, times=[1.0, 10.0])"
-        )
+) -> Field:
+    """Draw a series that `check_series` accepts; return where its entries are along the time axis."""
     values, name, factor = shown_series(dataset, quantity)
-    relaxed = _limit_of(dataset, quantity, limit)
+    time = dataset["time"].values.astype(np.float64)
     if "protocol" in dataset.attrs:
         place = draw_legs(axes, dataset, quantity)
     else:
@@ -186,9 +194,7 @@ def draw_series(
         )
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="best", fontsize=8, framealpha=0.95)
-    if alone and quantity == "area":
-        style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * factor))
-    return axes, place
+    return place
 
 
 def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
@@ -230,10 +236,15 @@ def axes_for(ax: Axes | None) -> Axes:
     """Axes that were given, or those of a new figure, which a notebook or ``pyplot.show()`` shows."""
     if ax is not None:
         return checks.instance("ax", ax, Axes, "fig, ax = matplotlib.pyplot.subplots()")
+    return shown_figure((5.6, 4.2)).subplots()
+
+
+def shown_figure(size: tuple[float, float]) -> Figure:
+    """Make a figure, of this size in inches, that a notebook or ``pyplot.show()`` shows."""
     import matplotlib.pyplot as plt  # it looks for a display, so only where a figure is to be shown
 
     options: dict[str, Any] = {"FigureClass": style.Drawing, "layout": "constrained"}
-    return plt.figure(figsize=(5.6, 4.2), **options).subplots()
+    return plt.figure(figsize=size, **options)
 
 
 def _pressure(contact: Contact, maps: ContactMaps) -> tuple[Field, str]:
@@ -264,7 +275,7 @@ def _draw_pressures(
     image = draw_pressure(axes, pressure, _norm(pressure), everywhere(maps), side, maps.aspect)
     draw_scale_bar(axes, maps, everywhere(maps))
     if colorbar:
-        _figure_of(axes).colorbar(image, ax=axes, label=label, extend="min", shrink=0.9)
+        figure_of(axes).colorbar(image, ax=axes, label=label, extend="min", shrink=0.9)
 
 
 def _draw_line(
@@ -273,7 +284,7 @@ def _draw_line(
     first, last = maps.window
     step, across = positions(maps)
     if not told:
-        maps = _last_of(maps)
+        maps = only(maps, 1)
     draw_profile(axes, maps, ["then", "now"] if told else ["elastic surface"])
     here, heights = step * np.arange(first, last), maps.heights[first:last]
     pressed = pressure[first:last]
@@ -295,16 +306,17 @@ def _draw_line(
             zorder=5,
         )
         if colorbar:
-            _figure_of(axes).colorbar(dots, ax=axes, label=label, extend="min", shrink=0.9)
+            figure_of(axes).colorbar(dots, ax=axes, label=label, extend="min", shrink=0.9)
     axes.set_xlabel(across)
     if colorbar:
         axes.legend(fontsize=7.5, loc="lower left", framealpha=0.95)
 
 
-def _last_of(maps: ContactMaps) -> ContactMaps:
-    """Only the last of the maps."""
+def only(maps: ContactMaps, number: int) -> ContactMaps:
+    """One of the maps alone."""
+    one = slice(number, number + 1)
     return dataclasses.replace(
-        maps, times=maps.times[-1:], states=maps.states[-1:], surfaces=maps.surfaces[-1:]
+        maps, times=maps.times[one], states=maps.states[one], surfaces=maps.surfaces[one]
     )
 
 
@@ -347,12 +359,13 @@ def _limit_of(dataset: xr.Dataset, quantity: str, limit: Contact | None) -> floa
     return float(value)
 
 
-def _side(axes: Axes, maps: ContactMaps) -> int:
+def cells_in(axes: Axes, maps: ContactMaps) -> int:
     """Sites along a side of the cells that are drawn in these axes."""
-    return side_of_cells(maps, axes.get_window_extent().width / _figure_of(axes).dpi)
+    return side_of_cells(maps, axes.get_window_extent().width / figure_of(axes).dpi)
 
 
-def _figure_of(axes: Axes) -> Figure | SubFigure:
+def figure_of(axes: Axes) -> Figure | SubFigure:
+    """The figure that the axes are in."""
     figure = axes.get_figure()
     assert figure is not None
     return figure

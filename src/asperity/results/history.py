@@ -10,10 +10,14 @@ import xarray as xr
 
 import asperity.views as views
 from asperity.contact.state import Contact
+from asperity.errors import InputError
 from asperity.results.store import save
+from asperity.words import closest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from asperity.views import Film
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +31,7 @@ class History:
         ``area``, ``contact_fraction``, ``load``, ``separation``, ``approach``, ``energy``,
         ``residual``, ``residual_scale``, ``steps``, ``rejected``, ``iterations``; ``heights`` over the
         sites; and over ``field_time``, where fields were asked for, ``u``, ``u0`` and ``in_contact``.
+        ``history["energy"]`` is one of them.
     final
         The contact at the last time reached (of ``times`` and ``fields_at``); age it further, or relax it.
     """
@@ -38,6 +43,34 @@ class History:
         times = self.dataset["time"].values
         areas = self.dataset["area"].values
         return f"<History: {times.size} times to {times[-1]:g}, area {areas[0]} to {areas[-1]} sites>"
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        """Return a variable of the dataset, with its name and unit: ``history["mean_gap"]``."""
+        if not isinstance(name, str) or name not in self.dataset.variables:
+            known = sorted(map(str, self.dataset.variables))
+            near = closest(name, known) if isinstance(name, str) else None
+            raise InputError("name", expected=f"one of {', '.join(known)}", got=repr(name), advice=near or "")
+        return self.dataset[name]
+
+    @property
+    def time(self) -> xr.DataArray:
+        """Times, from 0 on."""
+        return self["time"]
+
+    @property
+    def area(self) -> xr.DataArray:
+        """Real contact area at each time, sites."""
+        return self["area"]
+
+    @property
+    def load(self) -> xr.DataArray:
+        """Normal load at each time."""
+        return self["load"]
+
+    @property
+    def separation(self) -> xr.DataArray:
+        """Separation at each time."""
+        return self["separation"]
 
     def plot(
         self,
@@ -71,6 +104,43 @@ class History:
             There is no such series, or no time above 0.
         """
         return views.plot_history(self.dataset, ax, quantity=quantity, limit=limit, label=label, color=color)
+
+    def animate(
+        self,
+        path: str | Path | None = None,
+        *,
+        quantity: str = "area",
+        frames_per_second: float = 4.0,
+        overwrite: bool = False,
+    ) -> Film:
+        """Animate the contact at the times of ``fields_at``; see `asperity.figures.animate_history`.
+
+        Parameters
+        ----------
+        path
+            File to write: ``"aging.gif"``, or ``"aging.mp4"`` where ffmpeg is installed. By default none.
+        quantity
+            The series that is drawn beside the map.
+        frames_per_second
+            Maps shown in a second.
+        overwrite
+            Whether a file that exists is replaced.
+
+        Returns
+        -------
+        Film
+            An animation of matplotlib; a notebook shows it with a player.
+
+        Raises
+        ------
+        InputError
+            The history kept no fields, has no such series, or the file's name ends in something else.
+        OutputError
+            The file exists, or could not be written.
+        """
+        return views.animate_history(
+            self.dataset, path, quantity=quantity, frames_per_second=frames_per_second, overwrite=overwrite
+        )
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the dataset; see `asperity.results.save`."""

@@ -1,0 +1,185 @@
+"""The aging of a contact as an animation: the map at each time beside the curve."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimation, PillowWriter
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+
+import asperity.checks as checks
+from asperity.analysis import ContactMaps, SiteState, contact_maps
+from asperity.analysis.legs import numbers_of
+from asperity.errors import InputError, OutputError
+from asperity.figures import style
+from asperity.figures.contacts import (
+    caption,
+    draw_profile,
+    draw_scale_bar,
+    draw_states,
+    everywhere,
+    legend,
+    positions,
+)
+from asperity.figures.marks import COLORS
+from asperity.figures.plots import cells_in, check_series, draw_series, only, shown_figure
+from asperity.lattice import Field
+from asperity.results.store import whole_file
+
+_SIZE = (9.6, 4.8)
+_DPI = 100
+
+
+class Film(FuncAnimation):
+    """An animation that a notebook shows with a player."""
+
+    def _repr_html_(self) -> str:
+        player: str = self.to_jshtml()
+        return player
+
+
+def animate_history(
+    dataset: xr.Dataset,
+    path: str | Path | None = None,
+    *,
+    quantity: str = "area",
+    frames_per_second: float = 4.0,
+    overwrite: bool = False,
+) -> Film:
+    """Animate the contact at the times at which fields were kept, beside a curve over time.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History` that kept fields (``fields_at``).
+    path
+        File to write: its name ends in ``.gif`` or, where ffmpeg is installed, in ``.mp4``. By default none.
+    quantity
+        The series beside the map; see `plot_history`.
+    frames_per_second
+        Maps shown in a second.
+    overwrite
+        Whether a file that exists is replaced.
+
+    Returns
+    -------
+    Film
+        An animation of matplotlib. A notebook shows it with a player.
+
+    Raises
+    ------
+    InputError
+        The history kept no fields, has no such series, or the file's name ends in something else.
+    OutputError
+        The file exists, or could not be written.
+    """
+    maps = contact_maps(dataset)
+    rate = checks.number("frames_per_second", frames_per_second, above=0, most=100)
+    target = None if path is None else Path(path)
+    writer = None if target is None else _writer(target, rate, overwrite=overwrite)
+    check_series(dataset, quantity)
+    figure = shown_figure(_SIZE)
+    left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
+    entries = draw_series(right, dataset, quantity)
+    legend(figure, maps)
+    figure.draw_without_rendering()  # the axes have their size from here on
+    show = _profiles(left, maps) if maps.heights.ndim == 1 else _maps(left, maps)
+    pointer = right.axvline(right.get_xlim()[0], color=style.VERMILION, linewidth=1.4, zorder=5)
+    places = _places(dataset, maps, entries, right)
+
+    def update(number: int) -> list[Artist]:
+        left.clear()
+        show(number)
+        left.set_title(caption(maps, number), fontsize=9)
+        pointer.set_xdata([places[number]] * 2)
+        return [*left.get_children(), pointer]
+
+    update(0)
+    figure.draw_without_rendering()
+    if (told := right.get_legend()) is not None:
+        told.set_loc("upper left")  # the best place would change from frame to frame
+    figure.set_layout_engine("none")  # to lay out each frame anew would take most of the time
+    film = Film(figure, update, frames=len(maps.times), interval=1000 / rate, cache_frame_data=False)
+    if target is not None and writer is not None:
+        with whole_file(target) as part:
+            film.save(part, writer=writer, dpi=_DPI)
+    _leave_to_its_player(film, written=target is not None)
+    return film
+
+
+def _maps(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
+    """How one map is drawn, with the scale of its length."""
+    side = cells_in(axes, maps)
+    states = maps.sampled(side) if side > 1 else maps.states
+
+    def show(number: int) -> None:
+        draw_states(axes, states[number], everywhere(maps), side, maps.aspect)
+        draw_scale_bar(axes, maps, everywhere(maps))
+
+    return show
+
+
+def _profiles(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
+    """How one elastic surface is drawn, above a profile whose axes do not move."""
+    first, last = maps.window
+    step, across = positions(maps)
+    draw_profile(axes, maps, [""] * len(maps.times))
+    limits = axes.get_ylim()
+
+    def show(number: int) -> None:
+        draw_profile(axes, only(maps, number), ["elastic surface"])
+        for state, color in COLORS.items():
+            at = first + np.flatnonzero(maps.states[number, first:last] == state)
+            if state != SiteState.LOST:
+                axes.plot(step * at, maps.heights[at], "s", color=color, markersize=4, zorder=5)
+        axes.set_ylim(limits)
+        axes.set_xlabel(across)
+
+    return show
+
+
+def _places(dataset: xr.Dataset, maps: ContactMaps, entries: Field, axes: Axes) -> Field:
+    """Where the maps are on the time axis; on a logarithmic one, time 0 is at its left end."""
+    time, numbers = dataset["time"].values.astype(np.float64), numbers_of(dataset)
+    legs = dataset["field_leg"].values if "field_leg" in dataset.coords else np.zeros(len(maps.times), int)
+    left, right = axes.get_xlim()
+    places = []
+    for number, moment in enumerate(maps.times.tolist()):
+        if math.isinf(moment):
+            places.append(right)
+            continue
+        own = np.flatnonzero(numbers == legs[number])
+        # The entry at the beginning of a leg is the last one of the leg before, but for the first leg.
+        own = own if own[0] == 0 else np.append(own[0] - 1, own)
+        places.append(float(np.interp(moment, time[own], entries[own])))
+    return np.maximum(places, left)
+
+
+def _writer(path: Path, rate: float, *, overwrite: bool) -> AbstractMovieWriter:
+    """What writes a file of this name, before anything is drawn."""
+    suffix = path.suffix.lower()
+    if suffix not in (".gif", ".mp4"):
+        raise InputError("path", expected="a name that ends in .gif or .mp4", got=path, advice="aging.gif")
+    if suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise InputError(
+            "path",
+            expected="a name that ends in .gif where no ffmpeg is installed",
+            got=path,
+            advice=str(path.with_suffix(".gif")),
+        )
+    if path.exists() and not overwrite:
+        raise OutputError(f"{path} exists already and is kept; choose another name, or overwrite=True")
+    return PillowWriter(fps=rate) if suffix == ".gif" else FFMpegWriter(fps=rate)  # type: ignore[arg-type]
+
+
+def _leave_to_its_player(film: Film, *, written: bool) -> None:
+    """Close the window of a film that is in a file, or that a notebook shows with a player."""
+    import matplotlib.pyplot as plt
+
+    if written or "inline" in plt.get_backend():
+        plt.close(film._fig)  # type: ignore[attr-defined]

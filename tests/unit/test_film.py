@@ -1,0 +1,108 @@
+"""Animations of a history: one frame a map, in a file or in a player."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.animation import FFMpegWriter
+from matplotlib.colors import to_rgb
+from PIL import Image
+
+from asperity import History, age, press, protocols
+from asperity.errors import OutputError
+from asperity.figures.film import Film
+from asperity.solids import spring_lattice
+from asperity.surfaces import gaussian
+from tests.refusals import refuses
+
+SOLID = spring_lattice(k0=1.0, k1=3.0)
+
+
+@pytest.fixture(autouse=True)
+def _no_display() -> Iterator[None]:
+    plt.switch_backend("agg")
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def aged() -> History:
+    contact = press(gaussian((24, 24)), SOLID, load=20.0)
+    return age(contact, [0.1, 1.0, 10.0], fields_at=[0.0, 0.5, 10.0], rtol=1e-2)
+
+
+def frame(film: Film, number: int) -> tuple[np.ndarray, float]:
+    """Map and place of the pointer."""
+    film._func(number)  # type: ignore[attr-defined]
+    left, right = film._fig.axes  # type: ignore[attr-defined]
+    return left.images[0].get_array(), float(right.lines[-1].get_xdata()[0])
+
+
+def test_each_frame_is_a_map_and_its_time(aged: History) -> None:
+    film = aged.animate()
+    black = to_rgb("black")
+    left_end = film._fig.axes[1].get_xlim()[0]  # type: ignore[attr-defined]
+    for number, time in enumerate((left_end, 0.5, 10.0)):
+        drawn, place = frame(film, number)
+        assert place == pytest.approx(time)
+        touching = aged["in_contact"].values[number]
+        kept = touching & aged["in_contact"].values[0]
+        np.testing.assert_array_equal((drawn == black).all(axis=-1), kept)
+        np.testing.assert_array_equal((drawn != 1).any(axis=-1), touching | aged["in_contact"].values[0])
+    assert "<img" in film._repr_html_()
+
+
+def test_a_gif_has_a_frame_for_each_map(aged: History, tmp_path: Path) -> None:
+    path = tmp_path / "aging.gif"
+    aged.animate(path, frames_per_second=5, quantity="separation")
+    with Image.open(path) as image:
+        assert image.n_frames == 3  # type: ignore[attr-defined]
+        assert image.info["duration"] == 200
+    assert not plt.get_fignums()
+    with pytest.raises(OutputError, match="kept"):
+        aged.animate(path)
+    assert [file.name for file in tmp_path.iterdir()] == ["aging.gif"]
+
+
+def test_profiles_and_protocols_are_animated() -> None:
+    contact = press(gaussian((64,)), SOLID, load=6.0)
+    legs = [protocols.Hold(10.0), protocols.Step(load=3.0), protocols.Hold(10.0)]
+    history = age(contact, [0.1, 11.0], protocol=legs, fields_at=[0.0, 10.0, 20.0], rtol=1e-2)
+    film = history.animate()
+    film._draw_was_started = True  # type: ignore[attr-defined]
+    left, right = film._fig.axes  # type: ignore[attr-defined]
+    places = []
+    for number, touching in enumerate(history["in_contact"].values):
+        film._func(number)  # type: ignore[attr-defined]
+        marks = [line.get_xdata() for line in left.lines if line.get_marker() == "s"]
+        np.testing.assert_array_equal(np.sort(np.concatenate(marks)), np.flatnonzero(touching))
+        places.append(float(right.lines[-1].get_xdata()[0]))
+    assert history["field_leg"].values.tolist() == [0, 0, 1, 2]  # before and after the step
+    assert places == sorted(set(places))
+
+
+def test_what_cannot_be_animated_is_refused(
+    aged: History, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with refuses("dataset"):
+        age(aged.final, [1.0]).animate()
+    with refuses("path"):
+        aged.animate("aging.avi")
+    with refuses("quantity"):
+        aged.animate(quantity="friction")
+    with refuses("frames_per_second"):
+        aged.animate(frames_per_second=0)
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", lambda: False)
+    with refuses("path"):
+        aged.animate("aging.mp4")
+    assert not plt.get_fignums()
+
+
+@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="no ffmpeg is installed")
+def test_an_mp4_is_written(aged: History, tmp_path: Path) -> None:
+    aged.animate(tmp_path / "aging.mp4")
+    assert (tmp_path / "aging.mp4").read_bytes()[4:8] == b"ftyp"
