@@ -225,6 +225,7 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.figures.contact_figure,
     asp.figures.fit_figure,
     asp.figures.animate_history,
+    asp.figures.html_of,
     asp.figures.plot_contact,
     asp.figures.plot_history,
     asp.figures.plot_spectrum,

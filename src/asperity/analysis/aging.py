@@ -18,11 +18,12 @@ to hold:
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
+import asperity.views as views
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import SaturationFit, saturation
 from asperity.lattice import Field
@@ -48,8 +49,8 @@ _SMOOTH_CURVE = 200
 """Points of a curve that is drawn as a line."""
 
 
-@dataclass(frozen=True, eq=False)
-class AgingSummary:
+@dataclass(frozen=True, eq=False, repr=False)
+class AgingSummary(views.Brief):
     """What a history says about the growth of the contact area.
 
     Attributes
@@ -84,14 +85,14 @@ class AgingSummary:
         empty, and why.
     """
 
-    time: Field = field(repr=False)
-    area_ratio: Field = field(repr=False)
+    time: Field
+    area_ratio: Field
     initial_area: int
     sites: int
     relaxed_ratio: float | None
     steepest_per_decade: float
     steepest_time: float
-    load: Field | None = field(repr=False)
+    load: Field | None
     initial_load: float
     relaxed_load: float | None
     load_per_decade: float
@@ -99,10 +100,10 @@ class AgingSummary:
     fit: SaturationFit | None
     fit_note: str
     fit_worst: float
-    fit_curve: Field | None = field(repr=False)
-    curve_time: Field = field(repr=False)
-    dilute_time: Field = field(repr=False)
-    dilute_ratio: Field = field(repr=False)
+    fit_curve: Field | None
+    curve_time: Field
+    dilute_time: Field
+    dilute_ratio: Field
     dilute_note: str
 
 

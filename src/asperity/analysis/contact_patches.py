@@ -17,6 +17,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Edges, Mask
 
@@ -28,8 +29,8 @@ _SMALLEST_BOX = 2
 """The index of single sites is 1 whatever they do."""
 
 
-@dataclass(frozen=True, eq=False)
-class Patches:
+@dataclass(frozen=True, eq=False, repr=False)
+class Patches(views.Brief):
     """The patches of one contact.
 
     Attributes

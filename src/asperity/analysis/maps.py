@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+import asperity.views as views
 from asperity.analysis.scan import readable
 from asperity.contact.state import Contact
 from asperity.errors import InputError
@@ -38,8 +39,8 @@ class SiteState(IntEnum):
     LOST = 3
 
 
-@dataclass(frozen=True, eq=False)
-class ContactMaps:
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactMaps(views.Brief):
     """The contact at several times.
 
     Attributes

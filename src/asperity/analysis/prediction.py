@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+import asperity.views as views
 from asperity.analysis.contact_patches import patches
 from asperity.analysis.observation import Observation
 from asperity.checks import Floats
@@ -94,7 +95,7 @@ class Resolved:
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction:
+class Prediction(views.InNotebooks):
     """The growth of a real contact, predicted from a relaxation table, a scan and a load.
 
     Attributes

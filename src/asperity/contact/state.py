@@ -32,7 +32,7 @@ ACCEPTED_RESIDUAL = 1e-8
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Contact:
+class Contact(views.InNotebooks):
     """Two bodies in contact at one moment; made by `press`, `age` and `relax` alone, which judge it.
 
     Lengths are in the unit of the heights, forces in stiffness times length; where ``si``, in m and N.

@@ -5,6 +5,7 @@ prediction give pictures and a page.
 """
 
 from asperity.figures.aging import aging_curve
+from asperity.figures.cards import html_of
 from asperity.figures.contacts import contact_figure
 from asperity.figures.film import Film, animate_history
 from asperity.figures.fit import fit_figure
@@ -21,6 +22,7 @@ __all__ = [
     "contact_figure",
     "fit_figure",
     "history_figure",
+    "html_of",
     "plot_contact",
     "plot_history",
     "plot_spectrum",

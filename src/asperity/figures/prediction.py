@@ -37,19 +37,7 @@ def growth_figure(prediction: Prediction) -> Figure:
     figure = style.Drawing(figsize=(6.8, 3.2 + 2.1 * (panels - 1)), layout="constrained")
     grid = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 2, 2)[:panels])
     time, growth = prediction.time, prediction.growth
-    unit, square = _areas(prediction)
-    counted, corrected = (
-        square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
-    )
-    _draw(grid[0], time, counted, style.GRAY, "s", "sites counted")
-    _draw(grid[0], time, corrected, style.INK, "o", "less the rim")
-    persson = square * prediction.persson_area
-    grid[0].plot(
-        time, persson, "--", color=style.BLUE, linewidth=1.2, label="Persson's theory, from the rms slope"
-    )
-    grid[0].set_xscale("log")
-    grid[0].set_ylabel(f"real contact area [{unit}]")
-    style.count_nominal_area(grid[0], 100.0 / (prediction.nominal_area * square))
+    draw_growth(grid[0], prediction)
     begin, end, slope = (np.array(column) for column in zip(*growth.decades, strict=True))
     edges = np.append(begin, end[-1])
     grid[1].stairs(
@@ -71,6 +59,28 @@ def growth_figure(prediction: Prediction) -> Figure:
         axes.legend(loc="upper left", fontsize=8, framealpha=0.95)
     grid[-1].set_xlabel("time under load [s]")
     return figure
+
+
+def draw_growth(axes: Axes, prediction: Prediction) -> None:
+    """Draw the area against the logarithm of time, as counted and less its rim, beside Persson's theory."""
+    unit, square = _areas(prediction)
+    counted, corrected = (
+        square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
+    )
+    _draw(axes, prediction.time, counted, style.GRAY, "s", "sites counted")
+    _draw(axes, prediction.time, corrected, style.INK, "o", "less the rim")
+    persson = square * prediction.persson_area
+    axes.plot(
+        prediction.time,
+        persson,
+        "--",
+        color=style.BLUE,
+        linewidth=1.2,
+        label="Persson's theory, from the rms slope",
+    )
+    axes.set_xscale("log")
+    axes.set_ylabel(f"real contact area [{unit}]")
+    style.count_nominal_area(axes, 100.0 / (prediction.nominal_area * square))
 
 
 def contact_maps_figure(prediction: Prediction) -> Figure:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -28,23 +30,10 @@ def relaxation_figure(fit: Fit) -> Figure:
     """
     figure = style.Drawing(figsize=(6.8, 7.0), layout="constrained")
     upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=[3.0, 1.0, 1.3])
-    x, values = fit.data.columns
-    curve_x, curves = fit.curve()
-    scale, unit = _unit(fit)
-    deviations = fit.residuals()
-    for i, name in enumerate(fit.data.quantities):
-        color, marker = _COLORS[i], _MARKERS[i]
-        look = {"color": color, "markersize": 4.5, "markerfacecolor": "white"}
-        upper.plot(x, values[i] * scale, marker, label=name, **look)
-        upper.plot(curve_x, curves[i] * scale, "-", color=color, linewidth=1.4, label=f"fit of the {name}")
-        middle.plot(x, 100 * deviations[i], marker, **look)
-    upper.set_xscale("log")
-    drawn = np.concatenate(values)
-    if drawn.max() > 5 * drawn.min():
-        upper.set_yscale("log")
-    upper.yaxis.set_major_formatter("{x:g}")
-    upper.set_ylabel(f"{'compliance' if isinstance(fit.data, Creep) else 'modulus'} [{unit}]")
-    upper.legend(loc="best", fontsize=8, framealpha=0.95)
+    draw_moduli(upper, fit)
+    x, _ = fit.data.columns
+    for i, deviation in enumerate(fit.residuals()):
+        middle.plot(x, 100 * deviation, _MARKERS[i], **_look(i))
     count = len(fit.series.branches)
     upper.set_title(
         f"{count} {'branch' if count == 1 else 'branches'} over {fit.decades:.1f} decades; "
@@ -60,6 +49,30 @@ def relaxation_figure(fit: Fit) -> Figure:
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
         axes.set_axisbelow(True)
     return figure
+
+
+def draw_moduli(axes: Axes, fit: Fit) -> None:
+    """Draw data and fit."""
+    x, values = fit.data.columns
+    curve_x, curves = fit.curve()
+    scale, unit = _unit(fit)
+    for i, name in enumerate(fit.data.quantities):
+        axes.plot(x, values[i] * scale, _MARKERS[i], label=name, **_look(i))
+        axes.plot(
+            curve_x, curves[i] * scale, "-", color=_COLORS[i], linewidth=1.4, label=f"fit of the {name}"
+        )
+    axes.set_xscale("log")
+    drawn = np.concatenate(values)
+    if drawn.max() > 5 * drawn.min():
+        axes.set_yscale("log")
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.set_ylabel(f"{'compliance' if isinstance(fit.data, Creep) else 'modulus'} [{unit}]")
+    axes.legend(loc="best", fontsize=8, framealpha=0.95)
+
+
+def _look(quantity: int) -> dict[str, Any]:
+    """Of the points of one of the quantities that were measured."""
+    return {"color": _COLORS[quantity], "markersize": 4.5, "markerfacecolor": "white"}
 
 
 def _draw_branches(axes: Axes, fit: Fit) -> None:

@@ -27,8 +27,8 @@ _ROUNDING = 1e-18
 
 
 @dataclass(frozen=True, eq=False)
-class SurfaceView:
-    """A surface as it is shown: its measured part, its axes, a histogram, a profile and its power spectrum.
+class HeightView:
+    """The heights of a surface as they are shown.
 
     Attributes
     ----------
@@ -42,6 +42,23 @@ class SurfaceView:
         Distance between sites along each axis in `length_unit`.
     height_range
         As in `asperity.analysis.ContactMaps`.
+    """
+
+    heights: Field
+    unit: str
+    length_unit: str
+    pixel_size: tuple[float, ...]
+    height_range: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceView(HeightView):
+    """A surface as it is shown: besides its heights a histogram, a profile and its power spectrum.
+
+    Attributes
+    ----------
+    heights, unit, length_unit, pixel_size, height_range
+        As in `HeightView`.
     bin_edges, density
         Histogram of the heights: edges, shape ``(k + 1,)``, and probability per unit height, ``(k,)``.
     normal_density
@@ -54,11 +71,6 @@ class SurfaceView:
         The power spectrum, in `unit` where that is a length, else in the surface's, and in `length_unit`.
     """
 
-    heights: Field
-    unit: str
-    length_unit: str
-    pixel_size: tuple[float, ...]
-    height_range: tuple[float, float]
     bin_edges: Field
     density: Field
     normal_density: Field
@@ -124,13 +136,22 @@ def surface_figure(
     return figure
 
 
+def height_view(surface: Surface) -> HeightView:
+    """Prepare the heights of a surface for drawing."""
+    heights = surface.scan.heights
+    unit, factor = readable(surface.unit, float(np.ptp(heights)))
+    size, length_unit, _ = _axes(surface, heights.shape)
+    heights = heights * factor
+    return HeightView(heights, unit, length_unit, size, color_range(heights))
+
+
 def surface_view(surface: Surface, spectrum: PowerSpectrum | None = None) -> SurfaceView:
     """Prepare a surface for drawing."""
     measured = power_spectrum(surface) if spectrum is None else spectrum
-    heights = surface.scan.heights
-    unit, factor = readable(surface.unit, float(np.ptp(heights)))
-    heights = heights * factor
-    size, length_unit, across = _axes(surface, heights.shape)
+    shown = height_view(surface)
+    heights, unit, size = shown.heights, shown.unit, shown.pixel_size
+    _, factor = readable(surface.unit, float(np.ptp(surface.scan.heights)))
+    _, length_unit, across = _axes(surface, heights.shape)
     middle = heights.shape[0] // 2
     profile = heights if heights.ndim == 1 else heights[middle]
     # At most 80 bins, and about 20 heights a bin for short profiles; one bin for a flat surface.
@@ -144,11 +165,7 @@ def surface_view(surface: Surface, spectrum: PowerSpectrum | None = None) -> Sur
         else np.full(1, np.nan)
     )
     return SurfaceView(
-        heights=heights,
-        unit=unit,
-        length_unit=length_unit,
-        pixel_size=size,
-        height_range=color_range(heights),
+        **vars(shown),
         bin_edges=edges,
         density=density,
         normal_density=normal,
@@ -195,7 +212,7 @@ def _axes(surface: Surface, shape: tuple[int, ...]) -> tuple[tuple[float, ...], 
     return tuple(s * factor for s in surface.pixel_size), shown, factor
 
 
-def draw_map(axes: Axes, view: SurfaceView) -> None:
+def draw_map(axes: Axes, view: HeightView) -> None:
     """Draw the heights of a surface, with axes in its unit of length."""
     rows, columns = view.heights.shape
     image = axes.imshow(

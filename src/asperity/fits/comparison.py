@@ -29,6 +29,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+import asperity.views as views
 from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.fits.curve import Curve
@@ -44,8 +45,8 @@ _ROUNDING = 8 * np.finfo(np.float64).eps
 """Relative residual below which two fits are both exact."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Comparison:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Comparison(views.Brief):
     """The two laws beside each other.
 
     Attributes

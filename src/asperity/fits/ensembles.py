@@ -9,6 +9,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+import asperity.views as views
 from asperity.checks import Floats, floats, line
 from asperity.errors import InputError
 from asperity.fits.resampling import Estimate, jackknife
@@ -17,8 +18,8 @@ from asperity.fits.result import parameters_of
 Fit = TypeVar("Fit")
 
 
-@dataclass(frozen=True, eq=False)
-class EnsembleFit(Generic[Fit]):
+@dataclass(frozen=True, eq=False, repr=False)
+class EnsembleFit(views.Brief, Generic[Fit]):
     """A fit of the mean of several runs.
 
     Attributes

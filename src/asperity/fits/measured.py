@@ -7,7 +7,7 @@ Contact area or static friction, of a laboratory or of a simulation: all that is
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Literal, TypeVar
 
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits.comparison import Comparison, compare
 from asperity.fits.curve import Series, refuse_decline
@@ -38,8 +39,8 @@ _SMOOTH_CURVE = 200
 _Result = TypeVar("_Result")
 
 
-@dataclass(frozen=True, eq=False)
-class MeasuredGrowth:
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredGrowth(views.Brief):
     """What a table of values against hold time says.
 
     Attributes
@@ -78,17 +79,17 @@ class MeasuredGrowth:
     rate: GrowthRate | None
     initial_from: str
     notes: tuple[str, ...]
-    shown_time: Field = field(repr=False)
-    shown_value: Field = field(repr=False)
-    shown_stderr: Field | None = field(repr=False)
+    shown_time: Field
+    shown_value: Field
+    shown_stderr: Field | None
     shown_are_means: bool
-    curve_time: Field = field(repr=False)
-    curves: Mapping[Law, Field] = field(repr=False)
-    residuals: Mapping[Law, Field] = field(repr=False)
-    line_time: Field = field(repr=False)
-    line_value: Field = field(repr=False)
-    line_shown_time: Field = field(repr=False)
-    line_residual: Field = field(repr=False)
+    curve_time: Field
+    curves: Mapping[Law, Field]
+    residuals: Mapping[Law, Field]
+    line_time: Field
+    line_value: Field
+    line_shown_time: Field
+    line_residual: Field
 
 
 def measured_growth(

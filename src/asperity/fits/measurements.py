@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+import asperity.views as views
 from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.tables import GROUPED, MISSING, Table, read_table
@@ -16,8 +17,8 @@ _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
 _LEAVE_OUT = "a # before a line to leave it out"
 
 
-@dataclass(frozen=True, eq=False)
-class Measurements:
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurements(views.Brief):
     """Columns of a table of measurements.
 
     Attributes

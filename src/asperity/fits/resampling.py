@@ -18,13 +18,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import asperity.views as views
 from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.fits.result import student
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class Estimate(views.Brief):
     """A statistic of several independent runs.
 
     Attributes

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from scipy.special import stdtrit
 
+import asperity.views as views
 from asperity.errors import InputError
 
 SURE = 0.95
@@ -22,7 +23,7 @@ def student(degrees_of_freedom: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class FitResult:
+class FitResult(views.InNotebooks):
     """Base of the fits.
 
     Attributes

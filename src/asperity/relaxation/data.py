@@ -18,6 +18,7 @@ from typing import ClassVar
 import numpy as np
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation.positive_sums import positive_weights
@@ -32,8 +33,8 @@ _FLOWS = 0.01
 _SMALLEST_LOSS = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
-class Relaxation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Relaxation(views.Brief):
     """Relaxation modulus G(t): stress over a strain that was imposed at time 0.
 
     Parameters
@@ -85,8 +86,8 @@ class Relaxation:
         return _maxwell(positive_weights(columns, self.modulus, self.modulus), times)
 
 
-@dataclass(frozen=True, eq=False)
-class Creep:
+@dataclass(frozen=True, eq=False, repr=False)
+class Creep(views.Brief):
     """Creep compliance J(t): strain over a stress that was imposed at time 0.
 
     Parameters
@@ -153,8 +154,8 @@ class Creep:
         return from_retardation(instantaneous, np.column_stack([delayed, times])[kept], fluidity)
 
 
-@dataclass(frozen=True, eq=False)
-class Dynamic:
+@dataclass(frozen=True, eq=False, repr=False)
+class Dynamic(views.Brief):
     """Storage and loss modulus G', G'' against angular frequency.
 
     Parameters

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation.data import Measured, scales
@@ -16,7 +17,7 @@ from asperity.relaxation.series import PronySeries
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(views.InNotebooks):
     """A generalized Maxwell solid fitted to data.
 
     Attributes

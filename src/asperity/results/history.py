@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class History:
+class History(views.InNotebooks):
     """How a contact aged.
 
     Attributes

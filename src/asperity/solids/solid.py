@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.solids.laws import FixedRate, LaplacianSpectrum, Numbers, Scaled, SpectrumOf, WithApparatus
@@ -78,7 +79,7 @@ class SpringConstants(Numbers):
 
 
 @dataclass(frozen=True)
-class Solid:
+class Solid(views.InNotebooks):
     """An elastic solid whose surface creeps; see the module for the equations.
 
     Parameters

@@ -126,6 +126,12 @@ class PowerSpectrum:
     unit: str
     length_unit: str
 
+    def __repr__(self) -> str:
+        q, unit = self.wave_number, self.length_unit
+        span = f"{q.size} bins from {q[0]:.3g} to {q[-1]:.3g} rad/{unit}" if q.size else "no bins"
+        found = "no Hurst exponent" if self.fit is None else f"H = {self.fit.hurst:.3g}"
+        return f"<PowerSpectrum: {span}, {found}>"
+
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw it, into axes that are given or a new figure; see `asperity.figures.plot_spectrum`."""
         return views.plot_spectrum(self, ax)

@@ -35,7 +35,7 @@ _DIMENSIONLESS = ("1", "rms")
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(views.InNotebooks):
     """A surface with its unit and its history; it can be given for heights.
 
     Parameters
@@ -73,6 +73,11 @@ class Surface:
         if self.edges not in get_args(Edges):
             expected = f"one of {', '.join(map(repr, get_args(Edges)))}"
             raise InputError("edges", expected=expected, got=repr(self.edges))
+
+    def __repr__(self) -> str:
+        sites, unit = " x ".join(map(str, self.shape)), "" if self.unit == "1" else f" {self.unit}"
+        size = f" of {_sides(self.pixel_size)} {self.length_unit or ''}".rstrip() if self.pixel_size else ""
+        return f"<Surface: {sites} sites{size}, rms height {self.heights.std():.4g}{unit}, {self.edges}>"
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         """Return the heights, in `unit`."""

@@ -1,0 +1,284 @@
+"""HTML by which notebooks show results: a small picture, numbers with units, and the certificate."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Iterable
+from functools import singledispatch
+from html import escape
+from io import BytesIO
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.analysis.prediction import Prediction
+from asperity.analysis.scan import written
+from asperity.contact.state import ACCEPTED_RESIDUAL, Contact
+from asperity.figures import style
+from asperity.figures.page import quantity
+from asperity.figures.plots import plot_contact, plot_history, plot_surface
+from asperity.figures.prediction import draw_growth
+from asperity.figures.relaxation import draw_moduli
+from asperity.fits import FitResult
+from asperity.fits.result import parameters_of
+from asperity.relaxation import Fit, PronySeries
+from asperity.results.history import History
+from asperity.results.quantities import units_of
+from asperity.solids import Solid
+from asperity.surfaces import Surface
+from asperity.words import thousands, uncertain
+
+Row = tuple[str, str]
+
+_SIZE, _DPI = (3.6, 2.7), 100
+"""Size of a picture in inches, and its dots per inch."""
+
+_MOST_BRANCHES = 8
+"""Branches that a card lists."""
+
+_OWN_UNITS = "Lengths are in the unit of the heights, forces in stiffness × height."
+
+
+@singledispatch
+def html_of(thing: object) -> str:
+    """Write a result as HTML for a notebook.
+
+    Parameters
+    ----------
+    thing
+        A contact, history, surface, solid, prediction or fit.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    TypeError
+        It is anything else.
+    """
+    raise TypeError(f"no card for a {type(thing).__name__}")
+
+
+@html_of.register
+def _(contact: Contact) -> str:
+    say = _say(contact)
+    rows = [
+        ("touching", _share(contact.area, contact.heights.size)),
+        ("load", say(contact.load, "force")),
+        ("separation", say(contact.separation, "length")),
+    ]
+    if contact.solid.in_lengths:
+        rows += [
+            ("contact area", say(contact.contact_area, "area")),
+            ("mean pressure", say(contact.mean_pressure, "pressure")),
+            ("largest pressure", say(contact.largest_pressure, "pressure")),
+        ]
+    rows.append(("solid", _line(contact.solid)))
+    figure = _figure()
+    plot_contact(contact, figure.subplots()).set_title("")
+    proof = (
+        f"The fields leave a residual of {contact.residual:.1e} of the mean contact force; "
+        f"at most {ACCEPTED_RESIDUAL:.0e} is accepted."
+    )
+    return _card("Contact", rows, figure, proof, _note(contact))
+
+
+@html_of.register
+def _(history: History) -> str:
+    data, final = history.dataset, history.final
+    say = _say(final)
+    time, area = data["time"].values, data["area"].values
+    last = f"at {say(float(time[-1]), 'time')}"
+    rows = [
+        ("times", f"{time.size}, to {say(float(time[-1]), 'time')}"),
+        ("touching at 0", _share(int(area[0]), final.heights.size)),
+        (f"touching {last}", _share(int(area[-1]), final.heights.size)),
+        ("load", say(float(data["load"][0]), "force")),
+        (f"load {last}", say(float(data["load"][-1]), "force")),
+        ("maps", str(data.sizes.get("field_time", 0))),
+        ("solid", _line(final.solid)),
+    ]
+    if math.isclose(data["load"][0], data["load"][-1], rel_tol=1e-6):
+        del rows[4]
+    figure = None
+    if time[-1] > 0:
+        figure = _figure()
+        plot_history(data, figure.subplots())
+    proof = (
+        f"Worst residual {float(data['residual'].max()):.1e} of the mean contact force; "
+        f"tolerance in time {data.attrs['rtol']:g}."
+    )
+    return _card("History", rows, figure, proof, _note(final))
+
+
+@html_of.register
+def _(surface: Surface) -> str:
+    measured = surface.describe()
+    lengths = "pixel" if surface.pixel_size is None else surface.length_unit or "unit of the file"
+    rows = [("sites", " × ".join(map(str, surface.shape)))]
+    if surface.pixel_size is not None:
+        rows.append(("pixels", " × ".join(_of(side, lengths) for side in surface.pixel_size)))
+    rows += [
+        ("rms height", _of(measured.rms_height, measured.unit)),
+        ("rms slope", _of(measured.rms_slope, measured.slope_unit)),
+        (
+            "lowest, highest",
+            f"{_of(measured.minimum, measured.unit)}, {_of(measured.maximum, measured.unit)}",
+        ),
+        ("edges", surface.edges),
+    ]
+    origin = surface.provenance.get("file") or surface.provenance.get("kind")
+    if origin:
+        rows.insert(0, ("from", str(origin)))
+    figure = _figure()
+    plot_surface(surface, figure.subplots()).set_title("")
+    return _card("Surface", rows, figure, *surface.remarks)
+
+
+@html_of.register
+def _(solid: Solid) -> str:
+    branches = solid.parameters.get("branches", ())
+    rows = [("kind", solid.kind.replace("_", " "))]
+    rows += [(name, _number(value)) for name, value in solid.parameters.items() if name != "branches"]
+    pairs = [pair for pair in branches if isinstance(pair, tuple)] if isinstance(branches, tuple) else []
+    rows += [(f"share {share:.3g}", f"relaxes in {time:.3g}") for share, time in pairs[:_MOST_BRANCHES]]
+    if len(pairs) > _MOST_BRANCHES:
+        rows.append(("and", f"{len(pairs) - _MOST_BRANCHES} more branches"))
+    figure = None
+    if pairs:
+        figure = _figure()
+        _draw_relaxation(figure.subplots(), PronySeries(1.0, tuple(pairs)))
+    note = "Moduli in Pa, times in s, lengths in m under a surface with units." if solid.in_lengths else ""
+    return _card("Solid", rows, figure, note)
+
+
+@html_of.register
+def _(fit: FitResult) -> str:
+    rows = []
+    for name in parameters_of(fit):
+        value, error = getattr(fit, name), getattr(fit, f"{name}_stderr")
+        rows.append((name, uncertain(value, error)))
+    rows += [
+        ("points", str(fit.points)),
+        ("misfit", f"{100 * fit.rms_residual:.2g} % rms"),
+        ("R²", f"{fit.r_squared:.5g}"),
+    ]
+    if fit.reduced_chi_squared is not None:
+        rows.append(("χ² / degree of freedom", f"{fit.reduced_chi_squared:.3g}"))
+    return _card(type(fit).__name__, rows, None, "± is one standard error; interval(name) gives 95 %.")
+
+
+@html_of.register
+def _(fit: Fit) -> str:
+    series = fit.series
+    first, last = (quantity(time, "s") for time in series.span)
+    rows = [
+        ("branches", str(len(series.branches))),
+        ("times", f"{first} to {last}"),
+        ("modulus at once", quantity(series.modulus, "Pa")),
+        ("deviations", f"{100 * fit.rms:.2g} % rms, {100 * series.error:.2g} % at most"),
+    ]
+    figure = _figure()
+    draw_moduli(figure.subplots(), fit)
+    return _card("Fit of relaxation", rows, figure)
+
+
+@html_of.register
+def _(prediction: Prediction) -> str:
+    growth, data = prediction.growth, prediction.dataset
+    low, high = (100 * edge for edge in growth.band)
+    rows = [
+        ("growth per decade", f"{100 * growth.per_decade:.3g} % of the first area"),
+        ("95 % band", f"{low:.3g} to {high:.3g} %"),
+        ("times", f"{quantity(prediction.time[0], 's')} to {quantity(prediction.time[-1], 's')}"),
+        ("load", quantity(float(data["load"][0]), "N")),
+        ("modulus E* at once", quantity(prediction.modulus, "Pa")),
+    ]
+    if (friction := prediction.friction) is not None:
+        rows.append(("static friction", f"{friction[0]:.3g} to {friction[-1]:.3g}"))
+    figure = _figure()
+    draw_growth(figure.subplots(), prediction)
+    proof = f"Worst residual {float(data['residual'].max()):.1e} of the mean contact force."
+    return _card("Prediction", rows, figure, proof, *prediction.remarks)
+
+
+class _say:  # noqa: N801
+    """Writes a quantity of a contact, with its unit where that is one of SI."""
+
+    def __init__(self, contact: Contact) -> None:
+        self._units, self._si = units_of(contact), contact.si
+
+    def __call__(self, value: float, dimension: str) -> str:
+        return style.spaced(written(value, self._units[dimension] if self._si else "1"))
+
+
+def _draw_relaxation(axes: Axes, series: PronySeries) -> None:
+    """Draw the modulus over that at once."""
+    times = [time for _, time in series.branches]
+    t = np.geomspace(0.03 * times[0], 30 * times[-1], 200)
+    axes.semilogx(t, series.modulus_at(t), color=style.BLUE)
+    axes.set_ylim(0, 1.05)
+    axes.set_xlabel("time")
+    axes.set_ylabel("modulus, over that at once")
+
+
+def _note(contact: Contact) -> str:
+    return "" if contact.si else _OWN_UNITS
+
+
+def _share(area: int, sites: int) -> str:
+    return f"{thousands(area)} of {thousands(sites)} sites = {100 * area / sites:.3g} %"
+
+
+def _line(solid: Solid) -> str:
+    return repr(solid).removeprefix("<Solid: ").removesuffix(">")
+
+
+def _of(value: float, unit: str) -> str:
+    known = style.spaced(written(value, unit))
+    return known if unit == "1" or " " in known or "\u00a0" in known else f"{known} {style.spelled(unit)}"
+
+
+def _number(value: object) -> str:
+    if isinstance(value, tuple):
+        return ", ".join(map(_number, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _figure() -> Figure:
+    return style.Drawing(figsize=_SIZE, layout="constrained")
+
+
+_NAME, _NOTE = (
+    "text-align:left;font-weight:normal;opacity:.75;padding-right:1em",
+    "font-size:smaller;opacity:.75",
+)
+
+
+def _card(title: str, rows: Iterable[Row], figure: Figure | None, *notes: str) -> str:
+    """Lay out a picture beside a table, with sentences below; colors are those of the notebook."""
+    cells = "".join(
+        f'<tr><th style="{_NAME}">{escape(name)}</th><td style="text-align:left">{escape(value)}</td></tr>'
+        for name, value in rows
+    )
+    said = "".join(f'<div style="{_NOTE};max-width:36em">{escape(note)}</div>' for note in notes if note)
+    picture = "" if figure is None else f'<img alt="{escape(title)}" src="{_data_of(figure)}">'
+    return (
+        '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:center">'
+        f"{picture}<div><b>{escape(title)}</b><table>{cells}</table>{said}</div></div>"
+    )
+
+
+def _data_of(figure: Figure) -> str:
+    for axes in figure.axes:
+        for text in (axes.xaxis.label, axes.yaxis.label, *axes.get_xticklabels(), *axes.get_yticklabels()):
+            text.set_fontsize(7)
+        if (legend := axes.get_legend()) is not None:
+            for text in legend.get_texts():
+                text.set_fontsize(6.5)
+    stream = BytesIO()
+    figure.savefig(stream, format="png", dpi=_DPI)
+    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")

@@ -1,0 +1,162 @@
+"""What results say of themselves: one short line, and HTML with a picture, numbers and the certificate."""
+
+from __future__ import annotations
+
+import base64
+import functools
+import io
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import asperity as asp
+from asperity import views
+from asperity.figures import html_of
+from asperity.views import InNotebooks
+
+SPRINGS = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+CREEPING = asp.solids.half_space(modulus=1e9, branches=[(0.5, 10.0), (0.25, 1e3)])
+SCAN = asp.surfaces.Surface(
+    np.asarray(asp.surfaces.gaussian((24, 24))),
+    unit="um",
+    pixel_size=(2.0, 2.0),
+    length_unit="um",
+    provenance={"file": "<b>scan</b> & more.opd"},
+)
+PRESSED = asp.press(SCAN, CREEPING, pressure=1e7)
+SPRUNG = asp.press(asp.surfaces.gaussian((24, 24)), SPRINGS, load=20.0)
+HISTORY = asp.age(PRESSED, [1.0, 10.0, 100.0], fields_at=[0.0])
+TIME = np.geomspace(0.1, 1e3, 21)
+CURVE = 10.0 * (1 + 0.3 * np.log1p(TIME))
+FIT = asp.fits.saturation(TIME, CURVE)
+TABLE = asp.relaxation.fit(asp.relaxation.Relaxation(TIME, 1e9 * (0.2 + 0.8 / (1 + TIME) ** 0.3)))
+
+RESULTS = {
+    "contact": PRESSED,
+    "contact of springs": SPRUNG,
+    "line": asp.press(asp.surfaces.gaussian((64,)), SPRINGS, load=6.0),
+    "history": HISTORY,
+    "instant": asp.age(SPRUNG, [0.0]),
+    "surface": SCAN,
+    "profile": asp.surfaces.Surface(asp.surfaces.gaussian((64,))),
+    "springs": SPRINGS,
+    "solid": CREEPING,
+    "fit": FIT,
+    "relaxation": TABLE,
+}
+LONG = {
+    "comparison": asp.fits.compare(TIME, CURVE),
+    "ensemble": asp.fits.ensemble(asp.fits.saturation, TIME, [CURVE, 1.01 * CURVE]),
+    "measured": asp.fits.measured_growth(TIME, CURVE),
+    "summary": asp.analysis.aging_summary(HISTORY.dataset),
+    "maps": asp.analysis.contact_maps(HISTORY.dataset),
+    "patches": asp.analysis.patches(SPRUNG.in_contact),
+    "spectrum": asp.surfaces.power_spectrum(SCAN),
+    "table": TABLE.data,
+}
+
+
+class Reader(HTMLParser):
+    """Collects the texts of a page and checks that its tags match."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.texts: list[str] = []
+        self.open: list[str] = []
+        self.feed(page)
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: object) -> None:
+        if tag != "img":
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+
+
+@functools.cache
+def html(thing: InNotebooks) -> str:
+    return thing._repr_html_()
+
+
+def cells(thing: InNotebooks) -> dict[str, str]:
+    texts = Reader(html(thing)).texts
+    return dict(zip(texts[1::2], texts[2::2], strict=False))
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_html_is_well_formed_and_its_picture_is_one(name: str) -> None:
+    thing = RESULTS[name]
+    assert isinstance(thing, InNotebooks)
+    page = html(thing)
+    assert Reader(page).texts
+    assert len(page) < 200_000
+    pictures = re.findall(r"data:image/png;base64,([^\"]+)", page)
+    assert len(pictures) == (name not in ("instant", "springs", "fit"))
+    for picture in pictures:
+        with Image.open(io.BytesIO(base64.b64decode(picture))) as image:
+            assert min(image.size) > 200
+            assert len(np.unique(np.asarray(image.convert("L")))) > 10
+
+
+def test_a_contact_gives_its_numbers_and_its_certificate() -> None:
+    said = cells(PRESSED)
+    assert said["touching"] == f"{PRESSED.area} of 576 sites = {100 * PRESSED.area / 576:.3g} %"
+    assert said["load"] == "23.04\u00a0mN"  # 10 MPa on 48 µm x 48 µm
+    assert said["mean pressure"] == "10\u00a0MPa"
+    assert f"residual of {PRESSED.residual:.1e}" in html(PRESSED)
+    assert "stiffness" not in html(PRESSED)
+    assert cells(SPRUNG)["load"] == "20"
+    assert "stiffness" in html(SPRUNG)
+
+
+def test_a_history_gives_first_and_last_area_and_the_worst_residual() -> None:
+    said = cells(HISTORY)
+    for when, area in zip(
+        ("touching at 0", "touching at 100\u00a0s"), HISTORY.area.values[[0, -1]], strict=True
+    ):
+        assert said[when].startswith(f"{area} of 576 sites")
+    assert f"Worst residual {HISTORY['residual'].max():.1e}" in html(HISTORY)
+    assert not [name for name in said if name.startswith("load at")]  # it is held
+    falling = cells(asp.age(SPRUNG, [10.0], hold="separation"))
+    assert float(falling["load at 10"]) < 20
+
+
+def test_names_from_files_are_text() -> None:
+    assert "<b>scan" not in html(SCAN)
+    assert cells(SCAN)["from"] == "<b>scan</b> & more.opd"
+    assert cells(SCAN)["pixels"] == "2\u00a0µm × 2\u00a0µm"
+
+
+def test_solids_and_fits_give_their_parameters() -> None:
+    assert cells(SPRINGS)["k1"] == "3"
+    assert cells(CREEPING)["share 0.25"] == "relaxes in 1e+03"
+    assert cells(FIT)["points"] == "21"
+    assert cells(FIT)["a"].startswith(f"{FIT.a:.3g}"[:3])
+
+
+@pytest.mark.parametrize("name", [*RESULTS, *LONG])
+def test_a_repr_is_short_and_on_one_line(name: str) -> None:
+    said = repr((RESULTS | LONG)[name])
+    assert "\n" not in said
+    assert len(said) < 450
+
+
+def test_what_has_no_card_is_refused() -> None:
+    with pytest.raises(TypeError, match="no card for a dict"):
+        html_of({})
+    with pytest.raises(AttributeError, match="no attribute 'nope'"):
+        views.nope  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_nothing_is_drawn_before_it_is_asked_for() -> None:
+    code = "import asperity.results, sys; sys.exit('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
