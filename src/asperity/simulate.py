@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
+from asperity.progress import Shown, progress_shown
 from asperity.protocols import Hold as HoldLeg
 from asperity.protocols import Leg, Schedule, legs_of
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
@@ -112,7 +114,7 @@ def age(
     hold: Hold | None = None,
     rtol: float = DEFAULT_RTOL,
     fields_at: ArrayLike = (),
-    progress: Callable[[Frame], None] | None = None,
+    progress: Callable[[Frame], None] | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
     solver: ContactSolver | None = None,
     exact: bool = True,
@@ -142,7 +144,7 @@ def age(
         Strictly increasing times >= 0 at which to keep u, u0 and in_contact; they need not be among
         ``times``.
     progress
-        Called with each `Frame` as it is reached.
+        True for a bar, in notebooks as on terminals; or what is called with each `Frame` as it is reached.
     checkpoint
         File in which to keep the run's place, every ten seconds or as `Checkpoint` says. If it exists,
         the run goes on from there, to the result that it would have had undisturbed. The file
@@ -197,27 +199,38 @@ def age(
             keeper.write(Place(here, rows, snapshots))
 
     final = contact
-    for frame in follow(
-        contact,
-        schedule,
-        stops,
-        rtol=tolerance,
-        solver=method,
-        exact=exact,
-        resume=resume,
-        after_step=keep_place,
-    ):
-        if progress is not None:
-            progress(frame)
-        final = frame.contact
-        if frame.time in kept or (frame.time == 0 and keep_start):
-            snapshots.append(snapshot_of(frame))
-        if frame.time in recorded or frame.time in always:
-            rows.append(row_of(frame))
+    with _told(progress, stops) as tell:
+        for frame in follow(
+            contact,
+            schedule,
+            stops,
+            rtol=tolerance,
+            solver=method,
+            exact=exact,
+            resume=resume,
+            after_step=keep_place,
+        ):
+            tell(frame)
+            final = frame.contact
+            if frame.time in kept or (frame.time == 0 and keep_start):
+                snapshots.append(snapshot_of(frame))
+            if frame.time in recorded or frame.time in always:
+                rows.append(row_of(frame))
     control = control_of(contact, hold) if protocol is None else contact.control
     return History(
         dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance), final
     )
+
+
+@contextmanager
+def _told(progress: Callable[[Frame], None] | bool | None, stops: Field) -> Iterator[Callable[[Frame], None]]:
+    """What is told how far aging has come: a bar, the user's own, or nobody."""
+    if progress is True:
+        with progress_shown() as shown:
+            shown.stage("aging", times=stops.tolist())
+            yield shown.reached
+    else:
+        yield progress or Shown().reached
 
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:

@@ -25,7 +25,7 @@ ROOMS = [
     {"surfaces", "solids", "protocols"},
     {"contact"},
     {"aging"},
-    {"results"},
+    {"progress", "results"},
     {"simulate"},
     {"theory", "fits"},
     {"analysis"},

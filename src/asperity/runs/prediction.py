@@ -8,6 +8,7 @@ import json
 import math
 import warnings
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal, get_args
@@ -22,6 +23,7 @@ from asperity.analysis.scan import written
 from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.memory import require
+from asperity.progress import progress_shown
 from asperity.relaxation import Fit, Measured, fit
 from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
@@ -62,7 +64,7 @@ def predict(
     pixel: float | str | None = None,
     blur: float | str | None = None,
     threshold: float = 0.5,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
     threads: int = 1,
 ) -> Prediction:
@@ -98,7 +100,7 @@ def predict(
     pixel, blur, threshold
         An instrument through which to look at the contact, see `asperity.observe`; by default none.
     progress
-        Who is told how far it has come.
+        True for a bar, in notebooks as on terminals; or who is told how far it has come.
     checkpoint
         Where aging keeps its place; see `asperity.age`.
     threads
@@ -129,64 +131,71 @@ def predict(
     if modulus not in get_args(Modulus):
         raise InputError("modulus", expected="'young', 'shear' or 'contact'", got=checks.shown(modulus))
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
-    tell = progress or Silent()
-    tell.stage("reading the relaxation table")
-    factor = checks.number("shift", shift, above=0)
-    if isinstance(relaxation, str | Path):
-        found = fit(_table_with_units(relaxation, kind, columns, noise))
-    else:
-        found = fit(relaxation)
-    if factor != 1:
-        found = fit(found.data.shifted(factor))
-    times = _times(found, first, last, density)
-    stiffness = _contact_modulus(found.series.modulus, modulus, poisson)
-    tell.stage("reading the scan")
-    scan = surface if isinstance(surface, Surface) else read(surface, periodic="reflect")
-    if scan.heights.ndim != 2:
-        raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
-    scan.in_meters()
-    if scan.provenance.get("periodic_rule") == "mirror":
-        scan = replace(scan.scan, provenance={**scan.provenance, "periodic_rule": "reflect"})
-    branches = len(found.series.branches)
-    maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
-    require(_SITE + branches * (_BRANCH + 8 * len(maps)), scan.shape)
-    solid = half_space(modulus=stiffness, branches=found.series.branches)
-    tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
-    with transforms_on(threads, scan.heights.size):
-        by_load = which == "load"
-        contact = press(scan, solid, load=amount if by_load else None, pressure=None if by_load else amount)
-        look = functools.partial(
-            observe, pixel=pixel, blur=0.0 if blur is None else blur, threshold=threshold
+    with _told(progress) as tell:
+        tell.stage("reading the relaxation table")
+        factor = checks.number("shift", shift, above=0)
+        if isinstance(relaxation, str | Path):
+            found = fit(_table_with_units(relaxation, kind, columns, noise))
+        else:
+            found = fit(relaxation)
+        if factor != 1:
+            found = fit(found.data.shifted(factor))
+        times = _times(found, first, last, density)
+        stiffness = _contact_modulus(found.series.modulus, modulus, poisson)
+        tell.stage("reading the scan")
+        scan = surface if isinstance(surface, Surface) else read(surface, periodic="reflect")
+        if scan.heights.ndim != 2:
+            raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
+        scan.in_meters()
+        if scan.provenance.get("periodic_rule") == "mirror":
+            scan = replace(scan.scan, provenance={**scan.provenance, "periodic_rule": "reflect"})
+        branches = len(found.series.branches)
+        maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
+        require(_SITE + branches * (_BRANCH + 8 * len(maps)), scan.shape)
+        solid = half_space(modulus=stiffness, branches=found.series.branches)
+        tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
+        with transforms_on(threads, scan.heights.size):
+            by_load = which == "load"
+            contact = press(
+                scan, solid, load=amount if by_load else None, pressure=None if by_load else amount
+            )
+            look = functools.partial(
+                observe, pixel=pixel, blur=0.0 if blur is None else blur, threshold=threshold
+            )
+            looks = pixel is not None or blur is not None
+            if looks:
+                look(contact)  # refuses before minutes have passed
+            tell.stage("aging", times=times.tolist())
+            history = age(contact, times, fields_at=maps, progress=tell.reached, checkpoint=checkpoint)
+        dataset = history.dataset.drop_vars("u0")
+        assumed = {
+            "measured": modulus,
+            "poisson": None if modulus == "contact" else poisson,
+            "shift": shift,
+            "table": Path(relaxation).name if isinstance(relaxation, str | Path) else "",
+            "table_sha256": _checksum(relaxation) if isinstance(relaxation, str | Path) else "",
+            "kind": type(found.data).__name__,
+            "points": int(found.data.columns[0].size),
+            "shear_strength": strength,
+            "pressed_by": which,
+        }
+        dataset = dataset.assign_attrs(prediction=json.dumps(assumed))
+        tell.stage("weighing the spread of the table and of the scan")
+        prediction = Prediction(
+            dataset,
+            found,
+            stiffness,
+            growth_of(dataset, found),
+            resolved(dataset),
+            shear_strength=strength,
+            observed=tuple(look(dataset.isel(field_time=n)) for n in range(len(maps) if looks else 0)),
         )
-        looks = pixel is not None or blur is not None
-        if looks:
-            look(contact)  # refuses before minutes have passed
-        tell.stage("aging", times=times.tolist())
-        history = age(contact, times, fields_at=maps, progress=tell.reached, checkpoint=checkpoint)
-    dataset = history.dataset.drop_vars("u0")
-    assumed = {
-        "measured": modulus,
-        "poisson": None if modulus == "contact" else poisson,
-        "shift": shift,
-        "table": Path(relaxation).name if isinstance(relaxation, str | Path) else "",
-        "table_sha256": _checksum(relaxation) if isinstance(relaxation, str | Path) else "",
-        "kind": type(found.data).__name__,
-        "points": int(found.data.columns[0].size),
-        "shear_strength": strength,
-        "pressed_by": which,
-    }
-    dataset = dataset.assign_attrs(prediction=json.dumps(assumed))
-    tell.stage("weighing the spread of the table and of the scan")
-    prediction = Prediction(
-        dataset,
-        found,
-        stiffness,
-        growth_of(dataset, found),
-        resolved(dataset),
-        shear_strength=strength,
-        observed=tuple(look(dataset.isel(field_time=n)) for n in range(len(maps) if looks else 0)),
-    )
-    return replace(prediction, remarks=(*scan.remarks, *_remarks(prediction, scan)))
+        return replace(prediction, remarks=(*scan.remarks, *_remarks(prediction, scan)))
+
+
+def _told(progress: Progress | bool | None) -> AbstractContextManager[Progress]:
+    """Whom to tell how far it has come: a bar, the user's own, or nobody."""
+    return progress_shown() if progress is True else nullcontext(progress or Silent())
 
 
 def _table_with_units(

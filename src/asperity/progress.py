@@ -1,0 +1,166 @@
+"""Progress of a run: a bar in notebooks and on terminals, a line for each decade of time elsewhere."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time as clock
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from html import escape
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from asperity.aging import Frame
+from asperity.words import printable
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
+_EVERY = 0.1
+"""Seconds between changes of a bar in a notebook."""
+
+
+@contextmanager
+def progress_shown() -> Iterator[Shown]:
+    """Show progress where the user is: in the notebook, or on the error stream, until the run ends."""
+    notebook = _notebook()
+    if notebook is not None:
+        shown = _InNotebook(notebook)
+        try:
+            yield shown
+        finally:
+            shown.end()
+    elif sys.stderr is None or not sys.stderr.isatty():
+        yield _Lines()
+    else:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        columns = (
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[state]}"),
+            TimeElapsedColumn(),
+        )
+        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+            yield _OnTerminal(bar)
+
+
+class Shown:
+    """Someone who is told how far a run has come, and shows nothing of it yet."""
+
+    def __init__(self) -> None:
+        self.times: Sequence[float] = ()
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        """Begin a stage; aging passes the times that it will record."""
+
+    def completed(self, config: object) -> None:
+        """Nothing of the configuration is left open any more."""
+
+    def remark(self, text: str) -> None:
+        """The user should know this before the run ends."""
+
+    def reached(self, frame: Frame) -> None:
+        """Aging has come to this moment."""
+
+    def _done(self, frame: Frame) -> int:
+        """Times recorded until now: even in the decades."""
+        return sum(time <= frame.time for time in self.times)
+
+    def _state(self, frame: Frame) -> str:
+        return f"t = {frame.time:.3g} of {self.times[-1]:.3g}, {_area(frame)}"
+
+
+class _Lines(Shown):
+    """Plain lines, for logs."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._decade = -math.inf
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        span = f" to t = {times[-1]:g}" if times else ""
+        self._say(f"{name}{span}")
+
+    def remark(self, text: str) -> None:
+        self._say(f"remark: {text}")
+
+    def reached(self, frame: Frame) -> None:
+        # The epsilon puts 10^k, however rounded, at the start of its decade.
+        decade = math.floor(math.log10(frame.time) + 1e-9) if frame.time > 0 else -math.inf
+        if frame.time == 0 or decade > self._decade:
+            self._decade = decade
+            self._say(f"  t = {frame.time:<8.4g} {_area(frame)}")
+
+    def _say(self, text: str) -> None:
+        print(printable(text), file=sys.stderr, flush=True)
+
+
+class _OnTerminal(Shown):
+    """A bar whose length is the number of times recorded."""
+
+    def __init__(self, bar: Bar) -> None:
+        super().__init__()
+        self._bar = bar
+        self._task = bar.add_task("", total=None, state="")
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        self.times = times
+        self._bar.reset(self._task, description=printable(name), total=len(times) or None, state="")
+
+    def remark(self, text: str) -> None:
+        self._bar.console.print(f"remark: {printable(text)}", highlight=False, markup=False)
+
+    def reached(self, frame: Frame) -> None:
+        self._bar.update(self._task, completed=self._done(frame), state=self._state(frame))
+
+
+class _InNotebook(Shown):
+    """The same as HTML below the cell, which changes in place; no widgets are needed."""
+
+    def __init__(self, display: ModuleType) -> None:
+        super().__init__()
+        self._display = display
+        self._handle = display.display(display.HTML(""), display_id=True)
+        self._name, self._inside, self._changed = "", "", -math.inf
+        self._remarks: list[str] = []
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        self._name, self.times = name, times
+        self._change("<progress></progress>" if not times else self._bar(0, ""), now=True)
+
+    def remark(self, text: str) -> None:
+        self._remarks.append(f"<div>remark: {escape(text)}</div>")
+        self._change(self._inside, now=True)
+
+    def reached(self, frame: Frame) -> None:
+        self._change(self._bar(self._done(frame), self._state(frame)))
+
+    def end(self) -> None:
+        """Show the last state, which may have come too soon after the one before."""
+        self._change(self._inside, now=True)
+
+    def _bar(self, done: int, state: str) -> str:
+        return f'<progress max="{len(self.times)}" value="{done}"></progress> {escape(state)}'
+
+    def _change(self, inside: str, *, now: bool = False) -> None:
+        self._inside = inside
+        if now or clock.monotonic() - self._changed > _EVERY:
+            self._changed = clock.monotonic()
+            told = f"<div>{escape(self._name)} {inside}</div>{''.join(self._remarks)}"
+            self._handle.update(self._display.HTML(told))
+
+
+def _notebook() -> ModuleType | None:
+    """What displays in the notebook in which this runs; None elsewhere, also in IPython on a terminal."""
+    ipython, display = sys.modules.get("IPython"), sys.modules.get("IPython.display")
+    shell = ipython.get_ipython() if ipython is not None else None
+    return display if hasattr(shell, "kernel") else None
+
+
+def _area(frame: Frame) -> str:
+    contact = frame.contact
+    return f"area {contact.area} sites ({100 * contact.area / contact.heights.size:.3g} %)"

@@ -1,0 +1,95 @@
+"""Progress: lines in logs, a bar on terminals and in notebooks; results do not depend on it."""
+
+from __future__ import annotations
+
+import io
+import sys
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+
+from asperity import age, press
+from asperity.progress import progress_shown
+from asperity.solids import spring_lattice
+from asperity.surfaces import gaussian
+
+CONTACT = press(gaussian((16, 16)), spring_lattice(k0=1.0, k1=3.0), load=16.0)
+TIMES = np.geomspace(0.1, 100.0, 7)
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+class Handle:
+    def __init__(self) -> None:
+        self.pages: list[str] = []
+
+    def update(self, page: str) -> None:
+        self.pages.append(page)
+
+
+@pytest.fixture
+def notebook(monkeypatch: pytest.MonkeyPatch) -> Handle:
+    """What IPython gives in a notebook."""
+    handle = Handle()
+    ipython, display = ModuleType("IPython"), ModuleType("IPython.display")
+    ipython.get_ipython = lambda: SimpleNamespace(kernel=1)  # type: ignore[attr-defined]
+    display.HTML = str  # type: ignore[attr-defined]
+    display.display = lambda *_, **__: handle  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "IPython", ipython)
+    monkeypatch.setitem(sys.modules, "IPython.display", display)
+    return handle
+
+
+def test_in_a_log_there_is_a_line_for_each_decade(capsys: pytest.CaptureFixture[str]) -> None:
+    with_bar = age(CONTACT, TIMES, progress=True)
+    out, said = capsys.readouterr()
+    assert out == ""
+    lines = said.splitlines()
+    assert lines[0] == "aging to t = 100"
+    assert [line.split()[2] for line in lines[1:]] == ["0", "0.1", "1", "10", "100"]
+    assert lines[-1].endswith(
+        f"area {with_bar.final.area} sites ({100 * with_bar.final.contact_fraction:.3g} %)"
+    )
+    without = age(CONTACT, TIMES)
+    assert capsys.readouterr() == ("", "")
+    assert with_bar.dataset.identical(without.dataset)
+
+
+def test_on_a_terminal_there_is_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    screen = Terminal()
+    monkeypatch.setattr(sys, "stderr", screen)
+    monkeypatch.setenv("TERM", "xterm")
+    with progress_shown() as shown:
+        shown.stage("pressing")
+        shown.remark("a remark")
+        age(CONTACT, TIMES, progress=True)
+    said = screen.getvalue()
+    assert "\x1b[" in said
+    assert "remark: a remark" in said
+    assert "aging" in said
+    assert "of 100, area" in said
+
+
+def test_in_a_notebook_there_is_a_bar_below_the_cell(
+    notebook: Handle, capsys: pytest.CaptureFixture[str]
+) -> None:
+    history = age(CONTACT, TIMES, progress=True)
+    assert capsys.readouterr() == ("", "")
+    assert notebook.pages[0] == '<div>aging <progress max="7" value="0"></progress> </div>'
+    last = f"t = 100 of 100, area {history.final.area} sites"
+    assert '<progress max="7" value="7"></progress>' in notebook.pages[-1]
+    assert last in notebook.pages[-1]
+    with progress_shown() as shown:
+        shown.remark("1 < 2")
+    assert "<div>remark: 1 &lt; 2</div>" in notebook.pages[-1]
+
+
+def test_a_call_of_the_users_own_gets_each_frame() -> None:
+    times = []
+    age(CONTACT, TIMES, progress=lambda frame: times.append(frame.time))
+    np.testing.assert_array_equal(times, [0.0, *TIMES])
+    assert age(CONTACT, TIMES, progress=False).final.area > 0
