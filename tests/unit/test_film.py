@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -53,7 +54,10 @@ def test_each_frame_is_a_map_and_its_time(aged: History) -> None:
         kept = touching & aged["in_contact"].values[0]
         np.testing.assert_array_equal((drawn == black).all(axis=-1), kept)
         np.testing.assert_array_equal((drawn != 1).any(axis=-1), touching | aged["in_contact"].values[0])
-    assert "<img" in film._repr_html_()
+    player = film._repr_html_()
+    assert "<img" in player
+    assert "▶" in player
+    assert not re.search(r"https?://|fa-", player)  # it needs no network
 
 
 def test_a_gif_has_a_frame_for_each_map(aged: History, tmp_path: Path) -> None:

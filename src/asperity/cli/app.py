@@ -19,7 +19,8 @@ from cyclopts import App, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandError, UnknownOptionError
 
 from asperity._version import __version__
-from asperity.cli.flags import Flags, Out, Quiet, Switch, Whole, flags_for, given
+from asperity.cli.flags import Flags, Open, Out, Quiet, Switch, Whole, flags_for, given
+from asperity.cli.opening import open_results
 from asperity.cli.terminal import complain, make_streams_safe, silence_output
 from asperity.errors import AsperityError, ConfigError, InputError, Remark
 from asperity.words import closest, has_decimal_comma
@@ -78,6 +79,7 @@ def run(
     out: Out = Path("asperity-out"),
     overwrite: Switch = False,
     quiet: Quiet = False,
+    show: Open = False,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     surface: Flags | None = None,
     preparation: Flags | None = None,
@@ -102,6 +104,8 @@ def run(
         Replace the results of an earlier run.
     quiet
         Print neither progress nor summary.
+    show
+        Open the picture of the results when they are written.
     leg
         A leg of the history of the load or the separation, as often as there are legs: "hold 10",
         "ramp 5 load=400", "step load=160", "hold 100 hold=area", "repeat 3" (the legs so far).
@@ -118,6 +122,8 @@ def run(
     from asperity.cli.run import run as run_it
 
     run_it(settings, out=out, overwrite=overwrite, quiet=quiet)
+    if show:
+        open_results(out)
 
 
 @_command("scan")
@@ -147,6 +153,7 @@ def predict(
     out: Out = Path("prediction"),
     overwrite: Switch = False,
     quiet: Quiet = False,
+    show: Open = False,
     scan: Flags | None = None,
 ) -> None:
     """Predict how the real contact grows, from a relaxation table, a scan and a load, with units.
@@ -204,6 +211,8 @@ def predict(
         Replace the results of an earlier prediction.
     quiet
         Print neither progress nor summary.
+    show
+        Open the page of the results when they are written.
     """
     from asperity.config.models import Scan
     from asperity.config.reading import file_surface
@@ -235,6 +244,8 @@ def predict(
         threshold=threshold,
     )
     predict_it(wanted, out=out, overwrite=overwrite, quiet=quiet)
+    if show:
+        open_results(out)
 
 
 @_command("preparation", name="surface")
@@ -514,6 +525,25 @@ def _check_campaign(command: str, out: Path) -> None:
     if (out / "history.zarr").is_dir():
         got = f"{out}, that of a run"
         raise InputError(command, expected="the folder of a campaign", got=got, advice="its summary.txt")
+
+
+@_command(name="--install-completion")
+def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | None = None) -> None:
+    """Let the shell complete commands and flags at the Tab key, from its next start on.
+
+    Parameters
+    ----------
+    shell
+        Which shell. [default: the one that this runs in]
+    """
+    from cyclopts.completion.detect import ShellDetectionError
+
+    try:
+        path = app.install_completion(shell=shell)
+    except ShellDetectionError:
+        advice = "--install-completion --shell bash"
+        raise InputError("--shell", expected="a shell", got="none that is known", advice=advice) from None
+    print(f"written {path}; completion begins with the next shell")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

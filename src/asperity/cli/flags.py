@@ -31,6 +31,7 @@ def _whole(_: object, tokens: Sequence[Token]) -> int:
 
 Switch = Annotated[bool, Parameter(negative=(), show_default=False)]
 Quiet = Annotated[bool, Parameter(name=("--quiet", "-q"), negative=(), show_default=False)]
+Open = Annotated[bool, Parameter(name="--open", negative=(), show_default=False)]
 Out = Annotated[Path, Parameter(name=("--out", "-o"))]
 Whole = Annotated[int, Parameter(converter=_whole)]
 _METAVARS = {

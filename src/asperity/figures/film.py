@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -35,12 +36,28 @@ _SIZE = (9.6, 4.8)
 _DPI = 100
 
 
+_SIGNS = {
+    "minus": "−",
+    "fast-backward": "⏮",
+    "step-backward": "◁|",
+    "play fa-flip-horizontal": "◀",
+    "pause": "⏸",
+    "play": "▶",
+    "step-forward": "|▷",
+    "fast-forward": "⏭",
+    "plus": "+",
+}
+"""Signs on the player's buttons, in place of a font from the network."""
+
+
 class Film(FuncAnimation):
     """An animation that a notebook shows with a player."""
 
     def _repr_html_(self) -> str:
         player: str = self.to_jshtml()
-        return player
+        for name, sign in _SIGNS.items():
+            player = player.replace(f'<i class="fa fa-{name}"></i>', sign)
+        return re.sub(r'<link rel="stylesheet"\s+href="https?://[^>]*>', "", player)
 
 
 def animate_history(
