@@ -1,6 +1,7 @@
 """Prony series: creep, effective loads and dynamic moduli against integrals of the relaxation modulus."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -207,7 +208,7 @@ def test_shifted_times() -> None:
         (None, "branches: expected pairs of a share and a relaxation time, got None"),
     ],
 )
-def test_wrong_branches_are_refused_in_one_line(branches: object, message: str) -> None:
+def test_wrong_branches_are_refused_in_one_line(branches: Any, message: str) -> None:
     with pytest.raises(InputError, match=message) as raised:
         check_branches(branches)
     assert "\n" not in str(raised.value)
@@ -235,7 +236,7 @@ def test_wrong_numbers_of_a_series_are_refused() -> None:
     with pytest.raises(InputError, match="span: expected a first and a last time, got"):
         PronySeries(1.0, span=(2.0, 1.0))
     with pytest.raises(InputError, match=r"delayed: expected pairs .* got shape \(2,\)"):
-        from_retardation(1.0, [0.1, 1.0])
+        from_retardation(1.0, [0.1, 1.0])  # type: ignore[list-item]
 
 
 def test_arrhenius() -> None:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -19,6 +19,8 @@ from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 from asperity.surfaces.surface import measured_part
+
+Number = TypeVar("Number", np.int8, np.float64)
 
 _WINDOW = 160
 """Sites of a profile that can be told apart in a figure."""
@@ -104,7 +106,7 @@ class ContactMaps(views.Brief):
         """
         return self.coarsened(self.states, side, SiteState.FREE)
 
-    def coarsened(self, fields: NDArray[Any], side: int, free: float) -> NDArray[Any]:
+    def coarsened(self, fields: NDArray[Number], side: int, free: float) -> NDArray[Number]:
         """Give each cell the value of the site that `sampled` takes for it, and `free` where it takes none.
 
         Parameters
@@ -120,12 +122,13 @@ class ContactMaps(views.Brief):
         -------
         ndarray of the same type, shape ``(k, ceil(n / side), ceil(m / side))``
         """
-        shape = tuple(-(-n // side) for n in self.heights.shape)
+        n, m = self.heights.shape
         rows, columns = np.nonzero((self.states != SiteState.FREE).any(axis=0))
         order = np.argsort(_along_a_z_curve(rows // side, columns // side), kind="stable")
         order = order[side**2 // 2 :: side**2]
         rows, columns = rows[order], columns[order]
-        cells = np.full((len(fields), *shape), free, dtype=fields.dtype)
+        cells = np.empty((len(fields), -(-n // side), -(-m // side)), dtype=fields.dtype)
+        cells.fill(free)
         cells[:, rows // side, columns // side] = fields[:, rows, columns]
         return cells
 

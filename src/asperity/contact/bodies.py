@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from numpy.typing import ArrayLike
+
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 from asperity.surfaces import Surface, check_square
@@ -22,7 +24,7 @@ class Bodies:
     si: bool
 
 
-def bodies_of(heights: object, solid: Solid) -> Bodies:
+def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:
     """Put a solid above heights, in units that both have.
 
     A solid that is a continuum takes a surface with units in metres, its own numbers being in pascals and

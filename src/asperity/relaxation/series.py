@@ -21,9 +21,11 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 import asperity.checks as checks
 from asperity.checks import Floats
@@ -34,7 +36,7 @@ from asperity.relaxation.interlacing import ROUNDING
 Branches = tuple[tuple[float, float], ...]
 
 
-def check_branches(branches: object) -> Branches:
+def check_branches(branches: Iterable[Sequence[float]]) -> Branches:
     """Check the branches of a generalized Maxwell solid.
 
     Parameters
@@ -141,7 +143,7 @@ class PronySeries:
         share = 1 - math.fsum(share for share, _ in self.branches)
         return share if share > ROUNDING else 0.0
 
-    def modulus_at(self, time: object) -> Floats:
+    def modulus_at(self, time: ArrayLike) -> Floats:
         """Relaxation modulus G(t): stress over a strain that was imposed at time 0.
 
         Parameters
@@ -159,7 +161,7 @@ class PronySeries:
         with np.errstate(over="ignore"):
             return np.asarray(self.modulus * (self.permanent + (shares * np.exp(-t / times)).sum(-1)))
 
-    def compliance_at(self, time: object) -> Floats:
+    def compliance_at(self, time: ArrayLike) -> Floats:
         """Creep compliance J(t): strain over a stress that was imposed at time 0. Exact, see the module.
 
         Parameters
@@ -178,14 +180,14 @@ class PronySeries:
             delayed = (strengths * -np.expm1(-t[..., None] / times)).sum(-1)
         return np.asarray((1 + fluidity * t + delayed) / self.modulus)
 
-    def storage(self, frequency: object) -> Floats:
+    def storage(self, frequency: ArrayLike) -> Floats:
         """Storage modulus G' at angular frequencies (radians per unit of time), the shape of `frequency`."""
         shares, times = self._columns
         x = checks.not_negative("frequency", frequency)[..., None] * times
         with np.errstate(divide="ignore"):
             return np.asarray(self.modulus * (self.permanent + (shares / (1 + (1 / x) ** 2)).sum(-1)))
 
-    def loss(self, frequency: object) -> Floats:
+    def loss(self, frequency: ArrayLike) -> Floats:
         """Loss modulus G'' at angular frequencies (radians per unit of time), the shape of `frequency`."""
         shares, times = self._columns
         x = checks.not_negative("frequency", frequency)[..., None] * times
@@ -199,7 +201,7 @@ class PronySeries:
         first, last = self.span
         return dataclasses.replace(self, branches=branches, span=(factor * first, factor * last))
 
-    def effective_load(self, times: object, loads: object) -> Floats:
+    def effective_load(self, times: ArrayLike, loads: ArrayLike) -> Floats:
         """Load on the instantaneous solid that makes the contact which a history of load has made.
 
             effective(t) = G0 integral J(t - s) dF(s)
@@ -260,7 +262,9 @@ class PronySeries:
         return columns[0], columns[1]
 
 
-def from_retardation(compliance: float, delayed: object, fluidity: float = 0.0) -> PronySeries:
+def from_retardation(
+    compliance: float, delayed: Iterable[Sequence[float]], fluidity: float = 0.0
+) -> PronySeries:
     """Convert creep to relaxation: the Prony series of a generalized Kelvin solid, exactly.
 
         J(t) = J0 + f t + sum_k J_k (1 - exp(-t/theta_k))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 import asperity.checks as checks
 from asperity.errors import InputError
 from asperity.lattice import Field
 
 
-def check_heights(heights: object) -> Field:
+def check_heights(heights: ArrayLike) -> Field:
     """Check heights and return them as the solver wants them.
 
     Parameters

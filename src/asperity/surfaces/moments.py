@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 import asperity.checks as checks
 from asperity.errors import InputError
@@ -77,7 +78,7 @@ class Statistics:
         return float(max(ratios))
 
 
-def statistics(heights: object, pixel_size: tuple[float, ...] | None = None) -> Statistics:
+def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) -> Statistics:
     """Measure a surface.
 
     Parameters

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.fft
 import scipy.special
+from numpy.typing import ArrayLike
 
 import asperity.checks as checks
 import asperity.views as views
@@ -138,7 +139,7 @@ class PowerSpectrum:
 
 
 def power_spectrum(
-    surface: object,
+    surface: ArrayLike,
     pixel_size: tuple[float, ...] | None = None,
     *,
     longest: float | None = None,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 import asperity.checks as checks
 import asperity.views as views
@@ -285,7 +285,7 @@ def combined(first: Surface, second: Surface) -> Surface:
     )
 
 
-def check_square(heights: object) -> None:
+def check_square(heights: ArrayLike) -> None:
     """Refuse a surface with pixels that are not square, for a solid that is defined on sites.
 
     Raises
