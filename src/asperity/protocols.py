@@ -5,7 +5,7 @@
     protocol = [P.Repeat([P.Ramp(5.0, load=400.0), P.Ramp(5.0, load=100.0)], count=3)]
 
 Times run through the whole history. Durations are in the unit of time, loads and separations in those of
-`asperity.press`.
+`asperity.press`. Where a contact has units, they may be texts: ``Hold("10 min")``, ``Step(load="2 N")``.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import Any, Literal
 import numpy as np
 
 import asperity.checks as checks
+import asperity.units as units
 from asperity.errors import LARGEST, InputError
 
 __all__ = ["Hold", "Leg", "Ramp", "Repeat", "Step"]
@@ -30,6 +31,9 @@ def __dir__() -> list[str]:
 
 _SAME_TIME = 1e-9
 """Relative difference of a sum of durations and a time that is meant to be it."""
+
+
+_UNITS = {"duration": "s", "load": "N", "separation": "m"}
 
 
 class Leg:
@@ -227,10 +231,11 @@ class Schedule:
 def _check(leg: Hold | Ramp, *names: str) -> None:
     """Make Python floats of numbers that are to be above 0."""
     for name in names:
-        object.__setattr__(leg, name, checks.number(name, getattr(leg, name), least=1 / LARGEST))
+        value = getattr(leg, name)
+        object.__setattr__(leg, name, units.number(name, value, _UNITS.get(name, ""), least=1 / LARGEST))
 
 
 def _check_target(leg: Ramp | Step, advice: str) -> None:
     target = checks.one_of(advice, load=leg.load, separation=leg.separation)
     least = 1 / LARGEST if target == "load" else -LARGEST
-    object.__setattr__(leg, target, checks.number(target, getattr(leg, target), least=least))
+    object.__setattr__(leg, target, units.number(target, getattr(leg, target), _UNITS[target], least=least))

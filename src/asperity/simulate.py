@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import asperity.checks as checks
+import asperity.units as units
 from asperity.aging.legs import LegMidway, follow
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
-from asperity.contact.bodies import bodies_of
+from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Hold, Separation, control_from
 from asperity.contact.instantaneous import first_contact, pressed_anew
@@ -34,9 +35,9 @@ def press(
     heights: ArrayLike | Contact,
     solid: Solid | None = None,
     *,
-    load: float | None = None,
-    pressure: float | None = None,
-    separation: float | None = None,
+    load: float | str | None = None,
+    pressure: float | str | None = None,
+    separation: float | str | None = None,
     start: Contact | None = None,
     solver: ContactSolver | None = None,
 ) -> Contact:
@@ -52,7 +53,7 @@ def press(
         The elastic solid, for example `asperity.solids.spring_lattice`. A contact brings its own.
     load
         Normal load: the sum of all contact forces, in units of stiffness times height; on a continuum under
-        a surface with units, in newtons.
+        a surface with units, in newtons, or a text with a unit, as for the next two: ``"5 mN"``.
     pressure
         Instead of the load: load over nominal area. On a solid that is defined on sites, load per site.
     separation
@@ -82,7 +83,7 @@ def press(
     """
     checks.one_of("load=800.0", load=load, pressure=pressure, separation=separation)
     if isinstance(heights, Contact):
-        control = _control(heights.nominal_area, load, pressure, separation)
+        control = _control(heights, load, pressure, separation)
         if start is not None or solid not in (None, heights.solid):
             raise InputError(
                 "heights",
@@ -93,16 +94,26 @@ def press(
         return pressed_anew(heights, control, solver)
     solid = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
     bodies = bodies_of(heights, solid)
-    control = _control(bodies.lattice.sites * bodies.lattice.cell, load, pressure, separation)
+    units.check_units(dict(solid.parameters), si=bodies.si)
+    control = _control(bodies, load, pressure, separation)
     return first_contact(bodies, control, start=start, solver=solver)
 
 
 def _control(
-    nominal_area: float, load: float | None, pressure: float | None, separation: float | None
+    bodies: Bodies | Contact,
+    load: float | str | None,
+    pressure: float | str | None,
+    separation: float | str | None,
 ) -> Control:
-    """Load or separation, from the one that is given."""
+    """Load or separation, from the one that is given, in the units of the bodies."""
+    lattice = bodies.lattice
+    force = "N/m" if lattice.dimension == 1 else "N"
+    load = units.converted("load", load, force, si=bodies.si)
+    pressure = units.converted("pressure", pressure, "Pa", si=bodies.si)
+    separation = units.converted("separation", separation, "m", si=bodies.si)
     if pressure is not None:
-        load = checks.number("pressure", pressure, above=0, advice="pressure=1e6") * nominal_area
+        nominal = lattice.sites * lattice.cell
+        load = checks.number("pressure", pressure, above=0, advice="pressure=1e6") * nominal
     return control_from(load, separation)
 
 
@@ -126,8 +137,9 @@ def age(
     contact
         Where to start: from `press`, or the ``final`` of an earlier history.
     times
-        Strictly increasing hold times >= 0, shape ``(n,)``; the unit is 1 / (stiffness * R). They count
-        from this call: for the ``final`` of an earlier history from 0 again.
+        Strictly increasing hold times >= 0, shape ``(n,)``; the unit is 1 / (stiffness * R), of a contact
+        with units the second, and that of texts such as ``["1 s", "10 min"]``. They count from this call:
+        for the ``final`` of an earlier history from 0 again.
     protocol
         The history of the load or the separation: a list of legs of `asperity.protocols`. It is followed to
         its end, and the states at all switches between legs are recorded too: two at a step, just before
@@ -174,11 +186,13 @@ def age(
     """
     tolerance = check_rtol(rtol)
     protocol = [protocol] if isinstance(protocol, Leg) else protocol
-    recorded = checks.times("times", times)
-    wanted = checks.times("fields_at", fields_at, at_least=0)
+    given, moments = units.numbers("times", times, "s"), units.numbers("fields_at", fields_at, "s")
+    recorded = checks.times("times", given)
+    wanted = checks.times("fields_at", moments, at_least=0)
     recorded, kept, keep_start = recorded[recorded > 0], wanted[wanted > 0], bool((wanted == 0).any())
     stops = np.union1d(recorded, kept)
     schedule = _schedule(contact, protocol, hold, stops)
+    units.check_units(given, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
     always = set(schedule.switches) if protocol else {0.0}
     rows: list[Row] = []
@@ -243,7 +257,10 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
             "hold", expected="none beside a protocol", got=repr(hold), advice=f"Hold(..., hold={hold!r})"
         )
     else:
-        schedule = Schedule.of(legs_of(protocol), times)
+        legs = list(legs_of(protocol))
+        line = contact.lattice.dimension == 1
+        units.check_units([vars(leg) for leg in legs], si=contact.si, line=line)
+        schedule = Schedule.of(legs, times)
     if schedule.holds_separation:
         contact.system(Separation(contact.separation))
     return schedule

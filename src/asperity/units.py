@@ -8,10 +8,12 @@ from __future__ import annotations
 import functools
 import re
 import tokenize
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Self
 
 import asperity.checks as checks
 from asperity.errors import InputError
+from asperity.words import has_unit
 
 if TYPE_CHECKING:
     import pint
@@ -33,6 +35,98 @@ _EXAMPLES = {
     "J/mol": ("an energy per mole", "100 kJ/mol"),
     "J/m^2": ("an energy per area", "50 mJ/m^2"),
 }
+
+
+class InUnits(float):
+    """A number that was written with a unit; its value is in SI."""
+
+    written: str
+    unit: str
+
+    @classmethod
+    def of(cls, value: float, written: str, unit: str) -> Self:
+        """Make one that remembers how it was written, and its unit in SI."""
+        number = cls(value)
+        number.written, number.unit = written, unit
+        return number
+
+
+def written_with_units(table: object) -> Iterator[InUnits]:
+    """Numbers that were written with a unit, within tables and lists."""
+    if isinstance(table, InUnits):
+        yield table
+    elif isinstance(table, Mapping):
+        for value in table.values():
+            yield from written_with_units(value)
+    elif isinstance(table, list | tuple):
+        for value in table:
+            yield from written_with_units(value)
+
+
+def number(name: str, value: object, unit: str, **bounds: Any) -> float:
+    """Take a number as `checks.number` does, or a text with a unit, such as ``"5 MPa"``.
+
+    Returns
+    -------
+    float
+        A text gives `InUnits`: whoever uses it asks `check_units` whether there are units at all.
+
+    Raises
+    ------
+    InputError
+        As `checks.number` does; or the text has no unit of this kind.
+    """
+    if not (unit and has_unit(value)):
+        return checks.number(name, value, **bounds)
+    return InUnits.of(checks.number(name, quantity(value, unit, name), **bounds), str(value), unit)
+
+
+def converted(name: str, value: float | str | None, unit: str, *, si: bool) -> float | None:
+    """Make a number of a text with a unit, and refuse it without `si`; leave anything else to its checks."""
+    if not has_unit(value):
+        return value  # type: ignore[return-value]
+    found = number(name, value, unit)
+    check_units(found, si=si)
+    return found
+
+
+def numbers(name: str, values: object, unit: str) -> object:
+    """Replace texts with a unit, one or several in a list, by numbers; leave anything else as it is."""
+    if has_unit(values):
+        return [number(name, values, unit)]
+    if isinstance(values, list | tuple) and any(map(has_unit, values)):
+        return [number(name, value, unit) for value in values]
+    return values
+
+
+def check_units(*tables: object, si: bool, line: bool = False) -> None:
+    """Refuse numbers that were written with a unit where nothing else has any.
+
+    Parameters
+    ----------
+    *tables
+        Numbers, or what holds them.
+    si
+        Whether lengths are in metres and forces in newtons.
+    line
+        Whether the contact is that of a profile, whose forces are for each metre of its length.
+
+    Raises
+    ------
+    InputError
+        There is such a number.
+    """
+    for found in written_with_units(tables):
+        if not si:
+            raise InputError(
+                "units",
+                expected="plain numbers, as the surface or the solid has no units",
+                got=repr(found.written),
+                advice="half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')",
+            )
+        if line and found.unit == "N":
+            expected = "a force for each metre of the profile's length"
+            raise InputError("load", expected=expected, got=repr(found.written), advice="load=5.0, in N/m")
 
 
 def quantity(value: object, unit: str, name: str = "quantity") -> float:

@@ -10,11 +10,13 @@ import asperity as asp
 from asperity.cli.flags import flags_for, given
 from asperity.config.models import RunConfig
 from asperity.config.reading import from_tables, read_config, to_tables, to_toml
-from asperity.config.sections import written_with_units
 from asperity.config.solids import HalfSpace, Layer, SpringLattice
 from asperity.errors import ConfigError
 from asperity.lattice import Lattice
+from asperity.runs import Silent, execute
+from asperity.units import written_with_units
 from asperity.words import has_unit, numbers
+from tests.refusals import refuses
 
 LATTICE = Lattice((8, 8), (0.5, 0.25))
 
@@ -99,7 +101,7 @@ def test_a_flag_for_another_kind_takes_the_keys_of_the_old_kind_away(tmp_path):
 def test_numbers_with_units_are_in_si_and_remembered_as_such():
     config = flagged("contact", pressure="1.5 MPa")
     assert config.contact.pressure == 1.5e6
-    assert list(written_with_units(config.model_dump())) == ["1.5 MPa"]
+    assert [one.written for one in written_with_units(config.model_dump())] == ["1.5 MPa"]
     assert list(written_with_units(from_tables(to_tables(RunConfig())).model_dump())) == []
     assert tomllib.loads(to_toml(config))["contact"] == {"pressure": 1.5e6}
     assert flagged("aging", times=["1s", "1 h"]).aging.times == [1.0, 3600.0]
@@ -213,3 +215,12 @@ def test_mistakes_in_flags_are_named_as_flags():
         with pytest.raises(ConfigError) as caught:
             flagged("solid", **words)
         assert caught.value.problems[0].startswith(line)
+
+
+def test_a_zero_with_a_unit_has_a_unit(tmp_path):
+    text = "[solid]\nkind = 'half_space'\nmodulus = 1.0\n[contact]\nload = 1.0\n[output]\nmaps_at = ['0 s']\n"
+    config = configured(tmp_path, text)
+    (found,) = written_with_units(config.model_dump())
+    assert (found, found.written) == (0.0, "0 s")
+    with refuses("units"):
+        execute(config, Silent())

@@ -27,8 +27,8 @@ from asperity._version import __version__
 from asperity.config import MeasuredSurface, RunConfig, config_from, read_tables
 from asperity.config.mistakes import ORDER, Sections, models_of
 from asperity.config.models import KINDS
-from asperity.config.sections import written_with_units
 from asperity.errors import ConfigError
+from asperity.units import written_with_units
 
 Value = float | int | str
 _NOT_SWEPT = (
@@ -378,7 +378,7 @@ def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[in
     labels = []
     for number, value in enumerate(values):
         taken = value_at(configs[number], section, name)
-        label = _label(taken if any(written_with_units(taken)) else value)
+        label = _label(taken if list(written_with_units(taken)) else value)
         labels.append(float(label) if isinstance(label, float) else label)
     return Axis(section, name, tuple(labels))
 

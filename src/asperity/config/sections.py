@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidator
 
 from asperity.errors import LARGEST, InputError
+from asperity.units import InUnits, quantity
 from asperity.words import has_unit
 
 
@@ -16,24 +17,6 @@ class Section(BaseModel):
     """A table of the configuration: no unknown keys, no silent conversions, no infinities."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
-
-
-class InUnits(float):
-    """A number that was written with a unit; its value is in SI."""
-
-    written: str
-
-
-def written_with_units(table: object) -> Iterator[str]:
-    """Texts of all numbers that were written with a unit, within tables and lists."""
-    if isinstance(table, InUnits):
-        yield table.written
-    elif isinstance(table, Mapping):
-        for value in table.values():
-            yield from written_with_units(value)
-    elif isinstance(table, list | tuple):
-        for value in table:
-            yield from written_with_units(value)
 
 
 @dataclass(frozen=True)
@@ -46,15 +29,11 @@ class InUnit:
         """Read a number, which remembers how it was written."""
         if not has_unit(value):
             return check(value)
-        from asperity.units import quantity
-
         try:
             number = quantity(value, self.unit)
         except InputError as error:
             raise ValueError(f"expected {error.expected}, got {error.got}") from None
-        found = InUnits(check(number))
-        found.written = str(value)
-        return found
+        return InUnits.of(check(number), str(value), self.unit)
 
 
 def _in(unit: str) -> WrapValidator:

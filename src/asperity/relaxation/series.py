@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import asperity.checks as checks
+import asperity.units as units
 from asperity.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation import interlacing
@@ -36,7 +37,7 @@ from asperity.relaxation.interlacing import ROUNDING
 Branches = tuple[tuple[float, float], ...]
 
 
-def check_branches(branches: Iterable[Sequence[float]]) -> Branches:
+def check_branches(branches: Iterable[Sequence[float | str]]) -> Branches:
     """Check the branches of a generalized Maxwell solid.
 
     Parameters
@@ -81,7 +82,9 @@ def check_branches(branches: Iterable[Sequence[float]]) -> Branches:
                 checks.number(
                     f"share {of}", share, above=0, most=1 + ROUNDING, expected="a share > 0 and <= 1"
                 ),
-                checks.number(f"relaxation time {of}", time, least=1 / LARGEST, expected="a finite time > 0"),
+                units.number(
+                    f"relaxation time {of}", time, "s", least=1 / LARGEST, expected="a finite time > 0"
+                ),
             )
         )
     total = math.fsum(share for share, _ in found)
@@ -263,7 +266,7 @@ class PronySeries:
 
 
 def from_retardation(
-    compliance: float, delayed: Iterable[Sequence[float]], fluidity: float = 0.0
+    compliance: float, delayed: Iterable[Sequence[float | str]], fluidity: float = 0.0
 ) -> PronySeries:
     """Convert creep to relaxation: the Prony series of a generalized Kelvin solid, exactly.
 

@@ -19,7 +19,6 @@ from asperity.analysis.scan import written
 from asperity.config import MeasuredSurface, RunConfig, to_toml
 from asperity.config.models import Aging, Independent
 from asperity.config.models import Contact as ContactSection
-from asperity.config.sections import written_with_units
 from asperity.config.solids import Continuum
 from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
@@ -31,6 +30,7 @@ from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_loa
 from asperity.simulate import age, press, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
+from asperity.units import written_with_units
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
@@ -173,7 +173,7 @@ def _check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
     """Refuse numbers with units where nothing else has any."""
     if solid.in_lengths and rough.has_lengths:
         return
-    if text := next(written_with_units(config.model_dump()), None):
+    if (text := next(written_with_units(config.model_dump()), None)) is not None:
         if solid.in_lengths:
             expected = "plain numbers, as the surface has no unit of length"
             advice = "file_unit, pixel_size and length_unit in [surface], or unit of a spectral one"
@@ -182,7 +182,7 @@ def _check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
                 f"plain numbers for a {solid.kind}, which is defined on sites",
                 "solid half_space",
             )
-        raise InputError("units", expected=expected, got=repr(text), advice=advice)
+        raise InputError("units", expected=expected, got=repr(text.written), advice=advice)
 
 
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:

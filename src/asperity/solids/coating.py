@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-import asperity.checks as checks
+import asperity.units as units
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.relaxation import check_branches
@@ -139,10 +139,10 @@ class CoatedStiffness:
 
 def coated_half_space(
     *,
-    modulus: float,
+    modulus: float | str,
     poisson: float,
-    thickness: float,
-    base_modulus: float,
+    thickness: float | str,
+    base_modulus: float | str,
     base_poisson: float,
     branches: Branches = (),
     base_branches: Branches = (),
@@ -177,7 +177,7 @@ def coated_half_space(
     """
     film = _material("", modulus, poisson, branches)
     base = _material("base_", base_modulus, base_poisson, base_branches)
-    coated = Coated(film, base, checks.number("thickness", thickness, above=0))
+    coated = Coated(film, base, units.number("thickness", thickness, "m", above=0))
     permanent, at_once = CoatedStiffness(coated, "permanent"), CoatedStiffness(coated, "at once")
     apparatus = checked_apparatus(apparatus)
     parameters: dict[str, float | tuple[tuple[float, float], ...]] = {
@@ -216,8 +216,8 @@ def coated_half_space(
     )
 
 
-def _material(prefix: str, modulus: float, poisson: float, branches: Branches) -> Material:
-    modulus = checks.number(f"{prefix}modulus", modulus, above=0)
+def _material(prefix: str, modulus: float | str, poisson: float, branches: Branches) -> Material:
+    modulus = units.number(f"{prefix}modulus", modulus, "Pa", above=0)
     try:
         checked = check_branches(branches)
     except InputError as error:

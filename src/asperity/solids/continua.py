@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 import asperity.checks as checks
+import asperity.units as units
 from asperity.errors import InputError
 from asperity.relaxation import check_branches
 from asperity.solids.laws import (
@@ -19,7 +20,7 @@ from asperity.solids.laws import (
 )
 from asperity.solids.solid import CreepBranch, Parameters, Solid
 
-Branches = Sequence[tuple[float, float]]
+Branches = Sequence[tuple[float, float | str]]
 
 
 def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[float]) -> float:
@@ -58,10 +59,10 @@ def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[fl
 
 def half_space(
     *,
-    modulus: float,
+    modulus: float | str,
     branches: Branches = (),
     flow: tuple[float, float] | None = None,
-    apparatus: float | None = None,
+    apparatus: float | str | None = None,
 ) -> Solid:
     r"""Build a half-space that is elastic, viscoelastic, or creeps by a mechanism of its surface.
 
@@ -76,7 +77,8 @@ def half_space(
     Parameters
     ----------
     modulus
-        Contact modulus E* at once, before anything relaxes, force per area; see `contact_modulus`.
+        Contact modulus E* at once, before anything relaxes, force per area; see `contact_modulus`. Under a
+        surface with units, in Pa or with a unit: ``"3 GPa"``; so are all numbers here.
     branches
         Pairs (share of the modulus, relaxation time). Without any the half-space is elastic.
     flow
@@ -106,7 +108,7 @@ def half_space(
     ----------
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 13.2, DOI 10.1017/CBO9781139171731.
     """
-    modulus = checks.number("modulus", modulus, above=0)
+    modulus = units.number("modulus", modulus, "Pa", above=0)
     apparatus = checked_apparatus(apparatus)
     law = WaveNumberSpectrum(modulus / 2)
     parameters = {"modulus": modulus}
@@ -131,9 +133,9 @@ def half_space(
 
 def layer(
     *,
-    modulus: float,
+    modulus: float | str,
     poisson: float,
-    thickness: float,
+    thickness: float | str,
     branches: Branches = (),
     bonded: bool = True,
 ) -> Solid:
@@ -163,8 +165,8 @@ def layer(
         As for `half_space`; or Poisson's ratio is out of its range.
     """
     poisson = checked_poisson("poisson", poisson)
-    modulus = checks.number("modulus", modulus, above=0)
-    thickness = checks.number("thickness", thickness, above=0)
+    modulus = units.number("modulus", modulus, "Pa", above=0)
+    thickness = units.number("thickness", thickness, "m", above=0)
     law = LayerSpectrum(modulus, poisson, thickness, bonded)
     parameters = {"modulus": modulus, "poisson": poisson, "thickness": thickness, "bonded": float(bonded)}
     return _solid("layer", law, parameters, branches)
@@ -202,12 +204,12 @@ def _named(apparatus: float | None) -> dict[str, float]:
     return {} if apparatus is None else {"apparatus": apparatus}
 
 
-def checked_apparatus(stiffness: float | None) -> float | None:
+def checked_apparatus(stiffness: float | str | None) -> float | None:
     """Stiffness of an apparatus, which may be infinite, or None without one."""
     if stiffness is None or stiffness == math.inf:
-        return stiffness
+        return None if stiffness is None else math.inf
     expected = "a stiffness above 0, or math.inf"
-    return checks.number("apparatus", stiffness, above=0, expected=expected)
+    return units.number("apparatus", stiffness, "N/m", above=0, expected=expected)
 
 
 def checked_poisson(name: str, ratio: float) -> float:
