@@ -35,6 +35,7 @@ TIME = np.geomspace(0.1, 1e3, 21)
 CURVE = 10.0 * (1 + 0.3 * np.log1p(TIME))
 FIT = asp.fits.saturation(TIME, CURVE)
 TABLE = asp.relaxation.fit(asp.relaxation.Relaxation(TIME, 1e9 * (0.2 + 0.8 / (1 + TIME) ** 0.3)))
+PREDICTION = asp.predict(TABLE.data, SCAN, pressure="10 MPa", shear_strength="50 MPa")
 
 RESULTS = {
     "contact": PRESSED,
@@ -48,6 +49,7 @@ RESULTS = {
     "solid": CREEPING,
     "fit": FIT,
     "relaxation": TABLE,
+    "prediction": PREDICTION,
 }
 LONG = {
     "comparison": asp.fits.compare(TIME, CURVE),
@@ -141,6 +143,15 @@ def test_solids_and_fits_give_their_parameters() -> None:
     assert cells(CREEPING)["share 0.25"] == "relaxes in 1e+03"
     assert cells(FIT)["points"] == "21"
     assert cells(FIT)["a"].startswith(f"{FIT.a:.3g}"[:3])
+
+
+def test_a_prediction_gives_its_growth_with_its_band() -> None:
+    said = cells(PREDICTION)
+    growth = PREDICTION.growth
+    assert said["growth per decade"].startswith(f"{100 * growth.per_decade:.3g} %")
+    assert said["95 % band"] == f"{100 * growth.band[0]:.3g} to {100 * growth.band[1]:.3g} %"
+    assert said["load"] == "23 mN"  # 10 MPa on 48 µm x 48 µm
+    assert all(remark in Reader(html(PREDICTION)).texts for remark in PREDICTION.remarks)
 
 
 @pytest.mark.parametrize("name", [*RESULTS, *LONG])

@@ -200,7 +200,10 @@ def _(prediction: Prediction) -> str:
     if (friction := prediction.friction) is not None:
         rows.append(("static friction", f"{friction[0]:.3g} to {friction[-1]:.3g}"))
     figure = _figure()
-    draw_growth(figure.subplots(), prediction)
+    axes = figure.subplots()
+    draw_growth(axes, prediction)
+    axes.legend(loc="upper left")
+    axes.set_xlabel("time under load [s]")
     proof = f"Worst residual {float(data['residual'].max()):.1e} of the mean contact force."
     return _card("Prediction", rows, figure, proof, *prediction.remarks)
 
@@ -273,7 +276,7 @@ def _card(title: str, rows: Iterable[Row], figure: Figure | None, *notes: str) -
 
 
 def _data_of(figure: Figure) -> str:
-    for axes in figure.axes:
+    for axes in (inner for outer in figure.axes for inner in (outer, *outer.child_axes)):
         for text in (axes.xaxis.label, axes.yaxis.label, *axes.get_xticklabels(), *axes.get_yticklabels()):
             text.set_fontsize(7)
         if (legend := axes.get_legend()) is not None:

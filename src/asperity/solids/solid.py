@@ -187,5 +187,6 @@ def _checked(name: str, law: SpectrumOf, lattice: Lattice) -> Spectrum:
 
 def _shown(name: str, value: object) -> str:
     if name.endswith("branches"):
-        return f"{len(list(value))} {name}"  # type: ignore[call-overload]
+        count = len(list(value))  # type: ignore[call-overload]
+        return f"{count} {name if count != 1 else name.removesuffix('es')}"
     return f"{name} {value:g}" if isinstance(value, float) and math.isfinite(value) else f"{name} {value}"
