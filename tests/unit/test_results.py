@@ -171,6 +171,20 @@ def test_damaged_results_are_refused_in_one_line(tmp_path, damage):
     assert "\n" not in str(raised.value)
 
 
+@pytest.mark.parametrize("lost", ["u/c/0/0/0", "rejected/c/0", "time/c/0"])
+def test_a_chunk_that_is_missing_is_no_zero(tmp_path, lost):  # rejected is 0 at all times, and a chunk all the same
+    HISTORY.save(tmp_path / "run.zarr")
+    (tmp_path / "run.zarr" / lost).unlink()
+    with pytest.raises(InputError, match=f"path: .*: parts of {lost.split('/')[0]} are missing"):
+        asp.results.load(tmp_path / "run.zarr")
+
+
+def test_results_of_versions_that_left_out_chunks_of_zeros_are_read(tmp_path):
+    HISTORY.dataset.to_zarr(tmp_path / "run.zarr", consolidated=False)
+    (tmp_path / "run.zarr" / "rejected" / "c" / "0").unlink(missing_ok=True)
+    assert (asp.results.load(tmp_path / "run.zarr")["rejected"] == HISTORY.dataset["rejected"]).all()
+
+
 def test_files_of_others_in_the_folder_of_results_warn_nobody(tmp_path):  # a warning is an error here
     HISTORY.save(tmp_path / "run.zarr")
     (tmp_path / "run.zarr" / ".DS_Store").write_bytes(b"")

@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import xarray as xr
+import zarr
 from zarr.codecs import ZstdCodec
 
 import asperity.checks as checks
@@ -20,6 +21,9 @@ from asperity.words import reason_of
 
 _OTHER_FORMATS = (".nc", ".nc4", ".h5", ".hdf5")
 """Suffixes of files that are no zarr folders."""
+
+_WHOLE = "every_chunk_is_written"
+"""Mark of a folder in which a chunk that is not there was lost: zarr would read zeros in its place."""
 
 
 def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> None:
@@ -65,7 +69,8 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
         # With the metadata in one place too, which xarray looks for first.
         warnings.filterwarnings("ignore", message="Consolidated metadata is currently not part.*")
         encoding = {name: {"compressors": [ZstdCodec(checksum=True)]} for name in dataset.variables}
-        dataset.to_zarr(folder, mode="w", consolidated=True, encoding=encoding)
+        marked = dataset.assign_attrs({_WHOLE: 1})
+        marked.to_zarr(folder, mode="w", consolidated=True, encoding=encoding, write_empty_chunks=True)
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -95,10 +100,18 @@ def load(path: str | Path) -> xr.Dataset:
             folders = {entry.name for entry in folder.iterdir() if entry.is_dir()}
             if lost := {name for name in folders if name[0] not in "._"} - set(loaded.variables):
                 raise ValueError(f"{', '.join(sorted(lost))} cannot be read")
+            if loaded.attrs.pop(_WHOLE, 0) and (lost := _with_lost_chunks(folder)):
+                raise ValueError(f"parts of {', '.join(sorted(lost))} are missing")
             return loaded
     except Exception as error:  # descriptions are parsed, numbers decoded: a damaged byte leads anywhere
         got = f"{path}: {reason_of(error)}"
         raise InputError("path", expected="a folder that asperity wrote", got=got) from error
+
+
+def _with_lost_chunks(folder: Path) -> set[str]:
+    """Names of the arrays of which not every chunk is there."""
+    arrays = zarr.open_group(folder, mode="r").arrays()
+    return {name for name, array in arrays if array.nchunks_initialized < array.nchunks}
 
 
 @contextmanager
