@@ -170,6 +170,19 @@ def described(leg: Leg) -> dict[str, object]:
     return values
 
 
+def in_words(legs: Iterable[Leg]) -> str:
+    """Legs in one line: ``hold 10, repeat 3 (step load=160, hold 1)``."""
+    words = []
+    for leg in legs:
+        inner = f" ({in_words(leg.legs)})" if isinstance(leg, Repeat) else ""
+        said = []
+        for name, value in described(leg).items():
+            short = value if isinstance(value, str) else f"{value:g}" if name != "legs" else ""
+            said.append(short if name in ("kind", "duration", "count", "legs") else f"{name}={short}")
+        words.append(" ".join(filter(None, said)) + inner)
+    return ", ".join(words)
+
+
 def leg_of(values: Mapping[str, Any]) -> Leg:
     """Make a leg of what `described` wrote."""
     arguments = {name: value for name, value in values.items() if name != "kind"}

@@ -15,7 +15,6 @@ import xarray as xr
 import asperity.campaign as campaign
 from asperity import age, observe, press
 from asperity.campaign.cluster import connect
-from asperity.campaign.gather import SWEPT
 from asperity.campaign.plan import _NOT_SWEPT, value_at
 from asperity.campaign.store import Store
 from asperity.campaign.sweeping import plan_to_json
@@ -24,6 +23,7 @@ from asperity.cli import main
 from asperity.config.mistakes import ORDER, models_of
 from asperity.errors import InputError
 from asperity.results import load as load_results
+from asperity.results.quantities import PARAMETERS
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
 from tests.campaign.conftest import SMALL, do_here, finish, numbers, start, written
@@ -94,7 +94,7 @@ def test_the_dataset_says_what_the_runs_have_in_common(done, tmp_path):
 
 def test_every_coordinate_has_a_name_and_a_unit():
     keys = {name for section in ORDER for model in models_of(section) for name in model.model_fields}
-    assert keys - set(_NOT_SWEPT) <= set(SWEPT)
+    assert keys - set(_NOT_SWEPT) <= set(PARAMETERS)
 
 
 def test_the_numbers_do_not_depend_on_the_number_of_workers(done, tmp_path):

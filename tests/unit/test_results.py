@@ -63,6 +63,52 @@ def test_everything_explains_itself():
     assert data.attrs["rtol"] > 0
 
 
+def needs_no_parsing(attributes):
+    """Whether each attribute is a number, a word, or a flat list, as netCDF wants it."""
+    flat = (str, int, float)
+    return all(
+        isinstance(value, flat) or (value and all(isinstance(one, flat) for one in value))
+        for value in attributes.values()
+    )
+
+
+def test_every_parameter_is_an_attribute_of_its_own(tmp_path):
+    heights = asp.surfaces.spectral((16, 16), hurst=0.8, spacing=1e-6, rms_slope=0.1, seed=1)
+    rough = asp.surfaces.Surface(
+        heights, "m", (1e-6, 1e-6), "m", {"kind": "spectral", "hurst": 0.8, "cut": ""}
+    )
+    film = asp.solids.coated_half_space(
+        modulus=3e9, poisson=0.3, thickness=3e-6, branches=[(0.3, 0.1), (0.2, 5.0)],
+        base_modulus=1e9, base_poisson=0.4, base_branches=[(0.1, 2.0)],
+    )  # fmt: skip
+    legs = [asp.protocols.Hold(1.0), asp.protocols.Repeat([asp.protocols.Step(load=2e-4)], 2)]
+    data = asp.age(asp.press(rough, film, load=1e-4), [1.0], protocol=legs).dataset
+    attrs = data.attrs
+    assert needs_no_parsing(attrs)
+    assert (attrs["branch_shares"], attrs["branch_times"]) == ([0.3, 0.2], [0.1, 5.0])
+    assert (attrs["base_branch_shares"], attrs["base_branch_times"]) == ([0.1], [2.0])
+    assert (attrs["surface_hurst"], "surface_cut" in attrs) == (0.8, False)
+    assert attrs["protocol_in_words"] == "hold 1, repeat 2 (step load=0.0002)"
+    units = dict(one.split() for one in attrs["parameter_units"].split(", "))
+    assert units == {
+        "modulus": "Pa", "thickness": "m", "branch_times": "s", "base_modulus": "Pa",
+        "base_branch_times": "s", "held_load": "N",
+    }  # fmt: skip
+    flowing = asp.solids.half_space(modulus=3e9, flow=(1e-12, -1.0))
+    attrs = asp.age(asp.press(rough, flowing, load=1e-4), [1.0]).dataset.attrs
+    assert (attrs["flow_mobility"], attrs["flow_exponent"]) == (1e-12, -1.0)
+    assert asp.age(CONTACT, [1.0]).dataset.attrs["parameter_units"].startswith("held_load stiffness unit * ")
+
+
+def test_netcdf_and_back(tmp_path):
+    HISTORY.dataset.to_netcdf(tmp_path / "history.nc")
+    again = xr.load_dataset(tmp_path / "history.nc")
+    for name, values in HISTORY.dataset.variables.items():
+        np.testing.assert_array_equal(again[name], values)
+        assert again[name].attrs["units"] == values.attrs["units"]
+    assert again.attrs["held_load"] == 10.0
+
+
 def test_the_origin_of_measured_heights_is_recorded(tmp_path):
     np.save(tmp_path / "rough.npy", uncorrelated(6))
     surface = asp.surfaces.read(tmp_path / "rough.npy")
@@ -172,7 +218,9 @@ def test_damaged_results_are_refused_in_one_line(tmp_path, damage):
 
 
 @pytest.mark.parametrize("lost", ["u/c/0/0/0", "rejected/c/0", "time/c/0"])
-def test_a_chunk_that_is_missing_is_no_zero(tmp_path, lost):  # rejected is 0 at all times, and a chunk all the same
+def test_a_chunk_that_is_missing_is_no_zero(
+    tmp_path, lost
+):  # rejected is 0 at all times, and a chunk all the same
     HISTORY.save(tmp_path / "run.zarr")
     (tmp_path / "run.zarr" / lost).unlink()
     with pytest.raises(InputError, match=f"path: .*: parts of {lost.split('/')[0]} are missing"):

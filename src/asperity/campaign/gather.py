@@ -18,7 +18,15 @@ from asperity.campaign.store import FITTED, QUANTITIES, Finished, Store
 from asperity.config import RunConfig, from_tables, to_tables
 from asperity.config.reading import tables_to_toml
 from asperity.errors import InputError
-from asperity.results.quantities import SERIES, Units, units_named
+from asperity.protocols import in_words, leg_of
+from asperity.results.quantities import (
+    IN_A_LEG,
+    PARAMETERS,
+    Units,
+    plain,
+    units_named,
+    units_of_parameters,
+)
 from asperity.words import reason_of
 
 _NO_ENSEMBLE = (
@@ -30,60 +38,6 @@ _NO_ENSEMBLE = (
 
 _WHOLE = ("sites", "initial_area", "final_area", "relaxed_area")
 """Numbers that count sites."""
-
-_HEIGHT, _LENGTH, _STIFFNESS = "height unit", "length unit", "stiffness unit"
-SWEPT = {
-    "shape": ("sites along each axis", "sites"),
-    "size": ("sites along each axis", "sites"),
-    "rms": ("rms height", "height unit"),
-    "hurst": ("Hurst exponent", "1"),
-    "roll_off": ("wavelength above which the spectrum is flat", _LENGTH),
-    "cutoff": ("shortest wavelength", _LENGTH),
-    "rms_height": ("rms height", _HEIGHT),
-    "rms_slope": ("rms slope", "height unit / length unit"),
-    "rms_curvature": ("rms mean curvature", "height unit / length unit^2"),
-    "delta": ("roughness at the scale of the lattice", _HEIGHT),
-    "path": ("surface file", ""),
-    "undefined": ("what is done about undefined pixels", ""),
-    "max_undefined": ("largest fraction of undefined pixels to fill", "1"),
-    "tilt": ("what is removed from the heights", ""),
-    "periodic": ("how the surface is made periodic", ""),
-    "unit": ("unit of the heights", ""),
-    "channel": ("channel of the surface file", ""),
-    "crop": ("part of the surface file", "pixels, or the unit of the part"),
-    "longest": ("longest wavelength kept", _LENGTH),
-    "shortest": ("shortest wavelength kept", _LENGTH),
-    "k0": ("stiffness between neighbors", _STIFFNESS),
-    "k1": ("stiffness to the bulk", _STIFFNESS),
-    "R": ("mobility of conserving creep", "R unit"),
-    "R_viscous": ("mobility of viscous creep", "R unit"),
-    "modulus": ("contact modulus", "pressure"),
-    "young": ("Young's modulus", "pressure"),
-    "poisson": ("Poisson's ratio", "1"),
-    "thickness": ("thickness of the layer", "length"),
-    "branches": ("share of the modulus and relaxation time of each branch", ""),
-    "base_modulus": ("contact modulus of the base", "pressure"),
-    "base_poisson": ("Poisson's ratio of the base", "1"),
-    "base_branches": ("share of the modulus and relaxation time of each branch of the base", ""),
-    "apparatus": ("stiffness of the apparatus", "force / length"),
-    "flow": ("mobility of creep, and the power of the wave number with which it goes", ""),
-    "frictionless": ("whether the layer slides on its base", ""),
-    "relaxation": ("table of the relaxation", ""),
-    "load": SERIES["load"],
-    "pressure": ("load over nominal area", "pressure"),
-    "separation": SERIES["separation"],
-    "hold": ("what is held constant", ""),
-    "rtol": ("relative tolerance of the time steps", "1"),
-    "seed": ("seed of the surface", "1"),
-    "point": ("number of the point, from 0", "1"),
-}
-"""Long name and dimension, or unit, of the coordinates."""
-
-_IN_A_LEG = {
-    "load": SERIES["load"],
-    "separation": SERIES["separation"],
-    "mobility": ("factor on the mobility of creep", "1"),
-}
 
 
 def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open, as xarray and zarr have it)
@@ -155,7 +109,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         asperity_version=__version__,
         runs=len({run.identity for run in plan.runs}),
         finished=len(finished),
-        **_in_common(plan),
+        **_in_common(plan, units),
     )
 
 
@@ -265,16 +219,16 @@ def _of_coordinate(plan: Plan, name: str, units: Units) -> tuple[str, str] | Non
     """Long name and unit of a swept parameter."""
     axis = next((axis for axis in plan.axes if axis.name == name), None)
     if axis is not None and axis.section == "protocol":
-        long_name, dimension = _IN_A_LEG[name.split(".")[-1]]
+        long_name, dimension = IN_A_LEG[name.split(".")[-1]]
         long_name += f" in leg {name}"
-    elif name in SWEPT:
-        long_name, dimension = SWEPT[name]
+    elif name in PARAMETERS:
+        long_name, dimension = PARAMETERS[name]
     else:
         return None
     return long_name, units.get(dimension, dimension)
 
 
-def _in_common(plan: Plan) -> dict[str, Any]:
+def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
     """What all runs have in common, key by key, and the file of the campaign."""
     tables = to_tables(plan.runs[0].config)
     tables["output"].pop("figures")
@@ -298,8 +252,10 @@ def _in_common(plan: Plan) -> dict[str, Any]:
     legs = tables.pop("protocol", None)
     tables["solid"]["solid"] = tables["solid"].pop("kind")
     facts = {key: value for name, table in tables.items() if name != "output" for key, value in table.items()}
+    facts = {name: one for key, value in facts.items() for name, one in plain(key, value).items()}
+    facts["parameter_units"] = units_of_parameters(facts, units)
     if legs is not None:
-        facts["protocol"] = json.dumps(legs)
+        facts |= {"protocol": json.dumps(legs), "protocol_in_words": in_words(map(leg_of, legs))}
     return facts | {"config": config}
 
 

@@ -16,8 +16,16 @@ from asperity._version import __version__
 from asperity.aging.march import Frame
 from asperity.contact.controls import Control
 from asperity.contact.state import Contact
-from asperity.protocols import Leg, described
-from asperity.results.quantities import COORDINATES, fields_of, series_of, units_of
+from asperity.protocols import Leg, described, in_words
+from asperity.results.quantities import (
+    COORDINATES,
+    Plain,
+    fields_of,
+    plain,
+    series_of,
+    units_of,
+    units_of_parameters,
+)
 
 Row = dict[str, float]
 """One entry of the time series: ``time`` and a value for each series."""
@@ -102,6 +110,7 @@ def dataset_of(
         attributes["exact_contact"] = "at all times" if exact == {True} else "at some times"
     if protocol is not None:
         attributes["protocol"] = json.dumps([described(leg) for leg in protocol])
+        attributes["protocol_in_words"] = in_words(protocol)
     return dataset.assign_attrs(attributes)
 
 
@@ -128,8 +137,11 @@ def _describe(dataset: xr.Dataset, contact: Contact) -> None:
             dataset[name].attrs.update(long_name=described, units=units.get(dimension, dimension))
 
 
-def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, str | float | int]:
-    """Every parameter that the results depend on."""
+def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, Plain]:
+    """Every parameter that the results depend on; what is a list or a table also item by item."""
+    items: dict[str, Plain] = {f"held_{control.name}": control.value}
+    for name, value in contact.solid.parameters.items():
+        items |= plain(name, value)
     return {
         "title": "Aging of a rough contact",
         "asperity_version": __version__,
@@ -139,11 +151,13 @@ def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, st
         "edges": contact.lattice.edges,
         **{name: _recorded(value) for name, value in contact.solid.parameters.items()},
         "held": control.name,
-        f"held_{control.name}": control.value,
+        **items,
         "rtol": rtol,
         "sites": contact.heights.size,
         "heights_sha256": hashlib.sha256(np.ascontiguousarray(contact.heights).tobytes()).hexdigest(),
         "surface": json.dumps(dict(contact.surface)),
+        **plain("surface", contact.surface),
+        "parameter_units": units_of_parameters(items, units_of(contact)),
     }
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping, Sequence
 
 from asperity.contact.state import Contact
 
@@ -53,6 +54,72 @@ COORDINATES: dict[str, tuple[str, str]] = {
     "heights": ("height of the rigid rough surface", "length"),
 }
 
+_HEIGHT, _LENGTH, _STIFFNESS = "height unit", "length unit", "stiffness unit"
+PARAMETERS: dict[str, tuple[str, str]] = {
+    "shape": ("sites along each axis", "sites"),
+    "size": ("sites along each axis", "sites"),
+    "rms": ("rms height", "height unit"),
+    "hurst": ("Hurst exponent", "1"),
+    "roll_off": ("wavelength above which the spectrum is flat", _LENGTH),
+    "cutoff": ("shortest wavelength", _LENGTH),
+    "rms_height": ("rms height", _HEIGHT),
+    "rms_slope": ("rms slope", "height unit / length unit"),
+    "rms_curvature": ("rms mean curvature", "height unit / length unit^2"),
+    "delta": ("roughness at the scale of the lattice", _HEIGHT),
+    "path": ("surface file", ""),
+    "undefined": ("what is done about undefined pixels", ""),
+    "max_undefined": ("largest fraction of undefined pixels to fill", "1"),
+    "tilt": ("what is removed from the heights", ""),
+    "periodic": ("how the surface is made periodic", ""),
+    "unit": ("unit of the heights", ""),
+    "channel": ("channel of the surface file", ""),
+    "crop": ("part of the surface file", "pixels, or the unit of the part"),
+    "longest": ("longest wavelength kept", _LENGTH),
+    "shortest": ("shortest wavelength kept", _LENGTH),
+    "k0": ("stiffness between neighbors", _STIFFNESS),
+    "k1": ("stiffness to the bulk", _STIFFNESS),
+    "R": ("mobility of conserving creep", "R unit"),
+    "R_viscous": ("mobility of viscous creep", "R unit"),
+    "modulus": ("contact modulus", "pressure"),
+    "young": ("Young's modulus", "pressure"),
+    "poisson": ("Poisson's ratio", "1"),
+    "thickness": ("thickness of the layer", "length"),
+    "branch_shares": ("share of the modulus of each branch", "1"),
+    "branch_times": ("relaxation time of each branch", "time"),
+    "branches": ("share of the modulus and relaxation time of each branch", ""),
+    "base_modulus": ("contact modulus of the base", "pressure"),
+    "base_poisson": ("Poisson's ratio of the base", "1"),
+    "base_branches": ("share of the modulus and relaxation time of each branch of the base", ""),
+    "base_branch_shares": ("share of the modulus of each branch of the base", "1"),
+    "base_branch_times": ("relaxation time of each branch of the base", "time"),
+    "apparatus": ("stiffness of the apparatus", "stiffness"),
+    "flow": ("mobility of creep, and the power of the wave number with which it goes", ""),
+    "frictionless": ("whether the layer slides on its base", ""),
+    "relaxation": ("table of the relaxation", ""),
+    "load": SERIES["load"],
+    "pressure": ("load over nominal area", "pressure"),
+    "separation": SERIES["separation"],
+    "hold": ("what is held constant", ""),
+    "held_load": SERIES["load"],
+    "held_separation": SERIES["separation"],
+    "held_area": SERIES["area"],
+    "first": ("first time to record", "time"),
+    "last": ("last time to record", "time"),
+    "times": ("times to record", "time"),
+    "rtol": ("relative tolerance of the time steps", "1"),
+    "seed": ("seed of the surface", "1"),
+    "point": ("number of the point, from 0", "1"),
+}
+"""Long name and dimension, or unit, of what a run or a campaign is told."""
+
+IN_A_LEG = {
+    "load": SERIES["load"],
+    "separation": SERIES["separation"],
+    "mobility": ("factor on the mobility of creep", "1"),
+}
+
+Plain = str | float | int | list[str] | list[float] | list[int]
+
 Units = Mapping[str, str]
 """Unit of each dimension."""
 
@@ -60,6 +127,7 @@ _SITES = {
     "length": "height unit",
     "force": "stiffness unit * height unit",
     "energy": "stiffness unit * height unit^2",
+    "pressure": "stiffness unit * height unit / site",
     "time": "1 / (stiffness unit * R unit)",
     "place": "lattice spacing",
 }
@@ -69,11 +137,21 @@ _OWN = {
     "force": "force unit",
     "energy": "force unit * length unit",
     "pressure": "force unit / length unit^2",
+    "stiffness": "force unit / length unit",
     "time": "time unit",
     "place": "length unit",
 }
-_SI = {"length": "m", "area": "m^2", "force": "N", "energy": "J", "pressure": "Pa", "time": "s", "place": "m"}
-_SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m"}
+_SI = {
+    "length": "m",
+    "area": "m^2",
+    "force": "N",
+    "energy": "J",
+    "pressure": "Pa",
+    "stiffness": "N/m",
+    "time": "s",
+    "place": "m",
+}
+_SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "stiffness": "N/m^2"}
 """Of a profile, which stands for a surface of ridges: for each metre of their length."""
 
 
@@ -99,4 +177,40 @@ def fields_of(contact: Contact) -> dict[str, tuple[str, str]]:
 def units_named(named: Mapping[str, str]) -> Units:
     """Units of dimensions, from those of series."""
     known = {name: dimension for name, (_, dimension) in (SERIES | OF_CONTINUA | COORDINATES).items()}
-    return {known[name]: unit for name, unit in named.items()}
+    found = {known[name]: unit for name, unit in named.items()}
+    systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)
+    alike = (one for one in systems if all(one.get(d) == found.get(d) for d in ("time", "force")))
+    return next(alike, {}) | found
+
+
+def plain(name: str, value: object) -> dict[str, Plain]:
+    """A parameter as attributes that need no parsing, and that every format can hold.
+
+    A table becomes an attribute for each key, ``surface_rms``; pairs become two lists, ``branch_shares`` and
+    ``branch_times``; what is empty or not given is left out.
+    """
+    if isinstance(value, Mapping):
+        return {
+            key: one for part, inner in value.items() for key, one in plain(f"{name}_{part}", inner).items()
+        }
+    if value is None or value in ("", [], ()):
+        return {}
+    if name == "flow" and isinstance(value, Sequence):
+        return dict(zip(("flow_mobility", "flow_exponent"), value, strict=True))
+    if isinstance(value, list | tuple):
+        if not isinstance(value[0], list | tuple):
+            return {name: list(value)}
+        if all(len(pair) == 2 for pair in value):
+            one = name.removesuffix("es")
+            return {f"{one}_shares": [share for share, _ in value], f"{one}_times": [t for _, t in value]}
+        return {name: json.dumps(value)}
+    if isinstance(value, bool):
+        return {name: int(value)}
+    return {name: value if isinstance(value, str | float | int) else json.dumps(value)}
+
+
+def units_of_parameters(names: Iterable[str], units: Units) -> str:
+    """Say in which units attributes are: ``held_load N, modulus Pa``."""
+    known = {name: PARAMETERS[name][1] for name in names if name in PARAMETERS}
+    said = {name: units.get(dimension, dimension) for name, dimension in known.items()}
+    return ", ".join(f"{name} {unit}" for name, unit in said.items() if unit not in ("", "1"))
