@@ -33,7 +33,7 @@ _SAME_TIME = 1e-9
 """Relative difference of a sum of durations and a time that is meant to be it."""
 
 
-_UNITS = {"duration": "s", "load": "N", "separation": "m"}
+_UNITS = {"duration": "s", "load": "N", "separation": "m", "pressure": "Pa"}
 
 
 class Leg:
@@ -77,7 +77,9 @@ class Ramp(Leg):
         The load at the end > 0.
     separation
         The separation at the end: the rigid body moves by what it differs from the mean of u0 at the
-        beginning. Give either this or the load.
+        beginning. Give this, the load or the pressure.
+    pressure
+        The load at the end over the nominal area > 0.
     mobility
         As in `Hold`.
     """
@@ -86,6 +88,7 @@ class Ramp(Leg):
     load: float | None = None
     separation: float | None = None
     mobility: float = 1.0
+    pressure: float | None = None
 
     def __post_init__(self) -> None:
         _check(self, "duration", "mobility")
@@ -101,11 +104,14 @@ class Step(Leg):
     load
         The new load > 0.
     separation
-        The new separation. Give either this or the load.
+        The new separation. Give this, the load or the pressure.
+    pressure
+        The new load over the nominal area > 0.
     """
 
     load: float | None = None
     separation: float | None = None
+    pressure: float | None = None
 
     def __post_init__(self) -> None:
         _check_target(self, "Step(load=400.0)")
@@ -170,16 +176,19 @@ def described(leg: Leg) -> dict[str, object]:
     return values
 
 
-def in_words(legs: Iterable[Leg]) -> str:
-    """Legs in one line: ``hold 10, repeat 3 (step load=160, hold 1)``."""
+def in_words(legs: Iterable[Mapping[str, Any]]) -> str:
+    """Legs as `described` writes them, in one line: ``hold 10, repeat 3 (step load=160, hold 1)``."""
     words = []
     for leg in legs:
-        inner = f" ({in_words(leg.legs)})" if isinstance(leg, Repeat) else ""
-        said = []
-        for name, value in described(leg).items():
-            short = value if isinstance(value, str) else f"{value:g}" if name != "legs" else ""
-            said.append(short if name in ("kind", "duration", "count", "legs") else f"{name}={short}")
-        words.append(" ".join(filter(None, said)) + inner)
+        short = {
+            key: value if isinstance(value, str) else f"{value:g}"
+            for key, value in leg.items()
+            if key != "legs"
+        }
+        said = [short.pop(key) for key in ("kind", "duration", "count") if key in short]
+        said += [f"{key}={value}" for key, value in short.items() if (key, value) != ("mobility", "1")]
+        said += [f"({in_words(leg['legs'])})"] if "legs" in leg else []
+        words.append(" ".join(said))
     return ", ".join(words)
 
 
@@ -249,6 +258,6 @@ def _check(leg: Hold | Ramp, *names: str) -> None:
 
 
 def _check_target(leg: Ramp | Step, advice: str) -> None:
-    target = checks.one_of(advice, load=leg.load, separation=leg.separation)
-    least = 1 / LARGEST if target == "load" else -LARGEST
+    target = checks.one_of(advice, load=leg.load, separation=leg.separation, pressure=leg.pressure)
+    least = -LARGEST if target == "separation" else 1 / LARGEST
     object.__setattr__(leg, target, units.number(target, getattr(leg, target), _UNITS[target], least=least))

@@ -62,12 +62,41 @@ def test_a_campaign_of_histories_holds_what_single_runs_give(tmp_path):
     )
 
 
+def test_durations_can_be_swept_and_each_run_keeps_its_times(tmp_path):
+    text = TEXT.replace("protocol.1.load = [3.0, 6.0]", "protocol.0.duration = [1.0, 20.0]")
+    plan = campaign.read_plan(written(tmp_path, text))
+    do_here(plan, tmp_path / "out")
+    data = campaign.open(tmp_path / "out")
+    assert data["area"].dims == ("protocol.0.duration", "k1", "seed", "entry")
+    assert data["time"].dims == ("protocol.0.duration", "k1", "entry")
+    for duration in (1.0, 20.0):
+        there = data.sel({"protocol.0.duration": duration, "k1": 3.0, "seed": 1}).dropna(
+            "entry", subset=["time"]
+        )
+        contact = press(gaussian((16, 16), seed=1), spring_lattice(k0=1.0, k1=3.0), load=12.0)
+        legs = [Hold(duration), Step(load=4.0), Hold(2.0)]
+        times = np.unique(there["time"])[1:]
+        assert times[-1] == duration + 2.0
+        alone = age(contact, times, protocol=legs).dataset
+        for name in ("time", "leg", "area", "load"):
+            np.testing.assert_array_equal(there[name], alone[name])
+    spans = data["time"].max("entry").values
+    assert (spans == np.array([[3.0, 3.0], [22.0, 22.0]])).all()
+    assert len(campaign.table(data)) == 8
+    assert data.attrs["protocol_in_words"] == "hold swept, step load=4, hold 2"
+    for variable in data.variables.values():
+        assert variable.attrs["long_name"]
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
         ("protocol.7.load = [3.0]", "[sweep] protocol.7.load: no such leg; legs count from 0"),
         ("protocol.x.load = [3.0]", "[sweep] protocol.x.load: no such leg"),
-        ("protocol.0.duration = [3.0]", "[sweep] protocol.0.duration: cannot be swept; load, separation and"),
+        (
+            "protocol.0.kind = ['hold']",
+            "[sweep] protocol.0.kind: cannot be swept; load, separation, pressure,",
+        ),
         ("protocol.1.load = 3.0", "[sweep] protocol.1.load: expected a list of values, got 3.0"),
         ("protocol.1.load = [-3.0]", "protocol[1] load: expected a number above 0.0, got -3.0"),
     ],

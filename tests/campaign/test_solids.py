@@ -101,6 +101,34 @@ def test_branches_pressures_and_thicknesses_can_be_swept(tmp_path):
     assert len({run.identity for run in plan.runs}) == 2
 
 
+def test_one_number_of_a_branch_can_be_swept(tmp_path):
+    base = HALF_SPACES.replace("per_decade", "first = 0.1\nlast = 1.0\nper_decade")
+    plan = read_plan(
+        written(tmp_path, base + 'solid.branches.1.time = ["2 s", 20.0]\nbranches.0.share = [0.1, 0.2]\n')
+    )
+    assert [(axis.section, axis.name, axis.values) for axis in plan.axes] == [
+        ("solid", "branches.1.time", (2.0, 20.0)),
+        ("solid", "branches.0.share", (0.1, 0.2)),
+    ]
+    spectra = [value_at(run.config, "solid", "branches") for run in plan.runs]
+    assert spectra[0] == [(0.1, 0.01), (0.4, 2.0)]
+    assert spectra[-1] == [(0.2, 0.01), (0.4, 20.0)]
+    do_here(plan, tmp_path / "out")
+    data = campaign.open(tmp_path / "out")
+    assert data["branches.1.time"].attrs == {
+        "long_name": "relaxation time of each branch, branches.1.time",
+        "units": "s",
+    }
+    assert "branch_times" not in data.attrs
+    assert read_plan(written(tmp_path, data.attrs["config"])) == plan
+
+
+@pytest.mark.parametrize("name", ["branches.2.time", "branches.0.modulus", "modulus.0", "branches.0.time.1"])
+def test_there_is_no_such_number(tmp_path, name):
+    with pytest.raises(ConfigError, match=rf"\[sweep\] {name}: no such entry; entries count from 0"):
+        read_plan(written(tmp_path, f"{HALF_SPACES}\n{name} = [1.0]\n"))
+
+
 @pytest.mark.parametrize(
     ("sweep", "line"),
     [

@@ -24,14 +24,16 @@ NAN = float("nan")
         (lambda: Hold("long"), "duration"),  # type: ignore[arg-type]
         (lambda: Hold(1.0, mobility=0.0), "mobility"),
         (lambda: Hold(1.0, hold="height"), "hold"),  # type: ignore[arg-type]
-        (lambda: Ramp(1.0), "load and separation"),
-        (lambda: Ramp(1.0, load=1.0, separation=1.0), "load and separation"),
+        (lambda: Ramp(1.0), "load, separation and pressure"),
+        (lambda: Ramp(1.0, load=1.0, separation=1.0), "load, separation and pressure"),
         (lambda: Ramp(-1.0, load=1.0), "duration"),
         (lambda: Ramp(1.0, load=0.0), "load"),
         (lambda: Ramp(1.0, load=-3.0), "load"),
+        (lambda: Ramp(1.0, pressure=-3.0), "pressure"),
+        (lambda: Step(load=1.0, pressure=3.0), "load, separation and pressure"),
         (lambda: Ramp(1.0, separation=NAN), "separation"),
         (lambda: Step(load=0.0), "load"),
-        (lambda: Step(), "load and separation"),
+        (lambda: Step(), "load, separation and pressure"),
         (lambda: Repeat([Hold(1.0)], 0), "count"),
         (lambda: Repeat([], 2), "protocol"),
         (lambda: Repeat([Hold(1.0), "hold"], 2), "protocol"),  # type: ignore[list-item]
@@ -115,6 +117,25 @@ def test_a_history_describes_itself(tmp_path):
     ]
     history.save(tmp_path / "history.zarr")
     assert asp.results.load(tmp_path / "history.zarr").identical(data)
+
+
+def test_a_pressure_is_a_load_over_the_nominal_area():
+    heights = asp.surfaces.spectral((16, 32), hurst=0.8, spacing=2e-6, rms_slope=0.1, seed=1)
+    scan = asp.surfaces.Surface(heights, "m", (2e-6, 2e-6), "m")
+    solid = asp.solids.half_space(modulus=3e9, branches=[(0.3, 0.1)])
+    contact = asp.press(scan, solid, pressure=1e6)
+    area = 16 * 32 * 4e-12
+    for legs in (
+        lambda one: [Hold(1.0), Step(**{one[0]: 2 * one[1]}), Hold(1.0)],
+        lambda one: [Ramp(1.0, **{one[0]: 2 * one[1]}), Hold(1.0)],
+    ):
+        by_pressure, by_load = (
+            asp.age(contact, [2.0], protocol=legs(one)).dataset
+            for one in (("pressure", 1e6), ("load", 1e6 * area))
+        )
+        np.testing.assert_allclose(by_pressure["load"][-1], 2e6 * area, rtol=1e-8)
+        np.testing.assert_array_equal(by_pressure["area"], by_load["area"])
+        assert "pressure=2e+06" in by_pressure.attrs["protocol_in_words"]
 
 
 def test_a_held_area_is_recorded_as_such():

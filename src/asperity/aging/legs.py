@@ -79,7 +79,7 @@ def follow(
             continue
         begun, end = switches[number : number + 2]
         if isinstance(leg, Step):
-            pressed = pressed_anew(now.contact, _target(leg), solver)
+            pressed = pressed_anew(now.contact, _target(now.contact, leg), solver)
             approach = now.approach + now.contact.separation - pressed.separation
             now = Frame(end, pressed, approach, 0, 0, pressed.iterations, number)
             yield now
@@ -119,10 +119,11 @@ def _control(contact: Contact, leg: Hold | Ramp, lasting: float) -> Control:
     """What a leg prescribes, in times since its beginning and as fast as its mobility lets time pass."""
     if isinstance(leg, Hold):
         return control_of(contact, leg.hold)
-    target = _target(leg)
-    start = contact.separation if leg.load is None else control_of(contact, "load").value
+    target = _target(contact, leg)
+    start = contact.separation if leg.separation is not None else control_of(contact, "load").value
     return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))
 
 
-def _target(leg: Ramp | Step) -> Control:
-    return control_from(leg.load, leg.separation)
+def _target(contact: Contact, leg: Ramp | Step) -> Control:
+    load = leg.load if leg.pressure is None else leg.pressure * contact.nominal_area
+    return control_from(load, leg.separation)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +13,17 @@ import xarray as xr
 
 import asperity.checks as checks
 from asperity._version import __version__
-from asperity.campaign.plan import Axis, Plan, Run, name_of, seeded, value_at
+from asperity.campaign.plan import Axis, Plan, Run, name_of, put, seeded, value_at
 from asperity.campaign.store import FITTED, QUANTITIES, Finished, Store
 from asperity.config import RunConfig, from_tables, to_tables
 from asperity.config.reading import tables_to_toml
 from asperity.errors import InputError
-from asperity.protocols import in_words, leg_of
+from asperity.lattice import Field
+from asperity.protocols import in_words
 from asperity.results.quantities import (
-    IN_A_LEG,
-    PARAMETERS,
     Units,
+    attribute_of,
+    of_parameter,
     plain,
     units_named,
     units_of_parameters,
@@ -56,8 +57,10 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         is called ``load_history``. Over all but ``time``: one number a run, such as ``relaxed_area`` or
         ``fit_q``. Over all but ``seed``: the ensemble, ``area_mean``, ``area_stderr`` (standard error of
         the mean), and so on, and the ``count`` of finished seeds; ``fit_q_count`` where fewer have a fit.
-        What is not finished is NaN. The attributes hold what all runs have in common, one by one
-        (``k0``, ``shape``, ``last``, ...), and the whole campaign file as ``config``.
+        What is not finished is NaN. Where durations are swept, runs have times of their own: then ``entry``
+        takes the place of ``time``, which is a coordinate over the parameters and ``entry``. The attributes
+        hold what all runs have in common, one by one (``k0``, ``shape``, ``last``, ...), their units as
+        ``parameter_units``, and the whole campaign file as ``config``.
 
     Raises
     ------
@@ -69,39 +72,37 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     finished = {name: store.read(name) for name in {run.identity for run in plan.runs} & store.done()}
     if not finished:
         raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
-    some = next(iter(finished.values()))
-    times = some.series[0]
     shape = _shape(plan)
     described = _described(finished.values())
-    series = np.full((len(QUANTITIES), *shape, times.size), np.nan)
+    entries = max(run.series.shape[1] for run in finished.values())
+    series = np.full((len(QUANTITIES), *shape, entries), np.nan)
     names = sorted({name for run in finished.values() for name in run.scalars})
     scalars = np.full((len(names), *shape), np.nan)
     for run in plan.runs:
         if run.identity in finished:
             one, place = finished[run.identity], _place(plan, run)
             everything: tuple[Any, ...] = (slice(None), *place)
-            series[everything] = one.series
+            series[(*everything, slice(one.series.shape[1]))] = one.series
             for row, name in enumerate(names):
                 scalars[row, *place] = one.scalars.get(name, np.nan)
     dims = _dims(plan)
     coordinates = _coordinates(plan)
-    if plan.runs[0].config.protocol:
-        coordinates["leg"] = ("time", some.series[-1].astype(int))
-    dataset = xr.Dataset(coords=coordinates | {"time": times})
+    along, times = _times(plan, finished, dict(zip(QUANTITIES, series, strict=True)))
+    dataset = xr.Dataset(coords=coordinates | times)
     for name, values in zip(QUANTITIES, series, strict=True):
         if name in described and name not in ("time", "leg"):
             # A swept load is a coordinate; the load as it developed needs another name then.
             free = f"{name}_history" if name in coordinates else name
             long_name, unit = described[name]
-            dataset[free] = ((*dims, "time"), values, {"long_name": long_name, "units": unit})
+            dataset[free] = ((*dims, along), values, {"long_name": long_name, "units": unit})
     for row, name in enumerate(names):
         when, _, of_what = name.partition("_")
         unit = described.get(of_what, ("", ""))[1] if when in ("initial", "final", "relaxed") else ""
         dataset[name] = (dims, scalars[row], {"long_name": name.replace("_", " "), "units": unit})
     units = units_named({name: unit for name, (_, unit) in described.items()})
     for name in map(str, dataset.coords):
-        long_name, unit = _of_coordinate(plan, name, units) or described.get(name, ("", ""))
-        dataset[name].attrs.update(long_name=long_name, units=unit)
+        long_name, unit = of_parameter(name) or described.get(name, ("", ""))
+        dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
     if "seed" in dims:
         dataset = _with_ensemble(dataset)
     return dataset.assign_attrs(
@@ -163,7 +164,7 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
         Runs that are not finished are left out.
     """
     checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
-    whole = set(dataset.dims) - {"time"}
+    whole = set(dataset.dims) - {"time", "entry"}
     numbers = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == whole]
     if whole:
         rows = dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
@@ -204,6 +205,25 @@ def load_plan(directory: str | Path) -> Plan:
         ) from error
 
 
+def _times(
+    plan: Plan, finished: Mapping[str, Finished], series: Mapping[str, Field]
+) -> tuple[str, dict[str, object]]:
+    """Along what series go: times, where all runs have the same; else entries, and times of each point."""
+    protocol = bool(plan.runs[0].config.protocol)
+    first, *others = finished.values()
+    if all(np.array_equal(one.series[0], first.series[0]) for one in others):
+        legs = {"leg": ("time", first.series[-1].astype(int))} if protocol else {}
+        return "time", {"time": first.series[0], **legs}
+    dims, kept = _dims(plan), {}
+    for name in ("time", "leg"):
+        values = series[name]
+        if plan.seeds:  # the seeds of a point share its times
+            values, dims = np.nanmax(values, axis=-2, initial=-1.0), _dims(plan)[:-1]
+            values = np.where(values < 0, np.nan, values)
+        kept[name] = ((*dims, "entry"), values)
+    return "entry", {**kept, "entry": np.arange(series["time"].shape[-1])}
+
+
 def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
     """Long name and unit of each series that some run has."""
     described: dict[str, tuple[str, str]] = {}
@@ -213,19 +233,6 @@ def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
             if known != unit:
                 described[name] = (long_name, f"{known} or {unit}, as the run")
     return described
-
-
-def _of_coordinate(plan: Plan, name: str, units: Units) -> tuple[str, str] | None:
-    """Long name and unit of a swept parameter."""
-    axis = next((axis for axis in plan.axes if axis.name == name), None)
-    if axis is not None and axis.section == "protocol":
-        long_name, dimension = IN_A_LEG[name.split(".")[-1]]
-        long_name += f" in leg {name}"
-    elif name in PARAMETERS:
-        long_name, dimension = PARAMETERS[name]
-    else:
-        return None
-    return long_name, units.get(dimension, dimension)
 
 
 def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
@@ -239,7 +246,7 @@ def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
             swept[axis.name] = list(axis.values)
             continue
         swept[axis.name] = [value_at(at[i], axis.section, axis.name) for i in range(len(at))]
-        tables[axis.section].pop(axis.name)
+        tables[axis.section].pop(axis.name, None)  # an entry of a list stays: the list has no holes
     if plan.seeds:
         first, count = plan.seeds[0], len(plan.seeds)
         in_a_row = list(plan.seeds) == list(range(first, first + count))
@@ -254,8 +261,13 @@ def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
     facts = {key: value for name, table in tables.items() if name != "output" for key, value in table.items()}
     facts = {name: one for key, value in facts.items() for name, one in plain(key, value).items()}
     facts["parameter_units"] = units_of_parameters(facts, units)
+    for axis in plan.axes:
+        if axis.section == "protocol":
+            put(legs, axis.name.partition(".")[2], "swept")
+        elif "." in axis.name:
+            facts.pop(attribute_of(axis.name), None)
     if legs is not None:
-        facts |= {"protocol": json.dumps(legs), "protocol_in_words": in_words(map(leg_of, legs))}
+        facts |= {"protocol": json.dumps(legs), "protocol_in_words": in_words(legs)}
     return facts | {"config": config}
 
 

@@ -4,7 +4,8 @@ The file is that of ``asperity run`` with one more section::
 
     [sweep]
     load = [200.0, 800.0]     # any key of [surface], [solid], [contact], or [aging] hold and rtol
-    protocol.1.load = [160.0] # or a load, separation or mobility in a leg of [[protocol]], counted from 0
+    protocol.1.load = [160.0] # or a number in a leg of [[protocol]], counted from 0
+    branches.0.time = [1.0, 10.0]  # or an entry of a list: share or time of a branch, counted from 0
     k1 = [1.0, 3.0, 10.0]
     seeds = 32                # so many from the surface's seed on, or a list
     combine = "grid"          # every load with every k1; "zip" takes them pairwise
@@ -28,6 +29,7 @@ from asperity.config import MeasuredSurface, RunConfig, config_from, read_tables
 from asperity.config.mistakes import ORDER, Sections, models_of
 from asperity.config.models import KINDS
 from asperity.errors import ConfigError
+from asperity.results.quantities import IN_A_LEG
 from asperity.units import written_with_units
 
 Value = float | int | str
@@ -175,37 +177,34 @@ def _lists(
     homes = {
         name: section for section in ORDER for model in models_of(section) for name in model.model_fields
     }
-    flat: dict[tuple[str | None, str], Any] = {}
-    for path, values in _paths(swept.pop("protocol", {})):
-        where, key = f"[sweep] protocol.{path}", path.split(".")[-1]
-        if key not in ("load", "separation", "mobility"):
-            advice = "load, separation and mobility of a leg can: protocol.1.load = [...]"
-            problems.append(f"{where}: cannot be swept; {advice}")
-        elif not isinstance(values, list) or not values:
-            problems.append(f"{where}: expected a list of values, got {values!r}")
-        else:
-            yield ("protocol", f"protocol.{path}"), values
-    for key, value in swept.items():
-        inner = value.items() if isinstance(value, dict) else [(None, value)]
-        for name, values in inner:
-            if (name or key) in {other for _, other in flat}:
-                problems.append(f"[sweep] {name or key}: given twice")
-            flat[(key, name) if name else (None, key)] = values
-    for (section, name), values in flat.items():
+    found: dict[str, None] = {}
+    for path, values in _paths(swept):
+        head, _, rest = path.partition(".")
+        section, name = (head, rest) if head in ORDER and rest else (None, path)
+        key = name.split(".")[0]
         where = f"[sweep] {name}"
-        if name not in homes or (section is not None and homes[name] != section):
-            close = get_close_matches(name, [*homes, "seeds", "combine"], n=1)
-            hint = f"; did you mean {close[0]!r}?" if close else ""
-            problems.append(f"{where}: no such key{hint}")
-        elif name in _NOT_SWEPT:
+        if name in found:
+            problems.append(f"{where}: given twice")
+        found[name] = None
+        if head == "protocol":
+            section, known = head, name.split(".")[-1] in IN_A_LEG
+            advice = f"{', '.join(IN_A_LEG)} of a leg can: protocol.1.load = [...]"
+        else:
+            known = key not in _NOT_SWEPT
             advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kinds))}"
+            if key not in homes or section not in (None, homes[key]):
+                close = get_close_matches(name, [*homes, "seeds", "combine"], n=1)
+                hint = f"; did you mean {close[0]!r}?" if close else ""
+                problems.append(f"{where}: no such key{hint}")
+                continue
+        if not known:
             problems.append(f"{where}: cannot be swept; {advice}")
         elif not isinstance(values, list) or not values:
             problems.append(f"{where}: expected a list of values, got {values!r}")
         elif len({_label(value) for value in values}) < len(values):
             problems.append(f"{where}: expected different values, got {values!r}")
         else:
-            yield (homes[name], name), values
+            yield (section or homes[key], name), values
 
 
 def _paths(tree: object, path: str = "") -> Iterator[tuple[str, Any]]:
@@ -217,16 +216,22 @@ def _paths(tree: object, path: str = "") -> Iterator[tuple[str, Any]]:
         yield from _paths(value, f"{path}.{key}".lstrip("."))
 
 
-def _put(legs: Any, path: str, value: object) -> None:
-    """Put a value into a leg: ``protocol.1.load``, or ``protocol.0.legs.1.load`` within a repetition."""
-    *way, last = path.split(".")[1:]
-    leg = legs
-    try:
-        for key in way:
-            leg = leg[int(key)] if isinstance(leg, list) else leg[key]
-        leg[last] = value
-    except (KeyError, IndexError, ValueError, TypeError):
-        raise ConfigError([f"[sweep] {path}: no such leg; legs count from 0"]) from None
+def put(table: Any, name: str, value: object) -> None:
+    """Put a value where a name leads: ``k1``, ``branches.0.time``, ``1.load``, ``0.legs.1.load``."""
+    *way, last = name.split(".")
+    for key in way:
+        table = table[_place_in(table, key)]
+    place = _place_in(table, last)
+    if isinstance(table, list):
+        table[place]  # raises where there is none to replace
+    table[place] = value
+
+
+def _place_in(table: object, key: str) -> Any:
+    """Key of a table, or number in a list; share and time of a branch are its first and second number."""
+    if not isinstance(table, list | tuple):
+        return key
+    return {"share": 0, "time": 1}[key] if key in ("share", "time") and len(table) == 2 else int(key)
 
 
 def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
@@ -305,16 +310,20 @@ def _runs(
 def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None) -> dict[str, Any]:
     """The tables of the file with the values of one run in them."""
     merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
-    flags = dict(flags)
-    if "protocol" in flags:
-        merged["protocol"] = copy.deepcopy(merged.get("protocol"))
-        for path, value in flags.pop("protocol").items():
-            _put(merged["protocol"], path, value)
     seeded: Sections = {} if seed is None else {"surface": {"seed": seed}}
     for section, keys in itertools.chain(flags.items(), seeded.items()):
         table = merged.setdefault(section, {})
-        if isinstance(table, dict):  # otherwise a mistake, which is reported
-            table.update(keys)
+        if any("." in name for name in keys):
+            table = merged[section] = copy.deepcopy(table)
+        elif not isinstance(table, dict):  # a mistake, which is reported
+            continue
+        for name, value in keys.items():
+            path = name.removeprefix("protocol.")
+            try:
+                put(table, path, value)
+            except (KeyError, IndexError, ValueError, TypeError):
+                what = "leg; legs count from 0" if section == "protocol" else "entry; entries count from 0"
+                raise ConfigError([f"[sweep] {name}: no such {what}"]) from None
     return merged
 
 
@@ -387,7 +396,8 @@ def value_at(config: RunConfig, section: str, name: str) -> Any:
     """Value of a swept key in a configuration."""
     place: Any = getattr(config, section)
     for key in name.split(".")[section == "protocol" :]:
-        place = place[int(key)] if isinstance(place, list) else getattr(place, key)
+        key = _place_in(place, key) if isinstance(place, list | tuple) else key
+        place = place[key] if isinstance(key, int) else getattr(place, key)
     return place
 
 

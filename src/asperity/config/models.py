@@ -393,18 +393,21 @@ class HoldLeg(Section):
 
 
 class Target(Section):
-    """A load or a separation to get to."""
+    """A load, a pressure or a separation to get to."""
 
     load: Force | None = Field(default=None, description="Load at the end.")
     separation: Position | None = Field(
         default=None, description="Separation at the end; instead of the load."
     )
+    pressure: Pressure | None = Field(
+        default=None, description="Load over nominal area at the end; instead of the load."
+    )
 
     @model_validator(mode="after")
-    def _one_of_two(self) -> Self:
-        if (self.load is None) == (self.separation is None):
-            got = "neither" if self.load is None else "both"
-            raise ValueError(f"expected load or separation, got {got}")
+    def _one_of_three(self) -> Self:
+        given = [name for name in ("load", "pressure", "separation") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected load, pressure or separation, got {' and '.join(given) or 'none'}")
         return self
 
 

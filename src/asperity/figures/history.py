@@ -382,13 +382,15 @@ def _said(leg: Leg, say: _Say) -> str:
 
 
 def _target(leg: Ramp | Step, say: _Say) -> str:
+    if leg.pressure is not None:
+        return f"pressure {say('mean_contact_pressure', leg.pressure)}"
     name = "load" if leg.separation is None else "separation"
     return f"{name} {_signed(getattr(leg, name), name, say)}"
 
 
 def _jump(row: LegRow, say: _Say) -> str:
     """Say what changes at once, from what to what."""
-    by_load = isinstance(row.leg, Step) and row.leg.load is not None
+    by_load = isinstance(row.leg, Step) and row.leg.separation is None
     name, (before, after) = ("load", row.load) if by_load else ("separation", row.separation)
     return f"{name} {_signed(before, name, say)}\u00a0→\u00a0{_signed(after, name, say)}"
 

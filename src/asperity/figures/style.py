@@ -116,7 +116,8 @@ def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
 
 def said(dataset: xr.Dataset, name: str, value: float, digits: int = 6) -> str:
     """Write a value of a series, with its unit where that is one of SI."""
-    return spaced(written(value, dataset[name].attrs.get("units", "1"), digits))
+    unit = dataset[name].attrs.get("units", "1") if name in dataset else "1"
+    return spaced(written(value, unit, digits))
 
 
 def spaced(text: str) -> str:

@@ -109,8 +109,8 @@ def dataset_of(
     if True in exact:
         attributes["exact_contact"] = "at all times" if exact == {True} else "at some times"
     if protocol is not None:
-        attributes["protocol"] = json.dumps([described(leg) for leg in protocol])
-        attributes["protocol_in_words"] = in_words(protocol)
+        told = [described(leg) for leg in protocol]
+        attributes |= {"protocol": json.dumps(told), "protocol_in_words": in_words(told)}
     return dataset.assign_attrs(attributes)
 
 

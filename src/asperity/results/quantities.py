@@ -109,14 +109,19 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "rtol": ("relative tolerance of the time steps", "1"),
     "seed": ("seed of the surface", "1"),
     "point": ("number of the point, from 0", "1"),
+    "entry": ("number of the entry of the series, from 0", "1"),
 }
 """Long name and dimension, or unit, of what a run or a campaign is told."""
 
 IN_A_LEG = {
     "load": SERIES["load"],
     "separation": SERIES["separation"],
+    "pressure": ("load over nominal area", "pressure"),
+    "duration": ("duration", "time"),
+    "count": ("number of repetitions", "1"),
     "mobility": ("factor on the mobility of creep", "1"),
 }
+"""The same of what a leg of a history is told."""
 
 Plain = str | float | int | list[str] | list[float] | list[int]
 
@@ -181,6 +186,26 @@ def units_named(named: Mapping[str, str]) -> Units:
     systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)
     alike = (one for one in systems if all(one.get(d) == found.get(d) for d in ("time", "force")))
     return next(alike, {}) | found
+
+
+def attribute_of(name: str) -> str:
+    """The attribute that holds a parameter: ``branch_times`` for ``branches.0.time``."""
+    key, *way = name.split(".")
+    if key in ("branches", "base_branches") and len(way) == 2:
+        return f"{key.removesuffix('es')}_{'shares' if way[1] in ('share', '0') else 'times'}"
+    return key
+
+
+def of_parameter(name: str) -> tuple[str, str] | None:
+    """Long name and dimension of a parameter, by its name or by the way to a number within it.
+
+    Such as ``k1``, ``branches.0.time``, ``protocol.1.load``.
+    """
+    key, *way = name.split(".")
+    if not way:
+        return PARAMETERS.get(key)
+    long_name, dimension = IN_A_LEG[way[-1]] if key == "protocol" else PARAMETERS[attribute_of(name)]
+    return f"{long_name}{', leg' if key == 'protocol' else ','} {name}", dimension
 
 
 def plain(name: str, value: object) -> dict[str, Plain]:
