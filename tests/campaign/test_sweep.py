@@ -143,6 +143,23 @@ def test_status_and_gather(done, tmp_path, capsys):
     assert main(["gather", str(done / "out"), "--to", str(target)]) == 2
     assert "all.csv exists; try --overwrite" in capsys.readouterr().err
     assert main(["gather", str(done / "out"), "--to", str(target), "--overwrite"]) == 0
+    assert (tmp_path / "all.png").stat().st_size > 20_000
+
+
+def test_netcdf_holds_the_same_numbers_and_everything_has_name_and_unit(done, tmp_path, capsys):
+    assert main(["gather", str(done / "out"), "--to", str(tmp_path / "all.nc")]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"all.nc", "all.csv", "all.png"}
+    data, again = campaign.open(done / "out"), xr.load_dataset(tmp_path / "all.nc")
+    assert set(again.variables) == set(data.variables)
+    for name, variable in again.variables.items():
+        np.testing.assert_array_equal(variable, data[name])
+        assert variable.attrs["long_name"]
+        assert variable.attrs["units"]
+    assert (again.attrs["kind"], again.attrs["k0"]) == ("gaussian", 1.0)
+    assert again["fit_t0"].attrs["units"] == again["time"].attrs["units"]
+    assert again["held"].attrs["units"] == again["load_history"].attrs["units"]
+    assert main(["gather", str(done / "out"), "--to", str(tmp_path / "all.h5")]) == 2
+    assert "--to: expected a name that ends in .zarr, or in .nc" in capsys.readouterr().err
 
 
 def test_what_is_not_finished_is_nan(tmp_path):

@@ -11,6 +11,7 @@ import pytest
 from asperity import age, press, results
 from asperity.cli import main
 from asperity.config import read_config
+from asperity.config.legs import legs_from_words
 from asperity.protocols import Hold, Ramp, Repeat, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
@@ -153,3 +154,10 @@ def test_files_that_cannot_be(text: str, message: str, asperity: Asperity, tmp_p
     status, _, error = asperity("run", tmp_path / "study.toml", "--out", tmp_path / "out")
     assert status == 2
     assert message in error
+
+
+@pytest.mark.parametrize("line", ["ramp 5 s pressure=2 MPa mobility=3", "ramp 5s pressure = 2MPa mobility=3"])
+def test_units_of_legs_may_stand_apart(line):
+    (leg,) = legs_from_words([line])
+    assert leg["mobility"] == 3
+    assert [str(leg[key]).replace(" ", "") for key in ("duration", "pressure")] == ["5s", "2MPa"]

@@ -219,6 +219,7 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.campaign.table,
     asp.campaign.tally,
     asp.figures.aging_curve,
+    asp.figures.campaign_figure,
     asp.figures.prediction_page,
     asp.figures.prediction_pictures,
     asp.predict,

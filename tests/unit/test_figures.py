@@ -26,6 +26,7 @@ from asperity.analysis import (
 )
 from asperity.figures import (
     aging_curve,
+    campaign_figure,
     contact_figure,
     fit_figure,
     history_figure,
@@ -447,3 +448,49 @@ def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
     line = surface_view(Surface(np.zeros(5)))
     assert line.profile.size == 5
     assert np.isnan(line.normal_density).all()
+
+
+def gathered(loads: int, moduli: int, seeds: int) -> xr.Dataset:
+    """What `asperity.campaign.open` gives of a study over load and k1; the means are known."""
+    times = np.r_[0.0, np.geomspace(0.1, 100.0, 4)]
+    load, k1 = np.arange(1.0, loads + 1), np.arange(1.0, moduli + 1)
+    mean = 0.01 * load[:, None, None] * k1[:, None] * (1 + np.log1p(times))
+    data = xr.Dataset(coords={"load": load, "k1": k1, "seed": np.arange(seeds), "time": times})
+    dims = ("load", "k1", "time")
+    data["contact_fraction_mean"] = (dims, mean)
+    data["contact_fraction_stderr"] = (dims, 0.1 * mean)
+    return data.assign_attrs(runs=loads * moduli * seeds, finished=loads * moduli * seeds)
+
+
+def test_a_campaign_shows_the_mean_of_each_point_and_its_standard_error() -> None:
+    figure = campaign_figure(gathered(3, 2, 6))
+    assert [axes.get_title() for axes in figure.axes] == ["k1 = 1", "k1 = 2"]
+    curve = figure.axes[1].lines[2]  # k1 = 2, load = 3
+    assert curve.get_label() == "load = 3"
+    times = np.asarray(curve.get_xdata())
+    np.testing.assert_allclose(np.asarray(curve.get_ydata()), 100 * 0.06 * (1 + np.log1p(times)))
+    edges = np.asarray(figure.axes[1].collections[2].get_paths()[0].vertices)[:, 1]
+    assert edges.max() == pytest.approx(1.1 * 6 * (1 + np.log1p(100.0)))
+    assert edges.min() == pytest.approx(0.9 * 6 * (1 + np.log1p(0.1)))
+    title = figure.get_suptitle()
+    assert "mean of 6 seeds ± standard error" in title
+    assert "drawn" not in title
+
+
+def test_a_campaign_of_many_points_shows_some_and_says_so() -> None:
+    figure = campaign_figure(gathered(20, 9, 3))
+    assert len([axes for axes in figure.axes if axes.lines]) == 6
+    assert {len(axes.lines) for axes in figure.axes if axes.lines} == {7}
+    assert "6 of 9 panels drawn, 7 of 20 curves a panel drawn" in " ".join(figure.get_suptitle().split())
+
+
+def test_a_campaign_without_lists_is_one_curve() -> None:
+    one = gathered(1, 1, 1).isel(load=0, k1=0)
+    (axes,) = campaign_figure(one).axes
+    assert (len(axes.lines), axes.get_title()) == (1, "")
+
+
+@pytest.mark.parametrize("what", ["history", "number"])
+def test_what_is_no_campaign_is_refused(what: str, aged: xr.Dataset) -> None:
+    with refuses("dataset"):
+        campaign_figure(aged.drop_vars("contact_fraction") if what == "history" else 3)  # type: ignore[arg-type]

@@ -41,6 +41,22 @@ _WHOLE = ("sites", "initial_area", "final_area", "relaxed_area")
 """Numbers that count sites."""
 
 
+_SCALARS = {
+    "sites": ("sites of the lattice", "sites"),
+    "held": ("load or separation that is held at first", ""),
+    "seconds": ("time of computing", "s"),
+    "worst_residual": ("largest residual of all entries", "1"),
+    "fit_a": ("a of the saturation law", "1"),
+    "fit_q": ("q of the saturation law", "1"),
+    "fit_t0": ("t0 of the saturation law", "time"),
+    "fit_C": ("(a - 1) q of the saturation law", "1"),
+    "fit_misfit": ("rms misfit of the saturation law", "1"),
+}
+"""Long name and dimension of the numbers of a run that are no values of a series."""
+
+_WHEN = {"initial": "at time 0", "final": "at the last time", "relaxed": "relaxed"}
+
+
 def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open, as xarray and zarr have it)
     """Open the runs of a campaign that are finished.
 
@@ -95,11 +111,19 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             free = f"{name}_history" if name in coordinates else name
             long_name, unit = described[name]
             dataset[free] = ((*dims, along), values, {"long_name": long_name, "units": unit})
+    units = units_named({name: unit for name, (_, unit) in described.items()})
     for row, name in enumerate(names):
         when, _, of_what = name.partition("_")
-        unit = described.get(of_what, ("", ""))[1] if when in ("initial", "final", "relaxed") else ""
-        dataset[name] = (dims, scalars[row], {"long_name": name.replace("_", " "), "units": unit})
-    units = units_named({name: unit for name, (_, unit) in described.items()})
+        long_name, unit = _SCALARS.get(name.removesuffix("_uncertainty"), (name.replace("_", " "), "1"))
+        if when in _WHEN and of_what in described:
+            long_name, unit = f"{described[of_what][0]}, {_WHEN[when]}", described[of_what][1]
+        elif name == "held":
+            unit = " or ".join(
+                sorted({units["length" if _holds_separation(run) else "force"] for run in plan.runs})
+            )
+        if name.endswith("_uncertainty"):
+            long_name = f"{long_name}, standard error of the fit"
+        dataset[name] = (dims, scalars[row], {"long_name": long_name, "units": units.get(unit, unit)})
     for name in map(str, dataset.coords):
         long_name, unit = of_parameter(name) or described.get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
@@ -233,6 +257,11 @@ def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
             if known != unit:
                 described[name] = (long_name, f"{known} or {unit}, as the run")
     return described
+
+
+def _holds_separation(run: Run) -> bool:
+    hold = run.config.aging.hold
+    return run.config.contact.separation is not None if hold is None else hold == "separation"
 
 
 def _in_common(plan: Plan, units: Units) -> dict[str, Any]:

@@ -402,14 +402,15 @@ def status(out: Path, /) -> None:
 
 @_command()
 def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -> None:
-    """Gather a campaign into one Dataset with ensemble means, and a table (CSV) of its runs.
+    """Gather a campaign into one Dataset with ensemble means, a table (CSV) of its runs, and a figure.
 
     Parameters
     ----------
     out
         Folder of the campaign.
     to
-        Name to write, ending in .zarr; the table goes beside it. [default: gathered.zarr in the folder]
+        Name to write, ending in .zarr, or in .nc for netCDF; table and figure go beside it.
+        [default: gathered.zarr in the folder]
     overwrite
         Replace what was gathered there.
     """

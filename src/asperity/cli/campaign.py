@@ -16,9 +16,10 @@ from rich.progress import Progress as Bar
 import asperity.campaign as campaign
 from asperity.campaign import Plan, Tally
 from asperity.campaign.plan import Run, name_of
-from asperity.cli.output import with_unit
+from asperity.cli.output import with_unit, write_figure
 from asperity.cli.report import aligned
 from asperity.errors import AsperityError, InputError
+from asperity.figures import campaign_figure
 from asperity.results import save
 from asperity.results.store import whole_file
 from asperity.words import data_size, duration
@@ -82,7 +83,7 @@ def status(out: Path) -> None:
 
 
 def gather(out: Path, *, to: Path | None, overwrite: bool) -> None:
-    """Write a campaign's Dataset and a table of its runs.
+    """Write a campaign's Dataset, a table of its runs, and a figure of their growth.
 
     Raises
     ------
@@ -91,26 +92,35 @@ def gather(out: Path, *, to: Path | None, overwrite: bool) -> None:
     """
     dataset = campaign.open(out)
     target = out / "gathered.zarr" if to is None else to
-    if target.suffix != ".zarr":
-        raise InputError("--to", expected="a name that ends in .zarr", got=target)
-    csv = target.with_suffix(".csv")
+    if target.suffix not in (".zarr", ".nc"):
+        raise InputError("--to", expected="a name that ends in .zarr, or in .nc for netCDF", got=target)
     # Gathering again, with more runs, is what one does: the default place is always replaced.
     replace = overwrite or to is None
-    if csv.exists() and not replace:
-        raise InputError("--to", expected="a new name", got=f"{csv} exists", advice="--overwrite")
-    save(dataset, target, overwrite=replace)
+    csv, picture = target.with_suffix(".csv"), target.with_suffix(".png")
+    for there in (csv, picture, *[target] * (target.suffix == ".nc")):
+        if there.exists() and not replace:
+            raise InputError("--to", expected="a new name", got=f"{there} exists", advice="--overwrite")
+    if target.suffix == ".nc":
+        with whole_file(target) as part:
+            dataset.to_netcdf(part)
+    else:
+        save(dataset, target, overwrite=replace)
     runs = campaign.table(dataset)
     if dataset["time"].attrs["units"] == "s":
         runs = runs.rename(columns=lambda name: with_unit(name, dataset[name].attrs.get("units") or "1"))
     with whole_file(csv) as part:
         runs.to_csv(part, index=False)
     sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
+    opener = "asp.results.load" if target.suffix == ".zarr" else "xarray.open_dataset"
     rows = [
         ("finished", f"{dataset.attrs['finished']} of {dataset.attrs['runs']} runs"),
         ("dimensions", sizes),
-        ("written", f"{target}: all series and their ensemble; asp.results.load opens it"),
+        ("written", f"{target}: all series and their ensemble; {opener} opens it"),
         ("", f"{csv}: one row a run, {len(runs)} rows"),
     ]
+    if float(dataset["time"].max()) > 0:
+        write_figure(campaign_figure(dataset), picture)
+        rows.append(("", f"{picture}: growth of the contact, with standard errors"))
     sys.stdout.write(f"{aligned(rows)}\n")
 
 

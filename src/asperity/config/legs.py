@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 from asperity.errors import ConfigError
 from asperity.words import number
 
 _EXAMPLES = "'hold 10', 'ramp 5 load=400', 'step load=160', or 'repeat 3' for the legs so far, 3 times in all"
+_BEFORE_A_UNIT = re.compile(r"(?<=[\d.])\s+(?=[^\W\d][^\s=]*(\s|$))")
+"""Between a number and its unit."""
 
 
 def legs_from_words(lines: Iterable[str]) -> list[dict[str, object]]:
@@ -20,7 +23,7 @@ def legs_from_words(lines: Iterable[str]) -> list[dict[str, object]]:
     """
     legs: list[dict[str, object]] = []
     for line in lines:
-        kind, *rest = line.replace("=", " = ").replace(" = ", "=").split() or [""]
+        kind, *rest = _BEFORE_A_UNIT.sub("", line.replace("=", " = ").replace(" = ", "=")).split() or [""]
         leg: dict[str, object] = {"kind": kind}
         if rest and "=" not in rest[0]:
             leg["count" if kind == "repeat" else "duration"] = _value(rest.pop(0), whole=kind == "repeat")

@@ -5,6 +5,7 @@ prediction give pictures and a page.
 """
 
 from asperity.figures.aging import aging_curve
+from asperity.figures.campaign import campaign_figure
 from asperity.figures.cards import html_of
 from asperity.figures.contacts import contact_figure
 from asperity.figures.film import Film, animate_history
@@ -19,6 +20,7 @@ __all__ = [
     "Film",
     "aging_curve",
     "animate_history",
+    "campaign_figure",
     "contact_figure",
     "fit_figure",
     "history_figure",

@@ -1,0 +1,142 @@
+"""A campaign: growth of the contact area for the values of the swept parameters, with its scatter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from itertools import product
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
+
+import asperity.checks as checks
+from asperity.errors import InputError
+from asperity.figures import style
+
+_MOST_PANELS, _MOST_CURVES = 6, 7
+_MARKERS = "osD^vP*"
+_WIDE = 20.0
+"""Ratio of the largest to the smallest contact from which its axis is logarithmic."""
+
+Where = Mapping[str, int]
+
+
+def campaign_figure(dataset: xr.Dataset) -> Figure:
+    """Draw the contact against time at each point of a campaign: means over the seeds, and standard errors.
+
+    The parameter with most values tells the curves of a panel apart; each point of the others has a panel.
+
+    Parameters
+    ----------
+    dataset
+        From `asperity.campaign.open`.
+
+    Returns
+    -------
+    Figure
+        Of 6 panels and of 7 curves in each at most, evenly chosen; the title says what is left out.
+
+    Raises
+    ------
+    InputError
+        It is no such dataset, or holds no time above 0.
+    """
+    checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
+    name = "contact_fraction_mean" if "contact_fraction_mean" in dataset else "contact_fraction"
+    if name not in dataset or dataset["time"].ndim == 0 or not float(dataset["time"].max()) > 0:
+        expected = "the dataset of a campaign, with times above 0"
+        raise InputError("dataset", expected=expected, got="another", advice="asperity.campaign.open(folder)")
+    mean = 100 * dataset[name].transpose(..., dataset["time"].dims[-1])
+    spread = 100 * dataset["contact_fraction_stderr"] if name.endswith("mean") else 0 * mean
+    swept = sorted(map(str, mean.dims[:-1]), key=lambda dim: dataset.sizes[dim])
+    along, others = (swept[-1:], swept[:-1])
+    panels, curves = _points(dataset, others, _MOST_PANELS), _points(dataset, along, _MOST_CURVES)
+    columns = min(3, len(panels))
+    rows = math.ceil(len(panels) / columns)
+    figure = style.Drawing(figsize=(2.2 + 3.4 * columns, 1.4 + 3.0 * rows), layout="constrained")
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    drawn = mean.where(mean > 0)
+    logarithmic = float(drawn.max()) > _WIDE * float(drawn.min())
+    for axes, panel in zip(grid.flat, panels, strict=False):
+        for number, curve in enumerate(curves):
+            _draw(
+                axes, dataset, mean, spread, {**panel, **curve}, (number, len(curves)), _said(dataset, curve)
+            )
+        if "leg" not in dataset.coords:
+            axes.set_xscale("log")
+        if logarithmic:
+            axes.set_yscale("log")
+            axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
+            axes.yaxis.set_minor_formatter("{x:g}")
+        axes.yaxis.set_major_formatter("{x:g}")
+        axes.set_title(_said(dataset, panel), fontsize=9)
+        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+    for axes in grid.flat[len(panels) :]:
+        axes.set_axis_off()
+    if along:
+        grid[0, 0].legend(fontsize=8, framealpha=0.95, loc="best")
+    figure.supxlabel(style.over_time(dataset, "hold time $t$"), fontsize=10)
+    figure.supylabel("real contact [% of nominal area]", fontsize=10)
+    figure.suptitle(style.lines(_title(dataset, others, along), figure.room), fontsize=10)
+    return figure
+
+
+def _points(dataset: xr.Dataset, dims: list[str], most: int) -> list[Where]:
+    """Points along some of the dimensions, evenly chosen where there are too many."""
+    points = [dict(zip(dims, at, strict=True)) for at in product(*(range(dataset.sizes[d]) for d in dims))]
+    chosen = np.unique(np.linspace(0, len(points) - 1, min(most, len(points))).round().astype(int))
+    return [points[number] for number in chosen]
+
+
+def _draw(
+    axes: Axes,
+    dataset: xr.Dataset,
+    mean: xr.DataArray,
+    spread: xr.DataArray,
+    where: Where,
+    which: tuple[int, int],
+    label: str,
+) -> None:
+    """One curve and its band; what is not finished is left out."""
+    here = dict(where)
+    time = dataset["time"].isel({dim: at for dim, at in here.items() if dim in dataset["time"].dims}).values
+    middle, half = mean.isel(here).values, spread.isel(here).values
+    shown = np.isfinite(middle) & (time > 0 if "leg" not in dataset.coords else np.isfinite(time))
+    time, middle, half = time[shown], middle[shown], np.nan_to_num(half[shown])
+    number, count = which
+    color = colormaps["cividis"](0.85 * number / max(count - 1, 1))
+    axes.fill_between(time, middle - half, middle + half, color=color, alpha=0.3, linewidth=0)
+    look: dict[str, Any] = {"marker": _MARKERS[number], "markersize": 3.5, "markerfacecolor": "white"}
+    axes.plot(time, middle, color=color, linewidth=1.3, label=label, **look)
+
+
+def _said(dataset: xr.Dataset, where: Where) -> str:
+    """Values of the parameters at a point; along zipped ones, of each of them."""
+    said = []
+    for dim, at in where.items():
+        zipped = [str(name) for name in dataset.coords if dataset[name].dims == (dim,) and name != dim]
+        for name in zipped if dim == "point" and zipped else [dim]:
+            value = dataset[name].values[at]
+            text = style.said(dataset, name, float(value)) if value.dtype.kind in "iuf" else str(value)
+            said.append(f"{name} = {text}")
+    return style.verbatim(", ".join(said))
+
+
+def _title(dataset: xr.Dataset, others: list[str], along: list[str]) -> list[str]:
+    """What is drawn, and how much of it."""
+    parts = ["Growth of the real contact"]
+    if "contact_fraction_stderr" in dataset:
+        seeds = dataset.sizes["seed"]
+        parts.append(f"mean of {seeds} seeds ± standard error" if seeds > 1 else "one seed")
+    for dims, most, what in ((others, _MOST_PANELS, "panels"), (along, _MOST_CURVES, "curves a panel")):
+        if (count := math.prod(dataset.sizes[dim] for dim in dims)) > most:
+            parts.append(f"{most} of {count} {what} drawn")
+    finished, runs = dataset.attrs.get("finished"), dataset.attrs.get("runs")
+    if finished != runs:
+        parts.append(f"{finished} of {runs} runs finished")
+    return parts
