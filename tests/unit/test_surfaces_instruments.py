@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from asperity.errors import MissingExtraError, SurfaceFileError
-from asperity.surfaces import read
+from asperity.surfaces import power_spectrum, read
 
 DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
 FILES = ("di-1.di", "mi-1.mi", "opd-1.opd")
@@ -213,3 +213,14 @@ def test_without_the_library_it_says_how_to_install_it(
 def test_the_library_is_not_imported_before_it_is_needed() -> None:
     code = "import sys, asperity.surfaces; sys.exit('SurfaceTopography' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_the_range_of_a_hurst_exponent_holds_no_waves_of_too_little_power() -> None:
+    found = power_spectrum(read(instrument_file("mi-1.mi"), periodic="wrap"))
+    assert found.fit is not None
+    q = found.wave_number
+    inside = (q > 2 * np.pi / found.fit.longest) & (q < 2 * np.pi / found.fit.shortest)
+    ratio = found.power[inside] / np.array([float(found.fit.power(one)) for one in q[inside]])
+    assert inside.sum() > 8
+    assert ratio.min() > 0.4  # the plateau of the long waves has a sixth of the line's
+    assert ratio.max() < 2.5

@@ -53,6 +53,14 @@ _TOLERANCE = 0.1
 _DRIFT = 1.5
 """Standard deviations that the first bins of the range, or the last, may be off the line together."""
 
+_DEFICIT = 2.5
+"""Standard deviations by which the mean power of the first bins together may be below the line.
+
+Where a surface rolls off, long waves have too little power. The mean logarithms, of which the line is made,
+hide that in the scatter of the few waves there are; the mean power, which follows a gamma distribution, does
+not.
+"""
+
 _UNKNOWN = 0.25
 """Half width of the interval from which on a range is said to have no Hurst exponent."""
 
@@ -289,15 +297,16 @@ def _fit(bins: _Bins, axes: int, limits: tuple[float, float] | None) -> SelfAffi
                 continue
             if not np.isfinite(bins.logarithm[first:last]).all():
                 break
-            found, misfit, drift = _line(bins, np.arange(first, last), axes)
+            found, misfit, drift, deficit = _line(bins, np.arange(first, last), axes)
             known = found.interval[1] - found.hurst <= _UNKNOWN
-            if misfit <= 1 and drift <= _DRIFT and known and 0 <= round(found.hurst, 2) <= 1:
+            straight = misfit <= 1 and drift <= _DRIFT and deficit <= _DEFICIT
+            if straight and known and 0 <= round(found.hurst, 2) <= 1:
                 best, broadest = found, width
     return best
 
 
-def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, float, float]:
-    """Least squares of the mean logarithms; chi squared for each degree of freedom; drift of the ends."""
+def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, float, float, float]:
+    """Least squares of the mean logarithms; chi squared for each degree of freedom; drift; deficit."""
     x, y = np.log(bins.q[chosen]), bins.logarithm[chosen]
     variance = bins.scatter[chosen] ** 2 + _TOLERANCE**2
     weight = 1 / variance
@@ -320,8 +329,13 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
     )
     normal, half = left * np.sqrt(weight), chosen.size // 2
     ends = np.stack([normal[:half], normal[: -half - 1 : -1]])
-    drift = np.abs(np.cumsum(ends, axis=-1)) / np.sqrt(np.arange(1, half + 1))
-    return found, misfit, float(drift.max())
+    root = np.sqrt(np.arange(1, half + 1))
+    drift = np.abs(np.cumsum(ends, axis=-1)) / root
+    # Signed roots of the deviance of a gamma distribution of as many powers as are independent.
+    excess = np.log(bins.power[chosen[:half]]) - level - slope * (x[:half] - center)
+    count = 1 / ((bins.scatter[chosen[:half]] / _SCATTER) ** 2 + _TOLERANCE**2)
+    deviance = np.sign(excess) * np.sqrt(2 * count * np.maximum(np.expm1(excess) - excess, 0))
+    return found, misfit, float(drift.max()), float(np.max(-np.cumsum(deviance) / root))
 
 
 def _hann(n: int) -> Field:
