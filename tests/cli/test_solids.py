@@ -10,6 +10,7 @@ import xarray as xr
 import asperity as asp
 from asperity.analysis import contact_maps
 from asperity.analysis.scan import written
+from asperity.cli import main
 from asperity.config import read_config
 from asperity.results import Checkpoint
 from asperity.runs import Silent, execute
@@ -238,3 +239,35 @@ def test_a_layer_without_units_has_numbers_of_the_users_own(asperity: Asperity, 
     assert 0.002 < float(data["contact_fraction"][0]) < 0.03
     header = (out / "aging.csv").read_text().splitlines()[0]
     assert header.startswith("time,area,area_ratio,load,separation,energy,")
+
+
+@pytest.mark.parametrize(
+    ("words", "odd"),
+    [
+        (("--thickness", "3", "--pressure", "1MPa"), "thickness 3 has no unit and was taken in m; here"),
+        (("--thickness", "3um", "--pressure", "1"), "pressure 1 has no unit and was taken in Pa; here"),
+        (("--thickness", "3um", "--load", "1"), "load 1 has no unit and was taken in N; here it would"),
+        (("--thickness", "3um", "--pressure", "1e6"), ""),
+        (("--thickness", "3e-6", "--pressure", "1 MPa"), ""),
+    ],
+)
+def test_a_number_without_a_unit_that_is_odd_in_si_gets_a_remark(words, odd, tmp_path, capsys):
+    layer = ("--solid", "layer", "--modulus", "3GPa", "--poisson", "0.3", "--branch", "0.3 1")
+    rough = (
+        "--surface",
+        "spectral",
+        "--shape",
+        "16",
+        "16",
+        "--spacing",
+        "0.5",
+        "--unit",
+        "um",
+        "--rms-height",
+        "0.1",
+    )
+    call = ["run", *rough, *layer, *words, "--times", "1", "--figures", "", "--out", str(tmp_path / "out")]
+    assert main(call) == 0
+    said = capsys.readouterr().err
+    assert ("has no unit" in said) == bool(odd)
+    assert odd in said

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
@@ -30,7 +31,7 @@ from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_loa
 from asperity.simulate import age, press, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
-from asperity.units import written_with_units
+from asperity.units import InUnits, written_with_units
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
@@ -46,6 +47,9 @@ and 990 with two maps.
 
 _IN_RAMP = 12
 """Times recorded in a ramp, evenly spread."""
+
+_MODULI, _LIGHT = (1e2, 2e12), 1e-9
+"""Moduli of solids, Pa; least pressure in units of the modulus that leaves a contact to be seen."""
 
 _LARGE = 512**2
 """Sites from which transforms gain from a second thread."""
@@ -185,6 +189,28 @@ def _check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
         raise InputError("units", expected=expected, got=repr(text.written), advice=advice)
 
 
+def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
+    """Remarks on numbers that were written without a unit and are out of proportion in SI."""
+    if not (isinstance(config.solid, Continuum) and rough.has_lengths):
+        return ()
+    _, spacing = rough.in_meters()
+    sides = [count * step for count, step in zip(rough.shape, spacing, strict=True)]
+    modulus, load = config.solid.contact_modulus, math.prod(sides) * config.solid.contact_modulus
+    expected = {
+        "modulus": (config.solid.modulus, "Pa", *_MODULI),
+        "young": (next(iter(config.solid.young or []), None), "Pa", *_MODULI),
+        "thickness": (getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
+        "pressure": (config.contact.pressure, "Pa", _LIGHT * modulus, modulus),
+        "load": (config.contact.load, "N", _LIGHT * load, load),
+    }
+    return tuple(
+        f"{name} {value:g} has no unit and was taken in {unit}; here it would usually be "
+        f"from {written(low, unit, 1)} to {written(high, unit, 1)}"
+        for name, (value, unit, low, high) in expected.items()
+        if value is not None and not isinstance(value, InUnits) and not low <= value <= high
+    )
+
+
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
     contact = press(rough, solid, **config.contact.model_dump())
@@ -201,7 +227,7 @@ def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) 
 def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
     """Decide what the configuration leaves open: the load, the times, the maps; make paths absolute."""
     chosen = config.surface
-    remarks = rough.remarks
+    remarks = rough.remarks + _odd_numbers(config, rough)
     if isinstance(chosen, MeasuredSurface):
         chosen = chosen.model_copy(update={"path": str(Path(chosen.path).resolve())})
     contact = config.contact
