@@ -371,6 +371,8 @@ def test_an_interrupted_prediction_goes_on(
         ("--last", ("--pressure", "1MPa", "--first", "10s", "--last", "1s")),
         ("--poisson", ("--pressure", "1MPa", "--poisson", "0.6")),
         ("--per-decade", ("--pressure", "1MPa", "--per-decade", "0")),
+        ("--branches-per-decade", ("--pressure", "1MPa", "--branches-per-decade", "99")),
+        ("--threshold", ("--pressure", "1MPa", "--threshold", "0.4")),
         ("--reference", ("--pressure", "1MPa", "--temperature", "40degC")),
         ("--activation-energy", ("--pressure", "1MPa", "--temperature", "40degC", "--reference", "20degC")),
         ("--blur", ("--pressure", "40MPa", "--blur", "1mm")),
@@ -409,6 +411,35 @@ def test_files_that_cannot_be_used(files: Path, tmp_path: Path, asperity: Asperi
         assert said in error
         assert error.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["table.csv"]
+
+
+def test_more_branches_follow_a_table_of_few_times(
+    files: Path, undrawn: list[Prediction], tmp_path: Path, asperity: Asperity
+) -> None:
+    omega = np.geomspace(0.01, 100.0, 13)
+    shares, times = np.array([600.0, 900.0]), np.array([0.3, 0.9])  # less than half a decade apart
+    x2 = (omega[:, None] * times) ** 2
+    storage, loss = 1000 + x2 / (1 + x2) @ shares, np.sqrt(x2) / (1 + x2) @ shares
+    lines = [f"{w:.8g},{s:.8g},{one:.8g}" for w, s, one in zip(omega, storage, loss, strict=True)]
+    (tmp_path / "dma.csv").write_text("\n".join(["omega_rad_s,storage_MPa,loss_MPa", *lines]))
+    call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
+    call[1] = str(tmp_path / "dma.csv")
+    assert asperity(*call)[0] == 0
+    assert asperity(*call, "--branches-per-decade", "4")[0] == 0
+    few, many = (found.fit.series.error for found in undrawn)
+    assert few > 0.1
+    assert many < 0.02
+    assert any("more branches per decade" in remark for remark in undrawn[0].remarks)
+
+
+def test_a_table_without_names_is_told_what_to_write(files: Path, tmp_path: Path, asperity: Asperity) -> None:
+    lines = (files / "relaxation.csv").read_text().splitlines()
+    (tmp_path / "table.csv").write_text("\n".join(lines[1:]))
+    call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
+    call[1] = str(tmp_path / "table.csv")
+    status, _, error = asperity(*call)
+    assert status == 2
+    assert "try a first line that names them with their units, such as time_s,E_MPa" in error
 
 
 def test_a_table_that_needs_words(

@@ -62,9 +62,9 @@ def _without_stiffness(system: System, step: ImplicitStep, before: Field, positi
     if load <= 0 or system.free_mean:
         raise InputError(
             "contact",
-            expected="a load that lasts until full contact, as nothing permanent resists (k0 = 0)",
+            expected="a load that lasts until full contact, as nothing in this solid resists for ever",
             got="a separation at which it dies out before, on a path-dependent shape",
-            advice="asperity.age with late times, or permanent stiffness (k0 > 0)",
+            advice="asperity.age with late times, or a solid with permanent stiffness",
         )
     return everywhere
 

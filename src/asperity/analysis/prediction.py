@@ -260,7 +260,7 @@ def _of_tables(time: Field, area: Field, found: Fit, random: np.random.Generator
         ]
         try:
             table: dict[str, Any] = dict(zip(names, drawn, strict=True))
-            again = fit(replace(found.data, **table, noise=0.99))
+            again = fit(replace(found.data, **table, noise=0.99), per_decade=found.per_decade)
         except InputError:  # deviations so large that a draw is no relaxation
             continue
         there = np.log(again.series.compliance_at(time))

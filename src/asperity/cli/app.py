@@ -146,10 +146,11 @@ def predict(
     first: str | None = None,
     last: str | None = None,
     per_decade: Whole = 4,
+    branches_per_decade: float = 1.0,
     shear_strength: str | None = None,
     pixel: str | None = None,
     blur: str | None = None,
-    threshold: float = 0.5,
+    threshold: float | None = None,
     out: Out = Path("prediction"),
     overwrite: Switch = False,
     quiet: Quiet = False,
@@ -197,6 +198,9 @@ def predict(
         Last time, such as 10days. [default: that of the table]
     per_decade
         Times recorded in each decade.
+    branches_per_decade
+        Relaxation times that the fit has in each decade of the table: more of them for data with few
+        distinct times, fewer for noisy data.
     shear_strength
         Shear strength of the contacts, such as 50MPa: gives friction.
     pixel
@@ -204,7 +208,7 @@ def predict(
     blur
         Full width at half maximum of its point spread function, such as 0.6um.
     threshold
-        Part of full contact from which such a pixel counts as contact.
+        Part of full contact from which such a pixel counts as contact. [default: 0.5]
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     overwrite
@@ -238,6 +242,7 @@ def predict(
         first=first,
         last=last,
         per_decade=per_decade,
+        branches_per_decade=branches_per_decade,
         shear_strength=shear_strength,
         pixel=pixel,
         blur=blur,

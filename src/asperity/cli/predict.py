@@ -81,10 +81,11 @@ class Wanted:
     first: str | None
     last: str | None
     per_decade: int
+    branches_per_decade: float
     shear_strength: str | None
     pixel: str | None
     blur: str | None
-    threshold: float
+    threshold: float | None
 
     def quantities(self) -> dict[str, float | None]:
         """Numbers in SI units; a text without a unit is refused."""
@@ -140,6 +141,9 @@ def _arguments(wanted: Wanted) -> dict[str, Any]:
     if (wanted.pressure is None) == (wanted.load is None):
         got = "neither" if wanted.load is None else "both"
         raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
+    if wanted.threshold is not None and wanted.pixel is None and wanted.blur is None:
+        expected = "a pixel or a blur of the instrument beside it"
+        raise InputError("--threshold", expected=expected, got="neither", advice="--pixel 1um")
     numbers = wanted.quantities()
     temperature, reference = numbers.pop("temperature"), numbers.pop("reference")
     energy, constants = numbers.pop("activation_energy"), wanted.wlf
@@ -167,7 +171,8 @@ def _arguments(wanted: Wanted) -> dict[str, Any]:
         "modulus": wanted.modulus,
         "poisson": wanted.poisson,
         "per_decade": wanted.per_decade,
-        "threshold": wanted.threshold,
+        "branches_per_decade": wanted.branches_per_decade,
+        **({} if wanted.threshold is None else {"threshold": wanted.threshold}),
         "shift": shift,
     }
 
@@ -190,7 +195,17 @@ def _flag(name: str) -> str:
 
 def _of_flags(error: InputError) -> InputError:
     """The same error, about the flag."""
-    named = {*_UNITS, "poisson", "modulus", "per_decade", "threshold", "surface", "noise", "columns"}
+    named = {
+        *_UNITS,
+        "poisson",
+        "modulus",
+        "per_decade",
+        "branches_per_decade",
+        "threshold",
+        "surface",
+        "noise",
+        "columns",
+    }
     name = _flag(error.name) if error.name in named else error.name
     advice = re.sub(r"\b(noise|kind|columns)=\S", lambda found: f"--{found[1]} {found[0][-1]}", error.advice)
     return InputError(name, expected=error.expected, got=error.got, advice=advice)

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from asperity.config.mistakes import Sections, is_unknown, spelled, unknown_names
 from asperity.config.models import KINDS, MeasuredSurface, RunConfig
 from asperity.errors import ConfigError
+from asperity.words import number
 
 # A flag replaces the keys that say the same thing in another way.
 _RIVALS = {
@@ -147,7 +148,10 @@ def read_tables(path: str | Path) -> dict[str, Any]:
     except RecursionError:
         raise ConfigError([f"{path}: not a TOML file: too many brackets within each other"]) from None
     except OSError as error:
-        raise ConfigError([f"{path}: {error.strerror}"]) from None
+        hint = (
+            "" if isinstance(number(str(path)), str) else '; a pair of numbers is one word: --branch "0.3 10"'
+        )
+        raise ConfigError([f"{path}: {error.strerror}{hint}"]) from None
     for section, key in (("surface", "path"), ("solid", "relaxation")):
         table = tables.get(section)
         if isinstance(table, dict) and isinstance(table.get(key), str):

@@ -163,6 +163,11 @@ def _chosen(
         if kind in (None, one) and all(roles.count(role) == 1 for role in wanted)
     ]
     if len(fitting) != 1:
+        if not any(table.names):
+            first = {2: "time_s,E_MPa", 3: "omega_rad_s,storage_MPa,loss_MPa"}.get(
+                len(table.names), _EXAMPLES
+            )
+            raise _unclear(table, f"a first line that names them with their units, such as {first}")
         what = "kind=..., " if len(fitting) > 1 else ""
         raise _unclear(table, f"{what}columns=[...] to choose, or names such as {_EXAMPLES}")
     return fitting[0], [roles.index(role) for role in _KINDS[fitting[0]][1]]

@@ -28,11 +28,14 @@ class Fit(views.InNotebooks):
         Root mean square of the relative deviations.
     data
         What was fitted.
+    per_decade
+        Relaxation times in each decade that were allowed.
     """
 
     series: PronySeries
     rms: float
     data: Measured
+    per_decade: float = 1.0
 
     def __repr__(self) -> str:
         first, last = self.series.span
@@ -103,10 +106,10 @@ def fit(data: Measured, *, per_decade: float = 1.0, over: tuple[float, float] | 
     steps = max(1, round(density * math.log10(last / first)))
     times = log_times(first, last, steps / math.log10(last / first), first)
     series = replace(data.series(times), span=data.span)
-    found = Fit(series, 0.0, data)
+    found = Fit(series, 0.0, data, density)
     deviations = np.concatenate(found.residuals())
     largest, rms = float(np.abs(deviations).max()), float(np.sqrt(np.mean(deviations**2)))
-    found = Fit(replace(series, error=largest), rms, data)
+    found = Fit(replace(series, error=largest), rms, data, density)
     if over is not None:
         try:
             start, end = over

@@ -60,6 +60,7 @@ def predict(
     first: float | str | None = None,
     last: float | str | None = None,
     per_decade: int = 4,
+    branches_per_decade: float = 1.0,
     shear_strength: float | str | None = None,
     pixel: float | str | None = None,
     blur: float | str | None = None,
@@ -95,6 +96,9 @@ def predict(
         Times, s, between which to predict; by default all that the table spans, and never more.
     per_decade
         Times recorded in each decade.
+    branches_per_decade
+        Relaxation times that the fit has in each decade of the table, from 0.2 to 10: more of them for data
+        with few distinct times, fewer for noisy data.
     shear_strength
         Of the contacts, Pa: gives friction (Tabor).
     pixel, blur, threshold
@@ -131,15 +135,17 @@ def predict(
     if modulus not in get_args(Modulus):
         raise InputError("modulus", expected="'young', 'shear' or 'contact'", got=checks.shown(modulus))
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
+    fineness = checks.number("branches_per_decade", branches_per_decade, least=0.2, most=10)
     with _told(progress) as tell:
         tell.stage("reading the relaxation table")
         factor = checks.number("shift", shift, above=0)
         if isinstance(relaxation, str | Path):
-            found = fit(_table_with_units(relaxation, kind, columns, noise))
+            table = _table_with_units(relaxation, kind, columns, noise)
         else:
-            found = fit(relaxation)
+            table = relaxation
+        found = fit(table, per_decade=fineness)
         if factor != 1:
-            found = fit(found.data.shifted(factor))
+            found = fit(found.data.shifted(factor), per_decade=fineness)
         times = _times(found, first, last, density)
         stiffness = _contact_modulus(found.series.modulus, modulus, poisson)
         tell.stage("reading the scan")
@@ -277,7 +283,10 @@ def _remarks(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
             "which it does not have, would keep bodies further apart"
         )
     if prediction.fit.series.error > 0.05:
-        remarks.append(f"the fit misses the table by up to {100 * prediction.fit.series.error:.2g} %")
+        remarks.append(
+            f"the fit misses the table by up to {100 * prediction.fit.series.error:.2g} %: "
+            "more branches per decade may follow it, if that is not noise"
+        )
     if last.patches < first.patches / 2 and fraction <= 0.5:
         remarks.append(f"patches merge: {first.patches} at first, {last.patches} at last")
     return tuple(remarks)
