@@ -23,7 +23,7 @@ def legs_from_words(lines: Iterable[str]) -> list[dict[str, object]]:
     """
     legs: list[dict[str, object]] = []
     for line in lines:
-        kind, *rest = _BEFORE_A_UNIT.sub("", line.replace("=", " = ").replace(" = ", "=")).split() or [""]
+        kind, *rest = _BEFORE_A_UNIT.sub("", re.sub(r"\s*=\s*", "=", line)).split() or [""]
         leg: dict[str, object] = {"kind": kind}
         if rest and "=" not in rest[0]:
             leg["count" if kind == "repeat" else "duration"] = _value(rest.pop(0), whole=kind == "repeat")
