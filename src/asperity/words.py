@@ -67,6 +67,11 @@ def thousands(value: int) -> str:
     return f"{value:,}".replace(",", "\u202f")
 
 
+def counted(count: int, singular: str, plural: str = "") -> str:
+    """Write how many there are of something: ``1 site``, ``2 sites``."""
+    return f"{thousands(count)} {singular if count == 1 else plural or f'{singular}s'}"
+
+
 def duration(seconds: float) -> str:
     """Write a time in the unit that suits it, to two digits."""
     if not math.isfinite(seconds):

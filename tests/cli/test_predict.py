@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import asperity as asp
 from asperity.analysis.prediction import Prediction, growth_of
 from asperity.cli import main
 from asperity.cli import predict as command
 from asperity.figures.page import quantity
+from asperity.figures.prediction import growth_figure
 from asperity.runs import Silent
 from asperity.runs.prediction import Modulus
 from tests.cli.conftest import Asperity
@@ -325,6 +327,14 @@ def test_a_contact_of_one_pixel_or_of_all_does_not_grow(
     np.testing.assert_array_equal(ours.series("area"), 1 if pressure == "1 Pa" else scan.heights.size)
     growth = ours.growth
     np.testing.assert_array_equal([growth.per_decade, *growth.band, *growth.of_table, *growth.of_scan], 0)
+    figure = growth_figure(ours)
+    FigureCanvasAgg(figure).draw()
+    for axes in figure.axes[:2]:  # no point under the legend
+        legend = axes.get_legend()
+        assert legend is not None
+        box = legend.get_window_extent()
+        points = [line.get_transform().transform(np.column_stack(line.get_data())) for line in axes.lines]
+        assert not any(box.contains(*point) for line in points for point in line)
     assert len(asp.figures.prediction_pictures(ours)) == 4
 
 

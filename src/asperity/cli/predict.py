@@ -31,6 +31,7 @@ from asperity.runs import cores
 from asperity.runs.loops import compile_loops
 from asperity.runs.prediction import Modulus
 from asperity.runs.prediction import predict as predict_it
+from asperity.words import counted as how_many
 
 _CHECKPOINT_EVERY = 3.0
 _UNITS = {
@@ -237,12 +238,13 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
         counted, less = (
             float(prediction.series(name)[place]) for name in ("contact_area", "contact_area_corrected")
         )
+        many = how_many(prediction.resolved[place].patches, "patch", "patches")
         rows.append(
             (
                 f"contact at {written(float(time[place]), 's')}",
-                f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % "
-                f"less its rim; counted {written(counted, 'm^2')} in {prediction.resolved[place].patches} "
-                f"patches, with {written(load / counted, 'Pa')} on average",
+                f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % less its rim; "
+                f"counted {written(counted, 'm^2')} in {many}, "
+                f"with {written(load / counted, 'Pa')} on average",
             )
         )
     low, high = (100 * edge for edge in growth.band)

@@ -18,7 +18,7 @@ from asperity.analysis.scan import readable
 from asperity.figures import style
 from asperity.figures.marks import COLORS
 from asperity.lattice import Field
-from asperity.words import thousands
+from asperity.words import counted, thousands
 
 _COLUMNS = 4
 _PANEL = 2.45
@@ -262,7 +262,7 @@ def caption(maps: ContactMaps, number: int) -> str:
     changes = f", +{thousands(new)}" if number else ""
     changes += f" −{thousands(lost)}" if lost else ""
     moment = _moment(maps, float(maps.times[number]))
-    return f"{moment}:  {percent:.3g} %\n{thousands(maps.area(number))} sites{changes}"
+    return f"{moment}:  {percent:.3g} %\n{counted(maps.area(number), 'site')}{changes}"
 
 
 def legend(figure: Figure, maps: ContactMaps) -> None:

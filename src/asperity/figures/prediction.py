@@ -56,7 +56,8 @@ def growth_figure(prediction: Prediction) -> Figure:
     for axes in grid:
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
         axes.set_axisbelow(True)
-        axes.legend(loc="upper left", fontsize=8, framealpha=0.95)
+        # Above the panel: areas that do not grow would leave no room in it.
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=8, frameon=False)
     grid[-1].set_xlabel("time under load [s]")
     return figure
 
