@@ -82,7 +82,9 @@ def test_durations_can_be_swept_and_each_run_keeps_its_times(tmp_path):
             np.testing.assert_array_equal(there[name], alone[name])
     spans = data["time"].max("entry").values
     assert (spans == np.array([[3.0, 3.0], [22.0, 22.0]])).all()
-    assert len(campaign.table(data)) == 8
+    table = campaign.table(data)
+    assert len(table) == 8
+    assert (table["final_area"] == table["final_contact_fraction"] * 256).all()
     assert data.attrs["protocol_in_words"] == "hold swept, step load=4, hold 2"
     for variable in data.variables.values():
         assert variable.attrs["long_name"]

@@ -138,6 +138,12 @@ def test_status_and_gather(done, tmp_path, capsys):
     table = [line.split(",") for line in (tmp_path / "all.csv").read_text().splitlines()]
     assert len(table) == 13
     assert table[0][:3] == ["load", "k1", "seed"]
+    row = dict(zip(table[0], table[-1], strict=True))  # the last load, k1 and seed
+    series = campaign.open(done / "out").isel(load=-1, k1=-1, seed=-1)
+    for quantity in ("approach", "contact_fraction", "separation", "energy"):
+        assert float(row[f"final_{quantity}"]) == float(series[quantity][-1])
+        assert float(row[f"initial_{quantity}"]) == float(series[quantity][0])
+    assert float(row["final_load"]) == float(series["load_history"][-1])
     counts = [table[0].index(name) for name in ("sites", "initial_area", "final_area", "relaxed_area")]
     assert all(row[column].isdecimal() for row in table[1:] for column in counts)
     assert main(["gather", str(done / "out"), "--to", str(target)]) == 2

@@ -188,6 +188,7 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
         Runs that are not finished are left out.
     """
     checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
+    dataset = with_ends(dataset)
     whole = set(dataset.dims) - {"time", "entry"}
     numbers = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == whole]
     if whole:
@@ -195,6 +196,26 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
     else:
         rows = pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
     return rows.astype({name: "Int64" for name in _WHOLE if name in rows})
+
+
+def with_ends(dataset: xr.Dataset) -> xr.Dataset:
+    """Add the first and the last value of each series of a run, by names such as ``final_approach``."""
+    along = str(dataset["time"].dims[-1])
+    series = {name: str(dataset[name].attrs["long_name"]) for name in map(str, dataset.data_vars)}
+    ends: dict[str, xr.DataArray] = {}
+    for name, long_name in series.items():
+        quantity = name.removesuffix("_history")
+        values = dataset[name]
+        if along not in values.dims or quantity in _NO_ENSEMBLE or quantity not in QUANTITIES:
+            continue
+        last = (values.notnull().sum(along) - 1).clip(min=0)  # a run of few entries ends with undefined ones
+        for when, end in (("initial", values.isel({along: 0})), ("final", values.isel({along: last}))):
+            if f"{when}_{quantity}" not in dataset:
+                described = values.attrs | {"long_name": f"{long_name}, {_WHEN[when]}"}
+                ends[f"{when}_{quantity}"] = end.drop_vars(["time", "leg"], errors="ignore").assign_attrs(
+                    described
+                )
+    return dataset.assign(ends)
 
 
 def load_plan(directory: str | Path) -> Plan:

@@ -15,6 +15,7 @@ from rich.progress import Progress as Bar
 
 import asperity.campaign as campaign
 from asperity.campaign import Plan, Tally
+from asperity.campaign.gather import with_ends
 from asperity.campaign.plan import Run, name_of
 from asperity.cli.output import with_unit, write_figure
 from asperity.cli.report import aligned
@@ -107,7 +108,8 @@ def gather(out: Path, *, to: Path | None, overwrite: bool) -> None:
         save(dataset, target, overwrite=replace)
     runs = campaign.table(dataset)
     if dataset["time"].attrs["units"] == "s":
-        runs = runs.rename(columns=lambda name: with_unit(name, dataset[name].attrs.get("units") or "1"))
+        ends = with_ends(dataset)
+        runs = runs.rename(columns=lambda name: with_unit(name, ends[name].attrs.get("units") or "1"))
     with whole_file(csv) as part:
         runs.to_csv(part, index=False)
     sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
