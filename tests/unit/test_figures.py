@@ -22,12 +22,14 @@ from asperity.analysis import (
     SiteState,
     aging_summary,
     contact_maps,
+    distributions,
     with_limit,
 )
 from asperity.figures import (
     aging_curve,
     campaign_figure,
     contact_figure,
+    distribution_figure,
     fit_figure,
     history_figure,
     style,
@@ -36,7 +38,7 @@ from asperity.figures import (
 from asperity.figures.surface import surface_view
 from asperity.fits import measured_growth
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
-from asperity.solids import spring_lattice
+from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian, power_spectrum, spectral
 from asperity.theory import GaussianHeights
 from tests.refusals import refuses
@@ -494,3 +496,42 @@ def test_a_campaign_without_lists_is_one_curve() -> None:
 def test_what_is_no_campaign_is_refused(what: str, aged: xr.Dataset) -> None:
     with refuses("dataset"):
         campaign_figure(aged.drop_vars("contact_fraction") if what == "history" else 3)  # type: ignore[arg-type]
+
+
+def test_distributions_are_those_of_the_fields(aged: xr.Dataset) -> None:
+    first, *_, last = distributions(aged)
+    assert (first.time, last.time) == (0.0, 100.0)
+    fields = aged.isel(field_time=-1)
+    gap = (fields["u"] - fields["heights"]).values
+    assert last.gap.size == gap.size - int(aged["area"][-1])
+    for height in (0.3, 1.0):
+        assert np.sum(last.gap > height) == np.sum(gap > height)
+    assert last.patch.sum() == int(aged["area"][-1])
+    assert last.pressure is None
+    with refuses("dataset"):
+        distributions(aged.drop_dims("field_time"))
+
+
+def test_the_figure_of_distributions_shows_which_part_has_more(aged: xr.Dataset) -> None:
+    gap, patch = distribution_figure(aged).axes
+    assert [line.get_label() for line in gap.lines] == ["$t$ = $0$", "$t$ = $100$"]
+    heights, above = (np.asarray(values) for values in gap.lines[-1].get_data())
+    fields = aged.isel(field_time=-1)
+    gaps = (fields["u"] - fields["heights"]).values
+    for k in (0, 1000, -1):
+        assert above[k] == pytest.approx(np.mean(gaps >= heights[k]))
+    assert np.asarray(patch.lines[0].get_ydata())[0] == 1.0
+    assert patch.get_xscale() == patch.get_yscale() == "log"
+
+
+def test_pressures_and_areas_of_patches_have_units() -> None:
+    heights = spectral((32, 32), hurst=0.8, spacing=1e-6, rms_slope=0.1, seed=1)
+    solid = half_space(modulus=3e9, branches=[(0.5, 1.0)])
+    contact = press(Surface(heights, "m", (1e-6, 1e-6), "m"), solid, pressure=5e6)
+    data = age(contact, [10.0], fields_at=[0.0, 10.0]).dataset
+    figure = distribution_figure(data)
+    labels = [axes.get_xlabel() for axes in figure.axes]
+    assert labels == ["gap [µm]", "area of a patch [µm²]", "contact pressure [MPa]"]
+    pressures, above = (np.asarray(values) for values in figure.axes[2].lines[0].get_data())
+    mean = pressures[0] + np.sum(np.diff(pressures) * above[1:])  # the mean is the integral of the part above
+    assert mean == pytest.approx(float(data["mean_contact_pressure"][0]) / 1e6)

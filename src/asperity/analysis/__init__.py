@@ -8,6 +8,7 @@ from asperity.analysis.contact_patches import (
     patches,
     turnover,
 )
+from asperity.analysis.field_values import Distribution, distributions
 from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
@@ -17,6 +18,7 @@ from asperity.analysis.prediction import Growth, Prediction, Resolved
 __all__ = [
     "AgingSummary",
     "ContactMaps",
+    "Distribution",
     "Growth",
     "LegRow",
     "Observation",
@@ -28,6 +30,7 @@ __all__ = [
     "aging_summary",
     "clustering",
     "contact_maps",
+    "distributions",
     "leg_table",
     "observe",
     "patches",

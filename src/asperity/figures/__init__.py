@@ -8,6 +8,7 @@ from asperity.figures.aging import aging_curve
 from asperity.figures.campaign import campaign_figure
 from asperity.figures.cards import html_of
 from asperity.figures.contacts import contact_figure
+from asperity.figures.distributions import distribution_figure
 from asperity.figures.film import Film, animate_history
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
@@ -22,6 +23,7 @@ __all__ = [
     "animate_history",
     "campaign_figure",
     "contact_figure",
+    "distribution_figure",
     "fit_figure",
     "history_figure",
     "html_of",

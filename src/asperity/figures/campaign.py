@@ -80,7 +80,9 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
         axes.set_axis_off()
     if along:
         grid[0, 0].legend(fontsize=8, framealpha=0.95, loc="best")
-    figure.supxlabel(style.over_time(dataset, f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"), fontsize=10)
+    figure.supxlabel(
+        style.over_time(dataset, f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"), fontsize=10
+    )
     figure.supylabel("real contact [% of nominal area]", fontsize=10)
     figure.suptitle(style.lines(_title(dataset, others, along), figure.room), fontsize=10)
     return figure

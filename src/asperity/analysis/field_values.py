@@ -1,0 +1,72 @@
+"""How gaps, pressures and sizes of patches are distributed at the times at which fields were kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+import asperity.checks as checks
+from asperity.analysis.contact_patches import patches
+from asperity.errors import InputError
+from asperity.lattice import Field
+
+
+@dataclass(frozen=True, eq=False)
+class Distribution:
+    """The values of one moment, in rising order: the k-th of n is exceeded by n - k.
+
+    Attributes
+    ----------
+    time
+        When.
+    gap
+        Height of the elastic surface above the rough one, at each site off contact, length.
+    pressure
+        Contact pressure at each site in contact; None for solids that are defined on sites.
+    patch
+        Sites of each patch of contact.
+    sites
+        Sites of the lattice.
+    """
+
+    time: float
+    gap: Field
+    pressure: Field | None
+    patch: Field
+    sites: int
+
+
+def distributions(dataset: xr.Dataset) -> list[Distribution]:
+    """Sort gaps, pressures and sizes of patches at each time at which fields were kept.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History`.
+
+    Returns
+    -------
+    list of Distribution
+
+    Raises
+    ------
+    InputError
+        The history kept no fields.
+    """
+    checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
+    if "in_contact" not in dataset:
+        advice = "age(..., fields_at=[0.0, 1.0])"
+        raise InputError("dataset", expected="a history that kept fields", got="none", advice=advice)
+    found = []
+    for number, time in enumerate(dataset["field_time"].values.tolist()):
+        here = dataset.isel(field_time=number)
+        touching = np.asarray(here["in_contact"], dtype=bool)
+        gap = np.asarray(here["u"] - here["heights"])[~touching]
+        pressure = np.sort(np.asarray(here["pressure"])[touching]) if "pressure" in here else None
+        sizes = patches(touching, edges=dataset.attrs.get("edges", "periodic")).sizes
+        found.append(
+            Distribution(time, np.sort(gap), pressure, np.sort(sizes).astype(np.float64), touching.size)
+        )
+    return found
