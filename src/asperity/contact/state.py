@@ -50,7 +50,7 @@ class Contact(views.InNotebooks):
     u
         Height of the elastic surface, length; equal to `heights` in contact, above it elsewhere.
     anchors
-        The creeping shapes u_b of the branches, length; shape (branches, *heights.shape).
+        The creeping shapes u_b of the branches, length; shape ``(branches, *heights.shape)``.
     force
         Contact force, >= 0; zero off contact.
     in_contact

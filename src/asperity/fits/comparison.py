@@ -67,7 +67,7 @@ class Comparison(views.Brief):
     delta_effective
         `delta_aicc` with the likelihoods of so many values.
     relative_likelihood
-        Of the less likely law, exp(-|delta_effective|/2).
+        Of the less likely law, ``exp(-|delta_effective|/2)``.
     """
 
     verdict: Verdict

@@ -50,7 +50,7 @@ class Spectra:
     permanent
         H, of shape `Lattice.spectral_shape`.
     creeping
-        C_b, shape (branches, *spectral_shape).
+        C_b, shape ``(branches, *spectral_shape)``.
     rate
         M_b C_b, the rate at which a mode of branch b creeps at a given u; the same shape.
     mean_mobility

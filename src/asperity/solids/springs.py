@@ -9,7 +9,7 @@ from asperity.solids.solid import CreepBranch, Solid
 
 
 def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0.0) -> Solid:
-    r"""Build Jagla's lattice of springs (Eqs. e and dosrs).
+    """Build Jagla's lattice of springs (Eqs. e and dosrs).
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0
     R
         Mobility of creep that conserves the mean of u0, velocity per force; M = R lam(q) + R_viscous.
     R_viscous
-        Mobility of viscous creep, the paper's :math:`\tilde R`, velocity per force.
+        Mobility of viscous creep, the paper's R̃, velocity per force.
 
     Returns
     -------

@@ -1,0 +1,67 @@
+"""Pages that are made of the code before anything else is built, and links that lead out of this folder."""
+
+import os
+import re
+
+import house
+import reference
+from reference import DOCS
+
+ROOT = DOCS.parent
+COPIED = {
+    ROOT / "CONTRIBUTING.md": "contributing.md",
+    ROOT / "CHANGELOG.md": "changelog.md",
+    ROOT / "benchmarks" / "README.md": "benchmarks.md",
+    ROOT / "README.md": "../index.md",
+}
+"""Pages from outside of this folder, and what shows them in docs/reference."""
+
+_LINK = re.compile(r"(?<=\]\()(?!\w+:)([^)#\s]+)")
+
+
+def relinked(text, source, target):
+    """Links of the page `source`, written for `target`, which stands for it or is itself."""
+
+    def written(match):
+        path = (source.parent / match[1]).resolve()
+        path = (DOCS / "reference" / COPIED[path]).resolve() if path in COPIED else path
+        return os.path.relpath(path, target.parent)
+
+    return _LINK.sub(written, text)
+
+
+def write(app, config):
+    """Write what has changed into docs/reference, so that what has not need not be built anew."""
+    folder = DOCS / "reference"
+    folder.mkdir(exist_ok=True)
+    made = {**reference.pages(), "house.svg": house.drawing()}
+    for source, name in COPIED.items():
+        if "/" not in name:
+            made[name] = relinked(source.read_text(encoding="utf-8"), source, folder / name)
+    for name, text in made.items():
+        path = folder / name
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+    for path in folder.iterdir():
+        if path.name not in made:
+            path.unlink()
+
+
+def read(app, name, content):
+    """Let the links of a page lead to the copies of pages outside of this folder."""
+    path = app.env.doc2path(name)
+    if str(path).endswith(".md") and path.parent == DOCS:
+        content[0] = relinked(content[0], path, path)
+
+
+def without_arguments(app, what, name, thing, options, signature, returned):
+    """A class that its readers do not make has no signature."""
+    return ("", None) if signature and signature.startswith("(*_") else None
+
+
+def setup(app):
+    """Tell Sphinx."""
+    app.connect("config-inited", write)
+    app.connect("source-read", read)
+    app.connect("autodoc-process-signature", without_arguments)
+    return {"parallel_read_safe": True}
