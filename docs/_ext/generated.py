@@ -5,6 +5,7 @@ import re
 
 import house
 import reference
+from docutils import nodes
 from reference import DOCS
 
 ROOT = DOCS.parent
@@ -59,9 +60,17 @@ def without_arguments(app, what, name, thing, options, signature, returned):
     return ("", None) if signature and signature.startswith("(*_") else None
 
 
+def attributes(app, doctree):
+    """Call the attributes of a class what they are: Sphinx calls them variables."""
+    for name in doctree.findall(nodes.field_name):
+        if name.astext() == "Variables":
+            name.children = [nodes.Text("Attributes")]
+
+
 def setup(app):
     """Tell Sphinx."""
     app.connect("config-inited", write)
     app.connect("source-read", read)
     app.connect("autodoc-process-signature", without_arguments)
+    app.connect("doctree-read", attributes)
     return {"parallel_read_safe": True}

@@ -125,7 +125,7 @@ def drawing():
     return "\n".join([*parts, "</svg>\n"])
 
 
-def table():
+def listed():
     """Each room with its first sentence, modules and lines, from the ground up."""
     rows = []
     for room in [room for row in levels(rooms()) for room in sorted(row)]:

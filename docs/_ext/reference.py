@@ -1,16 +1,17 @@
-"""The reference, made of the code: a page for each public name, the commands, the Dataset."""
+"""The reference, made of the code: a page for each public name, the commands, the keys, the Dataset."""
 
 import inspect
+import math
 from pathlib import Path
 from types import ModuleType
 
 import asperity
+import house
 from asperity.cli.app import app
+from asperity.config.keys import sections
 from asperity.results import quantities
 
 DOCS = Path(__file__).parents[1]
-
-VERBS = ("press", "age", "relax", "predict", "observe")
 
 
 def rooms():
@@ -29,84 +30,170 @@ def public():
     return found
 
 
-def first_line(thing):
-    """The first sentence of a docstring, on one line."""
-    text = inspect.getdoc(thing) or ""
-    return " ".join(text.split("\n\n")[0].split())
-
-
-def heading(text, mark="="):
-    """A heading of reStructuredText."""
-    return f"{text}\n{mark * len(text)}\n"
-
-
-def directive(thing):
-    """What autodoc calls such a thing."""
-    if inspect.isclass(thing):
-        return "autoexception" if issubclass(thing, Exception) else "autoclass"
-    return "autofunction" if callable(thing) else "autodata"
-
-
 def pages():
-    """Name and text of every generated page."""
+    """Text of every generated page, by its file."""
     names = public()
     first = {}  # the shortest name under which a thing is public has its description
     for name, thing in names.items():
         if inspect.isclass(thing) or inspect.isfunction(thing):
             first.setdefault(thing, name)
-    made = {}
-    for name, thing in names.items():
-        made[f"{name}.rst"] = page(name, thing, first.get(thing, name) if callable(thing) else name)
+    made = {f"{stem(name)}.rst": page(name, thing, first) for name, thing in names.items()}
+    outside = [name for name in names if name.count(".") == 1]
+    verbs = [name for name in outside if inspect.isfunction(names[name])]
+    made["asperity.rst"] = room_page("asperity", verbs + [name for name in outside if name not in verbs], names)
     for room, module in rooms().items():
-        inside = [f"asperity.{room}.{name}" for name in module.__all__]
-        made[f"{room}.rst"] = "\n".join(
-            (heading(f"asperity.{room}"), f".. automodule:: asperity.{room}\n   :no-members:\n", toctree(inside, names))
-        )
-    top = [name for name in names if name.count(".") == 1 and name != "asperity.__version__"]
-    top.sort(key=lambda name: (list(names).index(name) if name.split(".")[1] not in VERBS else -1))
-    made["asperity.rst"] = "\n".join(
-        (heading("asperity"), ".. automodule:: asperity\n   :no-members:\n", toctree([*top, "asperity.__version__"], names))
-    )
-    made["commands.rst"] = commands()
-    made["dataset.rst"] = dataset()
-    return made
+        made[f"{room}.rst"] = room_page(f"asperity.{room}", [f"asperity.{room}.{name}" for name in module.__all__], names)
+    return made | {
+        "commands.rst": commands(),
+        "keys.rst": keys(),
+        "dataset.rst": dataset(),
+        "house.rst": house_page(),
+    }
 
 
-def page(name, thing, home):
-    """The page of one name."""
+def stem(name):
+    """File of a name: files of ``Fit`` and ``fit`` must differ where capitals do not count."""
+    return f"{name}-class" if name.rsplit(".", 1)[-1][0].isupper() else name
+
+
+def heading(text, mark="="):
+    """Make a heading of reStructuredText."""
+    return f"{text}\n{mark * len(text)}\n"
+
+
+def table(titles, rows, widths=None):
+    """Make a table; a cell that is nothing stays empty."""
+    lines = [".. list-table::", f"   :widths: {' '.join(map(str, widths))}" if widths else "   :widths: auto"]
+    if titles:
+        lines.append("   :header-rows: 1")
+    lines.append("")
+    for row in ([titles] if titles else []) + list(rows):
+        lines += [f"   {'* ' if first else '  '}- {cell}".rstrip() for first, cell in zip([True] + [False] * len(row), row)]
+    return "\n".join(lines) + "\n"
+
+
+def page(name, thing, first):
+    """One name."""
+    home = first.get(thing, name) if callable(thing) else name
     if home != name:
         return f"{heading(name)}\nThe same as :py:obj:`{home}`.\n"
-    return f"{heading(name)}\n.. {directive(thing)}:: {name}\n"
+    directive = "autodata"
+    if inspect.isclass(thing):
+        directive = "autoexception" if issubclass(thing, Exception) else "autoclass"
+    elif callable(thing):
+        directive = "autofunction"
+    return f"{heading(name)}\n.. {directive}:: {name}\n"
 
 
-def toctree(inside, names):
-    """A table of names, each with its first line, and the list that the navigation shows."""
-    rows = [f"   * - :doc:`{name.rsplit('.', 1)[-1]} <{name}>`\n     - {first_line(names[name])}" for name in inside]
-    table = ".. list-table::\n   :widths: 25 75\n\n" + "\n".join(rows)
-    hidden = ".. toctree::\n   :hidden:\n\n" + "\n".join(f"   {name.rsplit('.', 1)[-1]} <{name}>" for name in inside)
-    return f"{table}\n\n{hidden}\n"
+def room_page(name, inside, names):
+    """A room: what it says of itself, and its names."""
+    rows = []
+    for one in inside:
+        text = (inspect.getdoc(names[one]) or "").split("\n\n")[0]
+        said = "" if isinstance(names[one], str | float) else " ".join(text.split())
+        rows.append((f":doc:`{one.rsplit('.', 1)[-1]} <{stem(one)}>`", said))
+    hidden = [f"   {one.rsplit('.', 1)[-1]} <{stem(one)}>" for one in inside]
+    return "\n".join(
+        (
+            heading(name),
+            f".. automodule:: {name}\n   :no-members:\n",
+            table((), rows, (25, 75)),
+            ".. toctree::\n   :hidden:\n",
+            *hidden,
+            "",
+        )
+    )
 
 
 def commands():
-    """The command line."""
+    """The command line, as its help has it."""
     text = app.generate_docs(output_format="rst")
-    return text
+    start = text.index("::\n", text.index("========"))
+    contents = text.index(".. contents::")
+    after = text.index("**Commands:**")
+    return heading("The command line") + "\n" + text[start:contents] + text[after:]
+
+
+def keys():
+    """The keys of a configuration file, by section and kind."""
+    parts = [
+        heading("Keys of a configuration"),
+        "What a file for ``asperity run`` may hold. Each key has a flag of the same name (:doc:`commands`), and a list of "
+        "values in the section ``[sweep]`` of a campaign (:doc:`../campaigns`). Where a unit is named, the number "
+        'may be text with a unit, such as ``"3.8 GPa"``, if the surface has a unit of length.\n',
+    ]
+    for section, kinds in sections().items():
+        name = "[[protocol]]" if section == "protocol" else f"[{section}]"
+        parts.append(heading(name, "-"))
+        for number, (kind, known) in enumerate(kinds.items()):
+            if kind:
+                usual = ", the usual kind" if not number and section != "protocol" else ""
+                parts.append(f'``kind = "{kind}"``{usual}\n')
+            rows = [
+                (f"``{key.name}``", what(key), bounds(key), by_default(key), key.description.replace("*", r"\*"))
+                for key in known.values()
+            ]
+            if rows:
+                parts.append(table(("key", "what it is", "range", "default", "meaning"), rows))
+    return "\n".join(parts)
+
+
+def what(key):
+    """What a value may be, with its unit."""
+    words = ", ".join(f'``"{choice}"``' for choice in key.choices) if key.choices else key.what
+    return f"{words}, {key.unit}" if key.unit else words
+
+
+def bounds(key):
+    """The range of a number."""
+    ends = []
+    if key.least is not None and math.isfinite(key.least):
+        ends.append(f"{'>' if key.above else '≥'} {key.least:g}")
+    if key.most is not None and math.isfinite(key.most):
+        ends.append(f"{'<' if key.below else '≤'} {key.most:g}")
+    return ", ".join(ends)
+
+
+def by_default(key):
+    """What it is where it is not given."""
+    if key.required:
+        return "must be given"
+    if key.default is None:
+        return ""
+    return f"``{str(key.default).lower() if isinstance(key.default, bool) else key.default!r}``".replace("'", '"')
 
 
 def dataset():
-    """The variables of a Dataset of a history."""
-    tables = (
+    """The variables of the Dataset of a history."""
+    parts = [
+        heading("The Dataset of a history"),
+        "``history.dataset``, and what ``asperity.results.load`` opens: an xarray Dataset. Each variable carries its long name "
+        "and its unit (``data[\"area\"].attrs``); which unit a dimension has depends on the surface and the solid "
+        "(:doc:`../solids`). Write the name in brackets: ``data.load`` is a method of xarray.\n",
+    ]
+    for title, rows in (
         ("Series, over time", quantities.SERIES),
-        ("Of continua, besides or in another unit", quantities.OF_CONTINUA),
-        ("Fields, over field_time and the sites", quantities.FIELDS),
-        ("Fields of continua", quantities.FIELDS_OF_CONTINUA),
+        ("Series of continua", quantities.OF_CONTINUA),
+        ("Fields, over field_time and the sites", quantities.FIELDS | quantities.FIELDS_OF_CONTINUA),
         ("Coordinates", quantities.COORDINATES),
-    )
-    parts = [heading("The Dataset of a history")]
-    for title, rows in tables:
+    ):
         parts.append(heading(title, "-"))
-        parts.append(".. list-table::\n   :header-rows: 1\n   :widths: 25 50 25\n")
-        parts.append("   * - name\n     - what it is\n     - dimension")
-        parts += [f"   * - ``{name}``\n     - {what}\n     - {unit}" for name, (what, unit) in rows.items()]
-        parts.append("")
+        named = [(f"``{name}``", meaning, unit) for name, (meaning, unit) in rows.items()]
+        parts.append(table(("name", "what it is", "dimension"), named, (25, 55, 20)))
     return "\n".join(parts)
+
+
+def house_page():
+    """The rooms of the source."""
+    rows = [(f"``{room}``", said, str(files), f"{lines:,}") for room, said, files, lines in reversed(house.listed())]
+    return "\n".join(
+        (
+            heading("The house"),
+            "A line leads down from a room to each room that it imports. Where one room is reached through another, the "
+            "line is left out. The drawing and the table are made of the source whenever these pages are built; "
+            "``tests/unit/test_house.py`` keeps imports pointing down.\n",
+            ".. image:: house.svg\n   :alt: Rooms of the source, from the command line down to words and errors\n"
+            "   :align: center\n   :width: 100%\n",
+            table(("room", "what it is", "files", "lines"), rows, (14, 66, 8, 12)),
+        )
+    )
