@@ -64,7 +64,8 @@ def spread(side, seeds=8):
 
 def tables(quick=False):
     """The lines of both tables."""
-    yield "| sites a shortest wave | lattice | counted | less the rim | largest pressure / E\\* | growth | less the rim |"
+    titles = ("sites a shortest wave", "lattice", "counted", "less the rim")
+    yield f"| {' | '.join(titles)} | largest pressure / E\\* | growth | less the rim |"
     yield "|---|---|---|---|---|---|---|"
     for sites in SITES[: 3 if quick else None]:
         counted, corrected, largest, grown, grown_corrected = row(sites)

@@ -8,11 +8,11 @@ from sphinx_gallery.sorting import ExplicitOrder
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_ext"))
 
-from asperity import __version__
+from asperity import __version__  # noqa: E402
 
 project = "Asperity"
 author = "The Asperity developers"
-copyright = author
+copyright = author  # noqa: A001
 version = release = __version__
 
 extensions = [
@@ -26,6 +26,7 @@ exclude_patterns = ["_build", "_ext", "gallery/*"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 default_role = "py:obj"
+smartquotes = False  # a flag has two hyphens
 suppress_warnings = ["config.cache"]  # the gallery's functions cannot be pickled
 
 autodoc_typehints = "description"
@@ -44,7 +45,8 @@ sphinx_gallery_conf = {
     "filename_pattern": r"\.py$",
     "ignore_pattern": r"__init__\.py",
     "subsection_order": ExplicitOrder(
-        [f"gallery/{section}" for section in ("contacts", "surfaces", "materials", "histories", "data")] + ["*"]
+        [f"gallery/{section}" for section in ("contacts", "surfaces", "materials", "histories", "data")]
+        + ["*"]
     ),
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,

@@ -1,11 +1,14 @@
 """Pages that are made of the code before anything else is built, and links that lead out of this folder."""
 
+# ruff: noqa: ARG001 - Sphinx says what its handlers are given
+
 import os
 import re
 
 import house
-import reference
 from docutils import nodes
+
+import reference
 from reference import DOCS
 
 ROOT = DOCS.parent
@@ -17,18 +20,23 @@ COPIED = {
 }
 """Pages from outside of this folder, and what shows them in docs/reference."""
 
+_NAMED = re.compile(r"\[[\w/]+\.md\]\(")
+_KEPT = {}
 _LINK = re.compile(r"(?<=\]\()(?!\w+:)([^)#\s]+)")
 
 
 def relinked(text, source, target):
-    """Links of the page `source`, written for `target`, which stands for it or is itself."""
+    """Links of the page `source`, written for `target`, which stands for it or is itself.
+
+    Where a link shows the name of a file, the title of that page takes its place.
+    """
 
     def written(match):
         path = (source.parent / match[1]).resolve()
         path = (DOCS / "reference" / COPIED[path]).resolve() if path in COPIED else path
         return os.path.relpath(path, target.parent)
 
-    return _LINK.sub(written, text)
+    return _LINK.sub(written, _NAMED.sub("[](", text))
 
 
 def write(app, config):
@@ -60,6 +68,17 @@ def without_arguments(app, what, name, thing, options, signature, returned):
     return ("", None) if signature and signature.startswith("(*_") else None
 
 
+def keep(app, what, name, thing, options, lines):
+    """Keep the docstring of an attribute: napoleon would take what stands before a colon for its type."""
+    if what in ("attribute", "property", "data"):
+        _KEPT[name] = lines.copy()
+
+
+def restore(app, what, name, thing, options, lines):
+    """Put it back."""
+    lines[:] = _KEPT.pop(name, lines)
+
+
 def attributes(app, doctree):
     """Call the attributes of a class what they are: Sphinx calls them variables."""
     for name in doctree.findall(nodes.field_name):
@@ -72,5 +91,7 @@ def setup(app):
     app.connect("config-inited", write)
     app.connect("source-read", read)
     app.connect("autodoc-process-signature", without_arguments)
+    app.connect("autodoc-process-docstring", keep, priority=400)
+    app.connect("autodoc-process-docstring", restore, priority=600)
     app.connect("doctree-read", attributes)
     return {"parallel_read_safe": True}

@@ -79,7 +79,13 @@ def placed(rows, pieces):
     for sweep in range(12):
         for row in rows if sweep % 2 else reversed(rows):
             known = {
-                node: [middle[end] for piece in pieces if node in piece for end in piece if end != node and end in middle]
+                node: [
+                    middle[end]
+                    for piece in pieces
+                    if node in piece
+                    for end in piece
+                    if end != node and end in middle
+                ]
                 for node in row
             }
             row.sort(key=lambda node: sum(known[node]) / len(known[node]) if known[node] else 0)
@@ -112,14 +118,15 @@ def drawing():
         x, y, u, v = middle[upper], top[upper] + HEIGHT, middle[lower], top[lower]
         bend = (y + v) / 2
         parts.append(
-            f'<path d="M{x:.0f} {y - HEIGHT / 2} V{y} C{x:.0f} {bend} {u:.0f} {bend} {u:.0f} {v} V{v + HEIGHT / 2}" '
+            f'<path d="M{x:.0f} {y - HEIGHT / 2} V{y} C{x:.0f} {bend} {u:.0f} {bend} {u:.0f} {v} '
+            f'V{v + HEIGHT / 2}" '
             'fill="none" stroke="#5b7c99" stroke-width="1.3"/>'
         )
     for room in imports:
         width = _width(room)
         parts.append(
-            f'<rect x="{middle[room] - width / 2:.0f}" y="{top[room]}" width="{width:.0f}" height="{HEIGHT}" rx="4" '
-            f'fill="#eef3f7" stroke="#2c4a63"/><text x="{middle[room]:.0f}" y="{top[room] + 17.5}" '
+            f'<rect x="{middle[room] - width / 2:.0f}" y="{top[room]}" width="{width:.0f}" '
+            f'height="{HEIGHT}" rx="4" fill="#eef3f7" stroke="#2c4a63"/><text x="{middle[room]:.0f}" y="{top[room] + 17.5}" '
             f'text-anchor="middle" fill="#10202e">{room}</text>'
         )
     return "\n".join([*parts, "</svg>\n"])

@@ -1,12 +1,13 @@
 """The reference, made of the code: a page for each public name, the commands, the keys, the Dataset."""
 
 import inspect
-import math
+import sys
 from pathlib import Path
 from types import ModuleType
 
-import asperity
 import house
+
+import asperity
 from asperity.cli.app import app
 from asperity.config.keys import sections
 from asperity.results import quantities
@@ -39,10 +40,12 @@ def pages():
             first.setdefault(thing, name)
     made = {f"{stem(name)}.rst": page(name, thing, first) for name, thing in names.items()}
     outside = [name for name in names if name.count(".") == 1]
-    verbs = [name for name in outside if inspect.isfunction(names[name])]
-    made["asperity.rst"] = room_page("asperity", verbs + [name for name in outside if name not in verbs], names)
+    verbs = [f"asperity.{name}" for name in ("press", "age", "relax", "predict", "observe")]
+    made["asperity.rst"] = room_page("asperity", list(dict.fromkeys(verbs + outside)), names)
     for room, module in rooms().items():
-        made[f"{room}.rst"] = room_page(f"asperity.{room}", [f"asperity.{room}.{name}" for name in module.__all__], names)
+        made[f"{room}.rst"] = room_page(
+            f"asperity.{room}", [f"asperity.{room}.{name}" for name in module.__all__], names
+        )
     return made | {
         "commands.rst": commands(),
         "keys.rst": keys(),
@@ -68,7 +71,7 @@ def table(titles, rows, widths=None):
         lines.append("   :header-rows: 1")
     lines.append("")
     for row in ([titles] if titles else []) + list(rows):
-        lines += [f"   {'* ' if first else '  '}- {cell}".rstrip() for first, cell in zip([True] + [False] * len(row), row)]
+        lines += [f"   {'  ' if number else '* '}- {cell}".rstrip() for number, cell in enumerate(row)]
     return "\n".join(lines) + "\n"
 
 
@@ -107,7 +110,11 @@ def room_page(name, inside, names):
 
 def commands():
     """The command line, as its help has it."""
-    text = app.generate_docs(output_format="rst")
+    words, sys.argv = sys.argv, ["asperity"]  # usage lines are made of these
+    try:
+        text = app.generate_docs(output_format="rst")
+    finally:
+        sys.argv = words
     start = text.index("::\n", text.index("========"))
     contents = text.index(".. contents::")
     after = text.index("**Commands:**")
@@ -118,8 +125,8 @@ def keys():
     """The keys of a configuration file, by section and kind."""
     parts = [
         heading("Keys of a configuration"),
-        "What a file for ``asperity run`` may hold. Each key has a flag of the same name (:doc:`commands`), and a list of "
-        "values in the section ``[sweep]`` of a campaign (:doc:`../campaigns`). Where a unit is named, the number "
+        "What a file for ``asperity run`` may hold. Most keys have a flag of the same name (:doc:`commands`), "
+        "and most can be swept by a campaign (:doc:`../campaigns`). Where a unit is named, the number "
         'may be text with a unit, such as ``"3.8 GPa"``, if the surface has a unit of length.\n',
     ]
     for section, kinds in sections().items():
@@ -130,11 +137,19 @@ def keys():
                 usual = ", the usual kind" if not number and section != "protocol" else ""
                 parts.append(f'``kind = "{kind}"``{usual}\n')
             rows = [
-                (f"``{key.name}``", what(key), bounds(key), by_default(key), key.description.replace("*", r"\*"))
+                (
+                    f"``{key.name}``",
+                    what(key),
+                    bounds(key),
+                    by_default(key),
+                    key.description.replace("*", r"\*"),
+                )
                 for key in known.values()
             ]
             if rows:
-                parts.append(table(("key", "what it is", "range", "default", "meaning"), rows))
+                parts.append(
+                    table(("key", "what it is", "range", "default", "meaning"), rows, (16, 20, 10, 14, 40))
+                )
     return "\n".join(parts)
 
 
@@ -147,9 +162,9 @@ def what(key):
 def bounds(key):
     """The range of a number."""
     ends = []
-    if key.least is not None and math.isfinite(key.least):
+    if key.least is not None and key.least > -1e15:
         ends.append(f"{'>' if key.above else '≥'} {key.least:g}")
-    if key.most is not None and math.isfinite(key.most):
+    if key.most is not None and key.most < 1e15:
         ends.append(f"{'<' if key.below else '≤'} {key.most:g}")
     return ", ".join(ends)
 
@@ -160,15 +175,17 @@ def by_default(key):
         return "must be given"
     if key.default is None:
         return ""
-    return f"``{str(key.default).lower() if isinstance(key.default, bool) else key.default!r}``".replace("'", '"')
+    return f"``{str(key.default).lower() if isinstance(key.default, bool) else key.default!r}``".replace(
+        "'", '"'
+    )
 
 
 def dataset():
     """The variables of the Dataset of a history."""
     parts = [
         heading("The Dataset of a history"),
-        "``history.dataset``, and what ``asperity.results.load`` opens: an xarray Dataset. Each variable carries its long name "
-        "and its unit (``data[\"area\"].attrs``); which unit a dimension has depends on the surface and the solid "
+        "``history.dataset``, and what ``asperity.results.load`` opens: an xarray Dataset. Each variable "
+        'carries its long name and its unit (``data["area"].attrs``); which unit a dimension has depends on the surface and the solid '
         "(:doc:`../solids`). Write the name in brackets: ``data.load`` is a method of xarray.\n",
     ]
     for title, rows in (
@@ -185,14 +202,18 @@ def dataset():
 
 def house_page():
     """The rooms of the source."""
-    rows = [(f"``{room}``", said, str(files), f"{lines:,}") for room, said, files, lines in reversed(house.listed())]
+    rows = [
+        (f"``{room}``", said, str(files), f"{lines:,}")
+        for room, said, files, lines in reversed(house.listed())
+    ]
     return "\n".join(
         (
             heading("The house"),
-            "A line leads down from a room to each room that it imports. Where one room is reached through another, the "
-            "line is left out. The drawing and the table are made of the source whenever these pages are built; "
-            "``tests/unit/test_house.py`` keeps imports pointing down.\n",
-            ".. image:: house.svg\n   :alt: Rooms of the source, from the command line down to words and errors\n"
+            "A line leads down from a room to each room that it imports. Where one room is reached through "
+            "another, the line is left out. The drawing and the table are made of the source whenever these "
+            "pages are built; ``tests/unit/test_house.py`` keeps imports pointing down.\n",
+            ".. image:: house.svg\n"
+            "   :alt: Rooms of the source, from the command line down to words and errors\n"
             "   :align: center\n   :width: 100%\n",
             table(("room", "what it is", "files", "lines"), rows, (14, 66, 8, 12)),
         )

@@ -1,0 +1,197 @@
+"""Pages that are made of the code hold all of it; numbers on pages are those that their scripts compute."""
+
+import importlib
+import re
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.cli.app import app
+from asperity.config.keys import sections
+from tests.unit.test_house import ROOMS
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+QUICK = ("springs, k1/k0 = 1, F/(N k0) = 0.02", "springs, k1/k0 = 3, F/(N k0) = 0.02")
+
+
+@pytest.fixture(scope="module")
+def made():
+    """Modules by name: those that make pages, and the benchmarks whose tables stand on pages."""
+    names = ("reference", "house", "growth", "resolution")
+    folders = [str(DOCS / "_ext"), str(ROOT / "benchmarks")]
+    sys.path[:0] = folders
+    try:
+        yield {name: importlib.import_module(name) for name in names}
+    finally:
+        del sys.path[: len(folders)]
+        for name in names:
+            sys.modules.pop(name, None)
+
+
+@pytest.fixture(scope="module")
+def pages(made):
+    return made["reference"].pages()
+
+
+def test_every_public_name_has_a_page(made, pages):
+    names = made["reference"].public()
+    rooms = made["reference"].rooms()
+    assert set(asp.__all__) == set(rooms) | {name.split(".")[1] for name in names if name.count(".") == 1}
+    for room, module in rooms.items():
+        assert {f"asperity.{room}.{name}" for name in module.__all__} <= set(names)
+    for name in names:
+        text = pages[f"{made['reference'].stem(name)}.rst"]
+        home = re.search(r"The same as :py:obj:`(.*)`", text)
+        assert names[home[1]] is names[name] if home else f":: {name}\n" in text
+
+
+def test_files_differ_where_capitals_do_not_count(pages):
+    assert len({name.lower() for name in pages}) == len(pages)
+
+
+def test_every_page_is_in_the_navigation(made, pages):
+    listed = set(re.findall(r"<(asperity\.[\w.-]+)>$", "\n".join(pages.values()), flags=re.MULTILINE))
+    listed |= set(re.findall(r"^reference/(.+)$", (DOCS / "reference.md").read_text(), flags=re.MULTILINE))
+    listed |= set(re.findall(r"^reference/(.+)$", (DOCS / "developers.md").read_text(), flags=re.MULTILINE))
+    assert {name.removesuffix(".rst") for name in pages} <= listed
+
+
+def test_every_command_and_flag_is_described(pages):
+    text = pages["commands.rst"]
+    for command in (name for name in app if not name.startswith("-")):
+        assert f"\n{command}\n---" in text
+    assert "pytest" not in text
+    for flag in ("--overwrite", "--k1", "--branch", "--pressure", "--dry-run", "--wlf"):
+        assert f"``{flag}" in text
+
+
+def test_every_key_is_described(pages):
+    text = pages["keys.rst"]
+    for section, kinds in sections().items():
+        assert f"[{section}]" in text
+        for kind, keys in kinds.items():
+            part = text.split(f'``kind = "{kind}"``')[1] if kind else text.split(f"\n[{section}]\n")[1]
+            part = part.split("``kind = ")[0]
+            assert all(
+                f"- ``{name}``" in part and key.description in part.replace("\\", "")
+                for name, key in keys.items()
+            )
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_every_variable_of_a_dataset_is_described(pages, si):
+    heights = asp.surfaces.gaussian((8, 8), rms=1.0, seed=0)
+    solid = (
+        asp.solids.half_space(modulus=1.0, branches=[(0.5, 1.0)])
+        if si
+        else asp.solids.spring_lattice(k0=1, k1=3)
+    )
+    surface = (
+        asp.surfaces.Surface(heights, unit="m", pixel_size=(1.0, 1.0), length_unit="m") if si else heights
+    )
+    contact = asp.press(surface, solid, load=1.0)
+    data = asp.age(contact, [1.0], protocol=asp.protocols.Hold(1.0), fields_at=[1.0]).dataset
+    for name in data.variables:
+        assert f"- ``{name}``" in pages["dataset.rst"], name
+
+
+def test_the_house_is_drawn_as_it_is(made):
+    house = made["house"]
+    imports = house.rooms()
+    known = {room for rooms in ROOMS for room in rooms if not room.startswith("_")}
+    assert set(imports) == known == {room for room, *_ in house.listed()}
+    drawn = ElementTree.fromstring(house.drawing())
+    assert {text.text for text in drawn.iter("{http://www.w3.org/2000/svg}text")} == known
+
+    def reached(room, lines):
+        return set().union(*({other} | reached(other, lines) for other in lines[room]))
+
+    lines = house.needed(imports)
+    assert sum(map(len, lines.values())) < sum(map(len, imports.values()))
+    for room in imports:
+        assert reached(room, lines) == reached(room, imports)
+    rows, _ = house.routed(lines, house.levels(imports))
+    level = {node: number for number, row in enumerate(rows) for node in row}
+    assert all(level[other] < level[room] for room in imports for other in imports[room])
+
+
+def rows_of(page):
+    """Cells of the tables of a page, by the first cell."""
+    cells = [
+        line.strip("| \n").split(" | ")
+        for line in page.read_text(encoding="utf-8").splitlines()
+        if line[:1] == "|"
+    ]
+    return {first.strip(): [cell.strip() for cell in rest] for first, *rest in cells}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        *QUICK,
+        *(
+            pytest.param(case, marks=pytest.mark.slow)
+            for case in (
+                "springs, k1/k0 = 0.1, F/(N k0) = 0.02",
+                "springs, k1/k0 = 3, F/(N k0) = 0.002",
+                "springs, k1/k0 = 3, F/(N k0) = 0.1",
+                "springs, k1/k0 = 10, F/(N k0) = 0.02",
+                "springs, k1/k0 = 3, self-affine, F/(N k0) = 1e-4",
+                "half-space that relaxes like the table",
+            )
+        ),
+    ],
+)
+def test_growth_is_what_the_page_says(made, case):
+    stated, decade, _ = rows_of(DOCS / "experiments.md")[case]
+    mean, error = made["growth"].measured(case)
+    assert [float(number) for number in stated.split(" ± ")] == pytest.approx([mean, error], abs=2e-4)
+    assert float(decade.rstrip("%")) == pytest.approx(100 * (10**mean - 1), abs=0.1)
+
+
+def test_all_growths_are_on_the_page(made):
+    assert set(made["growth"].CASES) <= set(rows_of(DOCS / "experiments.md"))
+    said = float(re.search(r"relaxes by ([\d.]+) an e-fold", (DOCS / "experiments.md").read_text())[1])
+    assert said == pytest.approx(made["growth"].relaxation(), abs=1e-4)
+
+
+def test_theory_is_what_the_page_says():
+    text = (DOCS / "experiments.md").read_text()
+    for rate, x2 in ((0.083, 100.0), (0.047, 1e6), (0.035, 1e9), (0.02, 3e18)):
+        assert f"{rate:g} at " in text
+        assert 1 / (np.log(x2) + 10 * np.log(2) + np.euler_gamma) == pytest.approx(rate, abs=6e-4)
+        if x2 < 1e10:
+            found = x2 * asp.theory.compliance_rate(3.0, x2) / asp.theory.compliance(3.0, x2)
+            assert found == pytest.approx(rate, abs=1e-3)
+
+
+def test_a_smaller_load_lets_the_area_fall_and_then_rise():
+    heights = asp.surfaces.gaussian((200, 200), rms=1.0, seed=0)
+    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=800.0)
+    legs = [asp.protocols.Hold(1e3), asp.protocols.Step(load=200.0), asp.protocols.Hold(1.1e6)]
+    data = asp.age(contact, 1e3 + np.geomspace(1e-2, 1e6, 17), protocol=legs).dataset
+    area = data["area"].values[data["leg"].values == 2]
+    assert area.min() / area[0] == pytest.approx(0.99, abs=0.005)
+    assert area[-1] / area.min() == pytest.approx(1.22, abs=0.01)
+    assert area.argmin() > 0
+
+
+def test_what_a_lattice_resolves_is_what_the_page_says(made):
+    page = (DOCS / "units.md").read_text()
+    for line in made["resolution"].tables(quick=True):
+        found = line.replace("\\\\", "\\")
+        assert found in page, found
+
+
+def test_tests_that_the_table_of_validation_names_are_there():
+    named = re.findall(r"`(?:tests/)?([\w/]+\.py)(?:::(\w+))?`", (DOCS / "validation.md").read_text())
+    assert len(named) > 30
+    for file, test in named:
+        places = [ROOT / "tests" / "physics" / file, ROOT / "tests" / file, ROOT / file]
+        text = next(place for place in places if place.is_file()).read_text()
+        assert f"def {test}(" in text or not test, (file, test)
