@@ -126,8 +126,9 @@ def drawing():
         width = _width(room)
         parts.append(
             f'<rect x="{middle[room] - width / 2:.0f}" y="{top[room]}" width="{width:.0f}" '
-            f'height="{HEIGHT}" rx="4" fill="#eef3f7" stroke="#2c4a63"/><text x="{middle[room]:.0f}" y="{top[room] + 17.5}" '
-            f'text-anchor="middle" fill="#10202e">{room}</text>'
+            f'height="{HEIGHT}" rx="4" fill="#eef3f7" stroke="#2c4a63"/>'
+            f'<text x="{middle[room]:.0f}" y="{top[room] + 17.5}" text-anchor="middle" fill="#10202e">'
+            f"{room}</text>"
         )
     return "\n".join([*parts, "</svg>\n"])
 

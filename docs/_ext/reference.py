@@ -125,8 +125,8 @@ def keys():
     """The keys of a configuration file, by section and kind."""
     parts = [
         heading("Keys of a configuration"),
-        "What a file for ``asperity run`` may hold. Most keys have a flag of the same name (:doc:`commands`), "
-        "and most can be swept by a campaign (:doc:`../campaigns`). Where a unit is named, the number "
+        "What a file for ``asperity run`` may hold. Most keys have a flag of the same name "
+        "(:doc:`commands`), and most can be swept by a campaign (:doc:`../campaigns`). Where a unit is named, the number "
         'may be text with a unit, such as ``"3.8 GPa"``, if the surface has a unit of length.\n',
     ]
     for section, kinds in sections().items():
@@ -185,7 +185,8 @@ def dataset():
     parts = [
         heading("The Dataset of a history"),
         "``history.dataset``, and what ``asperity.results.load`` opens: an xarray Dataset. Each variable "
-        'carries its long name and its unit (``data["area"].attrs``); which unit a dimension has depends on the surface and the solid '
+        'carries its long name and its unit (``data["area"].attrs``); which unit a dimension has depends on '
+        "the surface and the solid "
         "(:doc:`../solids`). Write the name in brackets: ``data.load`` is a method of xarray.\n",
     ]
     for title, rows in (
