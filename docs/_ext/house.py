@@ -21,9 +21,16 @@ def rooms():
 
 
 def _imported(path):
-    """The rooms that a module imports."""
+    """The rooms that a module imports; what only types need is not counted."""
     names = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    typing = [
+        node for node in nodes if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    ]
+    unused = {part for node in typing for part in ast.walk(node)}
+    for node in nodes:
+        if node in unused:
+            continue
         if isinstance(node, ast.ImportFrom) and node.module:
             names.add(node.module)
         elif isinstance(node, ast.Import):
