@@ -127,7 +127,8 @@ def keys():
         heading("Keys of a configuration"),
         "What a file for ``asperity run`` may hold. Most keys have a flag of the same name "
         "(:doc:`commands`), and most can be swept by a campaign (:doc:`../campaigns`). Where a unit is "
-        'named, the number may be text with a unit, such as ``"3.8 GPa"``, if the surface has a unit of length.\n',
+        'named, the number may be text with a unit, such as ``"3.8 GPa"``, if the surface has a unit of '
+        "length.\n",
     ]
     for section, kinds in sections().items():
         name = "[[protocol]]" if section == "protocol" else f"[{section}]"
