@@ -26,14 +26,14 @@ exclude_patterns = ["_build", "_ext", "gallery/*"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 default_role = "py:obj"
-smartquotes = False  # a flag has two hyphens
+smartquotes_action = "D"  # quotation marks stay as one types them
 suppress_warnings = ["config.cache"]  # the gallery's functions cannot be pickled
 
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented_params"
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True}
-autodoc_type_aliases = {name: name for name in ("ArrayLike", "Field", "Mask", "Floats", "Path")}
+autodoc_type_aliases = {name: name for name in ("ArrayLike", "Field", "Mask", "Floats")}
 toc_object_entries_show_parents = "hide"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
@@ -53,6 +53,7 @@ sphinx_gallery_conf = {
     "only_warn_on_example_error": False,
     "remove_config_comments": True,
     "show_memory": False,
+    "write_computation_times": False,  # the page of times would read the network
     "show_signature": False,
     "download_all_examples": False,
     "min_reported_time": 3600,

@@ -1,6 +1,7 @@
 """The reference, made of the code: a page for each public name, the commands, the keys, the Dataset."""
 
 import inspect
+import re
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -118,7 +119,8 @@ def commands():
     start = text.index("::\n", text.index("========"))
     contents = text.index(".. contents::")
     after = text.index("**Commands:**")
-    return heading("The command line") + "\n" + text[start:contents] + text[after:]
+    text = re.sub(r"(?<![`\w-])(--\w[\w-]*)", r"``\1``", text[start:contents] + text[after:])
+    return f"{heading('The command line')}\n{text}"
 
 
 def keys():
