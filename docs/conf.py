@@ -59,6 +59,7 @@ sphinx_gallery_conf = {
     "min_reported_time": 3600,
     "plot_gallery": "True",
 }
+html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = f"Asperity {version}"
 html_static_path = ["_static"]

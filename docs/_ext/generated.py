@@ -7,9 +7,11 @@ import re
 
 import house
 from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
 
 import reference
 from reference import DOCS
+from sphinx import addnodes
 
 ROOT = DOCS.parent
 COPIED = {
@@ -80,14 +82,26 @@ def restore(app, what, name, thing, options, lines):
 
 
 def attributes(app, doctree):
-    """Call the attributes of a class what they are: Sphinx calls them variables."""
+    """Call the attributes of a class so, not variables, and let their names not lead to those of other classes."""
     for name in doctree.findall(nodes.field_name):
         if name.astext() == "Variables":
             name.children = [nodes.Text("Attributes")]
+            for link in list(name.parent.findall(addnodes.pending_xref)):
+                if link.get("reftype") == "obj" and link.get("refspecific"):
+                    link.replace_self(link.children)
+
+
+def formula(self, node):
+    """Write a formula as MathML, which browsers draw by themselves: no page reads a script from the network."""
+    block = isinstance(node, nodes.math_block)
+    text = tex2mathml(node.astext(), as_block=block)
+    self.body.append(f'<div class="formula">{text}</div>' if block else text)
+    raise nodes.SkipNode
 
 
 def setup(app):
     """Tell Sphinx."""
+    app.add_html_math_renderer("mathml", (formula, None), (formula, None))
     app.connect("config-inited", write)
     app.connect("source-read", read)
     app.connect("autodoc-process-signature", without_arguments)
