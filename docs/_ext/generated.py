@@ -11,7 +11,6 @@ from docutils.utils.math.latex2mathml import tex2mathml
 
 import reference
 from reference import DOCS
-from sphinx import addnodes
 
 ROOT = DOCS.parent
 COPIED = {
@@ -23,6 +22,7 @@ COPIED = {
 """Pages from outside of this folder, and what shows them in docs/reference."""
 
 _NAMED = re.compile(r"\[[\w/]+\.md\]\(")
+_SHARED = re.compile(r"^:(ivar|param) [^:]*:")
 _KEPT = {}
 _LINK = re.compile(r"(?<=\]\()(?!\w+:)([^)#\s]+)")
 
@@ -77,22 +77,23 @@ def keep(app, what, name, thing, options, lines):
 
 
 def restore(app, what, name, thing, options, lines):
-    """Put it back."""
-    lines[:] = _KEPT.pop(name, lines)
+    """Put it back, and keep names together that share a line: Sphinx would take all but one for a type."""
+    lines[:] = [_SHARED.sub(_together, line) for line in _KEPT.pop(name, lines)]
+
+
+def _together(match):
+    return match[0].replace(", ", ",\u200b")
 
 
 def attributes(app, doctree):
-    """Call the attributes of a class so, not variables, and let their names not lead to those of other classes."""
+    """Call the attributes of a class what they are: Sphinx calls them variables."""
     for name in doctree.findall(nodes.field_name):
         if name.astext() == "Variables":
             name.children = [nodes.Text("Attributes")]
-            for link in list(name.parent.findall(addnodes.pending_xref)):
-                if link.get("reftype") == "obj" and link.get("refspecific"):
-                    link.replace_self(link.children)
 
 
 def formula(self, node):
-    """Write a formula as MathML, which browsers draw by themselves: no page reads a script from the network."""
+    """Write a formula as MathML, which browsers draw by themselves, without a script from the network."""
     block = isinstance(node, nodes.math_block)
     text = tex2mathml(node.astext(), as_block=block)
     self.body.append(f'<div class="formula">{text}</div>' if block else text)
