@@ -70,6 +70,8 @@ UNTRIED = {
 """Why a line, or a Python block by its first line, is only checked."""
 
 LINK = r"\]\(((?!http)[^)#]+)[^)]*\)"
+MADE = ("auto_gallery/", "reference/")
+"""Folders that `make docs` fills; it refuses links to what is not in them."""
 
 
 def first_match(rules, line):
@@ -200,7 +202,7 @@ def test_every_exception_is_needed():
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_links_lead_somewhere(page):
     for target in re.findall(LINK, page.read_text(encoding="utf-8")):
-        assert (page.parent / target).exists(), target
+        assert target.startswith(MADE) or (page.parent / target).exists(), target
 
 
 def test_the_source_distribution_holds_what_the_pages_use():
