@@ -1,6 +1,7 @@
 """How the pages are made: `make docs`. Nothing here reads the network."""
 
 import sys
+import warnings
 from pathlib import Path
 
 from sphinx_gallery.sorting import ExplicitOrder
@@ -9,6 +10,9 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_ext"))
 
 from asperity import __version__  # noqa: E402
+from asperity.errors import Remark  # noqa: E402
+
+warnings.filterwarnings("ignore", category=Remark)  # that loops are compiled is of this machine alone
 
 project = "Asperity"
 author = "The Asperity developers"
@@ -52,6 +56,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "only_warn_on_example_error": False,
     "remove_config_comments": True,
+    "capture_repr": ("_repr_html_",),
     "show_memory": False,
     "write_computation_times": False,  # the page of times would read the network
     "show_signature": False,

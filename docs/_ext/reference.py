@@ -119,7 +119,7 @@ def commands():
     start = text.index("::\n", text.index("========"))
     contents = text.index(".. contents::")
     after = text.index("**Commands:**")
-    text = re.sub(r"(?<![`\w-])(--\w[\w-]*)", r"``\1``", text[start:contents] + text[after:])
+    text = re.sub(r"(?<=[ (\[])(--\w[\w-]*)", r"``\1``", text[start:contents] + text[after:])
     return f"{heading('The command line')}\n{text}"
 
 
