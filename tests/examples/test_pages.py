@@ -61,6 +61,7 @@ FEWER = {"seeds = 32": "seeds = 2", "shape = [64, 64]": "shape = [16, 16]"}
 """What is replaced in a campaign before it is executed."""
 
 UNTRIED = {
+    r"asperity explore(?!.*--export)": "serves until it is stopped; tests/explore starts it",
     r"asperity reproduce": "takes minutes; tests/paper does it on tiny lattices",
     r"asperity sweep .*--scheduler": "needs a cluster; tests/campaign has one of its own",
     r"make\b": "installs, or runs the tests and benchmarks themselves",
