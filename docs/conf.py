@@ -71,6 +71,7 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
+html_sidebars = {"start": [], "explore": []}  # they have no pages below them
 html_theme_options = {
     "logo": {"text": "Asperity"},
     "navigation_with_keys": False,
