@@ -8,7 +8,7 @@ PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup
 # The first use of a loop compiles it; done once here, for every process after.
 COMPILE = $(BIN)/python -W ignore -c "from asperity.runs.loops import compile_loops as c; c(lambda text: print(text, '...'))"
 
-.PHONY: help run test test-slow check format docs bench clean
+.PHONY: help run test test-slow check format docs packages lock release bench clean
 
 help:  ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -35,6 +35,18 @@ format: $(VENV)/.dev  ## Format the source
 docs: $(VENV)/.dev  ## Build the documentation: docs/_build/html/index.html
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 
+packages: $(VENV)/.dev  ## Build wheel and source distribution, try them in empty environments: STEPS="3.13 oldest"
+	$(BIN)/python .ci/packages.py $(STEPS)
+
+lock: $(VENV)/.dev  ## Renew the lock file of the development environment
+	$(BIN)/python -m uv pip compile --quiet --universal --upgrade --generate-hashes --no-annotate --no-header \
+	  --python-version 3.11 --extra dev --output-file requirements-dev.lock pyproject.toml
+
+release: $(VENV)/.dev  ## Check everything, build, and print the commands that publish
+	$(BIN)/python .ci/release.py ready
+	$(MAKE) check test docs packages
+	$(BIN)/python .ci/release.py upload
+
 bench: $(VENV)/.run  ## Time Asperity beside its peers: BENCH="--all" for every case
 	$(BIN)/python benchmarks/bench.py $(BENCH)
 
@@ -54,12 +66,13 @@ $(BIN)/python:
 
 $(VENV)/.run: pyproject.toml | $(BIN)/python
 	@echo "Installing Asperity ..."
-	@$(PIP) install --editable .
+	@$(PIP) install --editable '.[campaign,explore]'
 	@$(COMPILE)
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml | $(BIN)/python
 	@echo "Installing Asperity and its tools ..."
-	@$(PIP) install --editable '.[dev]'
+	@$(if $(LOCKED),$(PIP) install --require-hashes --requirement requirements-dev.lock)
+	@$(PIP) install $(if $(LOCKED),--no-deps) --editable '.[dev]'
 	@$(COMPILE)
 	@touch $@ $(VENV)/.run

@@ -1,0 +1,136 @@
+"""What packagers, archives and indexes are told of the package agrees with the package."""
+
+import importlib.util
+import json
+import os
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
+from packaging.utils import canonicalize_name
+
+from asperity import __version__
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+
+
+def read(name):
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def bounds(texts):
+    """Names and bounds of requirements, without the extras of this package itself."""
+    found = map(Requirement, texts)
+    return {canonicalize_name(r.name): r.specifier for r in found if r.name != "asperity"}
+
+
+@pytest.fixture
+def release(tmp_path):
+    """The script of a release, at work on a copy of the files that it changes."""
+    spec = importlib.util.spec_from_file_location("release", ROOT / ".ci" / "release.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    for name, _ in module.PLACES:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(read(name), encoding="utf-8")
+    module.ROOT = tmp_path
+    return module
+
+
+def test_every_place_states_this_version(release):
+    citation, recipe = (yaml.safe_load(read(name)) for name in ("CITATION.cff", "recipe.yaml"))
+    assert {citation["version"], recipe["context"]["version"]} == {__version__}
+    assert f"## {__version__}, {citation['date-released']}\n" in read("CHANGELOG.md")
+    version, cited, date, packed, readme, heading = release.stated()
+    assert version == cited == packed == readme == __version__
+    assert heading == f"{__version__}, {date}"
+
+
+def test_a_version_is_set_at_every_place_and_nothing_else_changes(release, tmp_path):
+    before = {name: read(name) for name, _ in release.PLACES}
+    changelog = tmp_path / "CHANGELOG.md"
+    changelog.write_text(before["CHANGELOG.md"].replace("\n## ", "\n## Unreleased\n\nNew.\n\n## ", 1))
+    release.set_version("9.8.7", "2031-02-03")
+    assert release.stated() == ["9.8.7", "9.8.7", "2031-02-03", "9.8.7", "9.8.7", "9.8.7, 2031-02-03"]
+    assert f"\n## {__version__}, " in changelog.read_text()
+    for name in set(before) - {"CHANGELOG.md"}:
+        lines, new = before[name].splitlines(), (tmp_path / name).read_text().splitlines()
+        assert len(lines) == len(new)
+        changed = [line for line, other in zip(lines, new, strict=True) if line != other]
+        assert len(changed) == sum(place == name for place, _ in release.PLACES)
+    with pytest.raises(SystemExit, match="expected the heading '## Unreleased'"):
+        release.set_version("9.8.8", "2031-02-03")
+
+
+def test_the_conda_recipe_has_the_dependencies_of_the_package():
+    names = {"matplotlib-base": "matplotlib"}
+    needs = yaml.safe_load(read("recipe.yaml"))["requirements"]
+
+    def stated(lines):
+        found = bounds(lines)
+        return {names.get(name, name): found[name] for name in found}
+
+    run = stated(needs["run"])
+    assert run.pop("python") == SpecifierSet(PROJECT["requires-python"])
+    assert run == bounds(PROJECT["dependencies"])
+    assert stated(needs["run_constraints"]) == bounds([*EXTRAS["campaign"], *EXTRAS["explore"]])
+
+
+def test_the_lock_file_meets_every_bound():
+    locked = {}
+    for text in re.findall(r"^([a-z0-9].*?) *\\$", read("requirements-dev.lock"), flags=re.MULTILINE):
+        requirement = Requirement(text)
+        (pin,) = requirement.specifier
+        locked.setdefault(canonicalize_name(requirement.name), []).append(pin.version)
+    wanted = [*PROJECT["dependencies"], *(text for extra in EXTRAS.values() for text in extra)]
+    for name, bound in bounds(wanted).items():
+        assert locked[name], name
+        assert all(bound.contains(version) for version in locked[name]), name
+    assert "://" not in read("requirements-dev.lock")
+
+
+def test_citation_and_archive_say_the_same():
+    citation, archive = yaml.safe_load(read("CITATION.cff")), json.loads(read(".zenodo.json"))
+    assert citation["title"] == archive["title"]
+    assert citation["license"] == archive["license"] == PROJECT["license"]
+    assert citation["keywords"] == archive["keywords"] == PROJECT["keywords"]
+    assert archive["description"] == f"<p>{citation['abstract']}</p>"
+    names = [author["name"] for author in PROJECT["authors"]]
+    assert [author["name"] for author in citation["authors"]] == names
+    assert [author["name"] for author in archive["creators"]] == names
+    (paper,) = citation["references"]
+    assert [link["identifier"] for link in archive["related_identifiers"]] == [paper["doi"]]
+    assert f"https://doi.org/{paper['doi']}" in read("docs/paper.md")
+
+
+def test_every_stated_python_is_tried():
+    jobs = yaml.safe_load(read(".github/workflows/ci.yml"))["jobs"]
+    matrix = set(jobs["test"]["strategy"]["matrix"]["python"])
+    stated = {
+        text.rpartition(" ")[2] for text in PROJECT["classifiers"] if re.search(r"Python :: 3\.\d", text)
+    }
+    tried = set(re.findall(r'"(3\.\d+)"', re.findall(r"PYTHONS = (.*)", read(".ci/packages.py"))[0]))
+    assert matrix == stated == tried
+    assert all(SpecifierSet(PROJECT["requires-python"]).contains(version) for version in stated)
+
+
+def test_public_checks_are_what_a_developer_runs():
+    jobs = yaml.safe_load(read(".github/workflows/ci.yml"))["jobs"]
+    commands = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
+    targets = set(re.findall(r"^([a-z-]+):", read("Makefile"), flags=re.MULTILINE))
+    for command in commands + read(".ci/run").splitlines():
+        for target in re.findall(r"\bmake ([a-z-]+)", command):
+            assert target in targets, command
+    assert os.access(ROOT / ".ci" / "run", os.X_OK)
+
+
+@pytest.mark.parametrize("name", ["campaign", "instruments", "explore", "docs"])
+def test_a_developer_gets_every_extra(name):
+    (own,) = (Requirement(text) for text in EXTRAS["dev"] if Requirement(text).name == "asperity")
+    assert name in own.extras
