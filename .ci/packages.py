@@ -90,10 +90,12 @@ def python(version: str, *, extras: tuple[str, ...] = (), oldest: bool = False) 
         chosen = next(p for p in (at / "bin/python", at / "Scripts/python.exe") if p.exists())
         pins = pinned(folder, version, extras) if oldest else []
         suffix = f"[{','.join(extras)}]" if extras else ""
-        run([*UV, "pip", "install", "--python", chosen, *pins, f"{wheel()}{suffix}"])
+        run([*UV, "pip", "install", "--compile-bytecode", "--python", chosen, *pins, f"{wheel()}{suffix}"])
         listed = run([*UV, "pip", "list", "--python", chosen, "--format", "freeze"])
         packages = next(path.parent for path in at.rglob("asperity/__init__.py")).parent
-        size = sum(path.stat().st_size for path in packages.rglob("*") if path.is_file())
+        size = sum(
+            path.stat().st_size for path in packages.rglob("*") if path.is_file() and path.suffix != ".pyc"
+        )
         lock(packages)
         try:
             seconds = use(chosen, work, campaign="campaign" in extras)
