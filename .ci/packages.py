@@ -39,6 +39,9 @@ IMPORTS = (
 )
 
 
+LOAD = "import asperity; asperity.results.load('run/history.zarr')['area'].values"
+
+
 class SkippedError(Exception):
     """A step cannot be done here."""
 
@@ -127,6 +130,7 @@ def use(python: Path, work: Path, *, campaign: bool) -> str:
     expect("asperity --version", here("-m", "asperity", "--version").strip(), version())
     here("-m", "asperity", "run", "--shape", "64", "64", "--out", "run", "--quiet")
     expect("files of a run", sorted(path.name for path in (work / "run").iterdir()), sorted(RUN))
+    here("-W", "ignore", "-c", LOAD)
     if campaign:
         (work / "campaign.toml").write_text("[surface]\nshape = [16, 16]\n[sweep]\nseeds = 2\n")
         here("-m", "asperity", "sweep", "campaign.toml", "--out", "study", "--workers", "1", "--quiet")
