@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import re
-import resource
 import statistics
 import subprocess
 import sys
@@ -61,11 +61,11 @@ def main() -> None:
             repeats = 1 if "nothing cached" in name else options.repeats
             times, processor = [], []
             for _ in range(repeats):
-                begin, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+                begin, before = time.perf_counter(), os.times()
                 subprocess.run([sys.executable, *arguments], env=environment, check=True, capture_output=True)
                 times.append(time.perf_counter() - begin)
-                after = resource.getrusage(resource.RUSAGE_CHILDREN)
-                processor.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+                after = os.times()
+                processor.append(sum(after[2:4]) - sum(before[2:4]))
             found["seconds"][name] = {"wall": times, "processor": processor}
             print(
                 f"{name:36} {statistics.median(times):.3f} s, best {min(times):.3f} s, "

@@ -1,11 +1,12 @@
 """What packagers, archives and indexes are told of the package agrees with the package."""
 
-import importlib.util
+import importlib
 import json
 import os
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -31,15 +32,14 @@ def bounds(texts):
 
 
 @pytest.fixture
-def release(tmp_path):
+def release(tmp_path, monkeypatch):
     """The script of a release, at work on a copy of the files that it changes."""
-    spec = importlib.util.spec_from_file_location("release", ROOT / ".ci" / "release.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    monkeypatch.syspath_prepend(str(ROOT / ".ci"))
+    module: Any = importlib.import_module("release")
     for name, _ in module.PLACES:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(read(name), encoding="utf-8")
-    module.ROOT = tmp_path
+    monkeypatch.setattr(module, "ROOT", tmp_path)
     return module
 
 
@@ -83,7 +83,7 @@ def test_the_conda_recipe_has_the_dependencies_of_the_package():
 
 
 def test_the_lock_file_meets_every_bound():
-    locked = {}
+    locked: dict[str, list[str]] = {}
     for text in re.findall(r"^([a-z0-9].*?) *\\$", read("requirements-dev.lock"), flags=re.MULTILINE):
         requirement = Requirement(text)
         (pin,) = requirement.specifier

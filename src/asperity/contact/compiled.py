@@ -79,8 +79,8 @@ def stamp_of(loop: Any) -> Path | None:
 
 def _private_folder() -> Path | None:
     """A folder for temporary files that is this user's alone, or None if there cannot be one."""
-    user = os.getuid() if sys.platform != "win32" else os.getlogin()
     try:
+        user = os.getuid() if sys.platform != "win32" else os.getlogin()
         folder = Path(tempfile.gettempdir()) / f"asperity-numba-{user}"
         folder.mkdir(mode=0o700, exist_ok=True)
         found = folder.lstat()

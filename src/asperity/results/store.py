@@ -209,7 +209,7 @@ def flush_folder(folder: Path) -> None:
 
 
 def _flush_file(file: Path) -> None:
-    with file.open("rb") as handle:
+    with file.open("r+b") as handle:  # Windows flushes only what is open for writing
         os.fsync(handle.fileno())
 
 
