@@ -63,6 +63,18 @@ def test_full_contact_relaxes_at_the_rate_of_the_solid():
     )
 
 
+@pytest.mark.parametrize("above", [1e-3, 3.0])
+def test_heights_of_mean_zero_touch_everywhere_from_the_load_that_flattens_them_on(above):
+    # The datum is then 0 but for rounding, beside which the last digit of the heights is large.
+    heights = asp.surfaces.spectral((64, 64), rms_slope=0.1, seed=1)
+    flattening = -forces(heights, heights, 1.0, 0.0).min()
+    contact = asp.press(heights, asp.solids.half_space(modulus=1.0), pressure=flattening * (1 + above))
+    assert contact.area == heights.size
+    assert contact.load == pytest.approx(flattening * (1 + above) * heights.size, rel=1e-12)
+    less = asp.press(heights, asp.solids.half_space(modulus=1.0), pressure=flattening * (1 - 1e-3))
+    assert less.area < heights.size
+
+
 def test_a_separation_cannot_be_held():
     with refuses("separation"):
         asp.press(uncorrelated(16), asp.solids.half_space(modulus=1.0), separation=1.0)

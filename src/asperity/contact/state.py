@@ -358,7 +358,7 @@ def _rounded_keeping_load(anchors: Field | float, surface: Field, u: Field, datu
     excess = _sum_of_difference(u, u0) - wanted
     last_digit = float(np.spacing(max(abs(float(u0.max())), abs(float(u0.min())))))
     if abs(excess) > 1e-11 * abs(wanted):
-        sites = min(round(abs(excess) / last_digit), u0.size)
+        sites = round(min(abs(excess) / last_digit, u0.size))  # beside 0 the last digit is next to nothing
         chosen = np.linspace(0, u0.size - 1, sites).astype(int)
         u0 = u0.copy()
         u0.flat[chosen] += np.copysign(last_digit, excess)
