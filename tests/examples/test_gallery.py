@@ -1,0 +1,79 @@
+"""Every script of the gallery answers its question: it runs, its checks hold, it draws, and leaves nothing.
+
+A script is executed as a user would do it, in an empty folder, and warnings are errors. What it checks its
+answer against stands in it, behind the words "Origin:".
+"""
+
+import ast
+import re
+import runpy
+import tempfile
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+
+GALLERY = Path(__file__).parents[2] / "docs" / "gallery"
+SCRIPTS = sorted(GALLERY.glob("*/*.py"))
+
+
+def name_of(script):
+    return str(script.relative_to(GALLERY))
+
+
+@pytest.fixture
+def empty_folder(tmp_path, monkeypatch):
+    """Work in an empty folder, with a folder for temporary files that must be empty again at the end."""
+    here, temporary = tmp_path / "here", tmp_path / "temporary"
+    for folder in (here, temporary):
+        folder.mkdir()
+    monkeypatch.chdir(here)
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    yield
+    left = [path.name for path in (*here.iterdir(), *temporary.iterdir())]
+    assert set(left) <= {"dask-scratch-space"}  # which dask keeps for all that runs on the machine
+
+
+@pytest.fixture
+def no_display():
+    plt.switch_backend("agg")
+    plt.close("all")
+    yield
+    plt.close("all")
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=name_of)
+@pytest.mark.usefixtures("empty_folder", "no_display")
+def test_the_script_runs_draws_and_its_checks_hold(script, capsys):
+    runpy.run_path(str(script), run_name="__main__")
+    assert capsys.readouterr().out  # the verdict
+    figures = [plt.figure(number) for number in plt.get_fignums()]
+    assert figures
+    for figure in figures:
+        figure.canvas.draw()
+        assert figure.axes
+        for axes in figure.axes:
+            assert axes.has_data()
+            named = axes.get_xlabel() or axes.get_ylabel() or axes.get_title()
+            assert named or not axes.axison or axes.get_label() == "<colorbar>"
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=name_of)
+def test_the_script_asks_a_question_and_says_where_its_checked_value_comes_from(script):
+    text = script.read_text(encoding="utf-8")
+    title, line = (ast.get_docstring(ast.parse(text)) or "").splitlines()[:2]
+    assert title.endswith("?")
+    assert line == "=" * len(title)
+    asserted = [node.lineno for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Assert)]
+    asserted += [n for n, line in enumerate(text.splitlines(), 1) if "np.testing.assert_" in line]
+    origin = re.search(r"# Origin[ :]", text)
+    assert origin
+    assert asserted
+    assert text[: origin.start()].count("\n") + 1 < max(asserted)
+    assert len(text.splitlines()) <= 90
+
+
+def test_the_gallery_has_sections_with_headings():
+    folders = {script.parent for script in SCRIPTS} | {GALLERY}
+    assert all((folder / "GALLERY_HEADER.rst").is_file() for folder in folders)
+    assert len(SCRIPTS) >= 14
