@@ -8,12 +8,11 @@ from __future__ import annotations
 import functools
 import re
 import tokenize
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import asperity.checks as checks
 from asperity.errors import InputError
-from asperity.words import has_unit
+from asperity.words import InUnits, has_unit, written_with_units
 
 if TYPE_CHECKING:
     import pint
@@ -35,32 +34,6 @@ _EXAMPLES = {
     "J/mol": ("an energy per mole", "100 kJ/mol"),
     "J/m^2": ("an energy per area", "50 mJ/m^2"),
 }
-
-
-class InUnits(float):
-    """A number that was written with a unit; its value is in SI."""
-
-    written: str
-    unit: str
-
-    @classmethod
-    def of(cls, value: float, written: str, unit: str) -> Self:
-        """Make one that remembers how it was written, and its unit in SI."""
-        number = cls(value)
-        number.written, number.unit = written, unit
-        return number
-
-
-def written_with_units(table: object) -> Iterator[InUnits]:
-    """Numbers that were written with a unit, within tables and lists."""
-    if isinstance(table, InUnits):
-        yield table
-    elif isinstance(table, Mapping):
-        for value in table.values():
-            yield from written_with_units(value)
-    elif isinstance(table, list | tuple):
-        for value in table:
-            yield from written_with_units(value)
 
 
 def number(name: str, value: object, unit: str, **bounds: Any) -> float:

@@ -4,10 +4,37 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Self
 
 _WITH_UNIT = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\d\s,.].*")
 _ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
+
+
+class InUnits(float):
+    """A number that was written with a unit; its value is in SI."""
+
+    written: str
+    unit: str
+
+    @classmethod
+    def of(cls, value: float, written: str, unit: str) -> Self:
+        """Make one that remembers how it was written, and its unit in SI."""
+        number = cls(value)
+        number.written, number.unit = written, unit
+        return number
+
+
+def written_with_units(table: object) -> Iterator[InUnits]:
+    """Numbers that were written with a unit, within tables and lists."""
+    if isinstance(table, InUnits):
+        yield table
+    elif isinstance(table, Mapping):
+        for value in table.values():
+            yield from written_with_units(value)
+    elif isinstance(table, list | tuple):
+        for value in table:
+            yield from written_with_units(value)
 
 
 def number(word: str) -> object:

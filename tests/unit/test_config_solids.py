@@ -14,8 +14,7 @@ from asperity.config.solids import HalfSpace, Layer, SpringLattice
 from asperity.errors import ConfigError
 from asperity.lattice import Lattice
 from asperity.runs import Silent, execute
-from asperity.units import written_with_units
-from asperity.words import has_unit, numbers
+from asperity.words import has_unit, numbers, written_with_units
 from tests.refusals import refuses
 
 LATTICE = Lattice((8, 8), (0.5, 0.25))

@@ -30,7 +30,7 @@ from asperity.config.mistakes import ORDER, Sections, models_of
 from asperity.config.models import KINDS
 from asperity.errors import ConfigError
 from asperity.results.quantities import IN_A_LEG
-from asperity.units import written_with_units
+from asperity.words import written_with_units
 
 Value = float | int | str
 _NOT_SWEPT = (

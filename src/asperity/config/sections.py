@@ -9,8 +9,7 @@ from typing import Annotated
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidator
 
 from asperity.errors import LARGEST, InputError
-from asperity.units import InUnits, quantity
-from asperity.words import has_unit
+from asperity.words import InUnits, has_unit
 
 
 class Section(BaseModel):
@@ -29,6 +28,8 @@ class InUnit:
         """Read a number, which remembers how it was written."""
         if not has_unit(value):
             return check(value)
+        from asperity.units import quantity
+
         try:
             number = quantity(value, self.unit)
         except InputError as error:

@@ -31,7 +31,7 @@ from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_loa
 from asperity.simulate import age, press, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
-from asperity.units import InUnits, written_with_units
+from asperity.words import InUnits, written_with_units
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
