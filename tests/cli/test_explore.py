@@ -16,7 +16,7 @@ def test_a_run_becomes_a_file(asperity: Asperity, finished: Path, tmp_path: Path
     status, out, err = asperity("explore", "--export", page, finished)
     assert (status, out, err) == (0, f"{page}\n", "")
     text = page.read_text(encoding="utf-8")
-    assert text.startswith("<!DOCTYPE html>")
+    assert text.startswith("<!doctype html>")
     assert f"<title>{finished.name} · Asperity</title>" in text
     status, _, err = asperity("explore", "--export", page, finished)
     assert status == 2

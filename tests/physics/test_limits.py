@@ -16,7 +16,7 @@ LATE = [1e2, 1e6]
 @pytest.mark.parametrize("k0", [0.0, 1.0])
 def test_a_long_run_under_load_ends_at_the_limit(k0, R_viscous):
     contact = press(ROUGH, spring_lattice(k0=k0, k1=3.0, R_viscous=R_viscous), load=30.0)
-    limit, final = relax(contact), age(contact, LATE).final
+    limit, final = relax(contact), age(contact, LATE, rtol=5e-4).final
     np.testing.assert_array_equal(limit.in_contact, final.in_contact)
     np.testing.assert_allclose(limit.u, final.u, atol=1e-6)
     np.testing.assert_allclose(limit.u0, final.u0, atol=1e-6)
@@ -41,8 +41,8 @@ def test_viscous_creep_at_constant_separation_lets_the_load_die_out():
     assert limit.area == 1
     np.testing.assert_array_equal(limit.u, ROUGH.max())
     assert history.dataset["load"].values[-1] == pytest.approx(0.0, abs=1e-9)
-    # The last contact parts while the tolerance of aging still allows a residue of shape, well below rtol.
-    np.testing.assert_allclose(history.final.u0, limit.u0, atol=1e-6)
+    # Once the last contact has parted, nothing drives the shape any more: what the steps erred by then stays.
+    np.testing.assert_allclose(history.final.u0, limit.u0, atol=0.1 * 5e-4)
     assert (history.dataset["approach"].values == 0).all()
 
 

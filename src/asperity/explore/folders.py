@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -93,6 +94,9 @@ def open_entry(root: Path, name: str) -> Opened:
     """
     try:
         return _opened(root, name)
+    except InputError as error:  # names on the page are those within the folder
+        got = str(error.got).replace(f"{root}{os.sep}", "")
+        raise InputError(error.name, expected=error.expected, got=got, advice=error.advice) from None
     except AsperityError:
         raise
     except Exception as error:  # a damaged byte leads anywhere
