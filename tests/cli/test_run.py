@@ -305,8 +305,9 @@ def test_the_summary_says_how_a_file_was_prepared(tmp_path: Path, asperity: Aspe
     summary = (out / "summary.txt").read_text()
     assert (
         "24 x 32 sites (undefined = fill, tilt = plane, periodic = mirror, crop = 0 6 1 9, crop_unit = um, "
-        "pixel_size = 0.5, length_unit = um); loads and areas are those of 4 mirrored copies" in summary
+        "pixel_size = 0.5, length_unit = um)" in summary
     )
+    assert "loads and areas are those of 4 mirrored copies of the scan" in summary
     assert json.loads(results.load(out / "history.zarr").attrs["surface"])["crop"] == [0, 12, 2, 18]
 
 

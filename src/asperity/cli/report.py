@@ -185,9 +185,7 @@ def _surface(outcome: Outcome) -> str:
         silent = ("kind", "path", "max_undefined", "channel", "resample")
         rules = ", ".join(f"{k} = {_word(value, ' ')}" for k, value in chosen.items() if k not in silent)
         rules += ", resampled" if chosen["resample"] else ""
-        copies = 2 ** outcome.dataset["heights"].ndim if chosen["periodic"] == "mirror" else 1
-        mirrored = f"; loads and areas are those of {copies} mirrored copies" if copies > 1 else ""
-        return f"{chosen['path']}: {lattice} sites ({rules}){mirrored}"
+        return f"{chosen['path']}: {lattice} sites ({rules})"
     described = [f"{name} = {_word(value, ' x ')}" for name, value in chosen.items() if name != "kind"]
     return f"{chosen['kind']}: {', '.join(described)}"
 

@@ -234,6 +234,11 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
     if not contact.model_dump(exclude_none=True):
         contact, remark = _usual_contact(config, rough)
         remarks += (remark,)
+    if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
+        copies = 2**rough.heights.ndim
+        remarks += (
+            f"loads and areas are those of {copies} mirrored copies of the scan; periodic = 'reflect' takes it once",
+        )
     measured = isinstance(chosen, MeasuredSurface) and rough.edges == "periodic"
     if measured and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
         remarks += (

@@ -3,7 +3,7 @@
 
 const QUANTITIES = {
   contact_area: "contact area", area: "contact area", contact_fraction: "contact fraction", load: "load",
-  mean_pressure: "mean pressure in contact", friction: "friction relative to first", separation: "separation", decade_growth: "growth per decade",
+  mean_pressure: "mean pressure in contact", friction: "friction coefficient relative to first", separation: "separation", decade_growth: "growth per decade",
   residual: "residual",
 };
 /** What a quantity is called; where the area is known in lengths, the count of sites is another. */
@@ -56,7 +56,8 @@ class CurveView {
     const [wide, high] = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const own = this.points(scene, name).filter(([, value]) => Number.isFinite(value));
     const others = (extras.runs || []).map((run) => run.map(([time, value]) => [this.axis.place(time), value]));
-    const earlier = extras.earlier ? this.points(extras.earlier, name).filter(([, value]) => Number.isFinite(value)) : [];
+    const last = scene.lastTime * (1 + 1e-9); // what comes later has no place on this axis
+    const earlier = extras.earlier ? this.points(extras.earlier, name).filter(([, value], row) => Number.isFinite(value) && extras.earlier.value(row, "time") <= last) : [];
     const limit = scene.finished?.limit?.[name] ?? NaN;
     const log = name === "residual";
     let values = [...own, ...earlier, ...others.flat()].map(([, value]) => value);

@@ -25,11 +25,15 @@ const ARRIVALS = {
   mistakes({ mistakes }) { fail(mistakes); },
   failed({ mistakes }) { fail(mistakes); },
   scene(header, message, buffer) {
-    app.earlier = app.scene && app.keep && same(app.scene.column_units, header.column_units) ? app.scene : null;
+    app.earlier = app.scene && app.keep && same(app.scene.config?.surface, header.config?.surface) && same(app.scene.column_units, header.column_units) ? app.scene : null;
     app.scene = new Scene(buffer, message);
     app.scene.shear = app.shear;
     if (!app.picked) app.curveView.name = app.runs.length ? "area" : "";
     Object.assign(app, { map: 0, following: true, change: null });
+    byId("site").textContent = "Point at a site to read its height, pressure and age.";
+    app.mapView.cursor = null;
+    for (const button of document.querySelectorAll('[data-copy="toml"], [data-copy="python"]')) button.hidden = !header[button.dataset.copy];
+    byId("text").closest("details").hidden = !header.toml;
     stopPlaying();
     if (app.form && header.config) {
       if (app.wanted?.kind === "open") app.form.write(header.config);
@@ -154,7 +158,7 @@ async function upload(file, field = "surface.path") {
     const config = app.form.read(), [section, key] = field.split(".");
     if (section === "surface") {
       config.surface = { ...(config.surface?.kind === "file" ? config.surface : {}), kind: "file", path: told.path };
-      delete config.contact;
+      if (config.contact?.load !== undefined) delete config.contact; // a pressure means the same on any area
       config.protocol = [];
     } else config[section] = { ...config[section], [key]: told.path };
     forgetCampaign();
@@ -201,7 +205,10 @@ function listen() {
     const value = valueOf(target.value, { what: "number" });
     app.shear = app.scene.shear = value > 0 ? value : null;
     if (app.earlier) app.earlier.shear = app.shear;
-    target.toggleAttribute("aria-invalid", value !== null && !(value > 0));
+    const wrong = value !== null && !(value > 0);
+    target.toggleAttribute("aria-invalid", wrong);
+    target.setCustomValidity(wrong ? "expected a number above 0, such as 40e6" : "");
+    if (wrong) target.reportValidity();
     show();
   });
   on("closer", "click", () => { app.mapView.closer(); showLegend(); });
