@@ -260,7 +260,7 @@ def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
         clock = time.perf_counter()
         asp.age(begin, TIMES, exact=exact)
         took[exact] = time.perf_counter() - clock
-        ours[exact] = [asp.age(begin, [t], exact=exact, rtol=2e-4).final for t in TIMES]
+        ours[exact] = [asp.age(begin, [t], exact=exact, rtol=2e-5).final for t in TIMES]
     law = Law("half-space", modulus=MODULUS, branches=BRANCHES)
     problem = problem_of(surface, PRESSURES[0], law)
     request = {

@@ -237,7 +237,8 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
     if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
         copies = 2**rough.heights.ndim
         remarks += (
-            f"loads and areas are those of {copies} mirrored copies of the scan; periodic = 'reflect' takes it once",
+            f"loads and areas are those of {copies} mirrored copies of the scan; "
+            "periodic = 'reflect' takes it once",
         )
     measured = isinstance(chosen, MeasuredSurface) and rough.edges == "periodic"
     if measured and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
