@@ -227,8 +227,22 @@ def run(command: list[object], *, input: str | None = None, **options: object) -
     words = [str(word) for word in command]
     done = subprocess.run(words, input=input, capture_output=True, text=True, check=False, **options)  # type: ignore[call-overload]
     if done.returncode != 0:
+        if "error sending request" in done.stderr:
+            raise SkippedError(f"uv cannot reach the package index: {done.stderr.strip().splitlines()[-1]}")
         raise RuntimeError(f"{' '.join(words)}\n{done.stdout}{done.stderr}")
     return str(done.stdout)
+
+
+def take_settings_of_pip() -> None:
+    """Let uv use the index, certificates and folders that pip is told to use; uv reads none of them."""
+    command = [sys.executable, "-m", "pip", "config", "list"]
+    listed = subprocess.run(command, capture_output=True, text=True, check=False).stdout
+    known = dict(re.findall(r"^[^.\n]*\.([\w-]+)='(.*)'$", listed, flags=re.MULTILINE))
+    names = {"cert": "SSL_CERT_FILE", "index-url": "UV_DEFAULT_INDEX", "find-links": "UV_FIND_LINKS"}
+    for setting, name in names.items():
+        value = known.get(setting)
+        if value and (setting == "index-url" or Path(value).exists()):
+            os.environ.setdefault(name, value)
 
 
 def step(name: str, what: Callable[[], str]) -> str:
@@ -249,6 +263,7 @@ def main() -> int:
         print(f"steps: expected some of build, {', '.join(STEPS)}, got {' '.join(unknown)}", file=sys.stderr)
         return 2
     chosen = {name: what for name, what in STEPS.items() if not sys.argv[1:] or name in sys.argv[1:]}
+    take_settings_of_pip()
     ends = [step("build", build)]
     if ends == ["ok"]:
         with ThreadPoolExecutor(2) as pool:
