@@ -187,11 +187,8 @@ class SpringSteps:
         rates = (np.float32(self.offset), self.rate, self.middle, np.float32(tau), np.float32(weight))
         fields = (*work.correction, *rates, *parts, columns, source, self.error)
         work.rows(kernels.finish_step, *self.u.shape, *fields)
-        return (
-            True,
-            cycles + more,
-            self.unit * self.system.damped_rms(self.error, tau, self.contacts / self.u.size),
-        )
+        error = self.system.damped_rms(self.error, tau, self.contacts / self.u.size)
+        return True, cycles + more, self.unit * error
 
     def _improve(self, ahead: float, tau: float, allowed_error: float) -> tuple[bool, int]:
         """Solve the stage that ends a time ahead, given the sums of the guess and of its source.

@@ -166,8 +166,8 @@ def _filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask
     lattice = step.mechanics.lattice
     pull, stiffness = (step.damped_stiffness * error).sum(axis=0), step.stiffness
     if system.control.load_controlled:  # the load decides the mean
-        stiffness = stiffness.copy()
-        stiffness[lattice.mean] = pull[lattice.mean] = 0.0
+        stiffness = step.load_controlled_stiffness
+        pull[lattice.mean] = 0.0
     force = np.where(in_contact, 0.0, -lattice.backward(pull))
     worst, u, iterations = largest(force, np), np.zeros_like(pull), 0
     if not in_contact.any():

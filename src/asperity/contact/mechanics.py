@@ -266,7 +266,8 @@ class SpectralStep(ImplicitStep):
         return np.asarray(self.mechanics.spectra.permanent + self.damped_stiffness.sum(axis=0))
 
     @cached_property
-    def _load_controlled_stiffness(self) -> Spectrum:
+    def load_controlled_stiffness(self) -> Spectrum:
+        """S where the load is prescribed: 0 at wave vector 0."""
         stiffness = self.stiffness.copy()
         stiffness.flat[0] = 0.0
         return stiffness
@@ -283,7 +284,7 @@ class SpectralStep(ImplicitStep):
         if held.load is None:
             rhs.flat[0] += mechanics.hanging[0] * lattice.sites * held.position
         else:
-            stiffness = self._load_controlled_stiffness
+            stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
         return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None)
 

@@ -208,9 +208,23 @@ def draw_states(
     axes: Axes, states: NDArray[np.int8], region: tuple[slice, slice], side: int, aspect: float
 ) -> AxesImage:
     """Color each cell of side x side sites."""
+    return _draw_cells(axes, colored(states), region, side, aspect)
+
+
+def _draw_cells(
+    axes: Axes,
+    cells: Field,
+    region: tuple[slice, slice],
+    side: int,
+    aspect: float,
+    norm: Normalize | None = None,
+) -> AxesImage:
+    """Draw cells of side x side sites: their colors, or values on the scale of pressures."""
     image = axes.imshow(
-        colored(states),
-        extent=_extent_of_cells(states.shape, region, side),
+        cells,
+        cmap=style.PRESSURE_MAP,
+        norm=norm,
+        extent=_extent_of_cells(cells.shape[:2], region, side),
         interpolation="antialiased",
         interpolation_stage="rgba",
         aspect=aspect,
@@ -233,18 +247,7 @@ def draw_pressure(
 ) -> AxesImage:
     """Color each cell of side x side sites by its pressure; without contact it is NaN."""
     axes.set_facecolor("0.93")
-    image = axes.imshow(
-        pressure,
-        cmap=style.PRESSURE_MAP,
-        norm=norm,
-        extent=_extent_of_cells(pressure.shape, region, side),
-        interpolation="antialiased",
-        interpolation_stage="rgba",
-        aspect=aspect,
-        rasterized=True,
-    )
-    _frame(axes, region)
-    return image
+    return _draw_cells(axes, pressure, region, side, aspect, norm)
 
 
 def _extent_of_cells(
