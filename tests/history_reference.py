@@ -6,8 +6,10 @@ from tests.independent import laplacian
 from tests.reference import settle, settle_under_load
 
 
-def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R_viscous=0.0):
+def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R_viscous=0.0, moved_by=None):
     """Return (u, u0) at each time, multiples of dt, in Euler steps from flat u0.
+
+    ``moved_by``, a function of time, says by how many sites along each axis the heights have moved.
 
     One of ``load_at`` and ``separation_at`` is a function of time, the other None. What is prescribed at a
     time is what follows it: a jump at a time has happened then. The rigid body carries u0 along.
@@ -16,9 +18,10 @@ def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R
     u = np.maximum(u0, heights)
 
     def equilibrium(u, u0, time):
+        here = heights if moved_by is None else np.roll(heights, moved_by(time), axis=(0, 1))
         if separation_at is None:
-            return settle_under_load(u, u0, heights, load_at(time), k0=k0, k1=k1)
-        return settle(u, u0, heights, k0=k0, k1=k1), u0
+            return settle_under_load(u, u0, here, load_at(time), k0=k0, k1=k1)
+        return settle(u, u0, here, k0=k0, k1=k1), u0
 
     u, u0 = equilibrium(u, u0, 0.0)
     states, step = [], 0

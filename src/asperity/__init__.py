@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         errors,
         figures,
         fits,
+        friction,
         protocols,
         relaxation,
         results,
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
     from asperity.results import Checkpoint, History
     from asperity.runs.prediction import predict
-    from asperity.simulate import age, press, relax
+    from asperity.simulate import age, press, relax, slide
 
 __all__ = [
     "ActiveSet",
@@ -57,6 +58,7 @@ __all__ = [
     "errors",
     "figures",
     "fits",
+    "friction",
     "observe",
     "predict",
     "press",
@@ -64,6 +66,7 @@ __all__ = [
     "relax",
     "relaxation",
     "results",
+    "slide",
     "solids",
     "surfaces",
     "theory",
@@ -75,7 +78,7 @@ _HOME = {
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.results": ("Checkpoint", "History"),
     "asperity.runs.prediction": ("predict",),
-    "asperity.simulate": ("age", "press", "relax"),
+    "asperity.simulate": ("age", "press", "relax", "slide"),
 }
 
 if not TYPE_CHECKING:  # for a type checker, a name that is not above does not exist

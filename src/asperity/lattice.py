@@ -13,7 +13,9 @@ which is the paper's :math:`-\nabla^2` (text below Eq. us; written q^2 there).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Any, Literal, TypeVar
 
@@ -167,6 +169,28 @@ class Lattice:
         modes = self.forward(field)
         modes *= spectrum
         return self.backward(modes, overwrite=True)
+
+    def length_of(self, sites: Sequence[float]) -> float:
+        """Length of a way of some sites along each axis."""
+        return math.hypot(*(n * length for n, length in zip(sites, self.spacing, strict=True)))
+
+    def shifted(self, field: Field, shift: Sequence[Fraction] | Sequence[float]) -> Field:
+        """A field that has moved by a number of sites along each axis, around the periodic edges.
+
+        Whole sites are a permutation, exact to the bit. For the rest each Fourier mode turns by its phase:
+        the trigonometric polynomial through the values is read between them. The shortest wave of an axis of
+        even length, of which sites know the cosine alone, is multiplied by the cosine of its phase.
+        """
+        whole = [round(sites) for sites in shift]
+        moved = np.roll(field, whole, axis=tuple(range(-self.dimension, 0)))
+        rest = [float(sites - n) for sites, n in zip(shift, whole, strict=True)]
+        if not any(rest):
+            return moved
+        modes = self.forward(moved)
+        for angle, part in zip(self.angles, rest, strict=True):
+            phase = angle * part
+            modes = modes * np.where(np.abs(angle) == np.pi, np.cos(phase), np.exp(-1j * phase))
+        return self.backward(modes)
 
     def long_waves(self, modes: ModesOrSpectrum, coarse: Lattice) -> ModesOrSpectrum:
         """Those of the modes, or of a spectrum, that a coarser lattice has too, in its order."""

@@ -3,13 +3,16 @@
     P = asp.protocols
     protocol = [P.Hold(10.0), P.Step(load=160.0), P.Hold(100.0)]
     protocol = [P.Repeat([P.Ramp(5.0, load=400.0), P.Ramp(5.0, load=100.0)], count=3)]
+    protocol = [P.Slide(50.0, velocity=0.1), P.Hold(1e3), P.Slide(50.0, velocity=0.1)]
 
 Times run through the whole history. Durations are in the unit of time, loads and separations in those of
-`asperity.press`. Where a contact has units, they may be texts: ``Hold("10 min")``, ``Step(load="2 N")``.
+`asperity.press`, distances in that of the distance between sites. Where a contact has units, they may be
+texts: ``Hold("10 min")``, ``Step(load="2 N")``, ``Slide("20 um", velocity="1 um/s")``.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
@@ -21,7 +24,7 @@ import asperity.checks as checks
 import asperity.units as units
 from asperity.errors import LARGEST, InputError
 
-__all__ = ["Hold", "Leg", "Ramp", "Repeat", "Step"]
+__all__ = ["Hold", "Leg", "Ramp", "Repeat", "Slide", "Step"]
 
 
 def __dir__() -> list[str]:
@@ -33,11 +36,20 @@ _SAME_TIME = 1e-9
 """Relative difference of a sum of durations and a time that is meant to be it."""
 
 
-_UNITS = {"duration": "s", "load": "N", "separation": "m", "pressure": "Pa"}
+_UNITS = {
+    "duration": "s",
+    "load": "N",
+    "separation": "m",
+    "pressure": "Pa",
+    "distance": "m",
+    "velocity": "m/s",
+}
+
+_AXES = {"x": (0, 1), "-x": (0, -1), "y": (1, 0), "-y": (-1, 0)}
 
 
 class Leg:
-    """A part of a history: `Hold`, `Ramp`, `Step` or `Repeat`."""
+    """A part of a history: `Hold`, `Ramp`, `Step`, `Slide` or `Repeat`."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +135,92 @@ class Step(Leg):
 
 
 @dataclass(frozen=True)
+class Slide(Leg):
+    """The rough surface slides under the elastic body, whose crept shape stays with the body.
+
+    It moves by whole sites, at once; between two shifts the contact creeps for the time that the velocity
+    takes from site to site. What was prescribed last, the load or the separation, is held. The first shift is
+    at the beginning of the leg. The distance is rounded to shifts; the leg lasts for distance / velocity.
+
+    Parameters
+    ----------
+    distance
+        How far > 0, in the unit of the distance between sites, which is 1 on a solid defined on sites.
+    velocity
+        How fast > 0, distance / time; `math.inf` or ``"inf"`` slides at once, so that nothing creeps.
+    direction
+        Where the rough surface goes: ``"x"`` along the last axis, ``"-x"``, ``"y"``, ``"-y"``; or the sites
+        of one shift along each axis, such as ``(1, 1)``.
+    substeps
+        Shifts from site to site, >= 1. If there are several, heights between the sites are interpolated; see
+        `asperity.slide`.
+    every
+        Record the states after one in so many shifts, and before the next one, >= 1.
+    mobility
+        As in `Hold`.
+    """
+
+    distance: float
+    velocity: float
+    direction: str | tuple[int, ...] = "x"
+    substeps: int = 1
+    every: int = 1
+    mobility: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.velocity in ("inf", math.inf):
+            object.__setattr__(self, "velocity", math.inf)
+            _check(self, "distance", "mobility")
+        else:
+            _check(self, "distance", "velocity", "mobility")
+        for name in ("substeps", "every"):
+            object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=1))
+        object.__setattr__(self, "direction", checked_direction(self.direction))
+
+    @property
+    def duration(self) -> float:
+        """Distance over velocity."""
+        return self.distance / self.velocity
+
+
+def checked_direction(direction: object) -> str | tuple[int, ...]:
+    """One of the axes, or whole sites along each axis, in lowest terms.
+
+    Raises
+    ------
+    InputError
+        It is neither.
+    """
+    if isinstance(direction, str) and direction in _AXES:
+        return direction
+    expected = "'x', '-x', 'y', '-y', or whole numbers of sites along the axes"
+    if isinstance(direction, str) or not 1 <= np.size(np.asarray(direction)) <= 2:
+        raise InputError("direction", expected=expected, got=checks.shown(direction))
+    parts = np.atleast_1d(np.asarray(direction)).ravel().tolist()
+    sites = [checks.integer("direction", n, least=-(2**31), expected=expected) for n in parts]
+    if not any(sites):
+        raise InputError("direction", expected=expected, got=checks.shown(direction))
+    return tuple(n // math.gcd(*sites) for n in sites)
+
+
+def sites_along(direction: str | tuple[int, ...], dimension: int) -> tuple[int, ...]:
+    """Sites along each axis of one shift in a direction.
+
+    Raises
+    ------
+    InputError
+        The surface has no such direction.
+    """
+    sites = _AXES[direction] if isinstance(direction, str) else direction
+    if dimension == 1 and isinstance(direction, str) and not sites[0]:
+        sites = sites[1:]
+    if len(sites) != dimension:
+        expected = "'x' or '-x' on a line" if dimension == 1 else "two numbers of sites, or 'x' or 'y'"
+        raise InputError("direction", expected=expected, got=checks.shown(direction))
+    return sites
+
+
+@dataclass(frozen=True)
 class Repeat(Leg):
     """Legs repeated.
 
@@ -142,7 +240,7 @@ class Repeat(Leg):
         object.__setattr__(self, "legs", tuple(legs_of(self.legs)))
 
 
-def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step]:
+def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step | Slide]:
     """Legs of a protocol one by one, repetitions written out.
 
     Raises
@@ -159,10 +257,12 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step]:
         if isinstance(leg, Repeat):
             for _ in range(leg.count):
                 yield from legs_of(leg.legs)
-        elif isinstance(leg, Hold | Ramp | Step):
+        elif isinstance(leg, Hold | Ramp | Step | Slide):
             yield leg
         else:
-            raise InputError("protocol", expected="Hold, Ramp, Step or Repeat", got=repr(leg), advice=advice)
+            raise InputError(
+                "protocol", expected="Hold, Ramp, Step, Slide or Repeat", got=repr(leg), advice=advice
+            )
 
 
 def described(leg: Leg) -> dict[str, object]:
@@ -170,9 +270,9 @@ def described(leg: Leg) -> dict[str, object]:
     values: dict[str, object] = {"kind": type(leg).__name__.lower()}
     for name, value in vars(leg).items():
         if isinstance(value, tuple):
-            value = [described(part) for part in value]
-        if value is not None and not (name == "mobility" and value == 1.0):
-            values[name] = value
+            value = [described(part) if isinstance(part, Leg) else part for part in value]
+        if value is not None and value != _USUAL.get(name):
+            values[name] = "inf" if value == math.inf else value
     return values
 
 
@@ -181,12 +281,12 @@ def in_words(legs: Iterable[Mapping[str, Any]]) -> str:
     words = []
     for leg in legs:
         short = {
-            key: value if isinstance(value, str) else f"{value:g}"
+            key: f"{value:g}" if isinstance(value, float | int) else str(value)
             for key, value in leg.items()
             if key != "legs"
         }
         said = [short.pop(key) for key in ("kind", "duration", "count") if key in short]
-        said += [f"{key}={value}" for key, value in short.items() if (key, value) != ("mobility", "1")]
+        said += [f"{key}={value}" for key, value in short.items() if value != f"{_USUAL.get(key)}"]
         said += [f"({in_words(leg['legs'])})"] if "legs" in leg else []
         words.append(" ".join(said))
     return ", ".join(words)
@@ -200,7 +300,10 @@ def leg_of(values: Mapping[str, Any]) -> Leg:
     return _KINDS[values["kind"]](**arguments)
 
 
-_KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Repeat, Step)}
+_KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Repeat, Slide, Step)}
+
+_USUAL = {"mobility": 1, "direction": "x", "substeps": 1, "every": 1}
+"""What is not said of a leg."""
 
 
 @dataclass(frozen=True)
@@ -215,11 +318,11 @@ class Schedule:
         Times at which they begin and end: one more than legs, the first 0.
     """
 
-    legs: tuple[Hold | Ramp | Step, ...]
+    legs: tuple[Hold | Ramp | Step | Slide, ...]
     switches: tuple[float, ...]
 
     @classmethod
-    def of(cls, protocol: Iterable[Hold | Ramp | Step], times: np.ndarray) -> Schedule:
+    def of(cls, protocol: Iterable[Hold | Ramp | Step | Slide], times: np.ndarray) -> Schedule:
         """Lay out legs; a switch that is one of the times but for rounding is that time.
 
         Raises
@@ -247,10 +350,16 @@ class Schedule:
         return any(
             leg.hold == "separation" if isinstance(leg, Hold) else leg.separation is not None
             for leg in self.legs
+            if not isinstance(leg, Slide)
         )
 
+    @property
+    def slides(self) -> bool:
+        """Whether the rough surface slides in some leg."""
+        return any(isinstance(leg, Slide) for leg in self.legs)
 
-def _check(leg: Hold | Ramp, *names: str) -> None:
+
+def _check(leg: Hold | Ramp | Slide, *names: str) -> None:
     """Make Python floats of numbers that are to be above 0."""
     for name in names:
         value = getattr(leg, name)

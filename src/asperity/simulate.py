@@ -1,9 +1,10 @@
-"""The three verbs: press two bodies together, let the contact age, relax it to the end of time."""
+"""The verbs: press two bodies together, let the contact age, slide it, relax it to the end of time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -11,20 +12,20 @@ from numpy.typing import ArrayLike
 
 import asperity.checks as checks
 import asperity.units as units
-from asperity.aging.legs import LegMidway, follow
+from asperity.aging.legs import LegMidway, check_edges, follow, shifts_of
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Hold, Separation, control_from
-from asperity.contact.instantaneous import first_contact, pressed_anew
+from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Shown, progress_shown
 from asperity.protocols import Hold as HoldLeg
-from asperity.protocols import Leg, Schedule, legs_of
+from asperity.protocols import Leg, Schedule, Slide, checked_direction, legs_of, sites_along
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.history import History
@@ -226,10 +227,11 @@ def age(
         ):
             tell(frame)
             final = frame.contact
-            if frame.time in kept or (frame.time == 0 and keep_start):
+            of_its_time = not frame.passing
+            if of_its_time and (frame.time in kept or (frame.time == 0 and keep_start)):
                 snapshots.append(snapshot_of(frame))
-            if frame.time in recorded or frame.time in always:
-                rows.append(row_of(frame))
+            if frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always)):
+                rows.append(row_of(frame, slides=schedule.slides))
     control = control_of(contact, hold) if protocol is None else contact.control
     return History(
         dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance), final
@@ -261,9 +263,77 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         line = contact.lattice.dimension == 1
         units.check_units([vars(leg) for leg in legs], si=contact.si, line=line)
         schedule = Schedule.of(legs, times)
+        for leg in legs:
+            if isinstance(leg, Slide):
+                shifts_of(leg, contact.lattice)
     if schedule.holds_separation:
         contact.system(Separation(contact.separation))
     return schedule
+
+
+def slide(
+    contact: Contact,
+    shift: float | Sequence[float] | None = None,
+    *,
+    distance: float | str | None = None,
+    direction: str | tuple[int, ...] = "x",
+    solver: ContactSolver | None = None,
+) -> Contact:
+    """Slide the rough surface under the elastic body, at once; what has crept stays with the body.
+
+    Parameters
+    ----------
+    contact
+        The contact, of any age, on a surface with periodic edges.
+    shift
+        By how many sites along each axis the heights move, as ``numpy.roll`` moves them; along the last axis
+        if it is one number. Whole numbers are exact. Fractions interpolate the heights, see Notes.
+    distance
+        Instead of the shift: a length > 0, in the unit of the distance between sites, or a text with a unit:
+        ``"2 um"``. It need not be a whole number of sites.
+    direction
+        That of the distance: ``"x"``, ``"-x"``, ``"y"``, ``"-y"``, or sites along the axes, ``(1, 1)``.
+    solver
+        As in `press`.
+
+    Returns
+    -------
+    Contact
+        Above the moved heights, under the same load or at the same separation.
+
+    Raises
+    ------
+    InputError
+        The edges of the surface reflect; or the shift, the distance or the direction cannot be used.
+    ConvergenceError
+        The solver did not reach its tolerance.
+
+    Notes
+    -----
+    Between sites heights are read off the trigonometric polynomial through them (band-limited
+    interpolation). It is exact for a surface without waves near the lattice spacing. On a surface that is
+    rough at the scale of a site, interpolated summits are higher or lower than any given height by a part
+    of that roughness, and so is the contact: slide such a surface by whole sites.
+    """
+    checks.instance("contact", contact, Contact, "asperity.press(...), or the `final` of a history")
+    check_edges(contact.lattice)
+    lattice = contact.lattice
+    if checks.one_of("shift=(0, 1)", shift=shift, distance=distance) == "distance":
+        along = sites_along(checked_direction(direction), lattice.dimension)
+        length = units.converted("distance", distance, "m", si=contact.si)
+        length = checks.number("distance", length, above=0)
+        sites = [n * length / lattice.length_of(along) for n in along]
+    else:
+        given = np.atleast_1d(np.asarray(shift))
+        expected = f"{lattice.dimension} numbers of sites, or one"
+        if given.ndim != 1 or given.size not in (1, lattice.dimension):
+            raise InputError("shift", expected=expected, got=checks.shown(shift), advice="shift=(0, 1)")
+        sites = [checks.number("shift", n, expected=expected) for n in given]
+        sites = [0.0] * (lattice.dimension - given.size) + sites
+    by = [Fraction(n) % size for n, size in zip(sites, lattice.shape, strict=True)]
+    if not any(by):
+        return contact
+    return slid(contact, lattice.shifted(contact.heights, by), by, solver)
 
 
 def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver | None = None) -> Contact:

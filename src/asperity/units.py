@@ -28,6 +28,7 @@ _EXAMPLES = {
     "N": ("a force", "10 N"),
     "m": ("a length", "2 um"),
     "s": ("a time", "3 h"),
+    "m/s": ("a velocity", "1 um/s"),
     "Hz": ("a frequency", "10 Hz"),
     "rad/s": ("an angular frequency", "60 rad/s"),
     "K": ("a temperature", "25 degC"),

@@ -28,6 +28,7 @@ ROOMS = [
     {"progress", "results"},
     {"simulate"},
     {"theory", "fits"},
+    {"friction"},
     {"analysis"},
     {"figures"},
     {"config"},
@@ -102,6 +103,7 @@ def test_public_names():
         "errors",
         "figures",
         "fits",
+        "friction",
         "observe",
         "predict",
         "press",
@@ -109,6 +111,7 @@ def test_public_names():
         "relax",
         "relaxation",
         "results",
+        "slide",
         "solids",
         "surfaces",
         "theory",
@@ -129,7 +132,18 @@ def test_every_room_is_reached(room):
 
 @pytest.mark.parametrize(
     "room",
-    ["analysis", "campaign", "figures", "fits", "relaxation", "results", "solids", "surfaces", "theory"],
+    [
+        "analysis",
+        "campaign",
+        "figures",
+        "fits",
+        "friction",
+        "relaxation",
+        "results",
+        "solids",
+        "surfaces",
+        "theory",
+    ],
 )
 def test_no_module_hides_behind_a_function_of_its_name(room):
     inside = importlib.import_module(f"asperity.{room}")

@@ -1,23 +1,26 @@
 """Follow a contact through the legs of a history: each is a march of its own from where the last one ended.
 
 Contacts grow like the logarithm of the time since the last switch, so the length of the steps and the
-guesses of where contacts will be begin anew with each leg.
+guesses of where contacts will be begin anew with each leg. While the rough surface slides, each shift is such
+a switch; there the first step is as long as the march after the shift before found it could be.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 
-from asperity.aging.march import Frame, Midway, creep
+from asperity.aging.march import Frame, Midway, Pace, creep
 from asperity.contact.controls import Control, control_from
-from asperity.contact.instantaneous import pressed_anew
+from asperity.contact.instantaneous import pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
-from asperity.lattice import Field
-from asperity.protocols import Hold, Ramp, Schedule, Step
+from asperity.errors import InputError
+from asperity.lattice import Field, Lattice
+from asperity.protocols import Hold, Ramp, Schedule, Slide, Step, sites_along
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,15 +34,81 @@ class LegMidway:
     control
         What is prescribed in it.
     approach
-        Rigid approach since the start of the history, at its beginning.
+        Rigid approach since the start of the history, at the beginning of the march.
     midway
         The march in it; times since its beginning.
+    shifts
+        How often the rough surface was shifted in this leg.
+    pace
+        How the march began, where the surface slides.
     """
 
     leg: int
     control: Control
     approach: float
     midway: Midway
+    shifts: int = 0
+    pace: Pace | None = None
+
+
+@dataclass(frozen=True)
+class _Shifts:
+    """The shifts of one leg that slides.
+
+    Attributes
+    ----------
+    count
+        How many they are.
+    sites
+        By how many sites along each axis.
+    length
+        By which length.
+    """
+
+    count: int
+    sites: tuple[Fraction, ...]
+    length: float
+
+    def made(self, place: Frame, count: int) -> Frame:
+        """Where a number of them leads from a place."""
+        shift = tuple(old + count * new for old, new in zip(place.shift, self.sites, strict=True))
+        return replace(place, displacement=place.displacement + count * self.length, shift=shift)
+
+
+_MOST_SHIFTS = 10**7
+
+
+def check_edges(lattice: Lattice) -> None:
+    """Refuse to slide a surface that does not go around."""
+    if lattice.reflecting:
+        raise InputError(
+            "slide",
+            expected="a surface with periodic edges",
+            got="one whose edges reflect, which has no other side to come from",
+            advice="a surface that is made periodic",
+        )
+
+
+def shifts_of(leg: Slide, lattice: Lattice) -> _Shifts:
+    """Shifts that make up a leg.
+
+    Raises
+    ------
+    InputError
+        The surface does not go around, has no such direction, or the distance is too short.
+    """
+    check_edges(lattice)
+    sites = sites_along(leg.direction, lattice.dimension)
+    length = lattice.length_of(sites) / leg.substeps
+    count = round(leg.distance / length)
+    if not 1 <= count <= _MOST_SHIFTS:
+        raise InputError(
+            "distance",
+            expected=f"from {length:g}, which is one shift, to {_MOST_SHIFTS:g} of them",
+            got=f"{leg.distance:g}",
+            advice="" if count else "more substeps",
+        )
+    return _Shifts(count, tuple(Fraction(n, leg.substeps) for n in sites), length)
 
 
 def follow(
@@ -53,7 +122,9 @@ def follow(
     resume: LegMidway | None = None,
     after_step: Callable[[LegMidway], None] | None = None,
 ) -> Iterator[Frame]:
-    """Yield a frame at time 0, at each of the times and at the end of each leg: at a step before and after.
+    """Yield a frame at time 0, at each of the times, at the end of each leg and at shifts.
+
+    At a step and at a shift there are two, before and after.
 
     Parameters
     ----------
@@ -70,55 +141,155 @@ def follow(
     after_step
         Called after each time step with the state from which to go on.
     """
-    legs, switches = schedule.legs, schedule.switches
-    now = Frame(0.0, contact, approach=0.0, steps=0, rejected=0, iterations=contact.iterations)
+    way = _Way(contact, times, rtol, solver, exact, after_step)
     if resume is None:
-        yield now
-    for number, leg in enumerate(legs):
-        if resume is not None and number < resume.leg:
-            continue
-        begun, end = switches[number : number + 2]
-        if isinstance(leg, Step):
-            pressed = pressed_anew(now.contact, _target(now.contact, leg), solver)
-            approach = now.approach + now.contact.separation - pressed.separation
-            now = Frame(end, pressed, approach, 0, 0, pressed.iterations, number)
-            yield now
-            continue
+        yield way.now
+    for number, leg in enumerate(schedule.legs):
+        span = schedule.switches[number], schedule.switches[number + 1]
         here = resume if resume is not None and number == resume.leg else None
+        if resume is not None and number < resume.leg:
+            way.skip(leg)
+        elif isinstance(leg, Slide):
+            yield from way.slide(leg, number, span, here)
+        elif isinstance(leg, Step):
+            pressed = pressed_anew(way.now.contact, _target(way.now.contact, leg), solver)
+            yield way.at_once(pressed, replace(way.now, time=span[1], leg=number, velocity=0.0))
+        else:
+            if here is not None:
+                way.resume()
+            yield from way.creep(leg, number, span, here)
+
+
+class _Way:
+    """A contact on its way through a history; arguments as those of `follow`.
+
+    Attributes
+    ----------
+    now
+        Where it is.
+    """
+
+    def __init__(
+        self,
+        contact: Contact,
+        times: Field,
+        rtol: float,
+        solver: ContactSolver | None,
+        exact: bool,
+        after_step: Callable[[LegMidway], None] | None,
+    ) -> None:
+        self.heights, self.lattice, self.times = contact.heights, contact.lattice, times
+        self.rtol, self.solver, self.exact, self.after_step = rtol, solver, exact, after_step
+        at_rest = (Fraction(0),) * self.lattice.dimension
+        self.now = Frame(0.0, contact, 0.0, 0, 0, contact.iterations, shift=at_rest)
+
+    def skip(self, leg: Hold | Ramp | Step | Slide) -> None:
+        """Pass a leg that was followed before."""
+        if isinstance(leg, Slide):
+            shifts = shifts_of(leg, self.lattice)
+            self.now = shifts.made(self.now, shifts.count)
+
+    def resume(self) -> None:
+        """Have a contact above the heights where they are; any will do to go on from a place."""
+        if any(self.now.shift):
+            self.now = replace(self.now, contact=self.shifted(self.now.shift, self.now.shift))
+
+    def shifted(self, shift: tuple[Fraction, ...], by: tuple[Fraction, ...]) -> Contact:
+        """The contact when the heights have come to a place, by a last shift."""
+        return slid(self.now.contact, self.lattice.shifted(self.heights, shift), by, self.solver)
+
+    def at_once(self, contact: Contact, place: Frame) -> Frame:
+        """What the contact becomes at once, at a place."""
+        approach = self.now.approach + self.now.contact.separation - contact.separation
+        self.now = replace(
+            place,
+            contact=contact,
+            approach=approach,
+            steps=0,
+            rejected=0,
+            iterations=contact.iterations,
+            exact=False,
+        )
+        return self.now
+
+    def slide(
+        self, leg: Slide, number: int, span: tuple[float, float], here: LegMidway | None
+    ) -> Iterator[Frame]:
+        """Shift, creep until the next shift, and so on."""
+        (begun, end), shifts = span, shifts_of(leg, self.lattice)
+        lasting, start, pace = shifts.length / leg.velocity, self.now, None
+        for n in range(0 if here is None else here.shifts - 1, shifts.count):
+            last, since = n + 1 == shifts.count, begun + n * lasting
+            moved = replace(shifts.made(start, n + 1), leg=number, velocity=leg.velocity)
+            if here is None:
+                told = n % leg.every == 0 or (last and lasting == 0)
+                place = replace(moved, time=since, at_a_shift=told, passing=lasting == 0 and not last)
+                yield self.at_once(self.shifted(moved.shift, shifts.sites), place)
+            else:
+                self.now = moved
+                self.resume()
+            if lasting > 0:
+                span = since, end if last else begun + (n + 1) * lasting
+                pace = yield from self.creep(leg, number, span, here, n + 1, pace)
+            here = None
+
+    def creep(
+        self,
+        leg: Hold | Ramp | Slide,
+        number: int,
+        span: tuple[float, float],
+        here: LegMidway | None,
+        shifts: int = 0,
+        pace: Pace | None = None,
+    ) -> Generator[Frame, None, Pace | None]:
+        """March through a span of time; returns what it tells of the length of steps."""
+        now, (begun, end) = self.now, span
         control = _control(now.contact, leg, end - begun) if here is None else here.control
         approach = now.approach if here is None else here.approach
-        stops = np.union1d(times[(times > begun) & (times < end)], [end])
+        stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
         if here is not None:
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
+        told = None if here is None else here.pace
 
-        def keep(
-            midway: Midway, number: int = number, control: Control = control, approach: float = approach
-        ) -> None:
-            if after_step is not None:
-                after_step(LegMidway(number, control, approach, midway))
+        def keep(midway: Midway) -> None:
+            nonlocal told
+            told = Pace(midway.length if told is None else told.length, midway.deformation)
+            if self.after_step is not None:
+                self.after_step(LegMidway(number, control, approach, midway, shifts, told))
 
         frames = creep(
             now.contact,
             (stops - begun) * leg.mobility,
             control=control,
             keep_area=isinstance(leg, Hold) and leg.hold == "area",
-            rtol=rtol,
-            solver=solver,
-            exact=exact,
+            rtol=self.rtol,
+            solver=self.solver,
+            exact=self.exact,
+            pace=pace,
             midway=None if here is None else here.midway,
             after_step=keep,
         )
         if here is None:
             next(frames)  # its start is known
         for time, frame in zip(stops.tolist(), frames, strict=True):
-            now = replace(frame, time=time, approach=approach + frame.approach, leg=number)
-            yield now
+            self.now = replace(
+                frame,
+                time=time,
+                approach=approach + frame.approach,
+                leg=number,
+                displacement=now.displacement,
+                velocity=leg.velocity if isinstance(leg, Slide) else 0.0,
+                shift=now.shift,
+                at_a_shift=isinstance(leg, Slide) and time == end and shifts % leg.every == 0,
+            )
+            yield self.now
+        return told
 
 
-def _control(contact: Contact, leg: Hold | Ramp, lasting: float) -> Control:
+def _control(contact: Contact, leg: Hold | Ramp | Slide, lasting: float) -> Control:
     """What a leg prescribes, in times since its beginning and as fast as its mobility lets time pass."""
-    if isinstance(leg, Hold):
-        return control_of(contact, leg.hold)
+    if not isinstance(leg, Ramp):
+        return control_of(contact, leg.hold if isinstance(leg, Hold) else None)
     target = _target(contact, leg)
     start = contact.separation if leg.separation is not None else control_of(contact, "load").value
     return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))

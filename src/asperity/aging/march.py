@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -85,6 +86,14 @@ class Frame:
         Number of the leg of the history that it belongs to, from 0.
     exact
         Whether the contacts have no error of time steps; see `asperity.aging.separable`.
+    displacement, velocity
+        Length that the rough surface has slid since the start, and how fast it slides in this leg.
+    shift
+        Sites along each axis by which it has moved since the start.
+    at_a_shift
+        Whether it is to be recorded as the state just before or just after a shift.
+    passing
+        Whether more shifts follow at the same time.
     """
 
     time: float
@@ -95,6 +104,11 @@ class Frame:
     iterations: int
     leg: int = 0
     exact: bool = False
+    displacement: float = 0.0
+    velocity: float = 0.0
+    shift: tuple[Fraction, ...] = ()
+    at_a_shift: bool = False
+    passing: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +143,14 @@ class Midway:
     area: ConstantArea | None = None
 
 
+@dataclass(frozen=True)
+class Pace:
+    """How an earlier march of the same kind began: the length of its steps, and the scale of their errors."""
+
+    length: float
+    deformation: float
+
+
 def creep(
     contact: Contact,
     times: ArrayLike,
@@ -138,6 +160,7 @@ def creep(
     rtol: float = DEFAULT_RTOL,
     solver: ContactSolver | None = None,
     exact: bool = True,
+    pace: Pace | None = None,
     midway: Midway | None = None,
     after_step: Callable[[Midway], None] | None = None,
 ) -> Iterator[Frame]:
@@ -161,6 +184,8 @@ def creep(
         How to solve the contact problems; by default as `asperity.press` does.
     exact
         Whether to use the exact contact of a separable solid where it holds.
+    pace
+        What an earlier march tells of the length of steps.
     midway
         Go on from here, with the frames after it; all other arguments as at first, but for the contact,
         which may be any above the same surface.
@@ -187,6 +212,8 @@ def creep(
         )
     kind = _MarchAtConstantArea if keep_area else _March
     march = kind(contact, system, chosen_solver(solver, system), tolerance, exact, midway, after_step)
+    if pace is not None and midway is None:
+        march.length, march.deformation = pace.length, max(march.deformation, pace.deformation)
     if midway is not None:
         stops = stops[stops >= midway.time]
     return _frames(contact, stops, march, from_start=midway is None)

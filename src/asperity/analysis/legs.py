@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from asperity.lattice import Field
-from asperity.protocols import Hold, Leg, Ramp, Schedule, Step, leg_of, legs_of
+from asperity.protocols import Hold, Leg, Ramp, Schedule, Slide, Step, leg_of, legs_of
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class LegRow:
     """
 
     number: int
-    leg: Hold | Ramp | Step
+    leg: Hold | Ramp | Step | Slide
     begin: float
     end: float
     load: tuple[float, float]
@@ -47,7 +47,7 @@ class LegRow:
 
     @property
     def kind(self) -> str:
-        """``"hold"``, ``"ramp"`` or ``"step"``."""
+        """``"hold"``, ``"ramp"``, ``"step"`` or ``"slide"``."""
         return type(self.leg).__name__.lower()
 
 
@@ -85,7 +85,7 @@ def numbers_of(dataset: xr.Dataset) -> NDArray[np.int_]:
     return dataset["leg"].values if "leg" in dataset.coords else alone
 
 
-def _legs(dataset: xr.Dataset) -> Iterator[Hold | Ramp | Step]:
+def _legs(dataset: xr.Dataset) -> Iterator[Hold | Ramp | Step | Slide]:
     protocol, lasted = protocol_of(dataset), float(dataset["time"].values[-1])
     if protocol:
         yield from legs_of(protocol)
@@ -93,7 +93,9 @@ def _legs(dataset: xr.Dataset) -> Iterator[Hold | Ramp | Step]:
         yield Hold(lasted)
 
 
-def _row(dataset: xr.Dataset, number: int, leg: Hold | Ramp | Step, begin: float, end: float) -> LegRow:
+def _row(
+    dataset: xr.Dataset, number: int, leg: Hold | Ramp | Step | Slide, begin: float, end: float
+) -> LegRow:
     time, numbers = dataset["time"].values, numbers_of(dataset)
     own = np.flatnonzero(numbers == number)
     # The entry at a switch belongs to the leg that ends there, and that of time 0 to the first leg.

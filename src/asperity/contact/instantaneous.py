@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+
 import asperity.checks as checks
 from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
@@ -10,6 +15,7 @@ from asperity.contact.problem import TOLERANCE, ContactSolver, Guess
 from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
+from asperity.lattice import Field, Mask
 
 _STRICT = 0.01
 """Part of the tolerance to which a contact is solved whose u0 is given."""
@@ -48,16 +54,63 @@ def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | Non
         The solver did not reach its tolerance.
     """
     system = contact.system(control)
-    anchors, position = contact.anchors - system.datum, contact.separation - system.datum
-    if system.load is None:
-        anchors += control.value - contact.separation
-        position = control.value - system.datum
+    place = contact.separation if system.load is not None else control.value
+    return _anew(contact, contact, system, (contact.u, contact.in_contact), place, solver)
+
+
+def slid(
+    contact: Contact, heights: Field, by: Sequence[Fraction], solver: ContactSolver | None = None
+) -> Contact:
+    """Press an aged contact onto heights that have moved, at once: its crept shape stays where it is.
+
+    Parameters
+    ----------
+    contact
+        The contact before.
+    heights
+        The rough surface after it moved.
+    by
+        By how many sites along each axis it moved since that contact.
+    solver
+        As in `pressed_anew`.
+
+    Raises
+    ------
+    ConvergenceError
+        The solver did not reach its tolerance.
+    """
+    near, axes = [round(sites) for sites in by], tuple(range(heights.ndim))
+    if contact.has_not_crept and np.array_equal(heights, np.roll(contact.heights, near, axis=axes)):
+        return contact.moved(near)
+    u, in_contact = np.roll(contact.u, near, axis=axes), np.roll(contact.in_contact, near, axis=axes)
+    bodies = Bodies(heights, contact.lattice, contact.solid, contact.surface, contact.si)
+    system = contact.system().above(heights)
+    return _anew(contact, bodies, system, (u, in_contact), contact.separation, solver)
+
+
+def _anew(
+    contact: Contact,
+    bodies: Bodies | Contact,
+    system: System,
+    near: tuple[Field, Mask],
+    place: float,
+    solver: ContactSolver | None,
+) -> Contact:
+    """Solve for the surface above the anchors of a contact, in another system or above other heights.
+
+    ``near`` is a surface that may be near it, with its contacts; ``place`` that of the rigid body, which
+    takes the anchors along.
+    """
+    anchors, position = contact.anchors - system.datum, place - system.datum
+    if place != contact.separation:
+        anchors += place - contact.separation
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
-    guess = Guess(contact.u - system.datum, contact.in_contact, disposable=True)
+    u, in_contact = near
+    guess = Guess(u - system.datum, in_contact, disposable=True)
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
     solution = chosen_solver(solver, system).solve(problem, guess, _STRICT * TOLERANCE)
     if system.load is not None:
         moved = system.displacement(solution.u, anchors, position)
         anchors += moved
         position += moved
-    return contact.become(system, solution, anchors, position)
+    return contact_from(system, solution, anchors, position, bodies=bodies, load_may_vanish=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -228,6 +228,22 @@ class Contact(views.InNotebooks):
     def system(self, control: Control | None = None) -> System:
         """Set up the system that this contact is a state of, under its own control or another."""
         return System.of(self.heights, self.lattice, self.solid, control or self.control)
+
+    @property
+    def has_not_crept(self) -> bool:
+        """Whether the anchors are flat, to their last digits."""
+        levels = self.anchors.reshape(len(self.anchors), -1)
+        return all(float(np.ptp(v)) <= 4 * float(np.spacing(np.abs(v).max())) for v in levels)
+
+    def moved(self, sites: Sequence[int]) -> Contact:
+        """Return the contact as a whole, crept shape and all, moved by sites along each axis of its lattice.
+
+        Nothing in the equations tells sites apart, so the residual is that of the same numbers.
+        """
+        axes = tuple(range(-self.lattice.dimension, 0))
+        names = ("heights", "u", "anchors", "force", "in_contact")
+        fields = {name: np.roll(getattr(self, name), sites, axis=axes) for name in names}
+        return Contact._judged(**(vars(self) | fields))
 
     def become(self, system: System, solution: Solution, anchors: Field, position: float) -> Contact:
         """Publish what the same bodies have become; see `contact_from`. The load may have died out."""

@@ -54,6 +54,11 @@ class System:
         """Return the system with what is prescribed at a time, constant from there."""
         return replace(self, control=self.control.at(time)) if self.control.rate else self
 
+    def above(self, heights: Field) -> System:
+        """Return the system above other heights."""
+        datum = float(heights.max())
+        return replace(self, heights=heights - datum, datum=datum)
+
     @property
     def sites(self) -> int:
         """Number of sites N."""

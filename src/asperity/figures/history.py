@@ -189,7 +189,7 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
 def _only_load(dataset: xr.Dataset, table: list[LegRow]) -> bool:
     """Whether no leg prescribes a separation."""
     holds = [row.leg.hold for row in table if isinstance(row.leg, Hold)]
-    others = [row.leg for row in table if not isinstance(row.leg, Hold)]
+    others = [row.leg for row in table if isinstance(row.leg, Ramp | Step)]
     return dataset.attrs["held"] == "load" and not (
         "separation" in holds or any(leg.separation is not None for leg in others)
     )

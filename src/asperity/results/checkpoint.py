@@ -18,7 +18,7 @@ import asperity.checks as checks
 from asperity._version import __version__
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.legs import LegMidway
-from asperity.aging.march import Midway
+from asperity.aging.march import Midway, Pace
 from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
@@ -154,13 +154,14 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
     control = here.control
     facts = {
         "fingerprint": fingerprint,
-        "leg": [here.leg, here.approach],
+        "leg": [here.leg, here.approach, here.shifts],
+        "pace": None if here.pace is None else vars(here.pace),
         "control": [control.name, control.value, control.rate, control.since],
         "time": [midway.time, midway.separation, midway.impulse],
         "area": None if midway.area is None else vars(midway.area),
         "march": [midway.deformation, midway.length, midway.steps, midway.rejected, midway.iterations],
         "rows": place.rows,
-        "snapshots": [[snapshot.time, snapshot.leg] for snapshot in place.snapshots],
+        "snapshots": [[snapshot.time, snapshot.leg, snapshot.shift] for snapshot in place.snapshots],
     }
     arrays = {"facts": np.array(json.dumps(facts))}
     arrays |= {f"place_{name}": array for name, array in midway.resume_state.items()}
@@ -175,15 +176,16 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
         for kind in ("kept_", "place_")
     )
     snapshots = [
-        Snapshot(time, {name: fields[index] for name, fields in kept.items()}, leg)
-        for index, (time, leg) in enumerate(facts["snapshots"])
+        Snapshot(time, {name: fields[index] for name, fields in kept.items()}, leg, shift)
+        for index, (time, leg, shift) in enumerate(facts["snapshots"])
     ]
     kind, *numbers = facts["control"]
     control = Load(*numbers) if kind == Load.name else Separation(*numbers)
-    leg, approach = facts["leg"]
+    leg, approach, shifts = facts["leg"]
+    pace = facts["pace"] and Pace(**facts["pace"])
     time, separation, impulse = facts["time"]
     deformation, length, *counts = facts["march"]
     steps, rejected, iterations = counts
     area = facts["area"] and ConstantArea(**facts["area"])
     midway = Midway(time, separation, impulse, place, deformation, length, steps, rejected, iterations, area)
-    return Place(LegMidway(leg, control, approach, midway), facts["rows"], snapshots)
+    return Place(LegMidway(leg, control, approach, midway, shifts, pace), facts["rows"], snapshots)

@@ -38,19 +38,21 @@ class Snapshot:
     time: float
     fields: Mapping[str, NDArray[Any]]
     leg: int = 0
+    shift: Sequence[float] = ()
 
 
-def row_of(frame: Frame) -> Row:
-    """Take the entry of the time series from a frame."""
+def row_of(frame: Frame, *, slides: bool = False) -> Row:
+    """Take the entry of the time series from a frame; of a history that slides or not."""
     return {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
-        name: _value(frame, name) for name in series_of(frame.contact)
+        name: _value(frame, name) for name in series_of(frame.contact, slides=slides)
     }
 
 
 def snapshot_of(frame: Frame) -> Snapshot:
     """Take the fields from a frame."""
     contact = frame.contact
-    return Snapshot(frame.time, {name: getattr(contact, name) for name in fields_of(contact)}, frame.leg)
+    fields = {name: getattr(contact, name) for name in fields_of(contact)}
+    return Snapshot(frame.time, fields, frame.leg, [float(sites) for sites in frame.shift])
 
 
 def dataset_of(
@@ -83,8 +85,10 @@ def dataset_of(
         The tolerance to record.
     """
     sites = ("y", "x")[2 - start.heights.ndim :]
+    slides = bool(rows) and "displacement" in rows[0]
+    series = series_of(start, slides=slides)
     dataset = xr.Dataset(
-        data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series_of(start)},
+        data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series},
         coords={"time": [row["time"] for row in rows]} | dict(zip(sites, _places(start), strict=True)),
     )
     dataset["heights"] = (sites, start.heights)
@@ -101,6 +105,10 @@ def dataset_of(
         if protocol is not None:
             legs = [snapshot.leg for snapshot in snapshots]
             dataset = dataset.assign_coords(field_leg=("field_time", legs))
+        if slides:
+            places = np.array([snapshot.shift for snapshot in snapshots])
+            for axis, place in zip(sites, places.T, strict=True):
+                dataset = dataset.assign_coords({f"field_shift_{axis}": ("field_time", place)})
     _describe(dataset, start)
     attributes = _attributes(start, control, rtol)
     if keeps_area:
@@ -130,7 +138,8 @@ def _places(contact: Contact) -> list[NDArray[Any]]:
 def _describe(dataset: xr.Dataset, contact: Contact) -> None:
     """Give every variable its long name and unit."""
     units = units_of(contact)
-    for name, (long_name, dimension) in (series_of(contact) | fields_of(contact) | COORDINATES).items():
+    known = series_of(contact, slides=True) | fields_of(contact) | COORDINATES
+    for name, (long_name, dimension) in known.items():
         if name in dataset.variables:
             place = "position" if contact.solid.in_lengths else "site index"
             described = long_name.replace("site index", place)

@@ -35,6 +35,12 @@ OF_CONTINUA: dict[str, tuple[str, str]] = {
 }
 """The same of those that continua, whose sites have an area, have besides or call otherwise."""
 
+OF_SLIDING: dict[str, tuple[str, str]] = {
+    "displacement": ("length that the rough surface has slid since the start", "place"),
+    "velocity": ("sliding velocity", "place / time"),
+}
+"""The same of those that histories with sliding have besides."""
+
 FIELDS: dict[str, tuple[str, str]] = {
     "u": ("height of the elastic surface", "length"),
     "u0": ("creeping shape of the elastic surface", "length"),
@@ -48,6 +54,8 @@ COORDINATES: dict[str, tuple[str, str]] = {
     "field_time": ("hold time at which fields were kept", "time"),
     "leg": (LEG, "1"),
     "field_leg": ("leg of the history in which fields were kept, from 0", "1"),
+    "field_shift_x": ("sites along the last axis by which heights had moved when fields were kept", "sites"),
+    "field_shift_y": ("sites along the first axis by which heights had moved when fields were kept", "sites"),
     "branch": ("branch of the solid, from 0", "1"),
     "x": ("site index along the last axis", "place"),
     "y": ("site index along the first axis", "place"),
@@ -118,6 +126,10 @@ IN_A_LEG = {
     "separation": SERIES["separation"],
     "pressure": ("load over nominal area", "pressure"),
     "duration": ("duration", "time"),
+    "distance": ("distance", "place"),
+    "velocity": OF_SLIDING["velocity"],
+    "substeps": ("shifts from site to site", "1"),
+    "every": ("shifts from record to record", "1"),
     "count": ("number of repetitions", "1"),
     "mobility": ("factor on the mobility of creep", "1"),
 }
@@ -135,6 +147,7 @@ _SITES = {
     "pressure": "stiffness unit * height unit / site",
     "time": "1 / (stiffness unit * R unit)",
     "place": "lattice spacing",
+    "place / time": "lattice spacing * stiffness unit * R unit",
 }
 _OWN = {
     "length": "length unit",
@@ -145,6 +158,7 @@ _OWN = {
     "stiffness": "force unit / length unit",
     "time": "time unit",
     "place": "length unit",
+    "place / time": "length unit / time unit",
 }
 _SI = {
     "length": "m",
@@ -155,6 +169,7 @@ _SI = {
     "stiffness": "N/m",
     "time": "s",
     "place": "m",
+    "place / time": "m/s",
 }
 _SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "stiffness": "N/m^2"}
 """Of a profile, which stands for a surface of ridges: for each metre of their length."""
@@ -169,9 +184,10 @@ def units_of(contact: Contact) -> Units:
     return _SI | _SI_OF_A_LINE if contact.lattice.dimension == 1 else _SI
 
 
-def series_of(contact: Contact) -> dict[str, tuple[str, str]]:
+def series_of(contact: Contact, *, slides: bool = False) -> dict[str, tuple[str, str]]:
     """Time series that a history of this contact has: long names and dimensions."""
-    return SERIES | OF_CONTINUA if contact.solid.in_lengths else SERIES
+    series = SERIES | OF_CONTINUA if contact.solid.in_lengths else SERIES
+    return series | OF_SLIDING if slides else series
 
 
 def fields_of(contact: Contact) -> dict[str, tuple[str, str]]:
@@ -181,7 +197,9 @@ def fields_of(contact: Contact) -> dict[str, tuple[str, str]]:
 
 def units_named(named: Mapping[str, str]) -> Units:
     """Units of dimensions, from those of series."""
-    known = {name: dimension for name, (_, dimension) in (SERIES | OF_CONTINUA | COORDINATES).items()}
+    known = {
+        name: dimension for name, (_, dimension) in (SERIES | OF_CONTINUA | OF_SLIDING | COORDINATES).items()
+    }
     found = {known[name]: unit for name, unit in named.items()}
     systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)
     alike = (one for one in systems if all(one.get(d) == found.get(d) for d in ("time", "force")))

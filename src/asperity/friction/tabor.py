@@ -1,0 +1,168 @@
+"""Tabor's relation: the friction force is the shear strength of the contacts times their real area.
+
+    friction force = sigma_S A,      friction coefficient mu = sigma_S A / load
+
+(F. P. Bowden, D. Tabor, *The Friction and Lubrication of Solids*, Oxford, 1950). The shear strength is an
+input: constant, or with a logarithm of the sliding velocity, as interfaces that creep under shear have it (T.
+Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006), DOI 10.1080/00018730600732186):
+
+    sigma_S = sigma_0 (1 + a ln(V / V_ref))
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+import asperity.checks as checks
+import asperity.units as units
+from asperity.errors import LARGEST, InputError
+from asperity.lattice import Field
+from asperity.theory import static_friction
+
+
+@dataclass(frozen=True)
+class ShearStrength:
+    """The shear strength of contacts, which the user knows; see the module.
+
+    Parameters
+    ----------
+    strength
+        sigma_0 > 0, force / area; per site on a solid that is defined on sites. With a unit: ``"40 MPa"``.
+    rate_coefficient
+        a >= 0, the relative growth of the strength for each factor e of velocity; 0 for a constant strength.
+    reference_velocity
+        V_ref > 0, length / time, at which the strength is sigma_0; needed where the coefficient is not 0.
+    """
+
+    strength: float
+    rate_coefficient: float = 0.0
+    reference_velocity: float | None = None
+
+    def __post_init__(self) -> None:
+        least = 1 / LARGEST
+        strength = units.number("shear_strength", self.strength, "Pa", least=least)
+        object.__setattr__(self, "strength", strength)
+        rate = checks.number("rate_coefficient", self.rate_coefficient, least=0)
+        object.__setattr__(self, "rate_coefficient", rate)
+        if self.reference_velocity is not None:
+            velocity = units.number("reference_velocity", self.reference_velocity, "m/s", least=least)
+            object.__setattr__(self, "reference_velocity", velocity)
+        elif rate:
+            raise InputError(
+                "reference_velocity",
+                expected="the velocity at which the shear strength was measured",
+                got="none, and a rate coefficient",
+                advice="reference_velocity=1.0",
+            )
+
+    def at(self, velocity: float | Field) -> NDArray[np.float64]:
+        """Shear strength while the contacts slide.
+
+        Parameters
+        ----------
+        velocity
+            Sliding velocities > 0, any shape; not infinite where the strength depends on it.
+
+        Returns
+        -------
+        ndarray
+            Shape of the velocities.
+
+        Raises
+        ------
+        InputError
+            A velocity cannot be used, or is so low that the strength would not be above 0.
+        """
+        if not self.rate_coefficient:
+            return np.full(np.shape(velocity), self.strength)
+        speeds = np.asarray(velocity, dtype=float)
+        if not (np.isfinite(speeds).all() and (speeds > 0).all()):
+            raise InputError(
+                "velocity",
+                expected="finite velocities > 0, where the shear strength depends on them",
+                got="a contact that does not slide, or slides at once",
+                advice="Slide(..., velocity=1.0), or rate_coefficient=0.0",
+            )
+        assert self.reference_velocity is not None
+        strength = self.strength * (1 + self.rate_coefficient * np.log(speeds / self.reference_velocity))
+        if not (strength > 0).all():
+            raise InputError(
+                "rate_coefficient",
+                expected="a shear strength > 0 at every velocity",
+                got=f"{float(strength.min()):g} at {float(speeds.min()):g}",
+                advice="a reference_velocity nearer to those of the slides",
+            )
+        return np.asarray(strength)
+
+
+def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | str) -> xr.Dataset:
+    """Add the friction force and the friction coefficient to the dataset of a history.
+
+    Parameters
+    ----------
+    dataset
+        That of a `History`, whether it slides or not.
+    shear_strength
+        A strength, or how it depends on the velocity.
+
+    Returns
+    -------
+    Dataset
+        With ``friction_force`` and ``friction``, the force over the load. While the surface slides, they are
+        those of sliding; while it rests, those at which it would begin to slide, at the velocity of the
+        next slide leg, or of the last one. The area is ``contact_area_corrected``; on a solid that is
+        defined on sites, their number.
+
+    Raises
+    ------
+    InputError
+        The strength cannot be used, has units where the dataset has none, or depends on a velocity that
+        the history does not have.
+
+    Notes
+    -----
+    F. P. Bowden, D. Tabor, *The Friction and Lubrication of Solids*, Oxford, 1950; the coefficient is
+    `asperity.theory.static_friction`.
+    """
+    checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
+    law = shear_strength if isinstance(shear_strength, ShearStrength) else ShearStrength(shear_strength)  # type: ignore[arg-type]
+    units.check_units(vars(law), si=bool(dataset.attrs.get("si", 0)))
+    on_sites = "contact_area_corrected" not in dataset
+    area, load = dataset["area" if on_sites else "contact_area_corrected"], dataset["load"]
+    strength = law.at(velocity_of(dataset))
+    carried = np.maximum(load.values, np.finfo(float).tiny)
+    coefficient = static_friction(np.maximum(area.values, 0.0), carried, strength)
+    force = {
+        "long_name": "friction force, shear strength times real contact area",
+        "units": load.attrs["units"],
+    }
+    ratio = {"long_name": "friction coefficient, friction force over load", "units": "1"}
+    return dataset.assign(
+        friction_force=(load.dims, coefficient * carried, force),
+        friction=(load.dims, coefficient, ratio),
+    ).assign_attrs(
+        {
+            "shear_strength": law.strength,
+            "rate_coefficient": law.rate_coefficient,
+            **({"reference_velocity": law.reference_velocity} if law.reference_velocity else {}),
+        }
+    )
+
+
+def velocity_of(dataset: xr.Dataset) -> Field:
+    """Sliding velocity at each time; at rest that of the next slide, after the last one the last; else 0."""
+    load = dataset["load"]
+    if "velocity" not in dataset:
+        return np.zeros(load.shape)
+    velocity = np.array(np.broadcast_to(dataset["velocity"].values, load.shape))
+    rows = velocity.reshape(-1, load.sizes["time"])
+    for row in rows:
+        sliding = np.flatnonzero(row > 0)
+        if sliding.size:
+            index = np.minimum(np.searchsorted(sliding, np.arange(row.size)), sliding.size - 1)
+            row[:] = row[sliding[index]]
+    return rows.reshape(load.shape)

@@ -1,0 +1,181 @@
+"""Sliding: shifts of the rough surface under a body whose crept shape stays with the body."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.contact import ActiveSet, Multigrid
+from asperity.lattice import Lattice
+from tests.continua import pressed
+from tests.dense_reference import Dense
+from tests.history_reference import explicit_history
+from tests.surfaces import correlated, uncorrelated
+
+P = asp.protocols
+TIMES = (0.2, 0.4, 0.6, 0.8)
+BRANCHES = [(0.6, 1.0), (0.2, 30.0)]
+HALF_SPACE = asp.solids.half_space(modulus=2.0, branches=BRANCHES)
+
+
+def springs(R_viscous=0.0):
+    return asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0, R_viscous=R_viscous)
+
+
+@pytest.fixture(scope="module", params=["springs", "half-space", "line", "held"])
+def contact(request):
+    if request.param == "line":
+        return asp.press(correlated(8).ravel(), HALF_SPACE, load=4.0)
+    if request.param == "half-space":
+        return pressed(correlated(16)[:12], HALF_SPACE, load=8.0, spacing=(1.5, 0.5))
+    start = asp.press(correlated(16), springs(), load=80.0)
+    return start if request.param == "springs" else asp.press(start, separation=start.separation - 0.2)
+
+
+def test_a_contact_that_has_not_crept_moves_as_it_is(contact):
+    moved = contact
+    for _ in range(contact.heights.shape[-1]):
+        moved = asp.slide(moved, 1)
+        assert moved.area == contact.area
+    for name in ("heights", "u", "anchors", "force", "in_contact"):
+        assert (getattr(moved, name) == getattr(contact, name)).all()
+    assert moved.separation == contact.separation
+    assert moved.load == contact.load
+
+
+def test_without_a_shift_nothing_changes(contact):
+    assert asp.slide(contact, 0) is contact
+    assert asp.slide(contact, [0.0] * contact.heights.ndim) is contact
+    assert asp.slide(contact, contact.heights.shape[-1]) is contact
+
+
+def test_the_crept_shape_stays_and_a_period_brings_the_contact_back(contact):
+    old = asp.age(contact, [10.0]).final
+    moved = asp.slide(old, 3)
+    assert (moved.heights == np.roll(old.heights, 3, axis=-1)).all()
+    shape, before = (one.anchors - one.anchors.mean() for one in (moved, old))
+    np.testing.assert_allclose(shape, before, atol=1e-12)
+    assert moved.area < old.area  # contacts leave the places that have crept
+    back = asp.slide(moved, -3)
+    assert back.area == old.area
+    np.testing.assert_allclose(back.u, old.u, atol=1e-8)
+
+
+@cache
+def explicit_sliding(R_viscous, held):
+    """States at the ends of four legs; Euler's error is of first order, so two runs give second order."""
+
+    def moved_by(time):
+        slid = np.floor(time / 0.2 + 1e-9)
+        return (0, int(np.clip(slid, 0, 2))) if time < 0.8 - 1e-9 else (1, 1)
+
+    law = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": R_viscous}
+    load, separation = (None, lambda _: 1.0) if held else (lambda _: 6.0, None)
+    runs = [
+        explicit_history(uncorrelated(8), load, separation, TIMES, 1 / steps, **law, moved_by=moved_by)
+        for steps in (100, 200)
+    ]
+    return [(2 * u_fine - u, 2 * u0_fine - u0) for (u, u0), (u_fine, u0_fine) in zip(*runs, strict=True)]
+
+
+@pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])
+@pytest.mark.parametrize(("R_viscous", "held"), [(0.0, False), (0.5, True)])
+def test_sliding_follows_the_explicit_algorithm(R_viscous, held, solver):
+    load, separation = (None, 1.0) if held else (6.0, None)
+    contact = asp.press(uncorrelated(8), springs(R_viscous), load=load, separation=separation)
+    protocol = [
+        P.Hold(0.2),
+        P.Slide(2.0, velocity=5.0),
+        P.Hold(0.2),
+        P.Slide(math.sqrt(2), velocity=math.inf, direction=(1, -1)),
+    ]
+    history = asp.age(contact, TIMES, protocol=protocol, rtol=1e-4, fields_at=TIMES, solver=solver)
+    after = history.dataset.drop_duplicates("field_time", keep="last")
+    for index, (u, u0) in enumerate(explicit_sliding(R_viscous, held)):
+        np.testing.assert_allclose(after["u"].values[index], u, atol=2e-3 * contact.u.std())
+        np.testing.assert_allclose(after["u0"].values[index], u0, atol=2e-3 * contact.u.std())
+    assert after["field_shift_x"].values.tolist() == [1, 2, 2, 1]
+    assert after["field_shift_y"].values.tolist() == [0, 0, 0, 1]
+
+
+def test_a_half_space_slides_as_dense_matrices_say():
+    spacing, heights = (1.5, 0.5), correlated(6)[:4]
+
+    def part(share, time):
+        return lambda q, _: share * q, lambda q, _: 1 / (share * time * np.where(q > 0, q, np.inf))
+
+    dense = Dense(heights, lambda q, _: 0.2 * q, [part(*branch) for branch in BRANCHES], spacing)
+    anchors = np.zeros((2, heights.size))
+    contact = pressed(heights, HALF_SPACE, load=3.0, spacing=spacing)
+    protocol = [P.Hold(2.0), P.Slide(1.0, velocity=1.0), P.Slide(1.5, velocity=3.0, direction="-y")]
+    history = asp.age(contact, [2.0], protocol=protocol, rtol=1e-5)
+    dense.contact(anchors, load=3.0)
+    anchors = dense.creep(anchors, 2.0, load_at=lambda _: 3.0)
+    areas = []
+    for shift, lapse in [((0, 1), 0.5), ((0, 2), 0.5), ((-1, 2), 0.5)]:
+        dense.heights = np.roll(heights, shift, axis=(0, 1)).ravel()
+        dense.contact(anchors, load=3.0)
+        areas.append(dense.touching.sum())
+        anchors = dense.creep(anchors, lapse, load_at=lambda _: 3.0)
+        y, _, r = dense.contact(anchors, load=3.0)
+        areas.append(dense.touching.sum())
+    final = history.final
+    assert history.area.values[2:].tolist() == areas
+    np.testing.assert_allclose(final.u.ravel() - final.separation, y, atol=1e-4 * np.ptp(heights))
+    np.testing.assert_allclose(final.force.ravel(), r * dense.touching, atol=1e-3)
+    assert history["displacement"].values[-1] == 2.5
+    assert history["velocity"].values[-1] == 3.0
+
+
+def test_a_fraction_of_a_site_is_the_analytic_shift_of_each_wave():
+    lattice = Lattice((12, 18))
+    y, x = np.indices(lattice.shape)
+    for ky, kx in ((0, 1), (3, 2), (-2, 8), (5, 0), (5, 8)):
+
+        def wave(y, x, ky=ky, kx=kx):
+            return np.cos(2 * np.pi * (ky * y / 12 + kx * x / 18) + 0.3)
+
+        np.testing.assert_allclose(
+            lattice.shifted(wave(y, x), (0.25, -0.7)), wave(y - 0.25, x + 0.7), atol=1e-13
+        )
+        np.testing.assert_allclose(lattice.shifted(wave(y, x), (2.5, 1.0)), wave(y - 2.5, x - 1), atol=1e-13)
+    line = Lattice((9,))
+    field = np.random.default_rng(0).normal(size=9)
+    np.testing.assert_allclose(
+        line.shifted(line.shifted(field, (0.5,)), (0.5,)), np.roll(field, 1), atol=1e-14
+    )
+    # The shortest wave of an even length: sites hold its cosine alone, and half a site away it vanishes.
+    shortest = np.cos(np.pi * np.arange(8.0))
+    np.testing.assert_allclose(Lattice((8,)).shifted(shortest, (0.5,)), 0, atol=1e-15)
+
+
+def test_shifts_by_fractions_of_a_site_come_to_the_sites_exactly():
+    contact = asp.press(uncorrelated(16), springs(), load=40.0)
+    whole = asp.age(contact, [0.0], protocol=[P.Hold(1.0), P.Slide(3.0, velocity=math.inf)])
+    thirds = asp.age(contact, [0.0], protocol=[P.Hold(1.0), P.Slide(3.0, velocity=math.inf, substeps=3)])
+    assert (thirds.final.heights == whole.final.heights).all()
+    assert thirds["displacement"].values[2:] == pytest.approx(np.arange(1, 10) / 3)
+    assert thirds.area.values[-1] == whole.area.values[-1]
+    np.testing.assert_allclose(thirds.final.u, whole.final.u, atol=1e-8)
+
+
+def test_sliding_forgets_a_hold_over_the_correlation_length():
+    """Waves are at least 4 and at most 16 sites long: after 16 sites each height has met another."""
+    grown, left = [], []
+    for seed in range(4):
+        heights = asp.surfaces.spectral(
+            (48, 48), hurst=0.8, roll_off=16.0, cutoff=4.0, spacing=1.0, seed=seed
+        )
+        contact = asp.press(heights, springs(), load=0.1 * heights.size)
+        first, second = P.Slide(4.0, velocity=10.0, every=9), P.Slide(24.0, velocity=10.0)
+        held = asp.age(contact, [0.0], protocol=[first, P.Hold(1e3), second])
+        never = asp.age(contact, [0.0], protocol=[first, second])
+        areas = [h.area.values[h["leg"].values == h["leg"].values[-1]] for h in (held, never)]
+        excess = areas[0] / areas[1] - 1
+        grown.append(held.area.values[held["leg"].values == 1][-1] / never.area.values[2] - 1)
+        left.append(excess[-16:].mean())
+    assert min(grown) > 1.0
+    assert np.abs(left).max() < 0.1 * min(grown)  # on every surface, and on average nothing:
+    assert abs(np.mean(left)) < 3 * np.std(left, ddof=1) / 2
