@@ -174,7 +174,7 @@ class Lattice:
         """Length of a way of some sites along each axis."""
         return math.hypot(*(n * length for n, length in zip(sites, self.spacing, strict=True)))
 
-    def shifted(self, field: Field, shift: Sequence[Fraction] | Sequence[float]) -> Field:
+    def shifted(self, field: Field, shift: Sequence[Fraction | float]) -> Field:
         """A field that has moved by a number of sites along each axis, around the periodic edges.
 
         Whole sites are a permutation, exact to the bit. For the rest each Fourier mode turns by its phase:

@@ -110,7 +110,7 @@ def test_a_half_space_slides_as_dense_matrices_say():
     anchors = np.zeros((2, heights.size))
     contact = pressed(heights, HALF_SPACE, load=3.0, spacing=spacing)
     protocol = [P.Hold(2.0), P.Slide(1.0, velocity=1.0), P.Slide(1.5, velocity=3.0, direction="-y")]
-    history = asp.age(contact, [2.0], protocol=protocol, rtol=1e-5)
+    history = asp.age(contact, [2.0], protocol=protocol, rtol=3e-4)
     dense.contact(anchors, load=3.0)
     anchors = dense.creep(anchors, 2.0, load_at=lambda _: 3.0)
     areas = []
@@ -123,8 +123,8 @@ def test_a_half_space_slides_as_dense_matrices_say():
         areas.append(dense.touching.sum())
     final = history.final
     assert history.area.values[2:].tolist() == areas
-    np.testing.assert_allclose(final.u.ravel() - final.separation, y, atol=1e-4 * np.ptp(heights))
-    np.testing.assert_allclose(final.force.ravel(), r * dense.touching, atol=1e-3)
+    np.testing.assert_allclose(final.u.ravel() - final.separation, y, atol=1e-3 * np.ptp(heights))
+    np.testing.assert_allclose(final.force.ravel(), r * dense.touching, atol=2e-3)
     assert history["displacement"].values[-1] == 2.5
     assert history["velocity"].values[-1] == 3.0
 

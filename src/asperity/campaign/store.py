@@ -28,11 +28,18 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
-from asperity.results.quantities import FIELDS, FIELDS_OF_CONTINUA, OF_CONTINUA, SERIES
+from asperity.results.quantities import (
+    FIELDS,
+    FIELDS_OF_CONTINUA,
+    OF_CONTINUA,
+    OF_FRICTION,
+    OF_SLIDING,
+    SERIES,
+)
 from asperity.results.store import flush, flush_folder, whole_file
 from asperity.runs import Outcome
 
-QUANTITIES = ("time", *(SERIES | OF_CONTINUA), "leg")
+QUANTITIES = ("time", *(SERIES | OF_CONTINUA | OF_SLIDING | OF_FRICTION), "leg")
 FITTED = ("a", "q", "t0", "C")
 _ALWAYS = {"sites", "initial_area", "seconds"}
 """Scalars that every finished run has."""

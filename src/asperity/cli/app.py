@@ -71,7 +71,7 @@ def _paragraphs(text: str) -> str:
     return "\n".join(lines)
 
 
-@_command("surface", "preparation", "solid", "contact", "aging", "output")
+@_command("surface", "preparation", "solid", "contact", "aging", "friction", "output")
 def run(
     config: Path | None = None,
     /,
@@ -86,6 +86,7 @@ def run(
     solid: Flags | None = None,
     contact: Flags | None = None,
     aging: Flags | None = None,
+    friction: Flags | None = None,
     output: Flags | None = None,
 ) -> None:
     """Press an elastic solid onto a rough surface and let the contact age.
@@ -108,10 +109,11 @@ def run(
         Open the picture of the results when they are written.
     leg
         A leg of the history of the load or the separation, as often as there are legs: "hold 10",
-        "ramp 5 load=400", "step load=160", "hold 100 hold=area", "repeat 3" (the legs so far).
+        "ramp 5 load=400", "step load=160", "hold 100 hold=area", "slide distance=20 velocity=0.1",
+        "repeat 3" (the legs so far).
         [default: one hold]
     """
-    flags = given(surface, preparation, solid, contact, aging, output)
+    flags = given(surface, preparation, solid, contact, aging, friction, output)
     from asperity.config.legs import legs_from_words
     from asperity.config.reading import read_config
 

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from asperity.analysis import contact_maps
 from asperity.config.reading import to_toml
 from asperity.errors import InputError, OutputError
-from asperity.figures import aging_curve, contact_figure, history_figure
+from asperity.figures import aging_curve, contact_figure, history_figure, sliding_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
-from asperity.results.quantities import OF_CONTINUA
+from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_SLIDING
 from asperity.results.store import whole_file, whole_folder
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def _try_writing(flag: str, target: Path, folder: Path) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    stems = ("aging", "history", "contacts", "growth", "pressure", "relaxation", "observed")
+    stems = ("aging", "history", "contacts", "growth", "pressure", "relaxation", "observed", "sliding")
     return name in {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION} or Path(name).stem in stems
 
 
@@ -182,6 +182,8 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
         drawings["history"] = lambda: history_figure(outcome.dataset)
     elif summary.time.size:
         drawings["aging"] = lambda: aging_curve(outcome.dataset, summary)
+    if "displacement" in outcome.dataset:
+        drawings["sliding"] = lambda: sliding_figure(outcome.dataset)
     if maps := outcome.dataset.sizes.get("field_time", 0):
         shown = outcome.dataset
         if maps > _MOST_MAPS:
@@ -208,7 +210,8 @@ def _write_table(outcome: Outcome, path: Path) -> None:
     dataset = outcome.dataset
     dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
     continuum = [name for name in OF_CONTINUA if name in dataset and name not in _COLUMNS]
-    chosen = [*_COLUMNS, *continuum, *(["leg"] if "leg" in dataset.coords else [])]
+    sliding = [name for name in OF_SLIDING | OF_FRICTION if name in dataset]
+    chosen = [*_COLUMNS, *continuum, *sliding, *(["leg"] if "leg" in dataset.coords else [])]
     columns = [dataset[name].values.tolist() for name in chosen]
     si = bool(dataset.attrs["si"])
     names = [with_unit(name, dataset[name].attrs.get("units", "1")) if si else name for name in chosen]

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic.functional_validators import WrapValidator
 
-from asperity.config.models import KINDS, LEGS, Aging, Contact, Output
+from asperity.config.models import KINDS, LEGS, Aging, Contact, Friction, Output
 from asperity.config.sections import InUnit
 
 What = Literal[
@@ -96,6 +96,7 @@ def sections() -> dict[str, dict[str, Keys]]:
         "contact": {"": Contact},
         "aging": {"": Aging},
         "protocol": LEGS,
+        "friction": {"": Friction},
         "output": {"": Output},
     }
     return {

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from asperity.config.models import KINDS, LEGS, Aging, Contact, Output
+from asperity.config.models import KINDS, LEGS, Aging, Contact, Friction, Output
 from asperity.words import closest, has_decimal_comma, shortened
 
 Sections = dict[str, dict[str, object]]
@@ -20,6 +20,7 @@ Sections = dict[str, dict[str, object]]
 SECTIONS: dict[str, type[BaseModel]] = {
     "contact": Contact,
     "aging": Aging,
+    "friction": Friction,
     "output": Output,
 }
 ORDER = [*KINDS, *SECTIONS]

@@ -22,7 +22,9 @@ from asperity.config.sections import (
     Real,
     Section,
     Size,
+    Speed,
     Time,
+    Velocity,
     listed,
 )
 from asperity.config.solids import SOLIDS, AnySolid, SpringLattice
@@ -425,6 +427,24 @@ class StepLeg(Target):
     kind: Literal["step"] = "step"
 
 
+class SlideLeg(Section):
+    """The rough surface slides under the body; see `asperity.protocols.Slide`."""
+
+    kind: Literal["slide"] = "slide"
+    distance: Size = Field(description="How far it slides; on the lattice of springs, in sites.")
+    velocity: Speed = Field(description="How fast it slides; inf for at once.")
+    direction: Literal["x", "-x", "y", "-y"] = Field(
+        default="x", description="Where the rough surface goes: x along the rows."
+    )
+    substeps: Annotated[int, Field(ge=1, le=1000)] = Field(
+        default=1, description="Shifts from site to site; heights between sites are interpolated."
+    )
+    every: Annotated[int, Field(ge=1)] = Field(
+        default=1, description="Record before and after one in so many shifts."
+    )
+    mobility: Factor = Field(default=1.0, description=_MOBILITY)
+
+
 class RepeatLeg(Section):
     """Legs repeated; see `asperity.protocols.Repeat`."""
 
@@ -433,13 +453,37 @@ class RepeatLeg(Section):
     count: Annotated[int, Field(ge=1, le=100_000)] = Field(description="How often in all.")
 
 
-LEGS: dict[str, type[HoldLeg | RampLeg | StepLeg | RepeatLeg]] = {
+LEGS: dict[str, type[HoldLeg | RampLeg | StepLeg | SlideLeg | RepeatLeg]] = {
     "hold": HoldLeg,
     "ramp": RampLeg,
     "step": StepLeg,
+    "slide": SlideLeg,
     "repeat": RepeatLeg,
 }
-AnyLeg = Annotated[HoldLeg | RampLeg | StepLeg | RepeatLeg, Field(discriminator="kind")]
+AnyLeg = Annotated[HoldLeg | RampLeg | StepLeg | SlideLeg | RepeatLeg, Field(discriminator="kind")]
+
+
+class Friction(Section):
+    """What makes friction of the contact area; without a shear strength, nothing does."""
+
+    shear_strength: Pressure | None = Field(
+        default=None,
+        description="Shear strength of the contacts, an input; on the lattice of springs, force a site.",
+    )
+    rate_coefficient: Annotated[float, Field(ge=0, le=1)] = Field(
+        default=0.0, description="Relative growth of the shear strength for each factor e of velocity."
+    )
+    reference_velocity: Velocity | None = Field(
+        default=None, description="Velocity at which the shear strength is what it is."
+    )
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if self.shear_strength is None and self.model_fields_set:
+            raise ValueError(f"{min(self.model_fields_set)}: expected shear_strength beside it, got none")
+        if self.rate_coefficient and self.reference_velocity is None:
+            raise ValueError("rate_coefficient: expected reference_velocity beside it, got none")
+        return self
 
 
 class Output(Section):
@@ -484,6 +528,7 @@ class RunConfig(Section):
     contact: Contact = Contact()
     aging: Aging = Aging()
     protocol: list[AnyLeg] = Field(default=[])
+    friction: Friction = Friction()
     output: Output = Output()
 
     @model_validator(mode="after")

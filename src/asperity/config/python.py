@@ -62,6 +62,10 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     if not config.protocol:
         hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
         lines.append(f"limit = {_call('asp.relax', 'contact', **hold)}")
+    if config.friction.shear_strength is not None:
+        strength = {name: value for name, value in config.friction.model_dump().items() if value}
+        law = _call("asp.friction.ShearStrength", repr(strength.pop("shear_strength")), **strength)
+        lines.append(f"friction = {_call('asp.friction.add_friction', 'history.dataset', law)}")
     return "\n".join([*lines, "print(history)", ""])
 
 

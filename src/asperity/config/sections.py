@@ -63,6 +63,9 @@ Pressure = Annotated[float, Field(gt=0, le=LARGEST), _in("Pa")]
 Modulus = Annotated[float, Field(gt=0, le=1e30), _in("Pa")]
 Size = Annotated[float, Field(gt=0, le=LARGEST), _in("m")]
 Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("m")]
+Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
+Speed = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("m/s")]
+"""A velocity that may be infinite."""
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("N/m")]
 Branch = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], Duration], BeforeValidator(_paired)]
 """A share of the modulus, and a relaxation time."""

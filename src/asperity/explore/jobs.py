@@ -64,7 +64,7 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
         name = error.name.removeprefix("--").replace("-", "_")
         homes = [
             section
-            for section in ("contact", "surface", "solid", "aging", "output")
+            for section in ("contact", "surface", "solid", "aging", "friction", "output")
             if any(name in keys for keys in sections()[section].values())
         ]
         return [{"where": f"{homes[0]}.{name}" if homes else "", "text": brief(str(error))}]

@@ -15,6 +15,7 @@ from asperity.figures.history import history_figure
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
 from asperity.figures.relaxation import relaxation_figure
+from asperity.figures.sliding import sliding_figure
 from asperity.figures.surface import surface_figure
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "prediction_page",
     "prediction_pictures",
     "relaxation_figure",
+    "sliding_figure",
     "surface_figure",
 ]
 

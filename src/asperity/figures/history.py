@@ -1,8 +1,8 @@
 """A history of load or separation above the contact area, leg by leg.
 
 The area grows like the logarithm of the time since the last switch. So every leg that lasts has a column of
-its own, over the time since its beginning: logarithmic for a hold, linear for a ramp. Many legs, or such that
-were recorded within a decade of time, share one linear axis.
+its own, over the time since its beginning: logarithmic for a hold, linear for a ramp and for sliding. Many
+legs, or such that were recorded within a decade of time, share one linear axis.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from asperity.analysis.scan import readable
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field, Mask
-from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step
 
 _MOST_COLUMNS = 6
 """More legs that last share one axis."""
@@ -209,7 +209,7 @@ def _columns(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], fl
     for row in lasting:
         since = time[(numbers == row.number) & (time > row.begin)] - row.begin
         first = float(since[0]) if since.size > 1 else row.end - row.begin
-        is_ramp = isinstance(row.leg, Ramp)
+        is_ramp = isinstance(row.leg, Ramp | Slide)
         decades.append(_RAMP_DECADES if is_ramp else math.log10((row.end - row.begin) / first))
         firsts.append(None if is_ramp else min(first, (row.end - row.begin) / _WIDEST_LINEAR))
     recorded = [wide for wide, first in zip(decades, firsts, strict=True) if first is not None]
@@ -229,7 +229,7 @@ def _columns(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], fl
 def _entries(dataset: xr.Dataset, table: list[LegRow], columns: list[_Column]) -> _Entries:
     """Find the places of all entries."""
     time, numbers = dataset["time"].values.astype(np.float64), numbers_of(dataset)
-    steps = np.array([isinstance(row.leg, Step) for row in table])
+    steps = np.array([row.leg.duration == 0 for row in table])
     after = steps[numbers] & (np.arange(time.size) > 0)
     place, start = time.copy(), np.full(time.size, np.nan)
     for row in table if columns else []:
@@ -373,6 +373,9 @@ def _said(leg: Leg, say: _Say) -> str:
         return f"{leg.count} × ({_listed(leg.legs, say)})"
     if isinstance(leg, Step):
         return f"step to {_target(leg, say)}"
+    if isinstance(leg, Slide):
+        far = say("displacement", leg.distance)
+        return f"slide {far} at " + (say("velocity", leg.velocity) if leg.duration else "once")
     assert isinstance(leg, Hold | Ramp)
     what = f"ramp to {_target(leg, say)} in" if isinstance(leg, Ramp) else "hold for"
     if isinstance(leg, Hold) and leg.hold:
@@ -390,6 +393,8 @@ def _target(leg: Ramp | Step, say: _Say) -> str:
 
 def _jump(row: LegRow, say: _Say) -> str:
     """Say what changes at once, from what to what."""
+    if isinstance(row.leg, Slide):
+        return _said(row.leg, say)
     by_load = isinstance(row.leg, Step) and row.leg.separation is None
     name, (before, after) = ("load", row.load) if by_load else ("separation", row.separation)
     return f"{name} {_signed(before, name, say)}\u00a0→\u00a0{_signed(after, name, say)}"

@@ -21,6 +21,7 @@ import asperity.checks as checks
 import asperity.units as units
 from asperity.errors import LARGEST, InputError
 from asperity.lattice import Field
+from asperity.results.quantities import OF_FRICTION
 from asperity.theory import static_friction
 
 
@@ -136,11 +137,11 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     strength = law.at(velocity_of(dataset))
     carried = np.maximum(load.values, np.finfo(float).tiny)
     coefficient = static_friction(np.maximum(area.values, 0.0), carried, strength)
-    force = {
-        "long_name": "friction force, shear strength times real contact area",
-        "units": load.attrs["units"],
-    }
-    ratio = {"long_name": "friction coefficient, friction force over load", "units": "1"}
+    units_of = {"force": load.attrs["units"], "1": "1"}
+    force, ratio = (
+        {"long_name": long_name, "units": units_of[dimension]}
+        for long_name, dimension in OF_FRICTION.values()
+    )
     return dataset.assign(
         friction_force=(load.dims, coefficient * carried, force),
         friction=(load.dims, coefficient, ratio),

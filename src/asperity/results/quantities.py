@@ -41,6 +41,12 @@ OF_SLIDING: dict[str, tuple[str, str]] = {
 }
 """The same of those that histories with sliding have besides."""
 
+OF_FRICTION: dict[str, tuple[str, str]] = {
+    "friction_force": ("friction force, shear strength times real contact area", "force"),
+    "friction": ("friction coefficient, friction force over load", "1"),
+}
+"""The same of those that histories with a shear strength have besides."""
+
 FIELDS: dict[str, tuple[str, str]] = {
     "u": ("height of the elastic surface", "length"),
     "u0": ("creeping shape of the elastic surface", "length"),
@@ -114,6 +120,9 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "first": ("first time to record", "time"),
     "last": ("last time to record", "time"),
     "times": ("times to record", "time"),
+    "shear_strength": ("shear strength of the contacts", "pressure"),
+    "rate_coefficient": ("relative growth of the shear strength for each factor e of velocity", "1"),
+    "reference_velocity": ("velocity of that shear strength", "place / time"),
     "rtol": ("relative tolerance of the time steps", "1"),
     "seed": ("seed of the surface", "1"),
     "point": ("number of the point, from 0", "1"),
@@ -198,7 +207,8 @@ def fields_of(contact: Contact) -> dict[str, tuple[str, str]]:
 def units_named(named: Mapping[str, str]) -> Units:
     """Units of dimensions, from those of series."""
     known = {
-        name: dimension for name, (_, dimension) in (SERIES | OF_CONTINUA | OF_SLIDING | COORDINATES).items()
+        name: dimension
+        for name, (_, dimension) in (SERIES | OF_CONTINUA | OF_SLIDING | OF_FRICTION | COORDINATES).items()
     }
     found = {known[name]: unit for name, unit in named.items()}
     systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)

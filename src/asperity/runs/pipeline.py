@@ -23,9 +23,10 @@ from asperity.config.models import Contact as ContactSection
 from asperity.config.solids import Continuum
 from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
+from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
 from asperity.memory import require
-from asperity.protocols import Ramp, Schedule, legs_of
+from asperity.protocols import Hold, Ramp, Schedule, legs_of
 from asperity.results import Checkpoint, History
 from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load, modest_pressure
 from asperity.simulate import age, press, relax
@@ -153,7 +154,7 @@ def execute(
         if config.output.instrument:
             observe(contact, **config.output.instrument)  # refuses before hours have passed
         history = _age(contact, config, progress, checkpoint)
-        dataset = _observed(history.dataset, config)
+        dataset = _with_friction(_observed(history.dataset, config), config)
         if config.protocol:
             return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
         progress.stage("finding the relaxed state")
@@ -303,7 +304,7 @@ def recorded_times(config: RunConfig) -> Field:
     for leg, begun in zip(schedule.legs, schedule.switches, strict=False):
         if isinstance(leg, Ramp):
             times += (begun + leg.duration * np.arange(1, _IN_RAMP) / _IN_RAMP).tolist()
-        elif leg.duration > first:
+        elif isinstance(leg, Hold) and leg.duration > first:
             since = hold_times(first=first, last=leg.duration, per_decade=aging.per_decade)
             times += (begun + since[:-1]).tolist()
     return np.unique(times)
@@ -343,6 +344,12 @@ def _observed(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
     described = {"long_name": "contact area that the instrument sees", "units": unit}
     areas = [observe(one, **instrument).area for one in maps]
     return dataset.assign(area_observed=("field_time", areas, described))
+
+
+def _with_friction(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
+    """Add friction, where there is a shear strength."""
+    strength, rate, reference = config.friction.model_dump().values()
+    return dataset if strength is None else add_friction(dataset, ShearStrength(strength, rate, reference))
 
 
 def _with_limit(

@@ -6,8 +6,9 @@ const EVERYDAY = {
   solid: ["kind", "k0", "k1", "R", "modulus", "poisson", "thickness", "branches", "base_modulus", "base_poisson"],
   contact: ["load", "pressure", "separation"],
   aging: ["last", "per_decade"],
+  friction: ["shear_strength"],
 };
-const TITLES = { surface: "Rough surface", solid: "Solid", contact: "What presses", aging: "Times" };
+const TITLES = { surface: "Rough surface", solid: "Solid", contact: "What presses", aging: "Times", friction: "Friction" };
 const LEFT_OUT = { aging: ["times"] };
 
 const EXAMPLES = [
