@@ -6,7 +6,8 @@ import pytest
 import asperity as asp
 from asperity.aging import march
 from asperity.contact import ActiveSet
-from asperity.contact.multigrid.grids import Rows
+from asperity.contact.multigrid.loops import Sites
+from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import Guess
 from asperity.errors import ConvergenceError
@@ -56,7 +57,7 @@ def test_cycles_that_diverge_warn_nobody(seed, kind):  # a warning is an error h
 
 
 def test_a_singular_coarsest_grid_stops_the_cycles():
-    work = TwoFields((14, 28), Rows(1))
+    work = TwoFields(Sites(14, 28, False), Processor(1))
     work.bound.fill(-1.0)
     inverted, singular = 0, 0
     for spread in 10.0 ** np.arange(20.0, 30.0, 0.1):

@@ -1,16 +1,20 @@
 """Compiled loops: the same machine code whatever ran before, always a place to keep it, and no silence."""
 
 import ast
+import importlib
 import inspect
 import os
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+import asperity as asp
 from asperity.cli import main
-from asperity.contact import compiled, kernels
+from asperity.contact import compiled
+from asperity.contact.stencils import combine
 from asperity.errors import Remark
 from asperity.runs import loops
 
@@ -43,25 +47,58 @@ def run_python(code, **environment):
     )
 
 
+MODULES = ["asperity.contact.asperities", "asperity.contact.multigrid.loops", "asperity.contact.stencils"]
+TREES = {name: ast.parse(inspect.getsource(importlib.import_module(name))) for name in MODULES}
 COMPILED_SO = {
-    node.name: ast.unparse(node.decorator_list[0])
-    for node in ast.parse(inspect.getsource(kernels)).body
-    if isinstance(node, ast.FunctionDef)
+    module: {
+        node.name: ast.unparse(node.decorator_list[0])
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef) and node.decorator_list
+    }
+    for module, tree in TREES.items()
 }
-LOOPS = {name for name, way in COMPILED_SO.items() if way == "_compiled"}
+LOOPS = {name for ways in COMPILED_SO.values() for name, way in ways.items() if way == "compiled"}
 """Loops that Python calls."""
 
 
-def test_loops_that_others_call_are_inlined():
-    tree, compiled_so = ast.parse(inspect.getsource(kernels)), COMPILED_SO
+def test_no_other_module_has_loops():
+    source = Path(asp.__file__).parent
+    having = {
+        ".".join(["asperity", *path.relative_to(source).with_suffix("").parts])
+        for path in source.rglob("*.py")
+        if "\n@compiled\n" in path.read_text()
+    }
+    assert having == set(MODULES)
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_loops_that_others_call_are_inlined(module):
+    compiled_so, tree = COMPILED_SO[module], TREES[module]
+    bodies = [node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name in compiled_so]
+    loops_in = [node for node in bodies if compiled_so[node.name] in ("compiled", "inlined")]
     called = {
         node.func.id
-        for node in ast.walk(tree)
+        for body in loops_in
+        for node in ast.walk(body)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in compiled_so
     }
-    assert len(called) > 15
+    assert len(called) > (15 if module.endswith("loops") else -1)
     for name in called:
-        assert compiled_so[name] == "_inlined", name
+        assert compiled_so[name] == "inlined", name
+    imported = {
+        name.asname or name.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and str(node.module).startswith("asperity")
+        for name in node.names
+    }
+    inside = {
+        node.id
+        for body in loops_in
+        for line in body.body
+        for node in ast.walk(line)
+        if isinstance(node, ast.Name)
+    }
+    assert not imported & inside  # machine code that is kept would not notice a change elsewhere
 
 
 @pytest.mark.slow
@@ -82,11 +119,16 @@ def test_all_loops_are_compiled_beforehand():
         HISTORIES
         + """
 from asperity.runs import loops
-from asperity.contact import kernels
-loops.stamp_of = lambda loop: None
+from importlib import import_module
+loops.stamp_of = lambda *_: None
 loops.compile_loops(print, print)
+"""
+        + f"modules = [import_module(name) for name in {MODULES}]"
+        + """
 def known():
-    return {(n, s) for n, f in vars(kernels).items() if hasattr(f, "signatures") for s in f.signatures}
+    return {
+        (n, s) for m in modules for n, f in vars(m).items() if hasattr(f, "signatures") for s in f.signatures
+    }
 before = known()
 """
         + "".join(f"{case}\n" for case in CASES)
@@ -105,11 +147,12 @@ import sys
 from numba.core import caching
 caching.CacheImpl._locator_classes = [caching.UserProvidedCacheLocator]
 import numpy as np
-from asperity.contact import compiled, kernels
-print(kernels.wrap.stats.cache_path)
+from asperity.contact import compiled
+from asperity.contact.multigrid import loops
+print(loops.wrap.stats.cache_path)
 compiled.tell_of_place(print)
 line, row = np.arange(4.0), np.zeros((2, 3))
-kernels.part(line, row)
+loops.part(line, row)
 print(row.tolist())
 compiled.tell_of_place(print)
 """
@@ -125,7 +168,7 @@ def test_where_nothing_can_be_written_a_folder_for_temporary_files_serves(tmp_pa
         assert row == "[[0.0, 2.0, 0.0], [0.0, 1.0, 3.0]]"
         assert f"kept in {place}, as neither" in remark
         assert "NUMBA_CACHE_DIR sets another folder" in remark
-        assert list(place.glob("*/kernels.part*.nbc"))
+        assert list(place.glob("*/loops.part*.nbc"))
         assert place.stat().st_mode & 0o777 == 0o700
 
 
@@ -147,7 +190,7 @@ def test_a_folder_that_others_may_write_to_is_refused(tmp_path, kind):
 
 
 def test_a_run_says_that_it_compiles(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(loops, "stamp_of", lambda _: None)
+    monkeypatch.setattr(loops, "stamp_of", lambda *_: None)
     monkeypatch.chdir(tmp_path)
     assert main(["run", "--shape", "16", "16", "--times", "1", "--out", "first"]) == 0
     first, second = capsys.readouterr().err.splitlines()[:2]
@@ -158,7 +201,7 @@ def test_a_run_says_that_it_compiles(tmp_path, monkeypatch, capsys):
 def test_a_stamp_spares_the_second_run(tmp_path, monkeypatch):
     told: list[str] = []
     stamp = tmp_path / "stamp"
-    monkeypatch.setattr(loops, "stamp_of", lambda _: stamp)
+    monkeypatch.setattr(loops, "stamp_of", lambda *_: stamp)
     loops.compile_loops(told.append)
     loops.compile_loops(told.append)
     assert told == [compiled.COMPILING]
@@ -166,7 +209,7 @@ def test_a_stamp_spares_the_second_run(tmp_path, monkeypatch):
 
 
 def test_compiling_on_the_way_is_remarked_once():
-    watch, event = compiled._Watch(), SimpleNamespace(data={"dispatcher": kernels.wrap})
+    watch, event = compiled._Watch(), SimpleNamespace(data={"dispatcher": combine})
     with pytest.warns(Remark, match="compiling loops"):
         watch.on_start(event)
     watch.on_start(event)  # a second remark would be an error

@@ -4,42 +4,51 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.contact import ActiveSet, Load, Multigrid, Separation, kernels
-from asperity.contact.multigrid import grids
-from asperity.contact.multigrid.grids import Axis, Hierarchy, Rows, parted, parted_shape, usual_threads
+from asperity.contact import ActiveSet, Load, Multigrid, Separation
+from asperity.contact.multigrid import loops, processor
+from asperity.contact.multigrid.grids import Axis, Hierarchy
+from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.pins import Response
-from asperity.contact.problem import TOLERANCE, Guess
+from asperity.contact.multigrid.processor import Processor, usual_threads
+from asperity.contact.problem import TOLERANCE, Guess, SpringProblem, SpringStep
+from asperity.errors import ConvergenceError
 from tests.independent import assert_equilibrium, laplacian
 from tests.refusals import refuses
 from tests.surfaces import correlated, uncorrelated
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 7, 25, 200, 513])
-def test_coarser_axes_keep_their_length(n):
-    axis = Axis.fine(n)
+def test_coarser_axes_keep_their_length(n, mirrored):
+    axis = Axis.fine(n, mirrored=mirrored)
     while axis.size.size > 1:
         axis = axis.coarser()
         assert axis.size.sum() == pytest.approx(n)
-        if axis.size.size > 1:
+        if axis.size.size > 1 and not mirrored:
             assert (1 / axis.coupling).sum() == pytest.approx(n)
+        if mirrored:
+            assert axis.coupling[-1] == 0
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("shape", [(8, 8), (9, 14), (1, 6), (7, 1), (2, 3)])
-def test_restriction_is_the_transpose_of_interpolation(shape):
+def test_restriction_is_the_transpose_of_interpolation(shape, mirrored):
     rng = np.random.default_rng(0)
-    ny, nx = shape
-    my, mx = (ny + 1) // 2, (nx + 1) // 2
-    coarse, fine = (rng.normal(size=s).astype(np.float32) for s in ((my, mx), shape))
-    zero, down, up = np.float32(0), np.zeros((my, mx), np.float32), np.zeros(shape, np.float32)
-    line, out = np.zeros(parted_shape(1, nx)[1:], np.float32), np.zeros(parted_shape(my, mx), np.float32)
-    for i in range(ny):
-        kernels.interpolate_row(coarse, i, ny, nx, line)
-        kernels.join(line, up[i])
+    backend, sites = Processor(1), Sites(shape[0], shape[1], mirrored)
+    coarser = Sites((shape[0] + 1) // 2, (shape[1] + 1) // 2, mirrored)
+    coarse, fine = (rng.normal(size=s).astype(np.float32) for s in (coarser[:2], shape))
+    up, out = backend.zeros(sites), backend.zeros(coarser)
+    for i in range(shape[0]):
+        loops.interpolate_row(coarse, i, sites, up[i])
     # `coarser_pins` restricts a field of which nothing softens.
-    kernels.coarser_pins(parted(fine), nx, zero, zero, out)
-    kernels.join_rows(out, down, 0, my)
-    assert np.sum(up.astype(float) * fine) == pytest.approx(np.sum(coarse.astype(float) * down), abs=1e-5)
-    np.testing.assert_array_equal(up[::2, ::2], coarse)
+    backend.coarser_pins(backend.packed(fine), sites, 0.0, 0.0, out)
+    interpolated, restricted = backend.unpacked(up, sites), backend.unpacked(out, coarser)
+    assert np.sum(interpolated * fine) == pytest.approx(np.sum(coarse * restricted), abs=1e-5)
+    np.testing.assert_array_equal(interpolated[::2, ::2], coarse)
+    level = np.ones(coarser[:2], np.float32)
+    for i in range(shape[0]):
+        loops.interpolate_row(level, i, sites, up[i])
+    np.testing.assert_array_equal(backend.unpacked(up, sites), 1.0)
 
 
 def zone_mean(response, level, sigma, points=400):
@@ -77,9 +86,10 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     heights = np.full((128, 128), -1.0)
     heights.flat[rng.choice(heights.size, contacts, replace=False)] = 0.0
     response = Response(0.3)
-    hierarchy = Hierarchy(heights.shape, 1, Rows(1))
-    surface, gap = parted(np.zeros_like(heights)), parted(heights)
-    hierarchy.set_pins(surface, gap, 128, contacts / heights.size, response)
+    backend = Processor(1)
+    hierarchy = Hierarchy(Sites(128, 128, False), 1, backend)
+    surface, gap = backend.packed(np.zeros_like(heights)), backend.packed(heights)
+    hierarchy.set_pins(surface, gap, contacts / heights.size, response)
     total = float(hierarchy.grids[-1].pins.sum())
     assert total == pytest.approx(
         heights.size * response.coherent_potential(contacts / heights.size), rel=0.15
@@ -158,9 +168,61 @@ def test_an_implicit_step_agrees_with_the_fourier_solver(heights, k1, p, tau, R_
             np.testing.assert_allclose(stretch, other, atol=1e-6 * heights.std())
 
 
+@pytest.mark.parametrize("held", ["load", "separation"])
+@pytest.mark.parametrize("spread", [0.0, 0.3, 30.0])
+@pytest.mark.parametrize(("shape", "decades"), [((48, 40), 0.5), ((51, 37), 4.0)])
+def test_a_drag_by_site_is_solved(shape, decades, spread, held):
+    rng = np.random.default_rng(0)
+    heights = rng.normal(size=shape)
+    heights -= heights.max()
+    drag, anchors = 10.0 ** rng.uniform(-1, decades, shape), rng.normal(-1.0, 0.1, shape)
+    load = 0.05 * heights.size if held == "load" else None
+    step = SpringStep(1.0, 3.0, spread, drag, False, anchors, load)
+    solution = Multigrid().solve(SpringProblem(heights, step, never), None, 1e-9)
+    u, w, touching = solution.u, solution.stretch, solution.in_contact
+    assert w is not None
+    assert solution.iterations < 40
+    left = (1 + drag) * w - spread * laplacian(w) - (u - anchors)
+    force = 3.0 * w - laplacian(u)
+    if load is not None:
+        left -= left.mean()
+        assert force.sum() == pytest.approx(load, rel=1e-7)
+    scale = force[touching].mean()
+    assert np.abs(left).max() < 1e-6 * (drag.max() + 8 * spread) * np.abs(w).max()
+    assert 0.001 < touching.mean() < 0.9
+    np.testing.assert_array_equal(u == heights, touching)
+    assert np.abs(force[~touching]).max() < 1e-6 * scale
+    assert force[touching].min() > -1e-6 * scale
+
+
+def never():
+    """Modes of a problem that has none."""
+    raise AssertionError
+
+
+def test_a_drag_that_is_the_same_everywhere_is_a_number():
+    heights, anchors = uncorrelated(40), np.full((40, 40), -0.5)
+    numbers = (False, anchors, 30.0)
+    problems = [
+        SpringProblem(heights, SpringStep(1.0, 3.0, 2.0, drag, *numbers), never)
+        for drag in (5.0, np.full(heights.shape, 5.0))
+    ]
+    one, other = (Multigrid().solve(problem, None, 1e-9) for problem in problems)
+    np.testing.assert_array_equal(one.in_contact, other.in_contact)
+    np.testing.assert_allclose(one.u, other.u, atol=1e-8)
+    assert abs(one.iterations - other.iterations) <= 1
+
+
+def test_a_drag_by_site_that_is_not_solved_is_no_solution():
+    heights = uncorrelated(40)
+    step = SpringStep(1.0, 3.0, 0.0, np.ones_like(heights), False, heights - 1.0, 30.0)
+    with pytest.raises(ConvergenceError, match="drag differs by site"):
+        Multigrid(max_cycles=1).solve(SpringProblem(heights, step, never), None, 1e-9)
+
+
 @pytest.mark.parametrize("shape", [(300, 250), (301, 249)])
 def test_results_do_not_depend_on_the_number_of_threads(monkeypatch, shape):
-    monkeypatch.setattr(grids, "_WORTH_SHARING", 2**10)
+    monkeypatch.setattr(processor, "_WORTH_SHARING", 2**10)
     heights = np.random.default_rng(0).normal(size=shape)
     solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
     one, three = (

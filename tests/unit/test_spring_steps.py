@@ -6,9 +6,11 @@ import pytest
 import asperity as asp
 from asperity.aging.spring_steps import SpringSteps, extrapolation
 from asperity.aging.tr_bdf2 import FieldSteps
-from asperity.contact import ActiveSet, Multigrid, Separation, kernels
+from asperity.contact import ActiveSet, Multigrid, Separation
 from asperity.contact.mechanics import SpringMechanics, mechanics_of
-from asperity.contact.multigrid.grids import join_all, parted
+from asperity.contact.multigrid import loops
+from asperity.contact.multigrid.loops import Sites
+from asperity.contact.multigrid.processor import Processor
 from asperity.contact.problem import TOLERANCE, residual
 from asperity.contact.stencils import damped_power
 from asperity.lattice import Lattice
@@ -18,29 +20,31 @@ from tests.surfaces import correlated, uncorrelated
 SHAPES = [(16, 24), (17, 9), (8, 31), (25, 16)]
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-def test_rows_come_back_in_order(shape):
-    field = np.random.default_rng(0).normal(size=shape).astype(np.float32)
-    rows = parted(field)
-    np.testing.assert_array_equal(join_all(rows, shape), field)
+def packed(field, mirrored=False):
+    """A field as multigrid has it, with images."""
+    rows = Processor(1).packed(field)
     for row in rows:
-        kernels.wrap(row, shape[1])
-    np.testing.assert_array_equal(rows[:, 0, 0], field[:, 0])
-    np.testing.assert_array_equal(rows[:, 1, 0], field[:, -1])  # the column before the first
+        loops.wrap(row, Sites(len(field), len(field[0]), mirrored))
+    return rows
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_rows_come_back_in_order(shape, mirrored):
+    field = np.random.default_rng(0).normal(size=shape).astype(np.float32)
+    rows = packed(field, mirrored)
+    np.testing.assert_array_equal(Processor(1).unpacked(rows, Sites(shape[0], shape[1], mirrored)), field)
+    first, end = (0, -1) if mirrored else (-1, 0)
+    np.testing.assert_array_equal(rows[:, 1, 0], field[:, first])  # the column before the first
     last = (shape[1] - 1) % 2
-    np.testing.assert_array_equal(rows[:, 1 - last, -1], field[:, 0])  # and the one after the last
+    np.testing.assert_array_equal(rows[:, 1 - last, -1], field[:, end])  # and the one after the last
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_products_along_bonds_are_those_of_the_laplacian(shape):
     x, y = np.random.default_rng(0).normal(size=(2, *shape)).astype(np.float32)
-    a, b = parted(x), parted(y)
-    for row in (*a, *b):
-        kernels.wrap(row, shape[1])
-    ny = shape[0]
-    found = sum(
-        kernels.along_bonds(a[i], a[(i + 1) % ny], b[i], b[(i + 1) % ny], shape[1]) for i in range(ny)
-    )
+    a, b, ny = packed(x), packed(y), shape[0]
+    found = sum(loops.along_bonds(a[i], a[(i + 1) % ny], b[i], b[(i + 1) % ny], shape[1]) for i in range(ny))
     assert found == pytest.approx(-np.sum(x * laplacian(y.astype(float))), rel=1e-4, abs=1e-3)
 
 
@@ -106,7 +110,7 @@ def test_a_step_agrees_with_one_of_whole_fields(heights, k1, p, R_viscous, held)
             steps.accept(exact.time + duration if steps is quick else quick.time)
         for here, there in zip(quick.state()[:2], exact.state()[:2], strict=True):
             np.testing.assert_allclose(here, there, atol=5e-5 * scale)  # changes are single precision
-        np.testing.assert_array_equal(quick.u <= system.heights, exact.point.u <= system.heights)
+        np.testing.assert_array_equal(quick.stages.u <= system.heights, exact.point.u <= system.heights)
         extents = [steps.extent() for steps in (quick, exact)]
         for name in ("spread", "stretch", "largest"):
             assert getattr(extents[0], name) == pytest.approx(getattr(extents[1], name), rel=1e-4)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.contact import kernels
+from asperity.contact.compiled import compiled
 from asperity.lattice import Field
 
 
@@ -26,10 +26,23 @@ def level_of_overlap(heights: Field, overlap: float) -> float:
     sums = np.empty((len(rows), 2))
     level = -overlap  # the highest site alone would overlap enough
     while overlap > 0:
-        kernels.overlap(rows, level, sums, 0, len(rows))
+        overlap_by_rows(rows, level, sums)
         total, count = sums.sum(axis=0).tolist()
         rise = (total - overlap) / count if count else 0.0
         if not rise > -1e-9 * level:
             return level
         level += rise
     return 0.0
+
+
+@compiled
+def overlap_by_rows(heights: Field, level: float, out: Field) -> None:
+    """Sum of what rises above a level, and the number of sites that do, by rows."""
+    for i in range(heights.shape[0]):
+        row = heights[i]
+        total = count = 0.0
+        for j in range(row.shape[0]):
+            rise = row[j] - level
+            total += rise if rise > 0.0 else 0.0
+            count += 1.0 if rise > 0.0 else 0.0
+        out[i, 0], out[i, 1] = total, count

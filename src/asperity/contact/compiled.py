@@ -16,7 +16,7 @@ import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numba
 from numba import njit
@@ -28,13 +28,23 @@ COMPILING = "compiling loops (once on this machine, about half a minute)"
 
 _remarks: list[str] = []
 
+F = TypeVar("F", bound=Callable[..., Any])
 
-def compiler(**options: Any) -> Callable[[Any], Any]:
+_OPTIONS = {
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"contract", "reassoc", "nsz", "arcp", "nnan"},
+}
+
+
+def _compiler(**options: Any) -> Callable[[F], F]:
     """A decorator that compiles a loop when it is first called, and keeps the machine code on disk."""
 
-    def compiled(function: Any) -> Any:
+    def compiled(function: F) -> F:
+        loop: F
         try:
-            return njit(cache=True, **options)(function)
+            loop = njit(cache=True, **options)(function)
+            return loop
         except RuntimeError:  # numba finds no folder for it
             place = _private_folder()
         settings: Any = config
@@ -54,6 +64,24 @@ def compiler(**options: Any) -> Callable[[Any], Any]:
     return compiled
 
 
+def compiled(function: F) -> F:
+    """Compile a loop that Python calls.
+
+    Parameters are arguments, never globals, and a loop calls only what its own module holds: machine code is
+    kept on disk, and a change of what it took from elsewhere would not be noticed.
+    """
+    return _compiler(**_OPTIONS)(function)
+
+
+def inlined(function: F) -> F:
+    """Compile what other loops call.
+
+    Without inlining each of them would hold a version of it, alike but for the order of its sums, and
+    whichever was loaded first would serve all: last digits would depend on what ran before.
+    """
+    return _compiler(forceinline=True, **_OPTIONS)(function)
+
+
 def warn(text: str) -> None:
     """Issue a remark."""
     warnings.warn(text, Remark, stacklevel=2)
@@ -65,12 +93,15 @@ def tell_of_place(tell: Callable[[str], None]) -> None:
         tell(_remarks.pop())
 
 
-def stamp_of(loop: Any) -> Path | None:
-    """Name the file that says that all loops are compiled; None where machine code is not kept."""
-    folder = loop.stats.cache_path
+def stamp_of(*loops: Any) -> Path | None:
+    """Name the file that says that all loops are compiled; None where machine code is not kept.
+
+    One loop of each module is given.
+    """
+    folder = loops[0].stats.cache_path
     if folder is None:
         return None
-    source = Path(inspect.getfile(loop.py_func)).read_bytes()
+    source = b"".join(Path(inspect.getfile(loop.py_func)).read_bytes() for loop in loops)
     machine = registry.cpu_target.target_context.codegen().magic_tuple()
     versions = (platform.python_version(), numba.__version__)
     mark = hashlib.sha256(source + repr((machine, versions)).encode()).hexdigest()[:16]

@@ -355,27 +355,32 @@ class SpringMechanics(Mechanics):
     def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
         """See `Mechanics`."""
         del held
-        return lattice_force(u, stretch[0], self.springs.k0, self.springs.k1)
+        springs = self.springs
+        return lattice_force(u, stretch[0], springs.k0, springs.k1, mirrored=self.lattice.reflecting)
 
     def creep_rate(self, stretch: Field) -> Field:
         """Rates d u_b / dt = M_b C_b w_b."""
         k1, R, R_viscous = self.springs.k1, self.springs.R, self.springs.R_viscous
-        return lattice_force(stretch[0], stretch[0], k1 * R, k1 * R_viscous)[np.newaxis]
+        w, mirrored = stretch[0], self.lattice.reflecting
+        return lattice_force(w, w, k1 * R, k1 * R_viscous, mirrored=mirrored)[np.newaxis]
 
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """See `Mechanics`."""
         del held
         bulk = float(np.einsum("ij,ij->", stretch[0], stretch[0]))
-        return (self.springs.k0 * bond_energy(u) + self.springs.k1 * bulk) / 2
+        bonds = bond_energy(u, mirrored=self.lattice.reflecting)
+        return (self.springs.k0 * bonds + self.springs.k1 * bulk) / 2
 
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
         """Off contact w = -k0 L u / k1; in contact w is kept where the force is no tension, and scaled."""
-        w = balanced(u, stretch[0], heights, self.springs.k0, self.springs.k1, total)
+        k0, k1, mirrored = self.springs.k0, self.springs.k1, self.lattice.reflecting
+        w = balanced(u, stretch[0], heights, k0, k1, total, mirrored=mirrored)
         return np.asarray(w)[np.newaxis]
 
     def damped_power(self, modes: Modes, tau: float, touching: float) -> float:
         """See `asperity.contact.stencils.damped_power`."""
-        return damped_power(modes, self.lattice.shape, self.springs, tau, touching)
+        lattice = self.lattice
+        return damped_power(modes, lattice.shape, self.springs, tau, touching, mirrored=lattice.reflecting)
 
 
 @final
@@ -398,7 +403,8 @@ class NeighborStep(ImplicitStep):
         rate = self.tau * springs.k1 if springs.creep and not relaxed else 0.0
         spread, drag = rate * springs.R, rate * springs.R_viscous
         level = anchors[0] if isinstance(anchors, np.ndarray) else anchors
-        step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, level, held.load)
+        mirrored = self.mechanics.lattice.reflecting
+        step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, level, held.load, mirrored)
         return SpringProblem(heights, step, lambda: self.spectral.problem(heights, anchors, held))
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
@@ -413,7 +419,6 @@ class NeighborStep(ImplicitStep):
 def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:
     """Mechanics of a solid on a lattice: in terms of neighbors where there is such a form."""
     spectral, springs = SpectralMechanics(solid, lattice), solid.springs
-    plane = lattice.dimension == 2 and not lattice.reflecting
-    if springs is None or not plane or not (springs.k0 > 0 and springs.k1 > 0):
+    if springs is None or lattice.dimension != 2 or not (springs.k0 > 0 and springs.k1 > 0):
         return spectral
     return SpringMechanics(springs, spectral)

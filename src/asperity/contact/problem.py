@@ -69,22 +69,26 @@ class SpringStep:
     k0, k1
         Stiffness of the springs between neighbors and to the bulk, both > 0.
     spread, drag
-        tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite.
+        tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite. The drag may be a field by
+        site, which only multigrid solves.
     relaxed
         Whether the duration tau is infinite.
     anchors
         v, a field or the level of a flat one, measured like the heights of the problem.
     load
         The normal load, or None under separation control.
+    mirrored
+        Whether the edges of the lattice are mirrors, not periodic.
     """
 
     k0: float
     k1: float
     spread: float
-    drag: float
+    drag: Field | float
     relaxed: bool
     anchors: Field | float
     load: float | None
+    mirrored: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,9 @@ from contextlib import suppress
 
 import numpy as np
 
-from asperity.contact import kernels
+from asperity.contact import asperities, stencils
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
+from asperity.contact.multigrid import loops
 from asperity.simulate import age, press, relax
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import self_affine
@@ -24,7 +25,7 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     remark
         Told where the machine code is kept, if that is an unusual place. By default a `Remark`.
     """
-    stamp = stamp_of(kernels.wrap)
+    stamp = stamp_of(loops.wrap, stencils.combine, asperities.overlap_by_rows)
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
         return

@@ -3,23 +3,15 @@
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.contact import kernels
+from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Pair, Single, Sites
 from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.processor import Processor
 from asperity.lattice import Field
-
-Single = NDArray[np.float32]
-Kernel = Callable[..., Any]
 
 _COARSEST = 16
 """Most sites of the grid on which the problem is solved directly."""
@@ -27,92 +19,82 @@ _COARSEST = 16
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One axis of a grid: couplings between a site and the next (inverse distances), and cell sizes."""
+    """One axis of a grid: couplings between a site and the next (inverse distances), and cell sizes.
+
+    Where the edges are mirrors, the last coupling is 0.
+    """
 
     coupling: Field
     size: Field
+    mirrored: bool = False
 
     @classmethod
-    def fine(cls, n: int) -> Axis:
+    def fine(cls, n: int, *, mirrored: bool = False) -> Axis:
         """Sites one apart."""
-        return cls(np.ones(n) if n > 1 else np.zeros(1), np.ones(n))
+        coupling = np.ones(n) if n > 1 else np.zeros(1)
+        coupling[-1] *= not mirrored
+        return cls(coupling, np.ones(n), mirrored)
 
     def coarser(self) -> Axis:
         """Every other site; where n is odd, the last and the first are one old distance apart."""
         n = self.size.size
         if n == 1:
             return self
-        distance = 1.0 / self.coupling
+        distance = np.divide(1.0, self.coupling, out=np.full(n, np.inf), where=self.coupling > 0)
         apart = distance[::2].copy()
         apart[: n // 2] += distance[1::2]
         size, half = self.size[::2].copy(), self.size[1::2] / 2
         size[: half.size] += half
         if n % 2:
             size[1:] += half
-        else:
+        else:  # the last site lies between two coarse ones, or between one and its image
             size += np.roll(half, 1)
-        return Axis(1.0 / apart if apart.size > 1 else np.zeros(1), size)
-
-
-def parted_shape(ny: int, nx: int) -> tuple[int, int, int]:
-    """Shape of a field whose rows are parted; see `asperity.contact.kernels`."""
-    return ny, 2, (nx + 1) // 2 + 1
-
-
-def parted(field: NDArray[np.floating]) -> Single:
-    """A field or one row, in single precision, its rows parted; no images, and 0 where there is no site."""
-    lines = np.atleast_2d(field)
-    out = np.zeros(parted_shape(*lines.shape), np.float32)
-    for row, line in zip(out, lines, strict=True):
-        kernels.part(line, row)
-    return out.reshape(*field.shape[:-1], *out.shape[1:])
-
-
-def join_all(field: Single, shape: tuple[int, ...]) -> Field:
-    """A parted field, its rows in order, in double precision."""
-    out = np.empty(shape)
-    kernels.join_rows(field, out, 0, len(out))
-    return out
+            if self.mirrored:
+                size[0] -= half[-1]
+                size[-1] += half[-1]
+        return Axis(1.0 / apart if apart.size > 1 else np.zeros(1), size, self.mirrored)
 
 
 class Grid:
-    """One coarse grid and the work arrays on it: single precision, rows parted."""
+    """One coarse grid and the work arrays on it."""
 
-    def __init__(self, y: Axis, x: Axis, fields: int) -> None:
-        self.shape = (y.size.size, x.size.size)
-        self.gx, self.mx = parted(x.coupling), parted(x.size)
-        kernels.wrap(self.gx, x.size.size)
-        self.gy, self.my = y.coupling.astype(np.float32), y.size.astype(np.float32)
-        self.axes = (y, x)
-        parts = parted_shape(*self.shape)
-        self.pins = np.zeros(parts, np.float32)
-        self.corrections = [np.zeros(parts, np.float32) for _ in range(fields)]
-        self.sources = [np.zeros(parts, np.float32) for _ in range(fields)]
-        self.joined = [np.zeros(self.shape, np.float32) for _ in range(fields)]
-        """The corrections, rows in order, for the next finer grid."""
-
-    @property
-    def geometry(self) -> tuple[Single, Single, Single, Single, int]:
-        """Couplings, cell sizes and number of columns, as the kernels take them."""
-        return self.gx, self.gy, self.mx, self.my, self.shape[1]
-
-    @cached_property
-    def cells(self) -> Field:
+    def __init__(self, y: Axis, x: Axis, fields: int, backend: Processor) -> None:
+        self.backend, self.axes = backend, (y, x)
+        self.sites = sites = Sites(y.size.size, x.size.size, y.mirrored)
+        gx = backend.along_rows(x.coupling, images=True)
+        mx = backend.along_rows(x.size, images=False)
+        gy, my = y.coupling.astype(np.float32), y.size.astype(np.float32)
+        self.pins = backend.zeros(sites)
+        self.mesh = (self.pins, gx, gy, mx, my, sites)
+        """Pins, couplings and cell sizes, as the equations take them."""
+        self.correction, self.source = ([backend.zeros(sites) for _ in range(fields)] for _ in range(2))
+        self.joined = [backend.joined(sites) for _ in range(fields)]
+        """The corrections, for the next finer grid."""
+        self.areas = np.outer(y.size, x.size)
         """Sizes of the cells."""
-        y, x = self.axes
-        return np.outer(y.size, x.size).ravel()
 
-    def total(self, field: Single) -> float:
-        """Sum of a field over the sites that the cells stand for."""
-        return float(kernels.weighted_total(field, self.mx, self.my))
+    def one(self, bed: float) -> CoarseOne:
+        """The equation of one field."""
+        (e,), (b,) = self.correction, self.source
+        return CoarseOne(e, b, np.float32(bed), *self.mesh)
+
+    def two(self, bed: float, spread: float, lag: NDArray[np.float32] | np.float32) -> CoarseTwo:
+        """The equations of two fields."""
+        (e, f), (b, c) = self.correction, self.source
+        return CoarseTwo(e, f, b, c, np.float32(bed), np.float32(spread), lag, *self.mesh)
 
     def in_order(self, field: Single) -> Field:
         """A field as a vector; for the coarsest grid."""
-        return join_all(field, self.shape).ravel()
+        return self.backend.unpacked(field, self.sites).ravel()
+
+    def hand_over(self, found: Field) -> None:
+        """Set the corrections, one after the other in a vector; for the coarsest grid."""
+        for joined, values in zip(self.joined, np.split(found, len(self.joined)), strict=True):
+            joined[...] = values.reshape(joined.shape)
 
     def laplacian(self) -> Field:
         """Minus the Laplacian as a matrix; for the coarsest grid."""
-        ny, nx = self.shape
+        ny, nx, _ = self.sites
         y, x = self.axes
         matrix = np.zeros((ny * nx, ny * nx))
         for i in range(ny):
@@ -129,89 +111,23 @@ class Grid:
         return matrix
 
 
-class Rows:
-    """Runs kernels on slabs of rows, in threads where that pays."""
-
-    def __init__(self, threads: int) -> None:
-        self.threads = threads
-        self.pool = ThreadPoolExecutor(threads) if threads > 1 else None
-
-    def __call__(self, kernel: Kernel, rows: int, width: int, *arguments: Any) -> None:
-        """Call ``kernel(*arguments, low, high)`` for slabs that together are all rows."""
-        self._run(kernel, [(*arguments, low, high) for low, high in pairwise(self._edges(rows, width))])
-
-    def _edges(self, rows: int, width: int) -> list[int]:
-        shared = self.pool is not None and rows * width >= _WORTH_SHARING
-        slabs = min(self.threads, rows // _LOWEST_SLAB) if shared else 1
-        return [rows * slab // slabs for slab in range(slabs + 1)]
-
-    def _run(self, kernel: Kernel, calls: list[tuple[Any, ...]]) -> None:
-        if self.pool is None or len(calls) == 1:
-            for call in calls:
-                kernel(*call)
-            return
-        for future in [self.pool.submit(kernel, *call) for call in calls]:
-            future.result()
-
-    def and_edges(
-        self,
-        kernel: Kernel,
-        close: Kernel,
-        shape: tuple[int, ...],
-        *arguments: Any,
-        before: tuple[Any, ...] = (),
-        after: tuple[Any, ...] = (),
-        closing: tuple[Any, ...] = (),
-    ) -> list[int]:
-        """A kernel on slabs, then what it left undone on both sides of their edges; returns the edges.
-
-        The arguments are common to both; the kernel takes others before and after them, and
-        what closes the edges after them.
-        """
-        edges = self._edges(*shape)
-        self._run(kernel, [(*before, *arguments, *after, low, high) for low, high in pairwise(edges)])
-        self._run(close, [(*arguments, *closing, edge) for edge in edges[:-1]])
-        return edges
-
-    def by_color(self, kernel: Kernel, shape: tuple[int, ...], *arguments: Any, first: int) -> None:
-        """One sweep: the sites of one color, then those of the other."""
-        rows, width = shape
-        if len(self._edges(rows, width)) == 2:
-            kernel(*arguments, first, 2, 0, rows)
-            return
-        for color in (first, 1 - first):
-            # Where the last row has the color of the first, its neighbor, it waits.
-            self(kernel, rows - rows % 2, width, *arguments, color, 1)
-            if rows % 2:
-                kernel(*arguments, color, 1, rows - 1, rows)
-
-
-_LOWEST_SLAB = 16
-"""Minimum rows of a thread; must exceed twice the number of half sweeps."""
-
-_WORTH_SHARING = 2**19
-"""Number of sites from which a second thread saves time."""
-
-
-def usual_threads() -> int:
-    """Number of threads: what ``OMP_NUM_THREADS`` says, as for other numerical libraries, or all cores."""
-    wanted = os.environ.get("OMP_NUM_THREADS", "")
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, int(wanted)) if wanted.isdigit() else cores
-
-
 class Hierarchy:
     """The grids above a lattice, from the first coarse one to the coarsest."""
 
-    def __init__(self, shape: tuple[int, ...], fields: int, rows: Rows) -> None:
-        self.rows = rows
-        y, x = (Axis.fine(n) for n in shape)
+    def __init__(self, sites: Sites, fields: int, backend: Processor) -> None:
+        self.sites, self.backend = sites, backend
+        y, x = (Axis.fine(n, mirrored=sites.mirrored) for n in sites[:2])
         self.grids: list[Grid] = []
-        while not self.grids or np.prod(self.grids[-1].shape) > _COARSEST:
+        while not self.grids or self.grids[-1].areas.size > _COARSEST:
             y, x = y.coarser(), x.coarser()
-            self.grids.append(Grid(y, x, fields))
+            self.grids.append(Grid(y, x, fields, backend))
 
-    def set_pins(self, e: Single, bound: Single, columns: int, fraction: float, response: Response) -> None:
+    @property
+    def joined(self) -> Pair:
+        """The corrections of two fields that the first coarse grid hands over."""
+        return Pair(*self.grids[0].joined)
+
+    def set_pins(self, e: Single, bound: Single, fraction: float, response: Response) -> None:
         """Set pins on all coarse grids; ``fraction`` is that of the sites in contact."""
         if fraction == 0:
             for grid in self.grids:
@@ -219,9 +135,28 @@ class Hierarchy:
             return
         sigma = response.coherent_potential(fraction)
         first = self.grids[0]
-        strength = np.float32(1.0 / response.softening(0, sigma))
-        self.rows(kernels.pins_of_contacts, *first.shape, e, bound, columns, strength, first.pins)
+        strength = 1.0 / response.softening(0, sigma)
+        self.backend.pin(e, bound, self.sites, strength, first.pins, first.sites)
         for level, (fine, coarse) in enumerate(zip(self.grids[:-1], self.grids[1:], strict=True), start=1):
-            mean = float(fine.pins.sum(dtype=float)) / math.prod(fine.shape)
-            softening = np.float32(response.softening(level, mean))
-            kernels.coarser_pins(fine.pins, fine.shape[1], softening, np.float32(mean), coarse.pins)
+            mean = float(fine.pins.sum(dtype=float)) / math.prod(fine.sites[:2])
+            softening = response.softening(level, mean)
+            self.backend.coarser_pins(fine.pins, fine.sites, softening, mean, coarse.pins)
+
+    def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
+        """A lag by site, on the coarse grids: the mean response of the sites of a cell.
+
+        A site that differs from its neighbors relaxes as 1 / (lag + 4 spread / mass): the mean is harmonic
+        where spread is small, arithmetic where it is large.
+        """
+        lags: list[Single] = []
+        sites, areas = self.sites, np.ones(self.sites[:2])
+        for grid in self.grids:
+            beside = np.float32(4.0 * spread * areas.size / math.prod(self.sites[:2]))
+            response, found = self.backend.zeros(grid.sites), self.backend.zeros(grid.sites)
+            weights = self.backend.packed(areas)
+            self.backend.coarser_pins(weights / (lag + beside), sites, 0.0, 0.0, response)
+            cells = self.backend.packed(grid.areas)
+            lag = np.divide(cells, response, out=found, where=cells > 0) - beside
+            lags.append(lag)
+            sites, areas = grid.sites, grid.areas
+        return lags

@@ -27,10 +27,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.contact import kernels
 from asperity.contact.arrays import largest
-from asperity.contact.multigrid.grids import Hierarchy, Rows, parted_shape
+from asperity.contact.multigrid.grids import Hierarchy
+from asperity.contact.multigrid.loops import One, Sites
 from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.processor import Extremes, Processor
 from asperity.contact.problem import SpringStep
 from asperity.lattice import Field
 
@@ -71,13 +72,10 @@ class UniformForce:
 class OneField:
     """Work space for one lattice."""
 
-    def __init__(self, shape: tuple[int, ...], rows: Rows) -> None:
-        self.rows, self.shape = rows, shape
-        self.hierarchy = Hierarchy(shape, 1, rows)
-        parts = parted_shape(*shape)
-        self.bound = np.full(parts, -np.inf, np.float32)
-        self.source, self.correction, self.previous = (np.zeros(parts, np.float32) for _ in range(3))
-        self.sums = np.zeros((shape[0], 7))
+    def __init__(self, sites: Sites, backend: Processor) -> None:
+        self.sites, self.backend = sites, backend
+        self.hierarchy = Hierarchy(sites, 1, backend)
+        self.bound, self.source, self.correction, self.previous = (backend.zeros(sites) for _ in range(4))
 
     def solve(
         self, springs: SpringStep, heights: Field, u: Field, tolerance: float, max_cycles: int
@@ -88,155 +86,82 @@ class OneField:
         self.bed, self.coupling = self.law.bed / springs.k0, self.law.coupling / (springs.k0 * u.size)
         self.unit = largest(u, np) or 1.0
         self.previous.fill(0.0)
-        uniform, pinned = self.measure(), -1.0
-        self.has_converged(tolerance)
+        first, backend, pinned = self.hierarchy.grids[0], self.backend, -1.0
+        uniform, _ = self.measure(tolerance)
         for cycle in range(1, max_cycles + 1):
-            self.sweep()
-            contacts = self.restrict()
-            if contacts == 0 and springs.load is not None:
-                deepest = int(np.argmax(self.bound - self.correction))  # something must carry the load
-                self.correction.flat[deepest] = self.bound.flat[deepest]
+            backend.sweep_1(self.equation(), 4)
+            found = backend.restrict_1(self.equation(), first.source[0], first.sites)
+            if found.contacts == 0 and springs.load is not None:
+                backend.touch(self.correction, self.bound)  # something must carry the load
                 continue
-            if self.is_done():
-                self.settle()
-                uniform = self.measure()
-                if self.has_converged(tolerance):
+            if self.is_done(found):
+                backend.settle(u, heights, self.correction, self.bound, self.unit, self.sites)
+                uniform, converged = self.measure(tolerance)
+                if converged:
                     return True, uniform, cycle
-                self.restrict()
-            if contacts != pinned:
-                self.set_pins(contacts)
-                pinned = contacts
+                backend.restrict_1(self.equation(), first.source[0], first.sites)
+            if found.contacts != pinned:
+                self.set_pins(found.contacts)
+                pinned = found.contacts
             self.correct_on_grid(0)
-            self.combine()
-        self.settle()
+            # Move by the combination of correction and previous move that has the lowest energy.
+            eq, directions = self.equation(), (first.joined[0], self.previous)
+            backend.correct_1(eq, *directions, *lowest(backend.products_1(eq, *directions), self.coupling))
+        backend.settle(u, heights, self.correction, self.bound, self.unit, self.sites)
         return False, uniform, max_cycles
 
-    def measure(self) -> float:
-        """Begin a correction to the surface as it is; the uniform force on it."""
+    def measure(self, tolerance: float) -> tuple[float, bool]:
+        """Begin a correction to the surface as it is; the uniform force on it, and whether it is solved.
+
+        It is if forces off contact, tension in contact and the sum of the former are small.
+        """
         uniform = self.law.on(self.u)
-        self.rows(
-            kernels.measure_1,
-            *self.shape,
-            self.u,
-            self.heights,
-            self.springs.k0,
-            self.law.bed,
-            uniform,
-            self.unit,
-            self.bound,
-            self.source,
-            self.sums,
-        )
+        force = (self.springs.k0, self.law.bed, uniform)
+        places = (self.bound, self.source, self.sites)
+        found = self.backend.measure_1(self.u, self.heights, force, self.unit, *places)
         self.correction.fill(0.0)
-        return uniform
-
-    def settle(self) -> None:
-        """Add the correction."""
-        fields = (self.u, self.heights, self.correction, self.bound)
-        self.rows(kernels.settle, *self.shape, *fields, self.unit)
-
-    def uniform(self) -> np.float32:
-        """What the correction adds to the uniform force."""
-        if not self.coupling:
-            return np.float32(0.0)
-        self.rows(kernels.total, *self.shape, self.correction, self.shape[1], self.sums)
-        return np.float32(self.coupling * self.sums[:, 0].sum())
-
-    def equation(self) -> tuple[object, ...]:
-        """Fields and coefficients, as the kernels take them."""
-        fields = (self.correction, self.bound, self.source)
-        return (*fields, np.float32(4.0 + self.bed), self.uniform(), self.shape[1])
-
-    def sweep(self) -> None:
-        """Find the contacts and smooth the error."""
-        sweeps = (kernels.sweeps_1, kernels.close_sweeps_1, self.shape)
-        self.rows.and_edges(*sweeps, *self.equation(), 4)
-
-    def restrict(self) -> float:
-        """Bring the forces off contact to the first coarse grid; the number of contacts."""
-        grid = self.hierarchy.grids[0]
-        self.rows(kernels.restrict_1, *grid.shape, *self.equation(), grid.sources[0], self.sums)
-        return float(self.sums[:, 2].sum())
-
-    def is_done(self) -> bool:
-        """Whether the correction is good enough, or as good as single precision allows."""
-        worst, far = self.sums[:, :2].max(axis=0)
-        reachable = SINGLE_PRECISION * (8.0 + self.bed) * far
-        return bool(worst <= max(self.allowed / (self.springs.k0 * self.unit), reachable))
-
-    def has_converged(self, tolerance: float) -> bool:
-        """Whether forces off contact, tension in contact and the sum of the former are small, as measured."""
-        worst, tension = self.sums[:, :2].max(axis=0)
-        load, contacts, imbalance = self.sums[:, 2:5].sum(axis=0).tolist()
         stiffest = 8.0 * self.springs.k0 + self.law.bed
         rounding = 4.0 * float(np.finfo(float).eps) * stiffest * self.unit
-        self.allowed = max(_MARGIN * tolerance * abs(load) / max(contacts, 1.0), rounding)
-        small = abs(imbalance) <= max(
-            _SUM_TOLERANCE * tolerance * abs(load), rounding * math.sqrt(self.u.size)
-        )
-        return bool(
-            worst <= self.allowed and tension <= max(_SUM_TOLERANCE * self.allowed, rounding) and small
-        )
+        self.allowed = max(_MARGIN * tolerance * abs(found.load) / max(found.contacts, 1.0), rounding)
+        most = max(_SUM_TOLERANCE * tolerance * abs(found.load), rounding * math.sqrt(self.u.size))
+        tensile = found.tension > max(_SUM_TOLERANCE * self.allowed, rounding)
+        return uniform, found.worst <= self.allowed and not tensile and abs(found.imbalance) <= most
+
+    def equation(self) -> One:
+        """The equation with what the correction adds to the uniform force."""
+        uniform = 0.0
+        if self.coupling:
+            uniform = self.coupling * self.backend.total(self.correction, self.sites)
+        bed, diagonal, force = map(np.float32, (self.bed, 4.0 + self.bed, uniform))
+        return One(self.correction, self.bound, self.source, bed, diagonal, force, self.sites)
+
+    def is_done(self, found: Extremes) -> bool:
+        """Whether the correction is good enough, or as good as single precision allows."""
+        reachable = SINGLE_PRECISION * (8.0 + self.bed) * found.far
+        return found.worst <= max(self.allowed / (self.springs.k0 * self.unit), reachable)
 
     def set_pins(self, contacts: float) -> None:
         """Set pins on the coarse grids, and factorize the coarsest."""
         fraction = contacts / self.u.size
-        self.hierarchy.set_pins(self.correction, self.bound, self.shape[1], fraction, Response(self.bed))
+        self.hierarchy.set_pins(self.correction, self.bound, fraction, Response(self.bed))
         grid = self.hierarchy.grids[-1]
-        cells = grid.cells
+        cells = grid.areas.ravel()
         matrix = grid.laplacian() + np.diag(grid.in_order(grid.pins) + self.bed * cells)
         matrix += self.coupling * np.outer(cells, cells)
         self.coarsest = np.linalg.pinv(matrix, hermitian=True)
 
     def correct_on_grid(self, level: int) -> float:
         """One V-cycle from a grid up; the uniform force that its correction adds."""
-        grid = self.hierarchy.grids[level]
-        (e,), (b,), (joined,) = grid.corrections, grid.sources, grid.joined
+        grid, backend = self.hierarchy.grids[level], self.backend
         if grid is self.hierarchy.grids[-1]:
-            found = self.coarsest @ grid.in_order(b)
-            joined[...] = found.reshape(joined.shape)
-            return self.coupling * float(grid.cells @ found)
-        operator = (grid.pins, np.float32(self.bed), *grid.geometry)
-        coarser = self.hierarchy.grids[level + 1]
-        e.fill(0.0)
-        self.rows.by_color(kernels.coarse_sweep_1, grid.shape, e, b, *operator, first=0)
-        uniform = self.coupling * grid.total(e) if self.coupling else 0.0
-        self.rows(
-            kernels.coarse_restrict_1,
-            *coarser.shape,
-            e,
-            b,
-            *operator,
-            np.float32(uniform),
-            coarser.sources[0],
-        )
+            found = self.coarsest @ grid.in_order(grid.source[0])
+            grid.hand_over(found)
+            return self.coupling * float(grid.areas.ravel() @ found)
+        coarser, equation = self.hierarchy.grids[level + 1], grid.one(self.bed)
+        uniform = self.coupling * backend.descend_1(equation, self.coupling, coarser.source[0])
         uniform += self.correct_on_grid(level + 1)
-        fields = (coarser.joined[0], e, b, np.float32(-uniform), grid.mx, grid.my, grid.shape[1])
-        self.rows(kernels.coarse_correct, *grid.shape, *fields)
-        self.rows.by_color(kernels.coarse_sweep_1, grid.shape, e, b, *operator, first=1)
-        self.rows(kernels.join_rows, *grid.shape, e, joined)
-        return self.coupling * grid.total(e) if self.coupling else 0.0
-
-    def combine(self) -> None:
-        """Move by the combination of correction and previous move that has the lowest energy."""
-        e, bound, source, _, uniform, columns = self.equation()
-        coarse, previous = self.hierarchy.grids[0].joined[0], self.previous
-        bed = np.float32(self.bed)
-        self.rows(
-            kernels.products_1,
-            *self.shape,
-            coarse,
-            previous,
-            e,
-            bound,
-            source,
-            bed,
-            uniform,
-            columns,
-            self.sums,
-        )
-        weights = map(np.float32, lowest(self.sums.sum(axis=0), self.coupling))
-        self.rows(kernels.correct_1, *self.shape, coarse, previous, e, bound, columns, *weights)
+        places = (coarser.joined[0], -uniform, grid.joined[0])
+        return self.coupling * backend.ascend_1(equation, *places)
 
 
 def lowest(sums: Field, coupling: float) -> tuple[float, float]:

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 import asperity.checks as checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.cascade import interpolated
 from asperity.contact.mechanics import Mechanics, SpringMechanics
-from asperity.contact.multigrid.grids import Rows, usual_threads
+from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.processor import Processor, usual_threads
+from asperity.contact.multigrid.stages import StageSolver
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpringProblem, SpringStep
 from asperity.contact.stencils import bond_energy
-from asperity.errors import InputError
+from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
 
 _WORTH_COARSENING = 256
@@ -85,7 +89,7 @@ class Multigrid:
         InputError
             The solid is not the lattice of springs in two dimensions.
         ConvergenceError
-            Neither cycles nor `ActiveSet` reached the tolerance.
+            Neither cycles nor `ActiveSet` reached the tolerance, or cycles did not where the drag is by site.
         """
         if not isinstance(problem, SpringProblem):
             raise InputError(
@@ -95,21 +99,26 @@ class Multigrid:
                 advice="solver=ActiveSet()",
             )
         springs = problem.step
+        by_site = isinstance(springs.drag, np.ndarray)  # not a spectrum: no other solver takes it
         if guess is None:
             guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
-        if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
+        if not by_site and springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             return ActiveSet().solve(problem, guess, tolerance)
         heights = np.ascontiguousarray(problem.heights)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        if springs.relaxed or (
-            not isinstance(springs.anchors, np.ndarray) and springs.spread == springs.drag == 0
-        ):
+        still = not isinstance(springs.anchors, np.ndarray) and springs.spread == 0
+        if springs.relaxed or (still and not by_site and springs.drag == 0):
             done, cycles, stretch = self._one_field(springs, heights, u, tolerance)
         else:
             done, cycles, stretch = self._two_fields(springs, heights, u, tolerance)
         if done:
             return Solution(u, u <= heights, cycles, 0, stretch)
+        if by_site:
+            raise ConvergenceError(
+                f"contact solver: {cycles} cycles of multigrid did not solve a step whose drag differs "
+                "by site; try a shorter step"
+            )
         start = Guess(u) if np.isfinite(u).all() else None
         rest = ActiveSet().solve(problem, start, tolerance)
         return Solution(rest.u, rest.in_contact, cycles + rest.iterations, rest.set_changes)
@@ -122,13 +131,15 @@ class Multigrid:
         stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
         u = self._cold_start(stiffer, coarser)
         np.maximum(u, coarser, out=u)
-        OneField(coarser.shape, Rows(1)).solve(stiffer, coarser, u, _COARSE_TOLERANCE, self.max_cycles)
+        OneField(_sites(coarser, springs), Processor(1)).solve(
+            stiffer, coarser, u, _COARSE_TOLERANCE, self.max_cycles
+        )
         return interpolated(u)
 
     def _one_field(
         self, springs: SpringStep, heights: Field, u: Field, tolerance: float
     ) -> tuple[bool, int, Field | None]:
-        work = self._workspace(OneField, heights.shape)
+        work = self._workspace(OneField, _sites(heights, springs))
         done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
         stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
         return done, cycles, stretch
@@ -141,21 +152,33 @@ class Multigrid:
         tolerance: float,
     ) -> tuple[bool, int, Field | None]:
         stretch = u - springs.anchors
-        work = self.two_fields(heights.shape)
+        work = self._workspace(TwoFields, _sites(heights, springs))
         done, cycles = work.solve(springs, heights, u, stretch, tolerance, self.max_cycles)
         return done, cycles, stretch
 
-    def two_fields(self, shape: tuple[int, ...]) -> TwoFields:
+    def work_on(self, mechanics: SpringMechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
-        return self._workspace(TwoFields, shape)
+        rows, columns = mechanics.lattice.shape
+        return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
 
-    def _workspace(self, kind: type[W], shape: tuple[int, ...]) -> W:
+    def stages(
+        self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[Any]]
+    ) -> StageSolver:
+        """The solver of steps of creep from a state; see `StageSolver.arrays`."""
+        return StageSolver(self.work_on(mechanics), mechanics.springs, heights, arrays)
+
+    def _workspace(self, kind: type[W], sites: Sites) -> W:
         """Work arrays, kept from call to call while the lattice stays the same."""
         space = self._work.get("space")
-        if not isinstance(space, kind) or self._work["shape"] != shape:
-            self._work["space"] = space = kind(shape, Rows(self.threads or usual_threads()))
-            self._work["shape"] = shape
+        if not isinstance(space, kind) or space.sites != sites:
+            self._work["space"] = space = kind(sites, Processor(self.threads or usual_threads()))
         return space
+
+
+def _sites(heights: Field, springs: SpringStep) -> Sites:
+    """The lattice of a step."""
+    rows, columns = heights.shape
+    return Sites(rows, columns, springs.mirrored)
 
 
 def _is_smooth(heights: Field) -> bool:

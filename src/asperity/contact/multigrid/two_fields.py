@@ -17,16 +17,16 @@ All this happens to a correction (e, f) of the pair, in single precision and in 
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from asperity.contact import kernels
 from asperity.contact.arrays import largest
-from asperity.contact.multigrid.grids import Hierarchy, Rows, Single, parted_shape
+from asperity.contact.multigrid.grids import Hierarchy
+from asperity.contact.multigrid.loops import Measured, Moves, Pair, Sites, Springs, Surface, Two
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.processor import Defects, Processor
 from asperity.contact.problem import SpringStep
 from asperity.lattice import Field
 
@@ -49,7 +49,7 @@ class TwoFields:
     Attributes
     ----------
     correction, source, previous
-        e and f; b and c of the equations in `asperity.contact.kernels`; the previous move of e and f.
+        e and f; b and c of the equations in `asperity.contact.multigrid.loops`; the previous move of e and f.
     bound
         Least e that does not penetrate, a length <= 0: minus the gap u - heights.
     shift
@@ -60,26 +60,34 @@ class TwoFields:
         Sum of w before the correction, a length.
     """
 
-    def __init__(self, shape: tuple[int, ...], rows: Rows) -> None:
-        self.rows, self.shape, self.sites = rows, shape, math.prod(shape)
-        self.hierarchy = Hierarchy(shape, 2, rows)
-        self.bound = np.full(parted_shape(*shape), -np.inf, np.float32)
+    def __init__(self, sites: Sites, backend: Processor) -> None:
+        self.sites, self.backend, self.size = sites, backend, sites.rows * sites.columns
+        self.hierarchy = Hierarchy(sites, 2, backend)
+        self.bound = backend.zeros(sites)
+        self.bound.fill(-np.inf)
         self.correction, self.source, self.previous = (self.pair() for _ in range(3))
-        self.sums = np.zeros((shape[0], 7))
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
         self.weights, self.last_shift, self.keeping = (1.0, 0.0), 0.0, False
         self.wanted: float | None = None
 
-    def pair(self) -> tuple[Single, Single]:
+    def pair(self) -> Pair:
         """Two fields of zeros."""
-        parts = parted_shape(*self.shape)
-        return np.zeros(parts, np.float32), np.zeros(parts, np.float32)
+        return Pair(self.backend.zeros(self.sites), self.backend.zeros(self.sites))
 
-    def prepare(self, bed: float, spread: float, drag: float) -> None:
-        """Set the coefficients: bed = k1/k0, and those of the equations."""
-        self.bed, self.spread, self.lag = bed, spread, 1.0 + drag
+    def prepare(self, bed: float, spread: float, drag: float | Field) -> None:
+        """Set the coefficients: bed = k1/k0, and those of the equations; the drag is a number or by site."""
+        self.bed, self.spread, self.pinned = bed, spread, -math.inf
+        self.lag: Any
+        if isinstance(drag, np.ndarray):
+            self.lag = np.maximum(self.backend.packed(1.0 + drag), np.float32(1.0))
+            self.coarse_lags = self.hierarchy.coarser_lags(self.lag, spread)
+            beside = 4.0 * spread
+            drag = 1.0 / float(np.mean(1.0 / (1.0 + drag + beside))) - beside - 1.0
+        else:
+            self.lag = np.float32(1.0 + drag)
+            self.coarse_lags = [self.lag] * len(self.hierarchy.grids)
+        self.mean_lag = 1.0 + drag
         self.response = Response(bed, spread, drag)
-        self.pinned = -math.inf
 
     def solve(
         self, springs: SpringStep, heights: Field, u: Field, w: Field, tolerance: float, max_cycles: int
@@ -87,24 +95,25 @@ class TwoFields:
         """Improve u and w in place; whether the tolerance was reached, and the cycles taken."""
         self.prepare(springs.k1 / springs.k0, springs.spread, springs.drag)
         unit = largest(u, np) or 1.0
-        self.measure(springs, heights, u, w, unit)
+        surface = Surface(u, w, heights)
+        self.measure(springs, surface, unit)
+        stiffest = 8.0 / self.bed + 1.0 + float(np.max(springs.drag)) + 8.0 * self.spread
         size = math.inf
         for cycle in range(max_cycles):
-            self.descend(correcting=cycle > 0)
-            contacts, missing, left, far = self.judge()
-            stiffest = 8.0 / self.bed + self.lag + 8.0 * self.spread
-            reachable = SINGLE_PRECISION * stiffest * far
-            if left <= max(self.strict(tolerance, contacts), reachable):
-                self.settle(heights, u, w, unit)
-                self.measure(springs, heights, u, w, unit)
-                self.restrict(0, self.hierarchy.grids[0].shape[0])
-                contacts, missing, left, _ = self.judge()
-                if left <= self.strict(tolerance, contacts):
+            found = self.descend(correcting=cycle > 0)
+            missing, left = self.judge(found)
+            reachable = SINGLE_PRECISION * stiffest * math.sqrt(found.moves / self.size)
+            if left <= max(self.strict(tolerance, found.contacts), reachable):
+                self.settle(surface, unit)
+                self.measure(springs, surface, unit)
+                found = self.descend(correcting=False, sweeping=False)
+                missing, left = self.judge(found)
+                if left <= self.strict(tolerance, found.contacts):
                     return True, cycle + 1
-            size, _ = self.find_correction(contacts, missing, cycle, size)
+            size, _ = self.find_correction(found.contacts, missing, cycle, size)
             if not math.isfinite(size):
                 return False, max_cycles
-        self.settle(heights, u, w, unit)
+        self.settle(surface, unit)
         return False, max_cycles
 
     def improve(self, allowed_error: float, max_cycles: int) -> tuple[bool, int]:
@@ -115,12 +124,13 @@ class TwoFields:
         """
         size = math.inf
         for cycle in range(max_cycles):
-            self.descend(correcting=cycle > 0)
-            contacts, missing, _, far = self.judge()
-            size, rate = self.find_correction(contacts, missing, cycle, size)
+            found = self.descend(correcting=cycle > 0)
+            missing, _ = self.judge(found)
+            far = math.sqrt(found.moves / self.size)
+            size, rate = self.find_correction(found.contacts, missing, cycle, size)
             if not math.isfinite(size):
                 break
-            if self.wanted is not None and contacts == 0:
+            if self.wanted is not None and found.contacts == 0:
                 continue  # something must carry the load
             good = rate * size <= max(allowed_error, _ROUNDING * far)
             if good and rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch):
@@ -128,70 +138,52 @@ class TwoFields:
                 return True, cycle + 1
         return False, max_cycles
 
-    def measure(self, springs: SpringStep, heights: Field, u: Field, w: Field, unit: float) -> None:
+    def measure(self, springs: SpringStep, surface: Surface, unit: float) -> None:
         """Begin a correction to the fields as they are."""
         s, v, shift = springs, springs.anchors, 0.0
+        u, w, _ = surface
         if not isinstance(v, np.ndarray):
             v = np.full(u.shape, v)
         if s.load is not None:
-            shift = self.lag * float(w.mean()) - float(u.mean()) + float(v.mean())
-        coefficients = (s.k0, s.k1, s.spread, s.drag, shift, unit)
-        into = (self.bound, *self.source, self.sums)
-        self.rows(kernels.measure_2, *self.shape, u, w, heights, v, *coefficients, *into)
+            lagged = (1.0 + s.drag) * (float(w.mean()) if np.ndim(s.drag) == 0 else w)
+            shift = float(np.mean(lagged)) - float(u.mean()) + float(v.mean())
+        creep = Springs(s.k0, s.k1, s.spread, s.drag)
+        into = Measured(self.bound, *self.source)
+        stretch = self.backend.measure_2(surface, v, creep, shift, unit, into, self.sites)
         for field in self.correction:
             field.fill(0.0)
-        self.shift, self.known_stretch = 0.0, float(self.sums[:, 0].sum()) / unit
+        self.shift, self.known_stretch = 0.0, stretch / unit
         self.wanted = None if s.load is None else s.load / (s.k1 * unit) - self.known_stretch
 
-    def settle(self, heights: Field, u: Field, w: Field, unit: float) -> None:
+    def settle(self, surface: Surface, unit: float) -> None:
         """Add the correction."""
-        e, f = self.correction
-        self.rows(kernels.settle, *self.shape, u, heights, e, self.bound, unit)
-        self.rows(kernels.add, *self.shape, w, f, unit)
+        (u, w, heights), (e, f) = surface, self.correction
+        self.backend.settle(u, heights, e, self.bound, unit, self.sites)
+        self.backend.add(w, f, unit, self.sites)
 
-    def equation(self) -> tuple[Any, ...]:
-        """Fields and coefficients, as the kernels take them."""
-        coefficients = map(np.float32, (self.bed, self.spread, self.lag, self.shift))
-        return (*self.correction, self.bound, *self.source, *coefficients, self.shape[1])
+    def equation(self) -> Two:
+        """Fields and coefficients."""
+        bed, spread, shift = map(np.float32, (self.bed, self.spread, self.shift))
+        return Two(*self.correction, self.bound, *self.source, bed, spread, self.lag, shift, self.sites)
 
-    def descend(self, *, correcting: bool, restricting: bool = True) -> None:
+    def moves(self) -> Moves:
+        """What the coarse grids found, and the previous move, with their weights."""
+        alpha, beta = map(np.float32, self.weights)
+        return Moves(self.hierarchy.joined, self.previous, alpha, beta, self.keeping)
+
+    def descend(self, *, correcting: bool, sweeping: bool = True, restricting: bool = True) -> Defects:
         """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
-        grid = self.hierarchy.grids[0]
-        moves = (*grid.joined, *self.previous, *map(np.float32, self.weights), self.keeping, correcting)
-        lead = int(correcting)
-        edges = self.rows.and_edges(
-            kernels.cycle_2,
-            kernels.close_cycle_2,
-            self.shape,
-            *self.equation(),
-            before=(*moves, *grid.sources, restricting),
-            after=(self.sums,),
-            closing=(lead,),
+        places = (self.equation(), self.moves(), Pair(*self.hierarchy.grids[0].source))
+        return self.backend.cycle_2(
+            *places, correcting=correcting, sweeping=sweeping, restricting=restricting
         )
-        if not restricting:
-            return
-        margin, done = lead + 2, 0
-        for low, high in pairwise(edges):
-            last = high - 1 if high == self.shape[0] and high % 2 else high
-            first, end = (low + margin + 2) // 2, (last - margin) // 2
-            if first < end:
-                self.restrict(done, first)
-                done = end
-        self.restrict(done, grid.shape[0])
 
-    def restrict(self, low: int, high: int) -> None:
-        """Bring both defects to rows of the first coarse grid."""
-        arguments = (*self.equation(), *self.hierarchy.grids[0].sources, self.sums, low, high)
-        kernels.restrict_2(*arguments)
-
-    def judge(self) -> tuple[float, float, float, float]:
-        """Contacts; what the sum of f lacks; what the equations leave and the correction, both rms."""
-        balance, creep, stretch, contacts, far = self.sums[:, :5].sum(axis=0).tolist()
-        self.total_stretch = self.known_stretch + stretch
-        missing = 0.0 if self.wanted is None else self.wanted - stretch
-        left = max(math.sqrt(balance / self.sites) / self.bed, math.sqrt(creep / self.sites))
-        left = max(left, abs(missing) / self.sites)
-        return contacts, missing, left, math.sqrt(far / self.sites)
+    def judge(self, found: Defects) -> tuple[float, float]:
+        """What the sum of f lacks; what the equations leave, rms."""
+        self.total_stretch = self.known_stretch + found.stretch
+        missing = 0.0 if self.wanted is None else self.wanted - found.stretch
+        left = max(math.sqrt(found.balance / self.size) / self.bed, math.sqrt(found.creep / self.size))
+        return missing, max(left, abs(missing) / self.size)
 
     def strict(self, tolerance: float, contacts: float) -> float:
         """What the equations may leave in the end."""
@@ -204,7 +196,7 @@ class TwoFields:
         """Ask the coarse grids; the size of their correction of u0, rms, and the rate of the cycles."""
         self.set_pins(contacts)
         shift = self.correct_on_grid(0, missing)
-        e, f = self.hierarchy.grids[0].joined
+        e, f = self.hierarchy.joined
         size = math.sqrt(float(np.mean((e - f) ** 2, dtype=float)))
         if not math.isfinite(size):
             return size, 1.0
@@ -216,9 +208,8 @@ class TwoFields:
                 self.keeping, self.last_shift = True, 0.0
                 for field in self.previous:
                     field.fill(0.0)
-            fields = (*self.hierarchy.grids[0].joined, *self.previous, *self.equation())
-            self.rows(kernels.products_2, *self.shape, *fields, self.sums)
-            self.weights = self.stationary(shift, missing)
+            products = self.backend.products_2(self.equation(), self.moves())
+            self.weights = self.stationary(products, shift, missing)
         alpha, beta = self.weights
         self.last_shift = alpha * shift + beta * self.last_shift
         self.shift += self.last_shift
@@ -230,17 +221,17 @@ class TwoFields:
         if abs(contacts - self.pinned) <= 0.02 * self.pinned:
             return
         self.pinned = contacts
-        e, fraction = self.correction[0], contacts / self.sites
-        self.hierarchy.set_pins(e, self.bound, self.shape[1], fraction, self.response)
+        self.hierarchy.set_pins(self.correction.e, self.bound, contacts / self.size, self.response)
         grid = self.hierarchy.grids[-1]
-        lap, cells = grid.laplacian(), grid.cells
+        lap, cells, lag = grid.laplacian(), grid.areas.ravel(), self.coarse_lags[-1]
+        lags = grid.in_order(lag) if lag.ndim else self.mean_lag
         n = cells.size
         matrix = np.zeros((2 * n + 1, 2 * n + 1))
         # Without pins the matrix is singular: regularize by 1e-9.
         matrix[:n, :n] = lap + np.diag(np.maximum(grid.in_order(grid.pins), 1e-9 * cells))
         matrix[:n, n:-1] = np.diag(self.bed * cells)
         matrix[n:-1, :n] = -np.diag(cells)
-        matrix[n:-1, n:-1] = self.spread * lap + np.diag(self.lag * cells)
+        matrix[n:-1, n:-1] = self.spread * lap + np.diag(lags * cells)
         if self.wanted is None:
             matrix[-1, -1] = 1.0
         else:
@@ -254,35 +245,22 @@ class TwoFields:
     def correct_on_grid(self, level: int, missing: float) -> float:
         """One V-cycle from a grid up; the shift that its correction adds."""
         grid = self.hierarchy.grids[level]
-        (e, f), (b, c), joined = grid.corrections, grid.sources, grid.joined
         if grid is self.hierarchy.grids[-1]:
             if self.wanted is None:
                 missing = 0.0
-            found = self.coarsest @ np.concatenate([grid.in_order(b), grid.in_order(c), [missing]])
-            for field, values in zip(joined, np.split(found[:-1], 2), strict=True):
-                field[...] = values.reshape(field.shape)
+            found = self.coarsest @ np.concatenate([*map(grid.in_order, grid.source), [missing]])
+            grid.hand_over(found[:-1])
             return float(found[-1])
-        coefficients = map(np.float32, (self.bed, self.spread, self.lag))
-        operator = (grid.pins, *coefficients, *grid.geometry)
         coarser = self.hierarchy.grids[level + 1]
-        e.fill(0.0)
-        f.fill(0.0)
-        self.rows.by_color(kernels.coarse_sweep_2, grid.shape, e, f, b, c, *operator, first=0)
-        missing -= grid.total(f)
-        self.rows(kernels.coarse_restrict_2, *coarser.shape, e, f, b, c, *operator, *coarser.sources)
+        equations = grid.two(self.bed, self.spread, self.coarse_lags[level])
+        missing -= self.backend.descend_2(equations, Pair(*coarser.source))
         shift = self.correct_on_grid(level + 1, missing)
-        where = (grid.mx, grid.my, grid.shape[1])
-        changes = (np.float32(0.0), np.float32(shift))
-        for fields in zip(coarser.joined, (e, f), (b, c), changes, strict=True):
-            self.rows(kernels.coarse_correct, *grid.shape, *fields, *where)
-        self.rows.by_color(kernels.coarse_sweep_2, grid.shape, e, f, b, c, *operator, first=1)
-        for parts, out in zip((e, f), joined, strict=True):
-            self.rows(kernels.join_rows, *grid.shape, parts, out)
+        self.backend.ascend_2(equations, Pair(*coarser.joined), shift, Pair(*grid.joined))
         return shift
 
-    def stationary(self, shift: float, missing: float) -> tuple[float, float]:
+    def stationary(self, products: Field, shift: float, missing: float) -> tuple[float, float]:
         """Combination of the correction and the previous move; the plain correction if in doubt."""
-        rd, rq, dd, dq, qq, sf, sg = self.sums.sum(axis=0).tolist()
+        rd, rq, dd, dq, qq, sf, sg = products.tolist()
         if self.wanted is not None:
             last = self.last_shift
             rd, rq = rd - self.bed * missing * shift, rq - self.bed * missing * last

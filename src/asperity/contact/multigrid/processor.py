@@ -1,0 +1,341 @@
+"""The operations on grids that multigrid is made of, by compiled loops, in threads where that pays.
+
+Another backend is another class with these methods: whatever knows how a field is laid out is here and in
+`asperity.contact.multigrid.loops`. Fields that a method returns or takes are in the backend's own layout
+and precision, but for states and heights (double, rows in order) and for ``coarse`` and ``joined``,
+corrections that a coarse grid hands to the next finer one. Numbers come back summed over the rows.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.contact.multigrid import loops
+from asperity.contact.multigrid.loops import (
+    CoarseOne,
+    CoarseTwo,
+    Measured,
+    Moves,
+    One,
+    Pair,
+    Past,
+    Single,
+    Sites,
+    Springs,
+    Surface,
+    Two,
+)
+from asperity.lattice import Field
+
+_LOWEST_SLAB = 16
+"""Minimum rows of a thread; must exceed twice the number of half sweeps."""
+
+_WORTH_SHARING = 2**19
+"""Number of sites from which a second thread saves time."""
+
+
+class Defects(NamedTuple):
+    """Of two fields: squares of both defects, sum of f, contacts, squares of e."""
+
+    balance: float
+    creep: float
+    stretch: float
+    contacts: float
+    moves: float
+
+
+class Extremes(NamedTuple):
+    """Of one field: the largest force off contact, the largest correction, contacts."""
+
+    worst: float
+    far: float
+    contacts: float
+
+
+class Forces(NamedTuple):
+    """Of a state: largest force off contact, largest tension in a row, load, contacts, imbalance."""
+
+    worst: float
+    tension: float
+    load: float
+    contacts: float
+    imbalance: float
+
+
+class Moments(NamedTuple):
+    """Of a state: sums of w and u - level, of their squares, the largest u, contacts."""
+
+    stretch: float
+    rise: float
+    squares_w: float
+    squares_u: float
+    largest: float
+    contacts: float
+
+
+def usual_threads() -> int:
+    """Number of threads: what ``OMP_NUM_THREADS`` says, as for other numerical libraries, or all cores."""
+    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, int(wanted)) if wanted.isdigit() else cores
+
+
+class Processor:
+    """The backend that computes on the processor, in a number of threads."""
+
+    def __init__(self, threads: int) -> None:
+        self.threads = threads
+        self.pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._kept: dict[int, Field] = {}
+
+    def _over(self, loop: Callable[..., None], sites: Sites, *arguments: Any, phases: int = 0) -> None:
+        """Call ``loop(*arguments, [phase, end,] low, high)`` for slabs that together are all rows."""
+        rows = sites.rows
+        shared = self.pool is not None and rows * sites.columns >= _WORTH_SHARING
+        slabs = min(self.threads, rows // _LOWEST_SLAB) if shared else 1
+        if self.pool is None or slabs < 2:
+            loop(*arguments, *((0, phases) if phases else ()), 0, rows)
+            return
+        edges = [rows * slab // slabs for slab in range(slabs + 1)]
+        stages: list[tuple[int, ...]] = [(now, now + 1) for now in range(phases)]
+        for stage in stages or [()]:
+            calls = [(*arguments, *stage, low, high) for low, high in pairwise(edges)]
+            for future in [self.pool.submit(loop, *call) for call in calls]:
+                future.result()
+
+    def _sums(self, sites: Sites) -> Field:
+        """A place for numbers by rows."""
+        return self._kept.setdefault(sites.rows, np.zeros((sites.rows, 7)))
+
+    # Fields.
+
+    def zeros(self, sites: Sites) -> Single:
+        """A field of zeros."""
+        return np.zeros((sites.rows, 2, (sites.columns + 1) // 2 + 1), np.float32)
+
+    def joined(self, sites: Sites) -> Single:
+        """A place for a correction that the next finer grid takes."""
+        return np.zeros((sites.rows, sites.columns), np.float32)
+
+    def packed(self, field: NDArray[np.floating]) -> Single:
+        """A field, rows in order, in this layout; no images, and 0 where there is no site."""
+        rows, columns = field.shape
+        out = self.zeros(Sites(rows, columns, False))
+        loops.part_rows(field, out)
+        return out
+
+    def unpacked(self, field: Single, sites: Sites) -> Field:
+        """A field, rows in order, in double precision."""
+        out = np.empty((sites.rows, sites.columns))
+        loops.join_rows(field, out)
+        return out
+
+    def along_rows(self, values: Field, *, images: bool) -> Single:
+        """Numbers that all rows of a grid have in common, one a column; images are those of the other end."""
+        row: Single = self.packed(values[np.newaxis])[0]
+        if images:
+            loops.wrap(row, Sites(1, values.size, False))
+        return row
+
+    def total(self, field: Single, sites: Sites) -> float:
+        """Sum of a field."""
+        sums = self._sums(sites)
+        self._over(loops.total, sites, field, sites.columns, sums)
+        return float(sums[:, 0].sum())
+
+    def touching(self, e: Single, bound: Single) -> int:
+        """Number of sites in contact."""
+        return int(np.count_nonzero(e <= bound))
+
+    def touch(self, e: Single, bound: Single) -> None:
+        """Bring the site that comes nearest into contact."""
+        deepest = int(np.argmax(bound - e))
+        e.flat[deepest] = bound.flat[deepest]
+
+    # From states to corrections, and back.
+
+    def measure_1(
+        self,
+        u: Field,
+        heights: Field,
+        force: tuple[float, float, float],
+        unit: float,
+        bound: Single,
+        b: Single,
+        sites: Sites,
+    ) -> Forces:
+        """Bound and source of a state with the force (k0, bed, uniform): k0 L u + bed u + uniform."""
+        sums = self._sums(sites)
+        self._over(loops.measure_1, sites, u, heights, *force, unit, bound, b, sites, sums)
+        worst, tension = sums[:, :2].max(axis=0)
+        return Forces(worst, tension, *sums[:, 2:5].sum(axis=0).tolist())
+
+    def measure_2(
+        self,
+        surface: Surface,
+        anchors: Field,
+        springs: Springs,
+        shift: float,
+        unit: float,
+        into: Measured,
+        sites: Sites,
+    ) -> float:
+        """Bound and both sources of a step from anchors; the sum of w."""
+        sums = self._sums(sites)
+        self._over(loops.measure_2, sites, surface, anchors, springs, shift, unit, into, sites, sums)
+        return float(sums[:, 0].sum())
+
+    def settle(self, u: Field, heights: Field, e: Single, bound: Single, unit: float, sites: Sites) -> None:
+        """Add a correction to a surface."""
+        self._over(loops.settle, sites, u, heights, e, bound, unit)
+
+    def add(self, w: Field, f: Single, unit: float, sites: Sites) -> None:
+        """Add a correction to a field."""
+        self._over(loops.add, sites, w, f, unit)
+
+    # Coefficients of coarse grids.
+
+    def pin(
+        self, e: Single, bound: Single, sites: Sites, strength: float, out: Single, coarse: Sites
+    ) -> None:
+        """Pins on the first coarse grid: each contact counts ``strength``."""
+        self._over(loops.pins_of_contacts, coarse, e, bound, sites, np.float32(strength), out)
+
+    def coarser_pins(self, pins: Single, sites: Sites, softening: float, mean: float, out: Single) -> None:
+        """Pins on the next coarser grid, less what stands out from a mean softens; 0 only restricts."""
+        loops.coarser_pins(pins, sites, np.float32(softening), np.float32(mean), out)
+
+    # One field.
+
+    def sweep_1(self, eq: One, halves: int) -> None:
+        """Half sweeps, one after the other."""
+        self._over(loops.sweeps_1, eq.sites, eq, halves, phases=2)
+
+    def restrict_1(self, eq: One, out: Single, coarse: Sites) -> Extremes:
+        """The defect, on the first coarse grid."""
+        sums = self._sums(eq.sites)
+        self._over(loops.restrict_1, coarse, eq, out, sums)
+        worst, far = sums[:, :2].max(axis=0).tolist()
+        return Extremes(worst, far, float(sums[:, 2].sum()))
+
+    def products_1(self, eq: One, coarse: Single, previous: Single) -> Field:
+        """Products of gradient r, correction d, previous move q: rd, rq, dSd, dSq, qSq, sums of d and q."""
+        sums = self._sums(eq.sites)
+        self._over(loops.products_1, eq.sites, eq, coarse, previous, sums)
+        return np.asarray(sums.sum(axis=0))
+
+    def correct_1(self, eq: One, coarse: Single, previous: Single, alpha: float, beta: float) -> None:
+        """Move free sites by alpha times the correction plus beta times the previous move, and project."""
+        weights = (np.float32(alpha), np.float32(beta))
+        self._over(loops.correct_1, eq.sites, eq, coarse, previous, *weights)
+
+    def descend_1(self, grid: CoarseOne, coupling: float, out: Single) -> float:
+        """A sweep from nothing and the defect on the next coarser grid; the sum of the correction."""
+        totals = self._sums(grid.sites)
+        self._over(loops.descend_1, grid.sites, grid, coupling, out, totals, phases=7)
+        return float(totals[0, 0])
+
+    def ascend_1(self, grid: CoarseOne, coarse: Single, shift: float, joined: Single) -> float:
+        """Add the next coarser grid's correction, and a constant to the source; a sweep; the sum."""
+        totals = self._sums(grid.sites)
+        self._over(loops.ascend_1, grid.sites, grid, coarse, np.float32(shift), joined, totals, phases=6)
+        return float(totals[0, 0])
+
+    # Two fields.
+
+    def cycle_2(
+        self, eq: Two, moves: Moves, out: Pair, *, correcting: bool, sweeping: bool, restricting: bool
+    ) -> Defects:
+        """The coarse grids' correction, a sweep, and the defects on the first of them; each on demand."""
+        sums, wanted = self._sums(eq.sites), (correcting, sweeping, restricting)
+        self._over(loops.cycle_2, eq.sites, eq, moves, *wanted, out, sums, phases=3)
+        return Defects(*sums[:, :5].sum(axis=0).tolist())
+
+    def products_2(self, eq: Two, moves: Moves) -> Field:
+        """Products of the symmetric form, as `products_1` has them; the sums are those of f."""
+        sums = self._sums(eq.sites)
+        self._over(loops.products_2, eq.sites, eq, moves, sums)
+        return np.asarray(sums.sum(axis=0))
+
+    def descend_2(self, grid: CoarseTwo, out: Pair) -> float:
+        """As `descend_1`, for both fields; the sum of f."""
+        totals = self._sums(grid.sites)
+        self._over(loops.descend_2, grid.sites, grid, out, totals, phases=7)
+        return float(totals[0, 0])
+
+    def ascend_2(self, grid: CoarseTwo, coarse: Pair, shift: float, joined: Pair) -> None:
+        """As `ascend_1`, for both fields; the constant is the second equation's."""
+        self._over(loops.ascend_2, grid.sites, grid, coarse, np.float32(shift), joined, phases=6)
+
+    # A time step of two stages.
+
+    def guess_1(
+        self, past: Past, bound: Single, guess: Pair, c: Single, sites: Sites
+    ) -> tuple[float, float, float]:
+        """Guess and source of the first stage; sums of e, f and c."""
+        sums = self._sums(sites)
+        self._over(loops.begin_stage_1, sites, past, bound, guess, c, sites, sums)
+        e, f, source = sums[:, :3].sum(axis=0).tolist()
+        return e, f, source
+
+    def guess_2(
+        self,
+        past: Past,
+        numbers: tuple[float, float, float],
+        middle: Single,
+        bound: Single,
+        guess: Pair,
+        c: Single,
+        sites: Sites,
+    ) -> tuple[float, float, float]:
+        """The rate ``middle`` where the first stage ends; guess, source and sums of the second.
+
+        The numbers: weight of the first stage, the constant its f lacks, weight of the rates.
+        """
+        sums, (growth, offset, weight) = self._sums(sites), map(np.float32, numbers)
+        known = (past, growth, offset, weight, middle, bound)
+        self._over(loops.begin_stage_2, sites, *known, guess, c, sites, sums)
+        e, f, source = sums[:, :3].sum(axis=0).tolist()
+        return e, f, source
+
+    def finish(
+        self,
+        correction: Pair,
+        rates: tuple[Single, Single, Single],
+        numbers: tuple[float, ...],
+        error: Single,
+        sites: Sites,
+    ) -> None:
+        """The rate where the step ends, the last of the rates, and its error, rows in order.
+
+        The numbers: the constant that f lacks, tau, the weight of the rates, those of the error.
+        """
+        offset, tau, weight, *shares = map(np.float32, numbers)
+        rate, middle, end = rates
+        known = (correction, offset, rate, middle, tau, weight, tuple(shares))
+        self._over(loops.finish_step, sites, *known, end, error)
+
+    def advance(
+        self,
+        correction: Pair,
+        offset: float,
+        surface: Surface,
+        springs: Springs,
+        unit: float,
+        level: float,
+        into: Measured,
+        sites: Sites,
+    ) -> Moments:
+        """Add corrections, and an offset to w; bound, source b and flow (as c) of the new state."""
+        sums = self._sums(sites)
+        state = (surface, springs, unit, level, into, sites, sums)
+        self._over(loops.advance, sites, correction, offset, *state, phases=2)
+        stretch, rise, squares_w, squares_u, _, contacts = sums[:, :6].sum(axis=0).tolist()
+        return Moments(stretch, rise, squares_w, squares_u, float(sums[:, 4].max()), contacts)
