@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.free_sites import FreeSites
+from asperity.contact.line_sites import LineSites
 from asperity.contact.mechanics import ImplicitStep, SpectralStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
@@ -173,9 +174,15 @@ def _filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask
     if not in_contact.any():
         np.divide(pull, stiffness, out=u, where=stiffness > 0)
     elif worst > 0:
-        unit = float(stiffness.max())
-        scaled: Any = (stiffness / unit).astype(np.float32)
-        free, most = FreeSites(lattice, stiffness, unit, scaled, in_contact, np), _FILTER_ITERATIONS
+        springs = step.springs(float(stiffness.flat[0])) if lattice.dimension == 1 else None
+        free: FreeSites | LineSites
+        if springs is not None:
+            free = LineSites(lattice, springs, in_contact)
+        else:
+            unit = float(stiffness.max())
+            scaled: Any = (stiffness / unit).astype(np.float32)
+            free = FreeSites(lattice, stiffness, unit, scaled, in_contact, np)
+        most = _FILTER_ITERATIONS
         found = free.correct(force, worst, goal=_FILTER_GOAL, imbalance=math.inf, most=most, patience=most)
         u, iterations = lattice.forward(found.displacement), found.iterations
     return u - step.damping * (u - error), iterations

@@ -26,6 +26,7 @@ import asperity.checks as checks
 from asperity.contact.arrays import largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.free_sites import FreeSites
+from asperity.contact.line_sites import LineSites
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpectralProblem, residual
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
@@ -47,6 +48,9 @@ _PATIENT_REVISIONS = 3
 
 _STALLED = 30
 """Iterations without progress after which single precision is taken to be exhausted."""
+
+_MOST_DIRECT = 500
+"""Direct solutions on lines after which conjugate gradients try."""
 
 _REDUCTION_PER_CHANGE = 4.0
 """After a revision that moved the fraction x of the contacts, the residual is reduced to this times x."""
@@ -146,7 +150,7 @@ class _Run:
             else:
                 u = xp.asarray(_free_surface(self.problem))
         self.u = xp.where(self.in_contact, self.heights, u)
-        self.free_sites: FreeSites | None = None
+        self.free_sites: FreeSites | LineSites | None = None
         self.evaluate_force()
 
     def evaluate_force(self) -> None:
@@ -213,12 +217,16 @@ class _Run:
         self.iterations += max(1, correction.iterations)
         return correction.displacement
 
-    def linear_problem(self) -> FreeSites:
+    def linear_problem(self) -> FreeSites | LineSites:
         """The linear problem on the present set of contacts, in the present precision."""
         xp = self.xp
+        if self.problem.springs is not None and xp is library("numpy") and self.iterations < _MOST_DIRECT:
+            if self.free_sites is None:
+                self.free_sites = LineSites(self.problem.lattice, self.problem.springs, self.in_contact)
+            return self.free_sites
         self.single = self.single and not self.is_careful()
         real = xp.float32 if self.single else xp.float64
-        if self.free_sites is None or self.free_sites.stiffness.dtype != real:
+        if not isinstance(self.free_sites, FreeSites) or self.free_sites.stiffness.dtype != real:
             if self.working_stiffness.dtype != real:
                 self.working_stiffness = xp.astype(self.stiffness / self.stiffest, real)
             self.free_sites = FreeSites(

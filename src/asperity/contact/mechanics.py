@@ -32,7 +32,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem, SpringStep
+from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
 from asperity.lattice import Field, Lattice, Modes, Spectrum
 from asperity.solids import Solid, Spectra, SpringConstants
@@ -286,7 +286,18 @@ class SpectralStep(ImplicitStep):
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None)
+        springs = self.springs(float(stiffness.flat[0])) if lattice.dimension == 1 else None
+        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, springs)
+
+    def springs(self, mean: float) -> SpringLaw | None:
+        """S in terms of neighbors, on the lattice of springs; ``mean`` is S at wave vector 0."""
+        springs = self.mechanics.solid.springs
+        if springs is None:
+            return None
+        if np.isinf(self.tau) and springs.creep:
+            return SpringLaw(springs.k0, 0.0, 1.0, 0.0, mean)
+        rate = self.tau * springs.k1 if springs.creep else 0.0
+        return SpringLaw(springs.k0, springs.k1, 1.0 + rate * springs.R_viscous, rate * springs.R, mean)
 
     def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
         """See `ImplicitStep`."""

@@ -22,6 +22,25 @@ from asperity.contact.stencils import extremes
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 
 
+@dataclass(frozen=True)
+class SpringLaw:
+    """The stiffness k0 L + k1 / (lag + spread L) away from wave vector 0, and that at wave vector 0.
+
+    Where the creeping springs have relaxed altogether, ``k1`` is 0.
+    """
+
+    k0: float
+    k1: float
+    lag: float
+    spread: float
+    mean: float
+
+    @property
+    def scale(self) -> float:
+        """Largest coefficient of the equation of z."""
+        return max(self.lag, self.spread)
+
+
 @dataclass(frozen=True, eq=False)
 class SpectralProblem:
     """A contact problem in Fourier modes.
@@ -39,6 +58,8 @@ class SpectralProblem:
         The right-hand side b, as Fourier modes; under load control minus the normal load at wave vector 0.
     load_controlled
         Whether the sum of the forces is prescribed.
+    springs
+        S in terms of neighbors, on a line of springs, where the linear problems can be solved directly.
     """
 
     lattice: Lattice
@@ -46,6 +67,7 @@ class SpectralProblem:
     stiffness: Spectrum
     rhs: Modes
     load_controlled: bool
+    springs: SpringLaw | None = None
 
     def spectral(self) -> SpectralProblem:
         """Return the problem itself."""
