@@ -196,6 +196,7 @@ def dataset():
         ("Series, over time", quantities.SERIES),
         ("Series of continua", quantities.OF_CONTINUA),
         ("Fields, over field_time and the sites", quantities.FIELDS | quantities.FIELDS_OF_CONTINUA),
+        ("Patches of contact, over field_time", quantities.OF_MAPS),
         ("Coordinates", quantities.COORDINATES),
     ):
         parts.append(heading(title, "-"))

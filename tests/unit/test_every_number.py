@@ -195,6 +195,12 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.analysis.patches, {"in_contact": MASK, "connectivity": 2}),
     (asp.observe, {"image": MASK, "pixel": 2.0, "blur": 1.5, "threshold": 0.5, "spacing": [0.5, 1.0]}),
     (asp.analysis.clustering, {"in_contact": MASK, "box": 2}),
+    (asp.analysis.link_patches, {"before": MASK, "after": MASK, "connectivity": 2}),
+    (asp.analysis.patch_table, {"image": CONTACT, "connectivity": 2}),
+    (
+        asp.analysis.patch_tracks,
+        {"dataset": asp.age(CONTACT, [1.0], fields_at=[0.0, 1.0]).dataset, "connectivity": 2},
+    ),
     (
         asp.fits.measured_growth,
         {"time": TIME, "value": AREA, "stderr": ERROR, "first": 1.0, "last": 64.0, "laws": ("logarithm",)},
@@ -205,6 +211,7 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.analysis.aging_summary,
     asp.analysis.leg_table,
     asp.figures.history_figure,
+    asp.analysis.contact_ages,
     asp.analysis.contact_maps,
     asp.surfaces.check_square,
     asp.surfaces.combined,

@@ -21,7 +21,7 @@ ROOMS = [
     {"checks"},
     {"tables", "memory", "units"},
     {"lattice"},
-    {"relaxation"},
+    {"relaxation", "patches"},
     {"surfaces", "solids", "protocols"},
     {"contact"},
     {"aging"},

@@ -1,19 +1,22 @@
 """Analysis of a history: growth of the contact area, patches and maps of contact, legs, the relaxed limit."""
 
 from asperity.analysis.aging import AgingSummary, aging_summary
-from asperity.analysis.contact_patches import (
-    Patches,
-    Turnover,
-    clustering,
-    patches,
-    turnover,
-)
 from asperity.analysis.field_values import Distribution, distributions
 from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
 from asperity.analysis.prediction import Growth, Prediction, Resolved
+from asperity.analysis.tracks import PatchTracks, contact_ages, patch_table, patch_tracks
+from asperity.patches import (
+    Links,
+    Patches,
+    Turnover,
+    clustering,
+    link_patches,
+    patches,
+    turnover,
+)
 
 __all__ = [
     "AgingSummary",
@@ -21,7 +24,9 @@ __all__ = [
     "Distribution",
     "Growth",
     "LegRow",
+    "Links",
     "Observation",
+    "PatchTracks",
     "Patches",
     "Prediction",
     "Resolved",
@@ -29,10 +34,14 @@ __all__ = [
     "Turnover",
     "aging_summary",
     "clustering",
+    "contact_ages",
     "contact_maps",
     "distributions",
     "leg_table",
+    "link_patches",
     "observe",
+    "patch_table",
+    "patch_tracks",
     "patches",
     "turnover",
     "with_limit",

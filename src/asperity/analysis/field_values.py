@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 import asperity.checks as checks
-from asperity.analysis.contact_patches import patches
+from asperity.contact.mechanics import Prescribed, mechanics_of
 from asperity.errors import InputError
-from asperity.lattice import Field
+from asperity.lattice import Field, Lattice
+from asperity.patches import patches
+from asperity.solids import spring_lattice
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,3 +73,20 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
             Distribution(time, np.sort(gap), pressure, np.sort(sizes).astype(np.float64), touching.size)
         )
     return found
+
+
+def pressure_of(one: xr.Dataset) -> Field | None:
+    """Contact pressure of one map; of a lattice of springs the force of each site, from u and u0.
+
+    None where the dataset does not know the springs.
+    """
+    if "pressure" in one:
+        return np.asarray(one["pressure"], dtype=np.float64)
+    attrs, springs = one.attrs, ("k0", "k1", "R", "R_viscous")
+    if not set(springs) <= set(attrs):
+        return None
+    solid = spring_lattice(**{name: float(attrs[name]) for name in springs})
+    u = np.asarray(one["u"], dtype=np.float64)
+    mechanics = mechanics_of(solid, Lattice(u.shape, tuple(json.loads(attrs["spacing"])), attrs["edges"]))
+    stretch = (u - np.asarray(one["u0"], dtype=np.float64))[np.newaxis]
+    return mechanics.force(u, stretch, Prescribed(None, 0.0))

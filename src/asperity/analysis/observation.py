@@ -28,10 +28,10 @@ from numpy.typing import ArrayLike
 
 import asperity.checks as checks
 import asperity.units as units
-from asperity.analysis.contact_patches import Patches, patches
 from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Edges, Field, Mask
+from asperity.patches import Patches, patches
 
 _FWHM = 2 * math.sqrt(2 * math.log(2))
 """Full width at half maximum of a Gaussian, in standard deviations."""

@@ -22,12 +22,12 @@ import numpy as np
 import xarray as xr
 
 import asperity.views as views
-from asperity.analysis.contact_patches import patches
 from asperity.analysis.observation import Observation
 from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import growth_rate
 from asperity.lattice import Field
+from asperity.patches import patches
 from asperity.relaxation import Fit, fit
 from asperity.relaxation.data import scales
 from asperity.surfaces import statistics

@@ -20,14 +20,13 @@ from numpy.typing import NDArray
 
 from asperity.aging import Frame
 from asperity.analysis import AgingSummary
+from asperity.analysis.field_values import pressure_of
 from asperity.analysis.legs import leg_table, numbers_of
 from asperity.config import RunConfig, to_tables, to_toml
-from asperity.contact.mechanics import Prescribed, mechanics_of
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
-from asperity.lattice import Edges, Field, Lattice, Mask
+from asperity.lattice import Field, Mask
 from asperity.results.dataset import Row, dataset_of, row_of
-from asperity.solids import spring_lattice
 
 Header = dict[str, Any]
 Arrays = dict[str, NDArray[Any]]
@@ -265,7 +264,9 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     for number in _spread(count, most_maps(dataset["heights"].size)):
         one = dataset.isel(field_time=number)
         mask = np.asarray(one["in_contact"], dtype=bool)
-        recording.maps.append(map_of(float(one["field_time"]), int(legs[number]), mask, _pressure(one)))
+        pressure = pressure_of(one)
+        assert pressure is not None, "a history knows its springs"
+        recording.maps.append(map_of(float(one["field_time"]), int(legs[number]), mask, pressure))
     return recording
 
 
@@ -394,16 +395,3 @@ def _numbers(
             growth = (area - last[at["area"]]) / area_at_first
             made["decade_growth"] = growth / math.log10((time - since) / earlier)
     return [float(made[name] if name in made else row[name]) for name in columns]
-
-
-def _pressure(one: xr.Dataset) -> Field:
-    """Contact pressure of a map; of a lattice of springs the force of each site, from u and u0."""
-    if "pressure" in one:
-        return np.asarray(one["pressure"], dtype=np.float64)
-    attrs = one.attrs
-    solid = spring_lattice(**{name: float(attrs[name]) for name in ("k0", "k1", "R", "R_viscous")})
-    u = np.asarray(one["u"], dtype=np.float64)
-    edges: Edges = "reflecting" if attrs["edges"] == "reflecting" else "periodic"
-    mechanics = mechanics_of(solid, Lattice(u.shape, tuple(json.loads(attrs["spacing"])), edges))
-    stretch = (u - np.asarray(one["u0"], dtype=np.float64))[np.newaxis]
-    return mechanics.force(u, stretch, Prescribed(None, 0.0))

@@ -161,7 +161,7 @@ def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
         "area": None if midway.area is None else vars(midway.area),
         "march": [midway.deformation, midway.length, midway.steps, midway.rejected, midway.iterations],
         "rows": place.rows,
-        "snapshots": [[snapshot.time, snapshot.leg, snapshot.shift] for snapshot in place.snapshots],
+        "snapshots": [[one.time, one.pressure, one.leg, one.shift] for one in place.snapshots],
     }
     arrays = {"facts": np.array(json.dumps(facts))}
     arrays |= {f"place_{name}": array for name, array in midway.resume_state.items()}
@@ -176,8 +176,8 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
         for kind in ("kept_", "place_")
     )
     snapshots = [
-        Snapshot(time, {name: fields[index] for name, fields in kept.items()}, leg, shift)
-        for index, (time, leg, shift) in enumerate(facts["snapshots"])
+        Snapshot(time, {name: fields[index] for name, fields in kept.items()}, pressure, leg, shift)
+        for index, (time, pressure, leg, shift) in enumerate(facts["snapshots"])
     ]
     kind, *numbers = facts["control"]
     control = Load(*numbers) if kind == Load.name else Separation(*numbers)

@@ -16,9 +16,11 @@ from asperity._version import __version__
 from asperity.aging.march import Frame
 from asperity.contact.controls import Control
 from asperity.contact.state import Contact
+from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.quantities import (
     COORDINATES,
+    OF_MAPS,
     Plain,
     fields_of,
     plain,
@@ -33,10 +35,11 @@ Row = dict[str, float]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The fields at one time, by name."""
+    """The fields at one time, by name, and what is not known of them later: pressures at `QUANTILES`."""
 
     time: float
     fields: Mapping[str, NDArray[Any]]
+    pressure: list[float]
     leg: int = 0
     shift: Sequence[float] = ()
 
@@ -52,7 +55,9 @@ def snapshot_of(frame: Frame) -> Snapshot:
     """Take the fields from a frame."""
     contact = frame.contact
     fields = {name: getattr(contact, name) for name in fields_of(contact)}
-    return Snapshot(frame.time, fields, frame.leg, [float(sites) for sites in frame.shift])
+    pressure = contact.force[contact.in_contact] / contact.lattice.cell
+    shift = [float(sites) for sites in frame.shift]
+    return Snapshot(frame.time, fields, quantiles(pressure).tolist(), frame.leg, shift)
 
 
 def dataset_of(
@@ -109,6 +114,7 @@ def dataset_of(
             places = np.array([snapshot.shift for snapshot in snapshots])
             for axis, place in zip(sites, places.T, strict=True):
                 dataset = dataset.assign_coords({f"field_shift_{axis}": ("field_time", place)})
+        dataset = _with_patches(dataset, start, snapshots)
     _describe(dataset, start)
     attributes = _attributes(start, control, rtol)
     if keeps_area:
@@ -120,6 +126,19 @@ def dataset_of(
         told = [described(leg) for leg in protocol]
         attributes |= {"protocol": json.dumps(told), "protocol_in_words": in_words(told)}
     return dataset.assign_attrs(attributes)
+
+
+def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snapshot]) -> xr.Dataset:
+    """Add what the maps know."""
+    maps, times = dataset["in_contact"].values, [snapshot.time for snapshot in snapshots]
+    series = map_series(maps, times, start.lattice)
+    series["contact_pressure"] = np.array([snapshot.pressure for snapshot in snapshots])
+    dataset = dataset.assign_coords(quantile=list(QUANTILES))
+    for name, values in series.items():
+        dataset[name] = (("field_time", "quantile")[: values.ndim], values)
+    if (box := clustering_box(maps)) is not None:
+        dataset["clustering"].attrs["box"] = box
+    return dataset
 
 
 def _value(frame: Frame, name: str) -> float:
@@ -138,8 +157,8 @@ def _places(contact: Contact) -> list[NDArray[Any]]:
 def _describe(dataset: xr.Dataset, contact: Contact) -> None:
     """Give every variable its long name and unit."""
     units = units_of(contact)
-    known = series_of(contact, slides=True) | fields_of(contact) | COORDINATES
-    for name, (long_name, dimension) in known.items():
+    named = series_of(contact, slides=True) | fields_of(contact) | OF_MAPS | COORDINATES
+    for name, (long_name, dimension) in named.items():
         if name in dataset.variables:
             place = "position" if contact.solid.in_lengths else "site index"
             described = long_name.replace("site index", place)

@@ -54,6 +54,35 @@ FIELDS: dict[str, tuple[str, str]] = {
 }
 FIELDS_OF_CONTINUA: dict[str, tuple[str, str]] = {"pressure": ("contact pressure", "pressure")}
 
+OF_MAPS: dict[str, tuple[str, str]] = {
+    "patches": ("number of contact patches", "1"),
+    "mean_patch_size": ("mean size of a patch", "sites"),
+    "median_patch_size": ("median size of a patch", "sites"),
+    "largest_patch_size": ("size of the largest patch", "sites"),
+    "perimeter": ("length of the rim of all patches; on a line, their ends", "rim"),
+    "mean_patch_aspect": ("aspect ratio of the patch of a site in contact, mean over the sites", "1"),
+    "clustering": ("index of dispersion of contacts in boxes", "1"),
+    "births": ("patches born since the map before", "1"),
+    "deaths": ("patches that died since the map before", "1"),
+    "merges": ("merges of patches since the map before", "1"),
+    "splits": ("splits of patches since the map before", "1"),
+    "gained_by_expansion": ("sites gained since the map before by patches with one predecessor", "sites"),
+    "gained_by_coalescence": (
+        "sites gained since the map before by patches with several predecessors",
+        "sites",
+    ),
+    "gained_by_births": ("sites of patches born since the map before", "sites"),
+    "lost_by_shrinkage": ("sites lost since the map before by patches with successors", "sites"),
+    "lost_by_deaths": ("sites of patches that died since the map before", "sites"),
+    "mean_contact_age": (
+        "mean time for which the sites in contact have touched without interruption",
+        "time",
+    ),
+    "contact_age": ("time for which sites in contact have touched without interruption", "time"),
+    "contact_pressure": ("contact pressure of the sites in contact", "pressure"),
+}
+"""The same of what is known at the times of the fields; the last two at shares of the sites in contact."""
+
 LEG = "leg of the history, from 0"
 COORDINATES: dict[str, tuple[str, str]] = {
     "time": ("hold time", "time"),
@@ -63,6 +92,7 @@ COORDINATES: dict[str, tuple[str, str]] = {
     "field_shift_x": ("sites along the last axis by which heights had moved when fields were kept", "sites"),
     "field_shift_y": ("sites along the first axis by which heights had moved when fields were kept", "sites"),
     "branch": ("branch of the solid, from 0", "1"),
+    "quantile": ("share of the sites in contact that have at most the value", "1"),
     "x": ("site index along the last axis", "place"),
     "y": ("site index along the first axis", "place"),
     "heights": ("height of the rigid rough surface", "length"),
@@ -186,11 +216,10 @@ _SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "stiffness": "N/m
 
 def units_of(contact: Contact) -> Units:
     """Units of a contact's numbers, by dimension; those of a solid defined on sites are the user's own."""
-    if not contact.solid.in_lengths:
-        return _SITES
-    if not contact.si:
-        return _OWN
-    return _SI | _SI_OF_A_LINE if contact.lattice.dimension == 1 else _SI
+    units = (_SI if contact.si else _OWN) if contact.solid.in_lengths else _SITES
+    if contact.lattice.dimension == 1:
+        return units | {"rim": "1"} | (_SI_OF_A_LINE if units is _SI else {})
+    return units | {"rim": units["place"]}
 
 
 def series_of(contact: Contact, *, slides: bool = False) -> dict[str, tuple[str, str]]:
@@ -208,9 +237,11 @@ def units_named(named: Mapping[str, str]) -> Units:
     """Units of dimensions, from those of series."""
     known = {
         name: dimension
-        for name, (_, dimension) in (SERIES | OF_CONTINUA | OF_SLIDING | OF_FRICTION | COORDINATES).items()
+        for name, (_, dimension) in (
+            SERIES | OF_CONTINUA | OF_SLIDING | OF_FRICTION | OF_MAPS | COORDINATES
+        ).items()
     }
-    found = {known[name]: unit for name, unit in named.items()}
+    found = {known[name]: unit for name, unit in named.items() if name in known}
     systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)
     alike = (one for one in systems if all(one.get(d) == found.get(d) for d in ("time", "force")))
     return next(alike, {}) | found

@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from asperity.analysis.contact_patches import clustering, turnover
+from asperity.analysis import clustering, turnover
 from asperity.lattice import Field, Mask
 from asperity.paper.claims.claim import Claim, Number, Numbers
 from asperity.paper.claims.measures import mean_of

@@ -1,0 +1,302 @@
+"""Patches one by one: their sizes, shapes and loads in one map, and their fates from map to map."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+import asperity.views as views
+from asperity.analysis.field_values import pressure_of
+from asperity.checks import kind_of
+from asperity.contact.state import Contact
+from asperity.errors import InputError
+from asperity.lattice import Field, Lattice, Mask
+from asperity.patches import Shapes, ages_of, linked, shapes_of
+from asperity.results.quantities import OF_MAPS, units_named, units_of
+
+_PATCHES = {
+    "size": ("sites of the patch", "sites"),
+    "contact_area": ("area of the patch", "area"),
+    "perimeter": ("length of its rim; on a line, its ends", "rim"),
+    "aspect": ("its aspect ratio", "1"),
+    "y": ("center of the patch along the first axis", "place"),
+    "x": ("center of the patch along the last axis", "place"),
+    "load": ("load that it carries", "force"),
+    "mean_pressure": ("mean contact pressure in it", "pressure"),
+    "largest_pressure": ("largest contact pressure in it", "pressure"),
+    "map": ("number of the map, from 0", "1"),
+    "time": ("hold time", "time"),
+    "patch": ("number of the patch in its map, from 1, largest first", "1"),
+    "track": ("number of the patch through time, from 0", "1"),
+    "before": ("track of the patch in the map before", "1"),
+    "after": ("track of the patch in this map", "1"),
+    "shared": ("sites that both share", "sites"),
+    "birth": ("time of the first map in which it is", "time"),
+    "death": ("time of the first map in which it is no more", "time"),
+    "origin": ("whether it was there in the first map, is new, or split off", ""),
+    "parent": ("track from which it split off, or -1", "1"),
+    "end": ("whether it is there in the last map, is gone, or merged", ""),
+    "heir": ("track into which it merged, or -1", "1"),
+    "maps": ("maps in which it is", "1"),
+    "largest_size": ("its largest size", "sites"),
+}
+"""Long name and dimension of the columns."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PatchTracks(views.Brief):
+    """The patches of a history, followed from map to map.
+
+    A patch after continues the patch before with which it shares most sites, if that shares most with it too.
+
+    Attributes
+    ----------
+    patches
+        Over ``entry``, every patch of every map: ``map``, ``time``, ``patch``, ``track``, and the columns of
+        `patch_table`.
+    links
+        Over ``link``, every pair of patches of successive maps that share sites: ``map`` (of the later one),
+        the tracks ``before`` and ``after``, and ``shared`` sites.
+    tracks
+        Over ``track``: ``birth``, ``death`` (NaN for those of the last map), ``origin`` (``"first map"``,
+        ``"new"``, ``"split"``), ``parent``, ``end`` (``"last map"``, ``"gone"``, ``"merged"``), ``heir``,
+        ``maps`` and ``largest_size``.
+    """
+
+    patches: xr.Dataset
+    links: xr.Dataset
+    tracks: xr.Dataset
+
+
+def patch_table(image: Contact | xr.Dataset, connectivity: int = 1) -> xr.Dataset:
+    """List the patches of one contact.
+
+    Parameters
+    ----------
+    image
+        A contact, or the dataset of a history with fields of one time (``dataset.isel(field_time=-1)``).
+    connectivity
+        As `patches` takes it.
+
+    Returns
+    -------
+    Dataset
+        Over ``patch``, from 1 on, largest first: ``size`` (sites), ``contact_area`` (continua),
+        ``perimeter``, ``aspect`` (not on a line), the center ``y`` and ``x`` (``x`` on a line), and where
+        pressures are known ``load``, ``mean_pressure`` and ``largest_pressure``; with their units. Its
+        ``to_dataframe().to_csv(...)`` writes a file.
+
+    Raises
+    ------
+    InputError
+        No contact and no dataset with fields of one time; a connectivity other than 1 or 2.
+    """
+    units: Mapping[str, str]
+    pressure: Field | None
+    if isinstance(image, Contact):
+        lattice, touching, units = image.lattice, image.in_contact, units_of(image)
+        in_lengths, pressure = image.solid.in_lengths, image.pressure
+    elif isinstance(image, xr.Dataset) and image.get("in_contact", xr.DataArray()).ndim in (1, 2):
+        lattice, touching = _lattice(image), np.asarray(image["in_contact"], dtype=bool)
+        units, in_lengths, pressure = _units(image), "pressure" in image, pressure_of(image)
+    else:
+        raise InputError(
+            "image",
+            expected="a contact, or a dataset with fields of one time",
+            got=f"fields of {image.sizes['field_time']} times"
+            if isinstance(image, xr.Dataset) and "field_time" in image.dims
+            else kind_of(image),
+            advice="dataset.isel(field_time=-1), of a history with fields_at=[...]",
+        )
+    shapes = shapes_of(touching, lattice.spacing, lattice.edges, connectivity)
+    columns = _columns(shapes, lattice, in_lengths, pressure)
+    return _described(columns | {"patch": np.arange(1, shapes.found.count + 1)}, "patch", units)
+
+
+def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
+    """Follow the patches of a history from map to map.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History` that kept fields (``fields_at``).
+    connectivity
+        As `patches` takes it.
+
+    Returns
+    -------
+    PatchTracks
+
+    Raises
+    ------
+    InputError
+        The history kept no fields; a connectivity other than 1 or 2.
+    """
+    times, maps = _maps(dataset)
+    lattice, units = _lattice(dataset), _units(dataset)
+    entries: list[dict[str, NDArray[Any]]] = []
+    links: list[dict[str, NDArray[Any]]] = []
+    birth, death, origin, parent, end, heir = (list[Any]() for _ in range(6))
+    before = None
+    numbers = np.empty(0, dtype=np.int64)
+    for number, (time, touching) in enumerate(zip(times, maps, strict=True)):
+        shapes = shapes_of(touching, lattice.spacing, lattice.edges, connectivity)
+        own = np.full(shapes.found.count, -1, dtype=np.int64)
+        came, source = "first map", own.copy()
+        if before is not None:
+            link = linked(before, shapes.found)
+            known = link.continued > 0
+            own[known] = numbers[link.continued[known] - 1]
+            source = np.append(numbers, -1)[link.main_predecessor - 1]
+            came = "new"
+        fresh = np.flatnonzero(own < 0)
+        own[fresh] = len(birth) + np.arange(fresh.size)
+        birth += [time] * fresh.size
+        death += [math.nan] * fresh.size
+        parent += source[fresh].tolist()
+        origin += ["split" if one >= 0 else came for one in source[fresh]]
+        end += ["last map"] * fresh.size
+        heir += [-1] * fresh.size
+        if before is not None:
+            into = np.append(own, -1)[link.main_successor - 1]
+            for place in np.flatnonzero(~np.isin(numbers, own)):
+                track = int(numbers[place])
+                death[track], heir[track] = time, int(into[place])
+                end[track] = "merged" if heir[track] >= 0 else "gone"
+            one, other = link.pairs.T - 1
+            links.append(
+                {
+                    "map": np.full(one.size, number),
+                    "before": numbers[one],
+                    "after": own[other],
+                    "shared": link.shared,
+                }
+            )
+        here = dataset.isel(field_time=number)
+        entries.append(
+            {
+                "map": np.full(own.size, number),
+                "time": np.full(own.size, time),
+                "patch": np.arange(1, own.size + 1),
+                "track": own,
+            }
+            | _columns(shapes, lattice, "pressure" in dataset, pressure_of(here))
+        )
+        before, numbers = shapes.found, own
+    everything = _joined(entries)
+    largest = np.zeros(len(birth), dtype=np.int64)
+    np.maximum.at(largest, everything["track"], everything["size"])
+    tracks = {
+        "track": np.arange(len(birth)),
+        "birth": np.array(birth, dtype=np.float64),
+        "death": np.array(death, dtype=np.float64),
+        "origin": np.array(origin, dtype=str),
+        "parent": np.array(parent, dtype=np.int64),
+        "end": np.array(end, dtype=str),
+        "heir": np.array(heir, dtype=np.int64),
+        "maps": np.bincount(everything["track"], minlength=len(birth)),
+        "largest_size": largest,
+    }
+    nothing = {name: np.empty(0, dtype=np.int64) for name in ("map", "before", "after", "shared")}
+    return PatchTracks(
+        patches=_described(everything, "entry", units),
+        links=_described(_joined([nothing, *links]), "link", units),
+        tracks=_described(tracks, "track", units),
+    )
+
+
+def contact_ages(dataset: xr.Dataset) -> xr.DataArray:
+    """How long each site in contact has touched without interruption, as far as the maps of a history know.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History` that kept fields (``fields_at``).
+
+    Returns
+    -------
+    DataArray
+        Over ``field_time`` and the sites: the time since the first of the successive maps in all of which
+        the site is in contact; 0 in the first map. NaN off contact.
+
+    Raises
+    ------
+    InputError
+        The history kept no fields.
+    """
+    times, maps = _maps(dataset)
+    long_name, dimension = OF_MAPS["contact_age"]
+    attributes = {"long_name": long_name, "units": _units(dataset).get(dimension, "")}
+    return dataset["in_contact"].copy(data=ages_of(maps, times.tolist())).assign_attrs(attributes)
+
+
+def _columns(
+    shapes: Shapes, lattice: Lattice, in_lengths: bool, pressure: Field | None
+) -> dict[str, NDArray[Any]]:
+    sizes = shapes.found.sizes
+    columns: dict[str, NDArray[Any]] = {"size": sizes}
+    if in_lengths:
+        columns["contact_area"] = sizes * lattice.cell
+    columns["perimeter"] = shapes.perimeter
+    if lattice.dimension == 2:
+        columns["aspect"] = shapes.aspect
+    columns |= dict(zip(("y", "x")[2 - lattice.dimension :], shapes.center.T, strict=True))
+    if pressure is not None:
+        values = pressure.ravel()[shapes.sites]
+        total = np.bincount(shapes.numbers, values, minlength=sizes.size + 1)[1:]
+        largest = np.zeros(sizes.size)
+        np.maximum.at(largest, shapes.numbers - 1, values)
+        columns |= {
+            "load": total * lattice.cell,
+            "mean_pressure": total / sizes,
+            "largest_pressure": largest,
+        }
+    return columns
+
+
+def _maps(dataset: xr.Dataset) -> tuple[Field, NDArray[np.bool_]]:
+    if (
+        not isinstance(dataset, xr.Dataset)
+        or "field_time" not in dataset.get("in_contact", xr.DataArray()).dims
+    ):
+        raise InputError(
+            "dataset",
+            expected="a history that kept fields",
+            got="none" if isinstance(dataset, xr.Dataset) else kind_of(dataset),
+            advice="age(..., fields_at=times)",
+        )
+    maps: Mask = np.asarray(dataset["in_contact"], dtype=bool)
+    return np.asarray(dataset["field_time"], dtype=np.float64), maps
+
+
+def _lattice(dataset: xr.Dataset) -> Lattice:
+    shape = dataset["heights"].shape
+    spacing = json.loads(dataset.attrs.get("spacing", json.dumps([1.0] * len(shape))))
+    return Lattice(shape, tuple(spacing), dataset.attrs.get("edges", "periodic"))
+
+
+def _units(dataset: xr.Dataset) -> Mapping[str, str]:
+    return units_named(
+        {str(name): one.attrs["units"] for name, one in dataset.variables.items() if "units" in one.attrs}
+    )
+
+
+def _joined(parts: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def _described(columns: Mapping[str, NDArray[Any]], dimension: str, units: Mapping[str, str]) -> xr.Dataset:
+    table = xr.Dataset({name: (dimension, values) for name, values in columns.items() if name != dimension})
+    if dimension in columns:
+        table = table.assign_coords({dimension: columns[dimension]})
+    for name in columns:
+        long_name, unit = _PATCHES[name]
+        table[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
+    return table

@@ -1,0 +1,210 @@
+r"""Patches of contact: which sites in contact are joined, across the seam of a periodic lattice too.
+
+A patch is a set of sites in contact that are joined through neighbors. All functions take masks of sites in
+contact and count in sites.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import get_args
+
+import numpy as np
+import scipy.ndimage
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+import asperity.checks as checks
+import asperity.views as views
+from asperity.errors import InputError
+from asperity.lattice import Edges, Mask
+
+Labels = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Patches(views.Brief):
+    """The patches of one contact.
+
+    Attributes
+    ----------
+    labels
+        0 off contact, and on contact the number of the patch, from 1 on, largest first; shape of the lattice.
+    sizes
+        Sites of each patch, descending: ``sizes[k - 1]`` is that of patch k; shape ``(count,)``.
+    """
+
+    labels: Labels
+    sizes: NDArray[np.int64]
+
+    @property
+    def count(self) -> int:
+        """Number of patches."""
+        return self.sizes.size
+
+    @property
+    def largest(self) -> int:
+        """Sites of the largest patch; 0 if there is none."""
+        return int(self.sizes[0]) if self.count else 0
+
+    @property
+    def mean_size(self) -> float:
+        """Sites of a patch on average; NaN if there is none."""
+        return float(self.sizes.mean()) if self.count else math.nan
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """The patches of one contact on a lattice cut open along its seams, and how they are joined there.
+
+    Attributes
+    ----------
+    labels
+        0 off contact, and on contact the number of the piece, from 1 on; shape of the lattice.
+    numbers
+        Number of the patch to which each piece belongs, by `sizes`; 0 for piece 0.
+    sizes
+        Sites of each patch, descending.
+    joined
+        Pairs of pieces that touch each other across a seam, shape ``(bonds, 2)``.
+    turns
+        How often one goes around the lattice along each axis on the way from the first piece of a pair to
+        the second: -1, 0 or 1; shape ``(bonds, dimension)``.
+    """
+
+    labels: NDArray[np.int32]
+    numbers: Labels
+    sizes: NDArray[np.int64]
+    joined: NDArray[np.int32]
+    turns: NDArray[np.int64]
+
+    @cached_property
+    def places(self) -> tuple[NDArray[np.int64], Mask]:
+        """Where each piece stands so that its patch is in one piece, and which patches have no such place.
+
+        Returns
+        -------
+        ndarray of int, shape ``(pieces + 1, dimension)``
+            By how many lengths of the lattice each piece is moved along each axis.
+        ndarray of bool, shape ``(patches + 1,)``
+            Whether a patch reaches around the lattice, and has no ends; false for number 0.
+        """
+        places = np.zeros((self.numbers.size, self.labels.ndim), dtype=np.int64)
+        one, other = self.joined.T
+        placed = np.ones(self.numbers.size, dtype=bool)
+        placed[one] = placed[other] = False
+        joined = np.union1d(one, other)
+        placed[joined[np.unique(self.numbers[joined], return_index=True)[1]]] = True  # one of each patch
+        while (forth := placed[one] & ~placed[other]).any() or (~placed[one] & placed[other]).any():
+            back = ~placed[one] & placed[other]
+            places[other[forth]] = places[one[forth]] + self.turns[forth]
+            places[one[back]] = places[other[back]] - self.turns[back]
+            placed[other[forth]] = placed[one[back]] = True
+        torn = (places[other] - places[one] != self.turns).any(axis=1)
+        endless = np.zeros(self.sizes.size + 1, dtype=bool)
+        endless[self.numbers[one[torn]]] = True
+        return places, endless
+
+
+def patches(in_contact: ArrayLike, connectivity: int = 1, *, edges: Edges = "periodic") -> Patches:
+    """Find the patches of contact.
+
+    Parameters
+    ----------
+    in_contact
+        Whether each site is in contact, shape ``(n,)`` or ``(n, m)``.
+    connectivity
+        1: sites are joined to their nearest neighbors, as by the springs k0; 2: diagonally too.
+    edges
+        "periodic": the last site of an axis is a neighbor of the first; "reflecting": it is not.
+
+    Returns
+    -------
+    Patches
+
+    Raises
+    ------
+    InputError
+        No boolean mask of one or two axes, or an empty one; a connectivity other than 1 or 2; other edges.
+    """
+    touching = mask("in_contact", in_contact)
+    pieces = pieces_of(touching, connectivity, edges)
+    return Patches(labels=pieces.numbers[pieces.labels], sizes=pieces.sizes)
+
+
+def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
+    """Find patches, and remember how they lie across the seams.
+
+    Raises
+    ------
+    InputError
+        A connectivity other than 1 or 2; other edges.
+    """
+    expected = "1 (nearest neighbors) or 2 (diagonals too)"
+    connectivity = checks.integer("connectivity", connectivity, least=1, most=2, expected=expected)
+    if edges not in get_args(Edges):
+        raise InputError("edges", expected="'periodic' or 'reflecting'", got=checks.shown(edges))
+    labels, count = _open_pieces(touching, connectivity)
+    joined, turns = np.empty((0, 2), dtype=np.int32), np.empty((0, touching.ndim), dtype=np.int64)
+    if edges == "periodic":
+        joined, turns = _across_the_seams(labels, connectivity)
+    one, other = joined.T
+    bonds = coo_array((np.ones(one.size, dtype=bool), (one, other)), shape=(count + 1, count + 1))
+    # No bond reaches piece 0, which is "no contact": it stays a component of its own.
+    components, whole = connected_components(bonds, directed=False)
+    sizes = np.bincount(whole, np.bincount(labels.ravel(), minlength=count + 1)).astype(np.int64)
+    sizes[whole[0]] = np.iinfo(sizes.dtype).max  # the sites off contact come first: number 0
+    order = np.argsort(-sizes, kind="stable")
+    rank = np.empty(components, dtype=np.int64)
+    rank[order] = np.arange(components)
+    return Pieces(labels, rank[whole], sizes[order][1:], joined, turns)
+
+
+def mask(name: str, given: ArrayLike) -> Mask:
+    """A boolean array of one or two axes; `InputError` for anything else."""
+    found = np.asarray(given)
+    if found.dtype != np.bool_ or found.ndim not in (1, 2) or found.size == 0:
+        raise InputError(
+            name,
+            expected="a boolean array of shape (n,) or (n, m)",
+            got=f"{found.dtype} of shape {found.shape}",
+            advice="u == heights",
+        )
+    return found
+
+
+def masks(before: ArrayLike, after: ArrayLike) -> tuple[Mask, Mask]:
+    """Two masks of one lattice; `InputError` for anything else."""
+    first, last = mask("before", before), mask("after", after)
+    if first.shape != last.shape:
+        raise InputError("after", expected=f"a mask of shape {first.shape}", got=last.shape)
+    return first, last
+
+
+def _open_pieces(touching: Mask, connectivity: int) -> tuple[NDArray[np.int32], int]:
+    """Label the patches of the lattice with open ends: 1 and up, and 0 off contact."""
+    structure = scipy.ndimage.generate_binary_structure(touching.ndim, min(connectivity, touching.ndim))
+    labels = np.empty(touching.shape, dtype=np.int32)
+    count = scipy.ndimage.label(touching, structure=structure, output=labels)
+    return labels, int(count)
+
+
+def _across_the_seams(
+    labels: NDArray[np.int32], connectivity: int
+) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+    """Pairs of pieces that touch each other from the first site of an axis to its last, and their turns."""
+    bonds = []
+    for axis in range(labels.ndim):
+        first, last = np.atleast_1d(labels.take(0, axis), labels.take(-1, axis))
+        for shift in (-1, 0, 1) if connectivity == 2 and labels.ndim == 2 else (0,):
+            turns = np.zeros((first.size, labels.ndim), dtype=np.int64)
+            turns[:, axis] = -1
+            if shift:  # a diagonal neighbor, which may lie across the other seam too
+                turns[0 if shift == 1 else -1, 1 - axis] = -shift
+            bonds.append(np.column_stack([first, np.roll(last, shift), turns]))
+    found = np.concatenate(bonds)
+    found = np.unique(found[(found[:, 0] > 0) & (found[:, 1] > 0)], axis=0)
+    return found[:, :2].astype(np.int32), found[:, 2:]

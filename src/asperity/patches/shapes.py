@@ -1,0 +1,125 @@
+"""How large the patches of a contact are, how long their rims, how elongated, and where they lie."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.lattice import Edges, Field, Mask
+from asperity.patches.labels import Labels, Patches, pieces_of
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """The patches of one contact, and their shapes; arrays over the patches, largest first.
+
+    Attributes
+    ----------
+    found
+        The patches.
+    sites
+        Numbers of the sites in contact, along the last axis first, shape ``(area,)``.
+    numbers
+        The patch of each of them.
+    perimeter
+        Length of the rim: of the sides between sites in contact and sites off it. On a line the number of
+        ends. Reflecting edges of the lattice are no rim.
+    aspect
+        Ratio of the axes of the ellipse (at least 1) that has the second moments of the patch, each site a
+        rectangle: of a x b sites, a/b. NaN on a line, and of a patch that reaches around the lattice.
+    center
+        Center of area, within the lattice, from the center of the first site on; shape ``(count,
+        dimension)``; NaN of a patch that reaches around the lattice.
+    """
+
+    found: Patches
+    sites: NDArray[np.int64]
+    numbers: Labels
+    perimeter: Field
+    aspect: Field
+    center: Field
+
+
+def shapes_of(
+    touching: Mask, spacing: Sequence[float], edges: Edges = "periodic", connectivity: int = 1
+) -> Shapes:
+    """Measure the patches of a contact.
+
+    Parameters
+    ----------
+    touching
+        Whether each site is in contact, shape ``(n,)`` or ``(n, m)``.
+    spacing
+        Distance between sites along each axis, any unit of length.
+    edges, connectivity
+        As `patches` takes them.
+
+    Returns
+    -------
+    Shapes
+        Lengths in the unit of the spacing.
+    """
+    pieces = pieces_of(touching, connectivity, edges)
+    found = Patches(pieces.numbers[pieces.labels], pieces.sizes)
+    indices = np.nonzero(touching)
+    sites = np.ravel_multi_index(indices, touching.shape)
+    numbers = found.labels.ravel()[sites]
+    places, endless = pieces.places
+    own = pieces.labels.ravel()[sites]
+    sized = found.sizes.astype(np.float64)
+    offsets, center = [], []
+    for axis, (index, step) in enumerate(zip(indices, spacing, strict=True)):
+        place = (index + touching.shape[axis] * places[own, axis]) * float(step)
+        mean = _over_patches(numbers, found.count, place) / sized
+        offsets.append(place - mean[numbers - 1])
+        center.append(np.mod(mean, touching.shape[axis] * step))
+    nowhere = endless[1:]
+    return Shapes(
+        found=found,
+        sites=sites,
+        numbers=numbers,
+        perimeter=_perimeter(touching, sites, numbers, found.count, spacing, edges),
+        aspect=np.where(nowhere, math.nan, _aspect(numbers, offsets, spacing, sized)),
+        center=np.where(nowhere[:, None], math.nan, np.column_stack(center)),
+    )
+
+
+def _over_patches(numbers: Labels, count: int, values: Field) -> Field:
+    return np.bincount(numbers, values, minlength=count + 1)[1:].astype(np.float64)
+
+
+def _aspect(numbers: Labels, offsets: Sequence[Field], spacing: Sequence[float], sites: Field) -> Field:
+    if len(offsets) == 1:
+        return np.full(sites.size, math.nan)
+    y, x = offsets
+    height, width = spacing
+    yy, xx, xy = (_over_patches(numbers, sites.size, one) / sites for one in (y * y, x * x, x * y))
+    yy, xx = yy + height**2 / 12, xx + width**2 / 12
+    mean, spread = (yy + xx) / 2, np.hypot((yy - xx) / 2, xy)
+    # The product of the roots is the determinant: mean - spread would lose the digits of a thin patch.
+    return np.asarray((mean + spread) / np.sqrt(yy * xx - xy * xy))
+
+
+def _perimeter(
+    touching: Mask,
+    sites: NDArray[np.int64],
+    numbers: Labels,
+    count: int,
+    spacing: Sequence[float],
+    edges: Edges,
+) -> Field:
+    total = np.zeros(count)
+    for axis, step in enumerate(spacing):
+        free = np.zeros(sites.size)
+        for forth in (1, -1):
+            neighbor = np.roll(touching, forth, axis)
+            if edges == "reflecting":
+                border = (slice(None),) * axis + (0 if forth == 1 else -1,)
+                neighbor[border] = touching[border]
+            free += ~neighbor.ravel()[sites]
+        total += _over_patches(numbers, count, free) * (math.prod(spacing) / step)
+    return total

@@ -1,0 +1,469 @@
+"""Patches measured, linked and followed from map to map, against flood fill, shapes by hand, and counting."""
+
+from __future__ import annotations
+
+import json
+import math
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import asperity as asp
+from asperity.analysis import contact_ages, link_patches, patch_table, patch_tracks
+from asperity.lattice import Edges, Lattice, Mask
+from asperity.patches import QUANTILES, clustering, clustering_box, map_series, quantiles, shapes_of
+from asperity.results.quantities import OF_MAPS
+from tests.refusals import refuses
+from tests.unit.test_patches import flooded, scattered
+
+SPRINGS = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+
+
+def rolled(touching: Mask, by: tuple[int, ...]) -> Mask:
+    return np.roll(touching, by, tuple(range(touching.ndim)))
+
+
+def filled(shape: tuple[int, ...], *parts: tuple[slice, ...]) -> Mask:
+    touching = np.zeros(shape, dtype=bool)
+    for part in parts:
+        touching[part] = True
+    return touching
+
+
+@pytest.mark.parametrize("connectivity", [1, 2])
+@pytest.mark.parametrize("shape", [(30,), (12, 15), (9, 2), (1, 8)])
+def test_perimeters_are_counted_side_by_side(shape: tuple[int, ...], connectivity: int) -> None:
+    spacing = (0.5, 2.0)[: len(shape)]
+    for seed in range(5):
+        touching = scattered(shape, 0.4, seed)
+        found = shapes_of(touching, spacing, connectivity=connectivity)
+        for number, perimeter in enumerate(found.perimeter, 1):
+            total = 0.0
+            for site in np.argwhere(found.found.labels == number):
+                for axis, length in enumerate(shape):
+                    side = math.prod(spacing) / spacing[axis]
+                    for step in (1, -1):
+                        other = site.copy()
+                        other[axis] = (other[axis] + step) % length
+                        total += side * (not touching[tuple(other)])
+            assert perimeter == pytest.approx(total, rel=1e-14)
+
+
+@pytest.mark.parametrize("by", [(0, 0), (-2, 0), (0, -4), (-2, -4), (-17, -40)])
+def test_a_rectangle_has_its_aspect_wherever_the_seam_cuts_it(by: tuple[int, int]) -> None:
+    touching = rolled(filled((16, 20), (slice(0, 3), slice(0, 7))), by)
+    found = shapes_of(touching, (1.0, 1.0))
+    assert found.found.sizes.tolist() == [21]
+    assert found.aspect[0] == pytest.approx(7 / 3, rel=1e-12)
+    assert found.perimeter[0] == 20
+    expected = np.mod([1 + by[0], 3 + by[1]], (16, 20))
+    np.testing.assert_allclose(found.center[0], expected, atol=1e-12)
+    oblong = shapes_of(touching, (0.5, 3.0))
+    assert oblong.aspect[0] == pytest.approx(21 / 1.5, rel=1e-12)
+    assert oblong.perimeter[0] == pytest.approx(2 * (21 + 1.5))
+    np.testing.assert_allclose(oblong.center[0], expected * (0.5, 3.0), atol=1e-12)
+
+
+def test_a_bent_patch_over_a_corner_is_the_one_in_the_middle() -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        blob = np.zeros((16, 16), dtype=bool)
+        blob[4:12, 4:12] = rng.random((8, 8)) < 0.6
+        whole = shapes_of(blob, (1.0, 2.0), connectivity=2)
+        for by in ((-8, -8), (8, 0), (-5, -9)):
+            moved = shapes_of(rolled(blob, by), (1.0, 2.0), connectivity=2)
+            np.testing.assert_array_equal(moved.found.sizes, whole.found.sizes)
+            # Patches of one size change places, so that only the set of shapes is the same.
+            np.testing.assert_allclose(np.sort(moved.aspect), np.sort(whole.aspect), rtol=1e-12)
+            np.testing.assert_allclose(np.sort(moved.perimeter), np.sort(whole.perimeter), rtol=1e-12)
+            shifted = np.mod(whole.center + np.array(by) * (1.0, 2.0), (16.0, 32.0))
+            near = np.abs(moved.center[:, None] - shifted[None]).max(axis=-1).min(axis=0)
+            assert near.max() < 1e-9
+
+
+def test_a_diagonal_line_is_as_long_as_its_moments_say() -> None:
+    """Of n sites on a diagonal: n^2 - 1 over 12 along each axis, and between the axes."""
+    n = 6
+    touching = rolled(np.eye(10, dtype=bool) & filled((10, 10), (slice(0, n), slice(0, n))), (-3, -3))
+    found = shapes_of(touching, (1.0, 1.0), connectivity=2)
+    long, short = (2 * (n**2 - 1) + 1) / 12, 1 / 12
+    assert found.aspect.tolist() == pytest.approx([math.sqrt(long / short)])
+    assert shapes_of(touching, (1.0, 1.0)).aspect.tolist() == pytest.approx([1.0] * n)
+
+
+def test_a_patch_around_the_lattice_has_no_ends() -> None:
+    ring = filled((8, 10), (slice(3, 4), slice(None)), (slice(0, 1), slice(2, 4)))
+    found = shapes_of(ring, (1.0, 1.0))
+    assert np.isnan(found.aspect).tolist() == [True, False]
+    assert np.isnan(found.center).tolist() == [[True, True], [False, False]]
+    assert found.perimeter.tolist() == [20, 6]
+    # Around both axes at once, by one diagonal step.
+    helix = np.array([[1, 1, 0, 0], [0, 1, 1, 0], [0, 0, 1, 1], [1, 0, 0, 1]], dtype=bool)
+    assert np.isnan(shapes_of(helix, (1.0, 1.0)).aspect).tolist() == [True]
+
+
+def test_reflecting_edges_join_nothing_and_are_no_rim() -> None:
+    touching = filled((6, 8), (slice(0, 2), slice(0, 2)), (slice(0, 2), slice(6, 8)))
+    found = shapes_of(touching, (1.0, 1.0), "reflecting")
+    assert (found.found.count, found.perimeter.tolist()) == (2, [4, 4])
+    assert shapes_of(touching, (1.0, 1.0)).found.count == 1
+
+
+masks = hnp.array_shapes(min_dims=1, max_dims=2, max_side=9).flatmap(
+    lambda shape: st.tuples(hnp.arrays(bool, shape), hnp.arrays(bool, shape))
+)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(masks, st.sampled_from([1, 2]), st.sampled_from(["periodic", "reflecting"]))
+def test_events_add_up_to_the_change_of_number(
+    pair: tuple[Mask, Mask], connectivity: int, edges: Edges
+) -> None:
+    before, after = pair
+    links = link_patches(before, after, connectivity, edges=edges)
+    change = links.after.size - links.before.size
+    assert links.births - links.deaths + links.splits - links.merges == change
+    assert min(links.births, links.deaths, links.splits, links.merges) >= 0
+    gained = links.gained_by_expansion + links.gained_by_coalescence + links.gained_by_births
+    assert gained == np.count_nonzero(after & ~before)
+    assert links.lost_by_shrinkage + links.lost_by_deaths == np.count_nonzero(before & ~after)
+    back = link_patches(after, before, connectivity, edges=edges)
+    assert (back.births, back.deaths, back.merges, back.splits) == (
+        links.deaths,
+        links.births,
+        links.splits,
+        links.merges,
+    )
+
+
+@pytest.mark.parametrize("connectivity", [1, 2])
+@pytest.mark.parametrize("shape", [(40,), (13, 16), (18, 2)])
+def test_links_are_those_of_flood_fill(shape: tuple[int, ...], connectivity: int) -> None:
+    for seed in range(25):
+        fraction = (0.1, 0.3, 0.5, 0.6, 0.8)[seed % 5]
+        first, last = scattered(shape, fraction, seed), scattered(shape, 0.4, seed + 1000)
+        if seed % 2:
+            last |= first  # creep, which mostly adds sites
+        links = link_patches(first, last, connectivity)
+        old, new = flooded(first, connectivity), flooded(last, connectivity)
+        before, after = (asp.analysis.patches(one, connectivity) for one in (first, last))
+        # Numbers of the patches of flood fill, by any of their sites.
+        pairs = {
+            (int(before.labels[next(iter(a))]), int(after.labels[next(iter(b))])): len(a & b)
+            for a in old
+            for b in new
+            if a & b
+        }
+        assert dict(zip(map(tuple, links.pairs.tolist()), links.shared.tolist(), strict=True)) == pairs
+        parents = [sum(bool(a & b) for a in old) for b in new]
+        children = [sum(bool(a & b) for b in new) for a in old]
+        assert (links.births, links.deaths) == (parents.count(0), children.count(0))
+        assert links.merges == sum(max(n - 1, 0) for n in parents)
+        assert links.splits == sum(max(n - 1, 0) for n in children)
+        gained = [len(b.difference(*old)) for b in new]
+        for name, chosen in (("expansion", [1]), ("births", [0]), ("coalescence", range(2, 99))):
+            expected = sum(g for g, n in zip(gained, parents, strict=True) if n in chosen)
+            assert getattr(links, f"gained_by_{name}") == expected
+        lost = [len(a.difference(*new)) for a in old]
+        assert links.lost_by_deaths == sum(n for n, c in zip(lost, children, strict=True) if c == 0)
+        # A patch continues the one with which it shares most, if that is mutual.
+        for number, taken in enumerate(links.continued.tolist(), 1):
+            if taken:
+                own = {p: n for p, n in pairs.items() if number == p[1]}
+                its = {p: n for p, n in pairs.items() if taken == p[0]}
+                assert pairs[taken, number] == max(own.values()) == max(its.values())
+
+
+def test_many_to_many_has_merges_and_splits() -> None:
+    """Two bars that are crossed by two others share four sites: each bar has two of the other map."""
+    bars = filled((6, 6), (slice(1, 2), slice(0, 5)), (slice(3, 4), slice(0, 5)))
+    links = link_patches(bars, bars.T)
+    assert (links.births, links.deaths, links.merges, links.splits) == (0, 0, 2, 2)
+    # One bridge less is one event less of each kind.
+    short = filled((6, 6), (slice(0, 5), slice(1, 2)), (slice(2, 5), slice(3, 4)))
+    assert (link_patches(bars, short).merges, link_patches(bars, short).splits) == (1, 1)
+
+
+def test_what_is_linked_is_two_masks_of_one_lattice() -> None:
+    mask = np.zeros((8, 8), dtype=bool)
+    with refuses("after"):
+        link_patches(mask, mask[0])
+    with refuses("before"):
+        link_patches(mask.astype(int), mask)
+    with refuses("edges"):
+        link_patches(mask, mask, edges="open")  # type: ignore[arg-type]
+
+
+def maps_of(shape: tuple[int, ...], seed: int, count: int = 7) -> list[Mask]:
+    """Maps that grow here and shrink there."""
+    rng = np.random.default_rng(seed)
+    maps = [rng.random(shape) < 0.3]
+    for _ in range(count - 1):
+        maps.append((maps[-1] | (rng.random(shape) < 0.1)) & ~(rng.random(shape) < 0.1))
+    return maps
+
+
+@pytest.mark.parametrize("shape", [(40,), (12, 17)])
+def test_ages_are_counted_back_map_by_map(shape: tuple[int, ...]) -> None:
+    times = [0.0, 0.5, 2.0, 2.0, 7.0, 30.0, 100.0]
+    maps = maps_of(shape, 3)
+    series = map_series(maps, times, Lattice(shape))
+    for number, touching in enumerate(maps):
+        ages = []
+        for site in map(tuple, np.argwhere(touching)):
+            first = number
+            while first and maps[first - 1][site]:
+                first -= 1
+            ages.append(times[number] - times[first])
+        assert series["mean_contact_age"][number] == pytest.approx(np.mean(ages), rel=1e-13)
+        expected = np.quantile(ages, QUANTILES, method="inverted_cdf")
+        np.testing.assert_allclose(series["contact_age"][number], expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("shape", [(40,), (12, 17), (3, 5)])
+def test_the_series_is_that_of_its_maps(shape: tuple[int, ...]) -> None:
+    maps, lattice = maps_of(shape, 8), Lattice(shape)
+    series = map_series(maps, np.arange(7.0).tolist(), lattice)
+    assert {*series, "contact_pressure"} == {
+        name for name in OF_MAPS if name != "mean_patch_aspect" or len(shape) == 2
+    }
+    box = clustering_box(maps)
+    for number, touching in enumerate(maps):
+        sizes = np.array(sorted(map(len, flooded(touching))))
+        row = {name: values[number] for name, values in series.items()}
+        assert (row["patches"], row["largest_patch_size"]) == (sizes.size, sizes[-1])
+        assert row["mean_patch_size"] == pytest.approx(sizes.mean())
+        assert row["median_patch_size"] == np.median(sizes)
+        assert row["perimeter"] == sum(
+            np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in range(touching.ndim)
+        )
+        if box is None:
+            assert math.isnan(row["clustering"])
+        else:
+            assert row["clustering"] == clustering(touching, box)
+        if len(shape) == 2:
+            shapes = shapes_of(touching, (1.0, 1.0))
+            each = [float(shapes.aspect[n - 1]) for n in shapes.found.labels[touching]]
+            ended = [one for one in each if not math.isnan(one)]
+            assert row["mean_patch_aspect"] == pytest.approx(
+                np.mean(ended) if ended else math.nan, nan_ok=True
+            )
+    change = series["births"] - series["deaths"] + series["splits"] - series["merges"]
+    np.testing.assert_array_equal(series["patches"][0] + np.cumsum(change), series["patches"])
+    gained = np.sum([series[name] for name in series if name.startswith("gained_by")], axis=0)
+    growth = gained - np.sum([series[name] for name in series if name.startswith("lost_by")], axis=0)
+    area = np.count_nonzero(maps, axis=tuple(range(1, len(shape) + 1)))
+    np.testing.assert_array_equal(area[0] + np.cumsum(growth), area)
+
+
+def test_maps_without_contact_have_no_sizes_and_no_ages() -> None:
+    nothing = np.zeros((16, 16), dtype=bool)
+    some = filled((16, 16), (slice(2, 5), slice(3, 9)))
+    series = map_series([nothing, some, nothing], [0.0, 1.0, 3.0], Lattice((16, 16)))
+    assert series["patches"].tolist() == [0, 1, 0]
+    assert (series["births"].tolist(), series["deaths"].tolist()) == ([0, 1, 0], [0, 0, 1])
+    assert (series["gained_by_births"].tolist(), series["lost_by_deaths"].tolist()) == (
+        [0, 18, 0],
+        [0, 0, 18],
+    )
+    assert np.isnan(series["mean_patch_size"]).tolist() == [True, False, True]
+    assert series["contact_age"][1].tolist() == [0.0] * len(QUANTILES)
+    assert np.isnan(series["contact_age"][2]).all()
+    assert clustering_box([nothing]) is None
+    assert np.isnan(quantiles(np.empty(0))).all()
+
+
+@pytest.fixture(scope="module")
+def history() -> asp.results.History:
+    rough = asp.surfaces.gaussian((32, 24), rms=1.0, seed=4)
+    contact = asp.press(rough, SPRINGS, load=300.0)
+    legs = [asp.protocols.Hold(2.0), asp.protocols.Step(load=150.0), asp.protocols.Hold(8.0)]
+    return asp.age(contact, [1.0, 10.0], protocol=legs, fields_at=[0.0, 0.5, 2.0, 5.0, 10.0])
+
+
+def test_every_dataset_with_fields_has_the_series(history: asp.results.History) -> None:
+    dataset = history.dataset
+    assert dataset.sizes["field_time"] == 6  # two at the step
+    series = map_series(
+        dataset["in_contact"].values, dataset["field_time"].values.tolist(), history.final.lattice
+    )
+    for name, values in series.items():
+        np.testing.assert_array_equal(dataset[name].values, values)
+        assert dataset[name].attrs["long_name"] == OF_MAPS[name][0]
+    assert dataset["deaths"].sum() > 0  # unloading
+    assert dataset["births"].sum() > 0
+    assert dataset["clustering"].attrs["box"] == clustering_box(dataset["in_contact"].values)
+    final = history.final
+    pressure = quantiles(final.pressure[final.in_contact])
+    np.testing.assert_array_equal(dataset["contact_pressure"][-1], pressure)
+    assert dataset["contact_pressure"].sel(quantile=1.0)[-1] == final.largest_pressure
+    without = asp.age(final, [1.0]).dataset
+    assert not set(OF_MAPS) & set(map(str, without.variables))
+
+
+def test_a_table_of_patches_adds_up(history: asp.results.History) -> None:
+    final = history.final
+    table = patch_table(final)
+    assert table.sizes["patch"] == asp.analysis.patches(final.in_contact).count
+    assert int(table["size"].sum()) == final.area
+    assert float(table["load"].sum()) == pytest.approx(final.load, rel=1e-12)
+    assert float(table["largest_pressure"].max()) == final.largest_pressure
+    np.testing.assert_allclose(table["mean_pressure"] * table["size"], table["load"], rtol=1e-12)
+    of_map = patch_table(history.dataset.isel(field_time=-1))
+    for name in table.variables:
+        np.testing.assert_allclose(of_map[name], table[name], rtol=1e-9, atol=1e-9)
+        assert of_map[name].attrs == table[name].attrs
+    columns = table.to_dataframe().reset_index().columns
+    assert list(columns) == [
+        *("patch", "size", "perimeter", "aspect", "y", "x"),
+        *("load", "mean_pressure", "largest_pressure"),
+    ]
+
+
+def test_units_of_a_table_are_those_of_the_contact() -> None:
+    heights = np.round(1e-7 * np.random.default_rng(0).normal(size=(24, 16)), 9)
+    rough = asp.surfaces.Surface(heights, unit="m", pixel_size=(1e-6, 2e-6), length_unit="m")
+    contact = asp.press(rough, asp.solids.half_space(modulus=1e9), pressure=1e6)
+    history = asp.age(contact, [1.0], fields_at=[0.0])
+    table = patch_table(contact)
+    units = {name: table[name].attrs["units"] for name in map(str, table.data_vars)}
+    assert units == {
+        **{"size": "sites", "contact_area": "m^2", "perimeter": "m", "aspect": "1", "y": "m", "x": "m"},
+        **{"load": "N", "mean_pressure": "Pa", "largest_pressure": "Pa"},
+    }
+    assert float(table["contact_area"].sum()) == pytest.approx(contact.contact_area)
+    assert float(table["load"].sum()) == pytest.approx(contact.load)
+    of_map = patch_table(history.dataset.isel(field_time=0))
+    assert {name: of_map[name].attrs["units"] for name in units} == units
+    assert history["perimeter"].attrs["units"] == "m"
+    assert history["contact_pressure"].attrs["units"] == "Pa"
+    assert history["mean_contact_age"].attrs["units"] == "s"
+    assert history["perimeter"].item() == pytest.approx(float(table["perimeter"].sum()))
+
+
+def test_tracks_follow_each_patch(history: asp.results.History) -> None:
+    dataset = history.dataset
+    found = patch_tracks(dataset)
+    entries, tracks, links = found.patches, found.tracks, found.links
+    maps = dataset["in_contact"].values
+    for number, touching in enumerate(maps):
+        here = entries["map"] == number
+        sizes = entries["size"][here].values.tolist()
+        assert sizes == asp.analysis.patches(touching).sizes.tolist()
+        own = entries["track"][here].values
+        assert np.unique(own).size == own.size
+        # A track has ended, or is there.
+        born, died = tracks["birth"].values, tracks["death"].values
+        time = float(dataset["field_time"][number])
+        assert set(own) <= set(np.flatnonzero((born <= time) & ~(died < time)))
+    for number, (first, last) in enumerate(pairwise(maps), 1):
+        link = link_patches(first, last)
+        here = links["map"] == number
+        assert links["shared"][here].values.tolist() == link.shared.tolist()
+        old = entries["track"][entries["map"] == number - 1].values
+        new = entries["track"][entries["map"] == number].values
+        np.testing.assert_array_equal(links["before"][here], old[link.pairs[:, 0] - 1])
+        np.testing.assert_array_equal(links["after"][here], new[link.pairs[:, 1] - 1])
+        kept = np.intersect1d(old, new)
+        assert kept.size == np.count_nonzero(link.continued)
+    counts = {name: int((tracks["origin"] == name).sum()) for name in ("first map", "new", "split")}
+    assert counts["first map"] == int(dataset["patches"][0])
+    assert counts["new"] == int(dataset["births"].sum())
+    ends = {name: int((tracks["end"] == name).sum()) for name in ("last map", "gone", "merged")}
+    assert ends["last map"] == int(dataset["patches"][-1])
+    assert ends["gone"] == int(dataset["deaths"].sum())
+    np.testing.assert_array_equal(tracks["parent"] >= 0, tracks["origin"] == "split")
+    np.testing.assert_array_equal(tracks["heir"] >= 0, tracks["end"] == "merged")
+    np.testing.assert_array_equal(np.isnan(tracks["death"]), tracks["end"] == "last map")
+    for track in range(tracks.sizes["track"]):
+        one = entries["size"][entries["track"] == track]
+        assert (one.size, int(one.max())) == (int(tracks["maps"][track]), int(tracks["largest_size"][track]))
+
+
+def test_a_split_and_a_merge_have_names() -> None:
+    """A bar of seven sites loses one near its end; then a bridge joins it with another bar."""
+    bar = filled((12, 12), (slice(2, 3), slice(1, 8)), (slice(6, 7), slice(1, 4)))
+    split = bar & ~filled((12, 12), (slice(2, 3), slice(3, 4)))
+    joined = split | filled((12, 12), (slice(2, 7), slice(6, 7)), (slice(6, 7), slice(1, 8)))
+    rough = asp.surfaces.gaussian((12, 12), rms=1.0, seed=1)
+    start = asp.age(asp.press(rough, SPRINGS, load=50.0), [3.0], fields_at=[1.0, 2.0, 3.0]).dataset
+    dataset = start.assign(in_contact=(start["in_contact"].dims, np.stack([bar, split, joined])))
+    tracks = patch_tracks(dataset).tracks
+    assert tracks["origin"].values.tolist() == ["first map", "first map", "split"]
+    assert tracks["parent"].values.tolist() == [-1, -1, 0]
+    assert tracks["end"].values.tolist() == ["last map", "merged", "last map"]
+    assert tracks["heir"].values.tolist() == [-1, 0, -1]
+    assert tracks["birth"].values.tolist() == [1.0, 1.0, 2.0]
+    assert tracks["largest_size"].values.tolist() == [14, 3, 2]
+
+
+def test_ages_of_all_sites(history: asp.results.History) -> None:
+    ages = contact_ages(history.dataset)
+    assert ages.dims == ("field_time", "y", "x")
+    assert ages.attrs["units"] == history["contact_age"].attrs["units"]
+    np.testing.assert_array_equal(np.isnan(ages), ~history["in_contact"].values)
+    np.testing.assert_allclose(ages.mean(["y", "x"]), history["mean_contact_age"])
+    np.testing.assert_allclose(ages.max(["y", "x"]), history["contact_age"].sel(quantile=1.0))
+
+
+def test_what_has_no_fields_is_refused(history: asp.results.History) -> None:
+    without = asp.age(history.final, [1.0]).dataset
+    for function in (patch_tracks, contact_ages):
+        with refuses("dataset"):
+            function(without)
+        with refuses("dataset"):
+            function(history)  # type: ignore[arg-type]
+    with refuses("image"):
+        patch_table(history.dataset)
+    with refuses("image"):
+        patch_table(without)
+    with refuses("image"):
+        patch_table(history.final.in_contact)  # type: ignore[arg-type]
+    with refuses("connectivity"):
+        patch_table(history.final, connectivity=3)
+
+
+def test_pressures_are_distributed_as_hertz_says() -> None:
+    """p = p0 sqrt(1 - r^2/a^2): the share p^2/p0^2 of the area bears at most p.
+
+    K. L. Johnson, Contact Mechanics (1985), Eq. 3.39.
+    """
+    n, radius, modulus = 128, 400.0, 1.0
+    y, x = np.meshgrid(*(np.arange(n) - n / 2 + 0.25,) * 2, indexing="ij")
+    contact = asp.press(-(x**2 + y**2) / (2 * radius), asp.solids.half_space(modulus=modulus), load=40.0)
+    assert patch_table(contact).sizes["patch"] == 1
+    area = contact.contact_area_corrected
+    largest = 1.5 * contact.load / area
+    found = asp.age(contact, [1.0], fields_at=[0.0])["contact_pressure"].sel(field_time=0.0)
+    expected = largest * np.sqrt(np.array(QUANTILES))
+    np.testing.assert_allclose(found[1:], expected[1:], rtol=0.03)
+
+
+class KilledError(Exception):
+    """A run ends here."""
+
+
+def test_a_resumed_run_has_the_same_series(tmp_path: Path) -> None:
+    contact = asp.press(asp.surfaces.gaussian((24, 24), rms=1.0, seed=4), SPRINGS, load=150.0)
+    place = tmp_path / "place"
+
+    def kill(frame: asp.Frame) -> None:
+        if frame.time > 1.0:
+            raise KilledError
+
+    def aged(**options: Any) -> xr.Dataset:
+        return asp.age(contact, [1.0, 10.0, 100.0], fields_at=[0.0, 1.0, 30.0, 100.0], **options).dataset
+
+    whole = aged()
+    with pytest.raises(KilledError):
+        aged(checkpoint=asp.Checkpoint(place, every=0.0), progress=kill)
+    kept = json.loads(str(np.load(place)["facts"]))["snapshots"]
+    assert [one[1] for one in kept] == whole["contact_pressure"][:2].values.tolist()
+    xr.testing.assert_identical(aged(checkpoint=place), whole)
