@@ -23,7 +23,7 @@ from asperity.cli import main
 from asperity.config.mistakes import ORDER, models_of
 from asperity.errors import InputError
 from asperity.results import load as load_results
-from asperity.results.quantities import PARAMETERS
+from asperity.results.quantities import OF_MAPS, PARAMETERS
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
 from tests.campaign.conftest import SMALL, do_here, finish, numbers, start, written
@@ -530,6 +530,19 @@ def test_kept_fields_are_those_of_single_runs(tmp_path):
     assert fields.attrs == {"spacing": "[1.0, 1.0]", "edges": "periodic", "si": 0}
     touching = (fields["u"] == fields["heights"]).sum(("y", "x"))
     assert (touching == fields["in_contact"].sum(("y", "x"))).all()
+    solid = spring_lattice(k0=1.0, k1=where["k1"])
+    contact = press(gaussian((16, 16), seed=int(where["seed"])), solid, load=where["load"])
+    alone = age(contact, np.geomspace(0.1, 10.0, 5), fields_at=[0.0, 1.0]).dataset
+    for name in set(OF_MAPS) & set(alone):
+        np.testing.assert_array_equal(run[name], alone[name])
+        assert run[name].attrs["units"] == alone[name].attrs["units"]
+        xr.testing.assert_equal(fields[name], alone[name].drop_vars("field_leg", errors="ignore"))
+        assert fields[name].dtype == alone[name].dtype
+    assert data["patches"].dims == (*data["initial_area"].dims, "field_time")
+    assert data["patches_mean"].dims == ("load", "k1", "field_time")
+    table = campaign.table(data)
+    assert len(table) == 12
+    assert table["final_patches"].tolist() == data["patches"].isel(field_time=-1).values.ravel().tolist()
     for wrong in ({}, where | {"k9": 1.0}, where | {"seed": 99}):
         with pytest.raises(InputError, match="that name one run"):
             campaign.fields(tmp_path / "out", **wrong)

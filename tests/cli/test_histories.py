@@ -50,7 +50,8 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_all_files_are_there(out: Path) -> None:
-    names = ["aging.csv", "config.toml", "contacts.png", "history.png", "history.zarr", "summary.txt"]
+    names = ["aging.csv", "config.toml", "contacts.png", "history.png", "history.zarr"]
+    names += ["patches.csv", "patches.png", "summary.txt"]
     assert sorted(path.name for path in out.iterdir()) == names
 
 

@@ -26,6 +26,8 @@ def test_all_files_are_there(finished: Path) -> None:
         "config.toml",
         "contacts.png",
         "history.zarr",
+        "patches.csv",
+        "patches.png",
         "summary.txt",
     ]
     assert list(finished.parent.iterdir()) == [finished]
@@ -46,6 +48,19 @@ def test_the_history_is_that_of_the_verbs(finished: Path) -> None:
     assert dataset.attrs["config"] == (finished / "config.toml").read_text()
     assert dataset["field_time"].values[0] == 0
     assert dataset["field_time"].size == 6
+
+
+def test_the_table_of_patches_has_a_row_a_map(finished: Path) -> None:
+    dataset = results.load(finished / "history.zarr")
+    with (finished / "patches.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["time"]) for row in rows] == dataset["field_time"].values.tolist()
+    for name in ("patches", "perimeter", "births", "gained_by_expansion", "mean_contact_age"):
+        np.testing.assert_array_equal([float(row[name]) for row in rows], dataset[name])
+    for share in (0.05, 0.5, 1.0):
+        for name in ("contact_age", "contact_pressure"):
+            there = [float(row[f"{name}_{100 * share:g}_percent"]) for row in rows]
+            np.testing.assert_array_equal(there, dataset[name].sel(quantile=share))
 
 
 def test_the_table_holds_the_history(finished: Path) -> None:

@@ -211,6 +211,7 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.analysis.aging_summary,
     asp.analysis.leg_table,
     asp.figures.history_figure,
+    asp.figures.patch_figure,
     asp.analysis.contact_ages,
     asp.analysis.contact_maps,
     asp.surfaces.check_square,

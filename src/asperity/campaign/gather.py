@@ -21,6 +21,7 @@ from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import in_words
 from asperity.results.quantities import (
+    OF_MAPS,
     Units,
     attribute_of,
     of_parameter,
@@ -54,6 +55,7 @@ _SCALARS = {
 }
 """Long name and dimension of the numbers of a run that are no values of a series."""
 
+_WHICH = {"initial": "first", "final": "last"}
 _WHEN = {"initial": "at time 0", "final": "at the last time", "relaxed": "relaxed"}
 
 
@@ -74,7 +76,8 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         ``fit_q``. Over all but ``seed``: the ensemble, ``area_mean``, ``area_stderr`` (standard error of
         the mean), and so on, and the ``count`` of finished seeds; ``fit_q_count`` where fewer have a fit.
         What is not finished is NaN. Where durations are swept, runs have times of their own: then ``entry``
-        takes the place of ``time``, which is a coordinate over the parameters and ``entry``. The attributes
+        takes the place of ``time``, which is a coordinate over the parameters and ``entry``. Where all runs
+        kept maps at the same times, what these know of patches is over ``field_time``. The attributes
         hold what all runs have in common, one by one (``k0``, ``shape``, ``last``, ...), their units as
         ``parameter_units``, and the whole campaign file as ``config``.
 
@@ -111,6 +114,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             free = f"{name}_history" if name in coordinates else name
             long_name, unit = described[name]
             dataset[free] = ((*dims, along), values, {"long_name": long_name, "units": unit})
+    dataset = dataset.assign(_of_maps(plan, finished, dims, shape))
     units = units_named({name: unit for name, (_, unit) in described.items()})
     for row, name in enumerate(names):
         when, _, of_what = name.partition("_")
@@ -124,7 +128,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         if name.endswith("_uncertainty"):
             long_name = f"{long_name}, standard error of the fit"
         dataset[name] = (dims, scalars[row], {"long_name": long_name, "units": units.get(unit, unit)})
-    for name in map(str, dataset.coords):
+    for name in set(map(str, dataset.coords)) - {"field_time", "quantile"}:
         long_name, unit = of_parameter(name) or described.get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
     if "seed" in dims:
@@ -189,7 +193,7 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
     """
     checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
     dataset = with_ends(dataset)
-    whole = set(dataset.dims) - {"time", "entry"}
+    whole = set(dataset.dims) - {"time", "entry", "field_time", "quantile"}
     numbers = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == whole]
     if whole:
         rows = dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
@@ -200,21 +204,24 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
 
 def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     """Add the first and the last value of each series of a run, by names such as ``final_approach``."""
-    along = str(dataset["time"].dims[-1])
+    over_time = str(dataset["time"].dims[-1])
     series = {name: str(dataset[name].attrs["long_name"]) for name in map(str, dataset.data_vars)}
     ends: dict[str, xr.DataArray] = {}
     for name, long_name in series.items():
         quantity = name.removesuffix("_history")
         values = dataset[name]
-        if along not in values.dims or quantity in _NO_ENSEMBLE or quantity not in QUANTITIES:
+        along, known = (over_time, QUANTITIES) if over_time in values.dims else ("field_time", tuple(OF_MAPS))
+        if along not in values.dims or quantity in _NO_ENSEMBLE or quantity not in known:
+            continue
+        if "quantile" in values.dims:
             continue
         last = (values.notnull().sum(along) - 1).clip(min=0)  # a run of few entries ends with undefined ones
         for when, end in (("initial", values.isel({along: 0})), ("final", values.isel({along: last}))):
             if f"{when}_{quantity}" not in dataset:
-                described = values.attrs | {"long_name": f"{long_name}, {_WHEN[when]}"}
-                ends[f"{when}_{quantity}"] = end.drop_vars(["time", "leg"], errors="ignore").assign_attrs(
-                    described
-                )
+                said = _WHEN[when] if along == over_time else f"on the {_WHICH[when]} map"
+                described = values.attrs | {"long_name": f"{long_name}, {said}"}
+                plain_end = end.drop_vars(["time", "leg", "field_time"], errors="ignore")
+                ends[f"{when}_{quantity}"] = plain_end.assign_attrs(described)
     return dataset.assign(ends)
 
 
@@ -267,6 +274,29 @@ def _times(
             values = np.where(values < 0, np.nan, values)
         kept[name] = ((*dims, "entry"), values)
     return "entry", {**kept, "entry": np.arange(series["time"].shape[-1])}
+
+
+def _of_maps(
+    plan: Plan, finished: Mapping[str, Finished], dims: tuple[str, ...], shape: tuple[int, ...]
+) -> xr.Dataset:
+    """What maps know of patches, over the runs; nothing where not all kept maps at the same times."""
+    maps = [run.maps for run in finished.values()]
+    first = maps[0]
+    if first is None or not all(
+        one is not None
+        and list(one.data_vars) == list(first.data_vars)
+        and one["field_time"].equals(first["field_time"])
+        for one in maps
+    ):
+        return xr.Dataset()
+    gathered = xr.Dataset(coords=first.coords)
+    for name, one in first.data_vars.items():
+        values = np.full((*shape, *one.shape), np.nan)
+        for run in plan.runs:
+            if run.identity in finished and (own := finished[run.identity].maps) is not None:
+                values[tuple(_place(plan, run))] = own[name].values
+        gathered[name] = ((*dims, *one.dims), values, one.attrs)
+    return gathered
 
 
 def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:

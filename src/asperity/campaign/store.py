@@ -28,11 +28,13 @@ from numpy.typing import NDArray
 
 from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
+from asperity.patches import QUANTILES
 from asperity.results.quantities import (
     FIELDS,
     FIELDS_OF_CONTINUA,
     OF_CONTINUA,
     OF_FRICTION,
+    OF_MAPS,
     OF_SLIDING,
     SERIES,
 )
@@ -45,6 +47,9 @@ _ALWAYS = {"sites", "initial_area", "seconds"}
 """Scalars that every finished run has."""
 KEPT_FIELDS = ("heights", *FIELDS, *FIELDS_OF_CONTINUA, "in_contact_relaxed", "u_relaxed", "area_observed")
 """Fields of a run that asked for maps."""
+
+_OF_MAPS = "of_maps"
+"""The array of all that maps know of patches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +68,8 @@ class Finished:
         Long name and unit of the series that it has.
     lattice
         Attributes of its dataset that describe the lattice.
+    maps
+        What its maps know of patches, over ``field_time``; None without maps.
     """
 
     series: Field
@@ -70,6 +77,7 @@ class Finished:
     config: str
     described: dict[str, tuple[str, str]]
     lattice: dict[str, Any]
+    maps: xr.Dataset | None = None
 
 
 class Store:
@@ -187,7 +195,10 @@ class Store:
             sound = facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS
             described = {name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()}
             completed = _completed(series, facts["quantities"])
-            finished = Finished(completed, scalars, str(facts["config"]), described, facts.get("lattice", {}))
+            maps = _maps_of(group, facts)
+            finished = Finished(
+                completed, scalars, str(facts["config"]), described, facts.get("lattice", {}), maps
+            )
         except FileNotFoundError as error:
             raise self._unreadable(identity, error) from error
         except Exception as error:  # a damaged byte of a description leads anywhere
@@ -220,16 +231,19 @@ class Store:
                 advice="maps_at in [output]",
             )
         try:
-            arrays = {name: np.asarray(group[name]) for name in (*KEPT_FIELDS, "field_time") if name in group}
+            names = (*KEPT_FIELDS, "field_time", _OF_MAPS)
+            arrays = {name: np.asarray(group[name]) for name in names if name in group}
+            of_patches = _maps_of(group, facts)
         except Exception as error:
             raise self._damaged(identity) from error
         if kept != _checksum(*arrays.values()):
             raise self._damaged(identity)
         sites = ("y", "x")[2 - arrays["heights"].ndim :]
+        arrays.pop(_OF_MAPS, None)
         times = arrays.pop("field_time")
         before = {1: ("field_time",), 2: ("field_time", "branch")}
         of_maps = {name: ("field_time", arrays.pop(name)) for name in ("area_observed",) if name in arrays}
-        return xr.Dataset(
+        fields = xr.Dataset(
             {
                 name: ((*before.get(values.ndim - len(sites), ()), *sites), values)
                 for name, values in arrays.items()
@@ -238,6 +252,7 @@ class Store:
             coords={"field_time": times},
             attrs=lattice,
         )
+        return fields if of_patches is None else fields.assign(of_patches)
 
     def _unreadable(self, identity: str, error: Exception) -> InputError:
         return InputError("campaign", expected=f"a finished run in {self.runs}", got=f"{identity}: {error}")
@@ -269,6 +284,10 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
     fields = {}
     if "field_time" in dataset:
         fields = {name: np.asarray(dataset[name]) for name in (*KEPT_FIELDS, "field_time") if name in dataset}
+    kept = {}
+    if "patches" in dataset:
+        kept = {name: np.atleast_2d(np.asarray(dataset[name]).T) for name in OF_MAPS if name in dataset}
+        fields[_OF_MAPS] = np.concatenate(list(kept.values())).astype(np.float64)
     for name, values in fields.items():
         group.create_array(name, data=values, chunks=values.shape)
     group.attrs.update(
@@ -285,6 +304,15 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
             "heights_sha256": str(dataset.attrs["heights_sha256"]),
             "checksum": _checksum(series),
             **({"fields_checksum": _checksum(*fields.values())} if fields else {}),
+            _OF_MAPS: [
+                [
+                    name,
+                    len(values),
+                    values.dtype.str,
+                    *(dataset[name].attrs[key] for key in ("long_name", "units")),
+                ]
+                for name, values in kept.items()
+            ],
             "complete": True,
         }
     )
@@ -295,6 +323,21 @@ def _completed(series: Field, quantities: Sequence[str]) -> Field:
     known = dict(zip(quantities, series, strict=True))
     missing = np.full(series.shape[1:], np.nan)
     return np.stack([known.get(name, missing) for name in QUANTITIES])
+
+
+def _maps_of(group: zarr.Group, facts: dict[str, Any]) -> xr.Dataset | None:
+    """What the maps of a run know of patches; None where it has no maps, or an earlier version wrote it."""
+    if not facts.get(_OF_MAPS):
+        return None
+    values, row, series = np.asarray(group[_OF_MAPS]), 0, {}
+    for name, width, dtype, long_name, unit in facts[_OF_MAPS]:
+        one = values[row : row + width].astype(dtype)
+        shaped = one[0] if width == 1 else one.T
+        described = {"long_name": str(long_name), "units": str(unit)}
+        series[str(name)] = (("field_time", "quantile")[: shaped.ndim], shaped, described)
+        row += width
+    coordinates = {"field_time": np.asarray(group["field_time"]), "quantile": list(QUANTILES)}
+    return xr.Dataset(series, coords=coordinates)
 
 
 def _scalars(outcome: Outcome) -> dict[str, float]:

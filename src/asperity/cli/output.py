@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from asperity.analysis import contact_maps
 from asperity.config.reading import to_toml
 from asperity.errors import InputError, OutputError
-from asperity.figures import aging_curve, contact_figure, history_figure, sliding_figure
+from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
-from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_SLIDING
+from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_MAPS, OF_SLIDING
 from asperity.results.store import whole_file, whole_folder
 
 if TYPE_CHECKING:
@@ -91,8 +91,8 @@ def _try_writing(flag: str, target: Path, folder: Path) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    stems = ("aging", "history", "contacts", "growth", "pressure", "relaxation", "observed", "sliding")
-    return name in {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION} or Path(name).stem in stems
+    stems = ("aging", "history", "sliding", "contacts", "patches", "growth", "pressure", "relaxation")
+    return name in {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION} or Path(name).stem in (*stems, "observed")
 
 
 def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:
@@ -125,6 +125,8 @@ def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) ->
         (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
         (folder / "summary.txt").write_text(f"{text}\n", encoding="utf-8")
         _write_table(outcome, folder / "aging.csv")
+        if "patches" in outcome.dataset:
+            _write_patches(outcome.dataset, folder / "patches.csv")
         return _write_figures(outcome, folder)
 
 
@@ -190,6 +192,8 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
             shown = shown.isel(field_time=[n * (maps - 1) // (_MOST_MAPS - 1) for n in range(_MOST_MAPS)])
             remarks.append(f"contacts shows {_MOST_MAPS} of {maps} maps; history.zarr holds all")
         drawings["contacts"] = lambda: contact_figure(contact_maps(shown))
+    if maps > 1:
+        drawings["patches"] = lambda: patch_figure(outcome.dataset)
     for name, draw in drawings.items():
         try:
             for kind in outcome.config.output.figures:
@@ -212,10 +216,27 @@ def _write_table(outcome: Outcome, path: Path) -> None:
     continuum = [name for name in OF_CONTINUA if name in dataset and name not in _COLUMNS]
     sliding = [name for name in OF_SLIDING | OF_FRICTION if name in dataset]
     chosen = [*_COLUMNS, *continuum, *sliding, *(["leg"] if "leg" in dataset.coords else [])]
-    columns = [dataset[name].values.tolist() for name in chosen]
+    _write_columns(dataset, [(name, dataset[name]) for name in chosen], path)
+
+
+def _write_patches(dataset: xr.Dataset, path: Path) -> None:
+    """One row a map: what it knows of patches."""
+    columns = [("time", dataset["field_time"])]
+    for name in OF_MAPS:
+        if name in dataset and "quantile" in dataset[name].dims:
+            shares = dataset["quantile"].values.tolist()
+            columns += [
+                (f"{name}_{100 * share:g}_percent", dataset[name].sel(quantile=share)) for share in shares
+            ]
+        elif name in dataset:
+            columns.append((name, dataset[name]))
+    _write_columns(dataset, columns, path)
+
+
+def _write_columns(dataset: xr.Dataset, columns: list[tuple[str, xr.DataArray]], path: Path) -> None:
     si = bool(dataset.attrs["si"])
-    names = [with_unit(name, dataset[name].attrs.get("units", "1")) if si else name for name in chosen]
+    names = [with_unit(name, one.attrs.get("units", "1")) if si else name for name, one in columns]
     with path.open("w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(names)
-        table.writerows(zip(*columns, strict=True))
+        table.writerows(zip(*(one.values.tolist() for _, one in columns), strict=True))

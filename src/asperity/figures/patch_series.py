@@ -1,0 +1,101 @@
+"""Patches over time: how many and how large, by what the contact grew, and how old it is."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.errors import InputError
+from asperity.figures import style
+from asperity.lattice import Field
+
+_GAINS = (
+    ("gained_by_expansion", "expansion", style.BLUE),
+    ("gained_by_coalescence", "coalescence", style.SKY),
+    ("gained_by_births", "new patches", style.ORANGE),
+)
+_LOSSES = (("lost_by_shrinkage", "shrinkage", style.GRAY), ("lost_by_deaths", "patches gone", "#C8C8C8"))
+
+
+def patch_figure(dataset: xr.Dataset) -> Figure:
+    """Draw number and sizes of the patches, sites gained and lost since the first map, and contact ages.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History` that kept fields at two times or more.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        The history kept fewer fields.
+    """
+    count = dataset.sizes.get("field_time", 0) if "patches" in dataset else 0
+    if count < 2:
+        raise InputError(
+            "dataset",
+            expected="a history that kept fields at two times or more",
+            got=f"{count}",
+            advice="age(..., fields_at=times)",
+        )
+    time = dataset["field_time"].values.astype(np.float64)
+    figure = style.Drawing(figsize=(7.2, 5.4), layout="constrained")
+    (number, size), (growth, age) = figure.subplots(2, 2, sharex=True)
+    _draw(number, time, dataset["patches"].values, style.BLUE, "")
+    number.set_ylabel("patches")
+    number.set_ylim(bottom=0)
+    sizes = (("largest", style.VERMILION), ("mean", style.BLUE), ("median", style.GRAY))
+    for name, color in sizes:
+        _draw(size, time, dataset[f"{name}_patch_size"].values, color, name)
+    size.set_yscale("log")
+    size.set_ylabel("size of a patch [sites]")
+    for parts, sign in ((_GAINS, 1), (_LOSSES, -1)):
+        sums = [sign * np.cumsum(dataset[name].values) for name, _, _ in parts]
+        growth.stackplot(
+            time,
+            sums,
+            labels=[label for _, label, _ in parts],
+            colors=[color for _, _, color in parts],
+            linewidth=0,
+        )
+    growth.axhline(0, color=style.INK, linewidth=0.8)
+    growth.set_ylabel("gained and lost since\nthe first map [sites]", multialignment="center")
+    ages = dataset["contact_age"]
+    low, middle, high = (ages.sel(quantile=share).values for share in (0.05, 0.5, 0.95))
+    age.fill_between(time, low, high, color=style.SKY, alpha=0.5, linewidth=0, label="5 to 95 % of the sites")
+    _draw(age, time, middle, style.BLUE, "median")
+    age.set_ylabel(style.over_time(dataset, "contact age").replace("  [", "\n["), multialignment="center")
+    if "protocol" not in dataset.attrs:
+        _scale(time, growth, "x")
+    _scale(np.unique(ages.values[ages.values >= 0]), age, "y")
+    for axes in (number, size, growth, age):
+        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+    for axes in (size, growth, age):
+        axes.legend(fontsize=8, framealpha=0.95, loc="best")
+    for axes in (growth, age):
+        axes.set_xlabel(style.over_time(dataset, "time $t$"))
+    return figure
+
+
+def _draw(axes: Axes, time: Field, values: Field, color: str, label: str) -> None:
+    axes.plot(
+        time, values, "o-", color=color, linewidth=1.2, markersize=4, markerfacecolor="white", label=label
+    )
+
+
+def _scale(values: Field, axes: Axes, which: str) -> None:
+    """Scale an axis by decades, with 0 where there is one; linearly where the values are within a decade."""
+    positive = values[values > 0]
+    if positive.size and values.max() >= 10 * positive.min():
+        scale = axes.set_xscale if which == "x" else axes.set_yscale
+        # A power of ten, or the labels of 0 and of the first decade would overlap.
+        scale("symlog", linthresh=10.0 ** math.floor(math.log10(float(positive.min()))), linscale=1.0)
