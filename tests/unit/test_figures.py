@@ -32,6 +32,7 @@ from asperity.figures import (
     distribution_figure,
     fit_figure,
     history_figure,
+    patch_figure,
     style,
     surface_figure,
 )
@@ -325,6 +326,8 @@ def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
         "profile": surface_figure(Surface(gaussian(64), "nm"), title=LONG_NAME, note=note),
         "history": history_figure(long_history(repeats=3)),
         "history of many legs": history_figure(long_history(repeats=4)),
+        "patches": patch_figure(aged),
+        "patches that slip off": patch_figure(separated),
         "fit": fit_figure(growth, quantity=LONG_NAME * 3, unit_time=LONG_NAME, window=True),
     }
 
@@ -522,6 +525,27 @@ def test_the_figure_of_distributions_shows_which_part_has_more(aged: xr.Dataset)
         assert above[k] == pytest.approx(np.mean(gaps >= heights[k]))
     assert np.asarray(patch.lines[0].get_ydata())[0] == 1.0
     assert patch.get_xscale() == patch.get_yscale() == "log"
+
+
+def test_the_figure_of_patches_shows_their_series(aged: xr.Dataset) -> None:
+    number, size, growth, age_of_contact = patch_figure(aged).axes
+    time = aged["field_time"].values
+    for axes, names in (
+        (number, ["patches"]),
+        (size, [f"{which}_patch_size" for which in ("largest", "mean", "median")]),
+    ):
+        for line, name in zip(axes.lines, names, strict=True):
+            np.testing.assert_array_equal(line.get_xydata(), np.transpose([time, aged[name].values]))
+    np.testing.assert_array_equal(age_of_contact.lines[0].get_ydata(), aged["contact_age"].sel(quantile=0.5))
+    gains = [aged[f"gained_by_{how}"].sum() for how in ("expansion", "coalescence", "births")]
+    tops = [part.get_paths()[0].get_extents().y1 for part in growth.collections]
+    assert tops[:3] == np.cumsum(gains).tolist()
+    lost = [aged[f"lost_by_{how}"].sum() for how in ("shrinkage", "deaths")]
+    assert growth.collections[-1].get_paths()[0].get_extents().y0 == -sum(lost)
+    assert growth.get_xscale() == "symlog"
+    for few in (aged.isel(field_time=[0]), aged.drop_dims("field_time")):
+        with refuses("dataset"):
+            patch_figure(few)
 
 
 def test_pressures_and_areas_of_patches_have_units() -> None:

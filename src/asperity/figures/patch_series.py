@@ -57,6 +57,8 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
         _draw(size, time, dataset[f"{name}_patch_size"].values, color, name)
     size.set_yscale("log")
     size.set_ylabel("size of a patch [sites]")
+    size.set_ylim(top=6 * size.get_ylim()[1])
+    size.legend(fontsize=8, framealpha=0.95, loc="upper center", ncols=3)
     for parts, sign in ((_GAINS, 1), (_LOSSES, -1)):
         sums = [sign * np.cumsum(dataset[name].values) for name, _, _ in parts]
         growth.stackplot(
@@ -79,7 +81,7 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     for axes in (number, size, growth, age):
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
         axes.set_axisbelow(True)
-    for axes in (size, growth, age):
+    for axes in (growth, age):
         axes.legend(fontsize=8, framealpha=0.95, loc="best")
     for axes in (growth, age):
         axes.set_xlabel(style.over_time(dataset, "time $t$"))
