@@ -27,6 +27,8 @@ from asperity.config import MeasuredSurface, RunConfig
 from asperity.config.models import SelfAffine
 from asperity.config.solids import Continuum
 from asperity.errors import AsperityError
+from asperity.patches import QUANTILES
+from asperity.results.quantities import OF_MAPS
 from asperity.runs import Silent, execute, recorded_times
 from asperity.surfaces import Surface
 from asperity.surfaces.prepare import is_length
@@ -262,7 +264,8 @@ def _bytes(config: RunConfig) -> int:
         if isinstance(config.solid, Continuum):
             fields = 2 + max(1, len(config.solid.maxwell))
         arrays += [(8 * maps, 1), *[(8 * sites * maps, axes + 1)] * fields, (sites * maps // 8, axes + 1)]
-        arrays += [*[(8 * sites, axes)] * 2, (sites // 8, axes)]
+        columns = len(OF_MAPS) + 2 * (len(QUANTILES) - 1)
+        arrays += [(8 * columns * maps, 2), *[(8 * sites, axes)] * 2, (sites // 8, axes)]
     # An array is a description, and a file so many folders deep.
     blocks = 2 + sum(2 + depth + math.ceil(size / _BLOCK) for size, depth in arrays)
     return blocks * _BLOCK + _PLANNED

@@ -133,12 +133,14 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     maps, times = dataset["in_contact"].values, [snapshot.time for snapshot in snapshots]
     series = map_series(maps, times, start.lattice)
     series["contact_pressure"] = np.array([snapshot.pressure for snapshot in snapshots])
-    dataset = dataset.assign_coords(quantile=list(QUANTILES))
-    for name, values in series.items():
-        dataset[name] = (("field_time", "quantile")[: values.ndim], values)
-    if (box := clustering_box(maps)) is not None:
-        dataset["clustering"].attrs["box"] = box
-    return dataset
+    box = clustering_box(maps)
+    named = xr.Dataset(
+        {name: (("field_time", "quantile")[: values.ndim], values) for name, values in series.items()},
+        coords={"quantile": list(QUANTILES)},
+    )
+    if box is not None:
+        named["clustering"].attrs["box"] = box
+    return dataset.merge(named)
 
 
 def _value(frame: Frame, name: str) -> float:
