@@ -20,6 +20,7 @@ ROOMS = [
     {"errors"},
     {"checks"},
     {"tables", "memory", "units"},
+    {"columns"},
     {"lattice"},
     {"relaxation", "patches"},
     {"surfaces", "solids", "protocols"},

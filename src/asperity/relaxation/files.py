@@ -9,10 +9,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-
 import asperity.units as units
 from asperity.checks import Floats, shown
+from asperity.columns import Roles, finite
 from asperity.errors import InputError, Remark
 from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 from asperity.tables import Table, read_table
@@ -24,7 +23,7 @@ _KINDS: dict[Kind, tuple[Callable[..., Measured], tuple[str, ...]]] = {
     "creep": (Creep, ("time", "compliance")),
     "dynamic": (Dynamic, ("frequency", "storage", "loss")),
 }
-_UNITS = {
+_UNITS: dict[str, tuple[str, ...]] = {
     "time": ("s",),
     "modulus": ("Pa",),
     "compliance": ("1/Pa",),
@@ -33,7 +32,7 @@ _UNITS = {
     "loss": ("Pa",),
 }
 # Of a name without its unit, in small letters; the first that matches.
-_ROLES = (
+_PATTERNS = (
     ("", r"^(log|lg|ln)\b|tan|delta|δ|factor|temp|\*|complex|err|std|strain|force"),
     ("frequency", r"freq|omega|ω|^[fw]$|^nu$|angular"),
     ("time", r"\btime\b|^t$"),
@@ -42,7 +41,7 @@ _ROLES = (
     ("compliance", r"complian|creep|^[jd]\b"),
     ("modulus", r"modul|relax|young|^[eg]\b"),
 )
-_ARGUMENT = r"t|time|omega|ω|w|f"
+_ROLES = Roles(_PATTERNS, _UNITS)
 _EXAMPLES = "time_s and E_MPa, time_s and J_1/GPa, or omega_rad_s, storage_MPa and loss_MPa"
 
 
@@ -85,7 +84,7 @@ def read(
     if kind is not None and kind not in _KINDS:
         raise InputError("kind", expected=" or ".join(map(repr, _KINDS)), got=shown(kind))
     table = read_table(Path(path))
-    found = [_role(name) for name in table.names]
+    found = [_ROLES.of(name) for name in table.names]
     chosen, positions = _chosen(table, [role for role, _ in found], kind, columns)
     of_class, roles = _KINDS[chosen]
     given = [_in_si(table, at, role, found[at][1]) for at, role in zip(positions, roles, strict=True)]
@@ -97,35 +96,6 @@ def read(
         raise InputError(
             f"{table.name}, {error.name}", expected=error.expected, got=error.got, advice=error.advice
         ) from error
-
-
-def _role(name: str) -> tuple[str, str | None]:
-    """What a column holds, or "", and its unit: "" for none, None for one that does not fit."""
-    bracket = re.fullmatch(r"(.*?)\s*[\[({]([^\[\](){}]*)[\])}]", name)
-    if bracket and not re.fullmatch(_ARGUMENT, bracket[2].strip().lower()):
-        role, unit = _meaning(bracket[1]), _spelled(bracket[2])
-        return role, unit if not role or _fits(role, unit) else None
-    for separator in re.finditer(r"\s*/\s*|[_,\s]+", name):
-        role, unit = _meaning(name[: separator.start()]), _spelled(name[separator.end() :])
-        if role and unit and _fits(role, unit):
-            return role, unit
-    return _meaning(name), ""
-
-
-def _meaning(label: str) -> str:
-    if label.strip() == "T":  # a temperature
-        return ""
-    label = re.sub(rf"\(({_ARGUMENT})\)", "", label.lower()).replace("_", " ").strip()
-    return next((role for role, pattern in _ROLES if re.search(pattern, label)), "")
-
-
-def _spelled(unit: str) -> str:
-    """A unit as Pint spells it."""
-    return re.sub(r"^(per|1)/", "1/", unit.strip().removeprefix("in ").replace("_", "/"))
-
-
-def _fits(role: str, unit: str) -> bool:
-    return any(units.factor(unit, target) is not None for target in _UNITS[role])
 
 
 def _chosen(
@@ -197,17 +167,9 @@ def _position(table: Table, column: int | str) -> int:
 def _in_si(table: Table, position: int, role: str, unit: str | None) -> Floats:
     """Convert a column; frequencies to rad/s."""
     name = table.names[position]
-    values = table.values[:, position]
-    if not (finite := np.isfinite(values)).all():
-        number, line = table.lines[int(np.argmin(finite))]
-        raise InputError(
-            table.name,
-            expected=f"{repr(name) if name else f'a {role}'} to be a number in line {number}",
-            got=repr(line.strip()[:60]),
-            advice="a # before a line to leave it out",
-        )
+    values = finite(table, position, role)
     target = _UNITS[role][0]
-    if unit is None or (unit and not _fits(role, unit)):
+    if unit is None or (unit and not _ROLES.fits(role, unit)):
         example = {"time": "h", "frequency": "Hz", "compliance": "1/GPa"}.get(role, "MPa")
         kind = f"a unit of {'modulus' if target == 'Pa' else role}, such as {example}"
         raise InputError(f"column {name!r} of {table.name}", expected=kind, got=repr(name))

@@ -1,0 +1,75 @@
+"""Columns of a table by their names: what each holds, and in which unit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+import asperity.units as units
+from asperity.checks import Floats
+from asperity.errors import InputError
+from asperity.tables import Table
+
+_ARGUMENT = r"t|time|omega|ω|w|f"
+
+
+@dataclass(frozen=True)
+class Roles:
+    """What columns can hold.
+
+    Attributes
+    ----------
+    patterns
+        Roles, each with what is found in a name without its unit, in small letters; the first that matches
+        counts. The role "" is for columns to leave alone.
+    units
+        The units of each role, in Pint's spelling; "1" for a pure number.
+    """
+
+    patterns: tuple[tuple[str, str], ...]
+    units: Mapping[str, tuple[str, ...]]
+
+    def of(self, name: str) -> tuple[str, str | None]:
+        """What a column holds, or "", and its unit: "" for none, None for one that does not fit."""
+        bracket = re.fullmatch(r"(.*?)\s*[\[({]([^\[\](){}]*)[\])}]", name)
+        if bracket and not re.fullmatch(_ARGUMENT, bracket[2].strip().lower()):
+            role, unit = self._meaning(bracket[1]), _spelled(bracket[2])
+            return role, unit if not role or self.fits(role, unit) else None
+        for separator in re.finditer(r"\s*/\s*|[_,\s]+", name):
+            role, unit = self._meaning(name[: separator.start()]), _spelled(name[separator.end() :])
+            if role and unit and self.fits(role, unit):
+                return role, unit
+        return self._meaning(name), ""
+
+    def fits(self, role: str, unit: str) -> bool:
+        """Whether a unit is one of the role's kind."""
+        return any(unit == target or units.factor(unit, target) is not None for target in self.units[role])
+
+    def _meaning(self, label: str) -> str:
+        if label.strip() == "T":  # a temperature
+            return ""
+        label = re.sub(rf"\(({_ARGUMENT})\)", "", label.lower()).replace("_", " ").strip()
+        return next((role for role, pattern in self.patterns if re.search(pattern, label)), "")
+
+
+def _spelled(unit: str) -> str:
+    """A unit as Pint spells it."""
+    return re.sub(r"^(per|1)/", "1/", unit.strip().removeprefix("in ").replace("_", "/"))
+
+
+def finite(table: Table, position: int, role: str) -> Floats:
+    """Numbers of a column; `InputError` with the line where one is missing."""
+    name = table.names[position]
+    values = table.values[:, position]
+    if not (known := np.isfinite(values)).all():
+        number, line = table.lines[int(np.argmin(known))]
+        raise InputError(
+            table.name,
+            expected=f"{repr(name) if name else f'a {role}'} to be a number in line {number}",
+            got=repr(line.strip()[:60]),
+            advice="a # before a line to leave it out",
+        )
+    return values
