@@ -41,7 +41,7 @@ Verdict = Literal["logarithm", "saturation", "undecided"]
 UNLIKELY = 0.05
 """Relative likelihood below which a law is given up."""
 
-_ROUNDING = 8 * np.finfo(np.float64).eps
+ROUNDING = 8 * np.finfo(np.float64).eps
 """Relative residual below which two fits are both exact."""
 
 
@@ -96,7 +96,7 @@ def compare(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -
         raise InputError("time", expected=f"at least {extra + 5} values to compare the laws by", got=n)
     log, power = logarithm(time, area, stderr), saturation(time, area, stderr)
     of_log, of_power = _residual(curve, log), _residual(curve, power)
-    rho = _autocorrelation(of_power)
+    rho = autocorrelation_of(of_power)
     effective = n * min(1.0, (1 - rho) / (1 + rho))
     penalty = _penalty(n, 2 + extra) - _penalty(n, 3 + extra)
     # One law contains the other; less than 0 is what the search leaves of an exact logarithm.
@@ -124,14 +124,15 @@ def _residual(curve: Curve, fit: GrowthFit) -> Floats:
 def _lack(residual: Floats, stderr: ArrayLike | None) -> float:
     """Minus twice the logarithm of the likelihood, a value."""
     square = float(np.mean(residual**2))
-    return square if stderr is not None else math.log(max(square, _ROUNDING**2))
+    return square if stderr is not None else math.log(max(square, ROUNDING**2))
 
 
 def _penalty(n: int, k: int) -> float:
     return 2 * k + 2 * k * (k + 1) / (n - k - 1)
 
 
-def _autocorrelation(residual: Floats) -> float:
+def autocorrelation_of(residual: Floats) -> float:
+    """Correlation of neighboring residuals, below 1; 0 where there are none."""
     squares = float(residual @ residual)
     if not squares > 0:
         return 0.0

@@ -188,15 +188,9 @@ def _optimum(misfit: Misfit, theta: Floats, curve: Curve) -> Optimum:
     squares, free = float(residual @ residual), residual.size - theta.size
     weight = np.ones_like(y) if stderr is None else stderr**-2
     total = float(np.sum(weight * (y - np.average(y, weights=weight)) ** 2))
-    # Columns to one length first: a parameter that does little is not one that is undetermined.
-    length = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny ** 0.25)
-    _, singular, axes = np.linalg.svd(jacobian / length, full_matrices=False)
-    # A combination that the data do not determine gets a huge standard error in place of a division by zero.
-    singular = np.maximum(singular, np.finfo(float).eps * singular[0])
-    root = axes.T / singular / length[:, None]
     return Optimum(
         theta=theta,
-        covariance=(squares / free if stderr is None else 1.0) * (root @ root.T),
+        covariance=(squares / free if stderr is None else 1.0) * inverse_square(jacobian),
         curve=curve,
         initial=1.0 if curve.initial_known else float(theta[-1]),
         degrees_of_freedom=float(free) if stderr is None else float("inf"),
@@ -205,3 +199,14 @@ def _optimum(misfit: Misfit, theta: Floats, curve: Curve) -> Optimum:
         r_squared=1 - squares / total if total > 0 else float("nan"),
         reduced_chi_squared=None if stderr is None else squares / free,
     )
+
+
+def inverse_square(jacobian: Floats) -> Floats:
+    """(J^T J)^-1 of the derivatives of residuals, one column for each parameter."""
+    # Columns to one length first: a parameter that does little is not one that is undetermined.
+    length = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny ** 0.25)
+    _, singular, axes = np.linalg.svd(jacobian / length, full_matrices=False)
+    # A combination that the data do not determine gets a huge standard error in place of a division by zero.
+    singular = np.maximum(singular, np.finfo(float).eps * singular[0])
+    root = axes.T / singular / length[:, None]
+    return np.asarray(root @ root.T)
