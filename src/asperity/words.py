@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Self
+from typing import Any, Self
 
 _WITH_UNIT = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\d\s,.].*")
 _ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
@@ -162,3 +163,27 @@ def reason_of(error: BaseException) -> str:
 def shortened(text: str, length: int = 80) -> str:
     """Cut what is too long for a line of a message."""
     return text if len(text) <= length else f"{text[: length - 3]}..."
+
+
+def tables_to_toml(tables: Mapping[str, Any]) -> str:
+    """Write tables of numbers, words and lists, and lists of such tables, as TOML."""
+    lines = []
+    for section, content in tables.items():
+        several = isinstance(content, list)
+        for keys in content if several else [content]:
+            lines.append(f"[[{section}]]" if several else f"[{section}]")
+            lines += [*(f"{key} = {_toml_value(value)}" for key, value in keys.items()), ""]
+    return "\n".join(lines)
+
+
+def _toml_value(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml_value(one)}" for key, one in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_toml_value, value))}]"
+    if isinstance(value, str):
+        # JSON's escapes are TOML's, but for DEL, which TOML wants escaped.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value)

@@ -16,7 +16,6 @@ from asperity._version import __version__
 from asperity.campaign.plan import Axis, Plan, Run, name_of, put, seeded, value_at
 from asperity.campaign.store import FITTED, QUANTITIES, Finished, Store
 from asperity.config import RunConfig, from_tables, to_tables
-from asperity.config.reading import tables_to_toml
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import in_words
@@ -29,7 +28,7 @@ from asperity.results.quantities import (
     units_named,
     units_of_parameters,
 )
-from asperity.words import reason_of
+from asperity.words import reason_of, tables_to_toml
 
 _NO_ENSEMBLE = (
     *("steps", "rejected", "iterations", "residual", "worst_residual", "relaxed_residual"),

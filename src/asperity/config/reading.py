@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from asperity.config.mistakes import Sections, is_unknown, spelled, unknown_names
 from asperity.config.models import KINDS, MeasuredSurface, RunConfig
 from asperity.errors import ConfigError
-from asperity.words import number
+from asperity.words import number, tables_to_toml
 
 # A flag replaces the keys that say the same thing in another way.
 _RIVALS = {
@@ -116,17 +115,6 @@ def to_toml(config: RunConfig) -> str:
     return tables_to_toml(to_tables(config))
 
 
-def tables_to_toml(tables: Mapping[str, Any]) -> str:
-    """Write tables of numbers, words and lists, and lists of such tables, as TOML."""
-    lines = []
-    for section, content in tables.items():
-        several = isinstance(content, list)
-        for keys in content if several else [content]:
-            lines.append(f"[[{section}]]" if several else f"[{section}]")
-            lines += [*(f"{key} = {_toml_value(value)}" for key, value in keys.items()), ""]
-    return "\n".join(lines)
-
-
 def read_tables(path: str | Path) -> dict[str, Any]:
     """Read the tables of a TOML file; a relative path of a surface becomes relative to the file.
 
@@ -196,16 +184,3 @@ def _drop_foreign(
         return
     for key in set(kinds[old].model_fields) - set(model.model_fields) - set(chosen):
         table.pop(key, None)
-
-
-def _toml_value(value: object) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml_value(one)}" for key, one in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(_toml_value, value))}]"
-    if isinstance(value, str):
-        # JSON's escapes are TOML's, but for DEL, which TOML wants escaped.
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value)

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from asperity.campaign import Plan, read_plan
-from asperity.config.reading import tables_to_toml
 from asperity.errors import InputError
 from asperity.results.store import whole_file
+from asperity.words import tables_to_toml
 
 Tables = Mapping[str, Mapping[str, Any]]
 
