@@ -73,3 +73,15 @@ def finite(table: Table, position: int, role: str) -> Floats:
             advice="a # before a line to leave it out",
         )
     return values
+
+
+def position(table: Table, column: int | str) -> int:
+    """Where a column stands, by its name or its number from 0; `InputError` where there is none."""
+    name = str(column).strip()
+    if name in table.names:
+        return table.names.index(name)
+    if name.isdecimal() and int(name) < len(table.names):
+        return int(name)
+    known = ", ".join(repr(known) for known in table.names if known)[:120]
+    expected = f"{f'one of {known}, or ' if known else ''}a number from 0 to {len(table.names) - 1}"
+    raise InputError(f"column {column!r} of {table.name}", expected=expected, got="no such column")

@@ -348,6 +348,76 @@ def fit_table(
 
 
 @_command()
+def friction(
+    records: list[Path],
+    /,
+    *,
+    law: Literal["best", "aging", "slip"] = "best",
+    a: float | None = None,
+    reference_velocity: str | None = None,
+    events: Literal["all", "holds", "steps"] = "all",
+    shear_strength: str | None = None,
+    columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None,
+    strength_at_rest: Switch = False,
+    out: Out = Path("friction"),
+    overwrite: Switch = False,
+    quiet: Quiet = False,
+    show: Open = False,
+) -> None:
+    """Fit rate-and-state friction to records of sliding with holds or velocity steps.
+
+    The result is a folder with the parameters a, b, D_c, mu_0 and V_0, their 95 % intervals and units, for codes
+    of earthquakes (friction.toml, friction.csv), a picture, and a verdict on the aging law against the slip law.
+
+    Parameters
+    ----------
+    records
+        The folder of a run that slid, or a table of time, velocity or displacement, and friction (or shear
+        and normal stress or force), with units in its header: time_s, displacement_um, friction. Several are
+        surfaces under one protocol; their scatter gives the intervals.
+    law
+        The law whose parameters come first: one, or that of the verdict.
+    a
+        The direct effect, such as 0.01. [default: 0 for runs with a constant shear strength, else fitted]
+    reference_velocity
+        V_0, such as "1 um/s", of which mu_0 is the steady friction. [default: the first of the record]
+    events
+        What to fit: all, the holds, or the velocity steps.
+    shear_strength
+        Shear strength of the contacts, such as 50MPa, for runs that did not state it.
+    columns
+        Names or numbers, from 0, of the columns to read. [default: those whose names are understood]
+    strength_at_rest
+        Friction at rest in a table is the strength, as in a simulation, and not the force held.
+    out
+        Folder for the results, which appears when all is written; it must not exist yet.
+    overwrite
+        Replace the results of an earlier fit.
+    quiet
+        Print nothing.
+    show
+        Open the picture of the results when they are written.
+    """
+    from asperity.cli.friction import friction as fit_friction
+
+    fit_friction(
+        records,
+        law=law,
+        a=a,
+        reference_velocity=reference_velocity,
+        events=events,
+        shear_strength=shear_strength,
+        columns=columns,
+        strength_at_rest=strength_at_rest,
+        out=out,
+        overwrite=overwrite,
+        quiet=quiet,
+    )
+    if show:
+        open_results(out)
+
+
+@_command()
 def sweep(
     plan: Path,
     /,

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from asperity.runs import Outcome
 
 _SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
+_SIGNS_OF_FRICTION = ("friction.toml", "friction.csv")
 _SIGNS_OF_A_PREDICTION = ("history.zarr", "prediction.html", "summary.txt")
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 _COLUMNS = (
@@ -51,7 +52,7 @@ def check_free(out: Path, *, overwrite: bool) -> None:
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
     if out.exists() and any(out.iterdir()):
-        signs = (_SIGNS_OF_A_RUN, _SIGNS_OF_A_PREDICTION)
+        signs = (_SIGNS_OF_A_RUN, _SIGNS_OF_A_PREDICTION, _SIGNS_OF_FRICTION)
         is_run = any(all((out / name).exists() for name in names) for names in signs)
         foreign = sorted(path.name for path in out.iterdir() if not _is_ours(path.name))
         if is_run and overwrite and foreign:
@@ -91,7 +92,7 @@ def _try_writing(flag: str, target: Path, folder: Path) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    stems = "aging history sliding contacts patches growth pressure relaxation observed".split()
+    stems = "aging history sliding contacts patches growth pressure relaxation observed friction".split()
     return name in {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION} or Path(name).stem in stems
 
 

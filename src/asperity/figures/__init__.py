@@ -15,6 +15,7 @@ from asperity.figures.history import history_figure
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.patch_series import patch_figure
 from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
+from asperity.figures.rate_and_state import rate_and_state_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.sliding import sliding_figure
 from asperity.figures.surface import surface_figure
@@ -36,6 +37,7 @@ __all__ = [
     "plot_surface",
     "prediction_page",
     "prediction_pictures",
+    "rate_and_state_figure",
     "relaxation_figure",
     "sliding_figure",
     "surface_figure",

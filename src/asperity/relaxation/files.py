@@ -11,7 +11,7 @@ from typing import Literal
 
 import asperity.units as units
 from asperity.checks import Floats, shown
-from asperity.columns import Roles, finite
+from asperity.columns import Roles, finite, position
 from asperity.errors import InputError, Remark
 from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 from asperity.tables import Table, read_table
@@ -105,7 +105,7 @@ def _chosen(
     if columns is not None:
         if isinstance(columns, str):
             raise InputError("columns", expected="a list of names or numbers", got=shown(columns))
-        positions = [_position(table, column) for column in columns]
+        positions = [position(table, column) for column in columns]
         fitting = [
             one for one, (_, wanted) in _KINDS.items() if [roles[at] for at in positions] == list(wanted)
         ]
@@ -151,17 +151,6 @@ def _unclear(table: Table, advice: str) -> InputError:
         got=f"columns {named}" if named else f"{len(table.names)} columns without names",
         advice=advice,
     )
-
-
-def _position(table: Table, column: int | str) -> int:
-    name = str(column).strip()
-    if name in table.names:
-        return table.names.index(name)
-    if name.isdecimal() and int(name) < len(table.names):
-        return int(name)
-    known = ", ".join(repr(known) for known in table.names if known)[:120]
-    expected = f"{f'one of {known}, or ' if known else ''}a number from 0 to {len(table.names) - 1}"
-    raise InputError(f"column {column!r} of {table.name}", expected=expected, got="no such column")
 
 
 def _in_si(table: Table, position: int, role: str, unit: str | None) -> Floats:

@@ -1,0 +1,181 @@
+"""The command ``asperity friction``: rate and state from records of friction."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+import asperity.units as units
+from asperity.analysis.scan import written
+from asperity.cli.output import check_free, write_figure
+from asperity.cli.report import aligned
+from asperity.cli.resuming import tell_results
+from asperity.errors import InputError
+from asperity.figures import rate_and_state_figure
+from asperity.friction import (
+    Record,
+    StateLaws,
+    compare_state_laws,
+    read_record,
+    record_of,
+    save_parameters,
+)
+from asperity.friction.fitting import Events
+from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.results.store import whole_folder
+from asperity.words import counted, uncertain
+
+_FLAGS = ("a", "events", "shear_strength", "columns", "records")
+_NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
+
+
+def friction(
+    records: Sequence[Path],
+    *,
+    law: Literal["best", "aging", "slip"],
+    a: float | None,
+    reference_velocity: str | None,
+    events: Events,
+    shear_strength: str | None,
+    columns: Sequence[str] | None,
+    strength_at_rest: bool,
+    out: Path,
+    overwrite: bool,
+    quiet: bool,
+) -> None:
+    """Read, fit, say, draw and write.
+
+    Parameters
+    ----------
+    records
+        Tables of experiments or folders of runs: one, or one for each surface.
+    law
+        The law to write first: one, or that of the verdict.
+    a, events
+        As in `asperity.friction.rate_and_state`.
+    reference_velocity
+        V_0 there, with a unit or without.
+    shear_strength
+        Of runs without friction.
+    columns
+        Of the tables.
+    strength_at_rest
+        Whether friction at rest is the strength, in tables.
+    out
+        The folder.
+    overwrite, quiet
+        As in the other commands.
+
+    Raises
+    ------
+    AsperityError
+        A record cannot be used, or the folder not written.
+    """
+    check_free(out, overwrite=overwrite)
+    try:
+        several = [_read(path, shear_strength, columns, strength_at_rest) for path in records]
+        text = reference_velocity
+        reference = None if text is None else units.quantity(text, "m/s", "--reference-velocity")
+        found = compare_state_laws(several, a=a, V_0=reference, events=events)
+    except InputError as error:
+        raise _of_flags(error) from error
+    rows = _report(found, [str(path) for path in records])
+    with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
+        for kind in ("toml", "csv"):
+            save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
+        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
+        write_figure(rate_and_state_figure(found), folder / "friction.png")
+    if not quiet:
+        tell_results(rows, out)
+
+
+def _read(
+    path: Path, shear_strength: str | None, columns: Sequence[str] | None, strength_at_rest: bool
+) -> Record:
+    if path.is_dir():
+        strength: str | float | None = shear_strength
+        if shear_strength is not None:
+            try:
+                strength = float(shear_strength)
+            except ValueError:
+                strength = shear_strength
+        return record_of(path, shear_strength=strength)
+    return read_record(path, columns=columns, strength_at_rest=strength_at_rest)
+
+
+def _of_flags(error: InputError) -> InputError:
+    """The same error, about the flag."""
+    name = f"--{error.name.replace('_', '-')}" if error.name in _FLAGS and error.name != "records" else error.name
+    advice = re.sub(r"\b(shear_strength|columns|a)=(\S)", _flag, error.advice)
+    return InputError(name, expected=error.expected, got=error.got, advice=advice)
+
+
+def _flag(found: re.Match[str]) -> str:
+    return f"--{found[1].replace('_', '-')} {found[2]}"
+
+
+def _report(found: StateLaws, sources: Sequence[str]) -> list[tuple[str, str]]:
+    """Say what was fitted and what came out."""
+    record, kinds = found.record, found.peaks()
+    slip = written(float(record.displacement[-1]), "m" if record.si else "1", 3)
+    fit = found.fits[found.preferred]
+    rows = [
+        ("record", sources[0] if len(sources) == 1 else f"{len(sources)} surfaces: {sources[0]}, ..."),
+        (
+            "",
+            f"{counted(fit.points, 'value')} fitted of {record.time.size}, slip {slip}, "
+            f"{counted(kinds.duration.size, 'hold')}",
+        ),
+    ]
+    for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):
+        rows += _law(found, law)
+    rows.append(("verdict", _verdict(found)))
+    if found.runs == 1 and fit.effective_points < fit.points:
+        rows.append(
+            (
+                "note",
+                f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
+                f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}; "
+                "records of several surfaces give better intervals",
+            )
+        )
+    return rows
+
+
+def _law(found: StateLaws, law: StateLaw) -> list[tuple[str, str]]:
+    record, fit = found.record, found.fits[law]
+    rows = []
+    for text, name in _NAMES:
+        one = found.estimates[law][name]
+        value, stderr, low, high = (float(part) for part in (one.value, one.stderr, one.low, one.high))
+        if name == "a" and fit.a_stderr == 0:
+            said = f"{value:g}, as given"
+        elif name == "D_c" and not fit.determined:
+            said = "not determined by this record"
+        elif not stderr < math.inf:
+            said = f"{value:.4g}"
+        elif name == "D_c" and record.si:
+            said = f"{written(value, 'm', 4)}, 95 % from {written(low, 'm', 4)} to {written(high, 'm', 4)}"
+        else:
+            digits = max(0, 1 - math.floor(math.log10(stderr))) if stderr > 0 else 6
+            said = f"{uncertain(value, stderr)}, 95 % from {low:.{digits}f} to {high:.{digits}f}"
+        rows.append((f"  {text}", said))
+    V_0 = f"{fit.V_0:.4g} m/s" if record.si else f"{fit.V_0:.4g}"
+    rows.append(("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms"))
+    return [(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"), *rows]
+
+
+def _verdict(found: StateLaws) -> str:
+    if found.runs > 1:
+        low, high = float(found.log_ratio.low), float(found.log_ratio.high)
+        scatter = f"ln of the ratio of squares, aging over slip: {low:.3g} to {high:.3g}"
+        known = f"the surfaces prefer the {found.verdict} law"
+        return f"{known if found.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
+    if found.verdict == "undecided":
+        return "undecided: these data do not tell the aging law from the slip law"
+    other = "slip" if found.verdict == "aging" else "aging"
+    odds = f"{found.relative_likelihood:.1g}" if found.relative_likelihood > 1e-6 else "less than 1e-6"
+    return f"the data prefer the {found.verdict} law: the {other} law is {odds} times as likely"

@@ -1,0 +1,125 @@
+"""Friction against slip, with both laws of the state, and static friction against hold time."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.figures import style
+from asperity.friction import StateLaws
+from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.words import uncertain
+
+_LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
+_MANY = 400
+"""Entries above which the record is drawn as dots without edges."""
+
+
+def rate_and_state_figure(found: StateLaws) -> Figure:
+    """Draw record, both laws, what they miss, and where there are holds, static friction after them.
+
+    Parameters
+    ----------
+    found
+        From `asperity.friction.compare_state_laws`.
+
+    Returns
+    -------
+    Figure
+    """
+    peaks = found.peaks()
+    holds = peaks.duration.size > 1
+    figure = style.Drawing(figsize=(9.6 if holds else 6.8, 5.2), layout="constrained")
+    grid = figure.add_gridspec(2, 2 if holds else 1, height_ratios=[3.0, 1], width_ratios=[1.7, 1][: 1 + holds])
+    upper = figure.add_subplot(grid[0, 0])
+    lower = figure.add_subplot(grid[1, 0], sharex=upper)
+    upper.tick_params(labelbottom=False)
+    slip, unit = _in_unit(found.record.displacement, si=found.record.si)
+    _draw_record(upper, found, slip)
+    _draw_residuals(lower, found, slip)
+    upper.set_ylabel(r"friction coefficient $\mu$")
+    lower.set_ylabel(r"$\mu$ − law")
+    lower.set_xlabel(f"slip [{unit}]" if unit else "slip [length of the record]")
+    upper.legend(loc="best", fontsize=8, framealpha=0.95)
+    if holds:
+        _draw_peaks(figure.add_subplot(grid[:, 1]), found)
+    for axes in figure.axes:
+        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+    return figure
+
+
+def _in_unit(slip: np.ndarray, *, si: bool) -> tuple[np.ndarray, str]:
+    """Slip in the unit that suits it."""
+    if not si:
+        return slip, ""
+    units = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+    size, unit = next((one for one in units if slip.max() >= one[0]), units[-1])
+    return slip / size, unit
+
+
+def _draw_record(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
+    record, surfaces = found.record, f", mean of {found.runs} surfaces" if found.runs > 1 else ""
+    shown = found.fits["aging"].used
+    small = record.time.size > _MANY
+    axes.plot(
+        slip[shown],
+        record.friction[shown],
+        "o",
+        color=style.GRAY,
+        markersize=2 if small else 3.5,
+        markeredgewidth=0 if small else 1,
+        markerfacecolor=style.GRAY if small else "white",
+        label=f"record{surfaces}",
+    )
+    for law in STATE_LAWS:
+        color, dashes = _LINES[law]
+        friction = np.where(shown, found.fits[law].predict(record), np.nan)
+        axes.plot(slip, friction, dashes, color=color, linewidth=1.5, label=_legend(found, law))
+
+
+def _legend(found: StateLaws, law: StateLaw) -> str:
+    estimates, record = found.estimates[law], found.record
+    D_c, unit = _in_unit(np.array([float(estimates["D_c"].value)]), si=record.si)
+    scale = float(D_c[0]) / float(estimates["D_c"].value)
+    numbers = [
+        f"${name}$ = {uncertain(scale * float(estimates[key].value), scale * float(estimates[key].stderr))}{end}"
+        for name, key, scale, end in (
+            ("a", "a", 1.0, ""),
+            ("b", "b", 1.0, ""),
+            ("D_c", "D_c", scale, f" {unit}" if unit else ""),
+        )
+    ]
+    mark = "  (preferred)" if found.verdict == law else ""
+    return f"{law} law{mark}\n   {', '.join(numbers)}"
+
+
+def _draw_residuals(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
+    axes.axhline(0, color=style.INK, linewidth=0.8)
+    for law in STATE_LAWS:
+        fit = found.fits[law]
+        marker = "o" if law == "aging" else "s"
+        axes.plot(
+            slip[fit.used], fit.residual, marker, color=_LINES[law][0], markersize=2.5, markerfacecolor="none"
+        )
+
+
+def _draw_peaks(axes: Axes, found: StateLaws) -> None:
+    peaks = found.peaks()
+    axes.semilogx(
+        peaks.duration,
+        peaks.peak - peaks.before,
+        "o",
+        color=style.GRAY,
+        markerfacecolor="white",
+        label="record",
+    )
+    for law in STATE_LAWS:
+        color, dashes = _LINES[law]
+        of_law = found.peaks(law)
+        order = np.argsort(of_law.duration)
+        healed = (of_law.peak - of_law.before)[order]
+        axes.plot(of_law.duration[order], healed, dashes, color=color, linewidth=1.5, label=f"{law} law")
+    axes.set_xlabel(f"hold time [{'s' if found.record.si else 'time of the record'}]")
+    axes.set_ylabel("static friction − friction before the hold")
+    axes.legend(loc="best", fontsize=8)

@@ -1,0 +1,204 @@
+"""Aging law against slip law on the same records, of one surface or of several."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+import asperity.checks as checks
+import asperity.views as views
+from asperity.checks import Floats
+from asperity.errors import InputError
+from asperity.fits import Estimate, jackknife
+from asperity.fits.comparison import ROUNDING, UNLIKELY
+from asperity.friction.fitting import Events, RateAndStateFit, rate_and_state
+from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.friction.records import HoldPeaks, Record, hold_peaks
+
+PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
+"""What is estimated."""
+
+_SAME = 1e-9
+"""Relative difference of times and velocities that are meant to be the same."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StateLaws(views.Brief):
+    """The two laws of the state beside each other.
+
+    Attributes
+    ----------
+    verdict
+        The law that the data prefer; or ``"undecided"``. Of one record: the other's relative likelihood is below
+        0.05. Of several surfaces: the 95 % interval of `log_ratio` does not contain 0.
+    fits
+        Fit of each law, to the record or to the mean of several.
+    estimates
+        By law and parameter (mu_0, a, b, D_c, a_minus_b), value, standard error and 95 % interval: from the
+        residuals of one record, or from the jackknife over surfaces (in ln D_c), unless the mean leaves D_c open.
+    record
+        What was fitted: the record, or the mean of several.
+    runs
+        Number of surfaces.
+    log_ratio
+        ln(squares of the aging law / squares of the slip law), below 0 where the aging law fits better; its
+        interval is NaN for one record.
+    delta_aicc
+        AICc of the aging law less that of the slip law with `effective_points`, for one record; NaN for several.
+    effective_points
+        Number of independent values that one record is worth, by the residuals of the better law.
+    relative_likelihood
+        Of the less likely law, exp(-|delta_aicc|/2); NaN for several.
+    """
+
+    verdict: Literal["aging", "slip", "undecided"]
+    fits: Mapping[StateLaw, RateAndStateFit]
+    estimates: Mapping[StateLaw, Mapping[str, Estimate]]
+    record: Record
+    runs: int
+    log_ratio: Estimate
+    delta_aicc: float
+    effective_points: float
+    relative_likelihood: float
+
+    @property
+    def preferred(self) -> StateLaw:
+        """The law of the verdict; where it is undecided, the one that fits better."""
+        if self.verdict != "undecided":
+            return self.verdict
+        return "aging" if float(self.log_ratio.value) <= 0 else "slip"
+
+    def peaks(self, law: StateLaw | None = None) -> HoldPeaks:
+        """Static friction against hold time: of the record, or as a law has it at the same times."""
+        if law is None:
+            return hold_peaks(self.record)
+        return hold_peaks(replace(self.record, friction=self.fits[law].predict(self.record)))
+
+
+def compare_state_laws(
+    records: Record | Sequence[Record],
+    *,
+    a: float | Literal["fitted"] | None = None,
+    V_0: float | None = None,
+    events: Events = "all",
+) -> StateLaws:
+    """Fit the aging and the slip law, and say which the data prefer.
+
+    Parameters
+    ----------
+    records
+        One record; or several of different surfaces, with the same times and velocities. The friction of
+        several is averaged, and uncertainties follow from their scatter.
+    a, V_0, events
+        As in `rate_and_state`.
+
+    Returns
+    -------
+    StateLaws
+
+    Raises
+    ------
+    InputError
+        As in `rate_and_state`; or the records differ in times or velocities.
+    """
+    several = [records] if isinstance(records, Record) else list(records)
+    if not several:
+        raise InputError("records", expected="a record, or several", got="none")
+    first = checks.instance("records", several[0], Record, "asperity.friction.record_of(history)")
+    for record in several[1:]:
+        _check_same(first, checks.instance("records", record, Record, "records of one kind"))
+    friction = np.array([record.friction for record in several])
+
+    def fitted(mean: Floats) -> dict[StateLaw, RateAndStateFit]:
+        record = replace(first, friction=mean)
+        return {law: rate_and_state(record, law=law, a=a, V_0=V_0, events=events) for law in STATE_LAWS}
+
+    def statistics(sample: Floats) -> Floats:
+        fits = fitted(sample.mean(axis=0))
+        return np.array([*_numbers(fits["aging"]), *_numbers(fits["slip"]), _log_ratio(fits)])
+
+    mean = replace(first, friction=friction.mean(axis=0))
+    fits = fitted(mean.friction)
+    if len(several) == 1:
+        better = min(fits.values(), key=_lack)
+        ratio, nan = _log_ratio(fits), np.float64(math.nan)
+        delta = better.effective_points * ratio
+        likelihood = math.exp(-abs(delta) / 2)
+        decided = likelihood < UNLIKELY
+        log_ratio = Estimate(np.float64(ratio), nan, nan, nan, 1)
+        estimates = {law: {name: _of_fit(fit, name) for name in PARAMETERS} for law, fit in fits.items()}
+        worth = better.effective_points
+    else:
+        found = jackknife(statistics, friction)
+        log_ratio = _part(found, -1)
+        ratio = float(log_ratio.value)
+        decided = float(log_ratio.low) > 0 or float(log_ratio.high) < 0
+        count = len(PARAMETERS)
+        estimates = {
+            law: {
+                name: _part(found, at + n * count, scale=name == "D_c")
+                if fits[law].determined
+                else _of_fit(fits[law], name)
+                for at, name in enumerate(PARAMETERS)
+            }
+            for n, law in enumerate(STATE_LAWS)
+        }
+        delta = likelihood = math.nan
+        worth = min(fit.effective_points for fit in fits.values())
+    return StateLaws(
+        verdict="undecided" if not decided else "aging" if ratio < 0 else "slip",
+        fits=fits,
+        estimates=estimates,
+        record=mean,
+        runs=len(several),
+        log_ratio=log_ratio,
+        delta_aicc=delta,
+        effective_points=worth,
+        relative_likelihood=likelihood,
+    )
+
+
+def _check_same(first: Record, other: Record) -> None:
+    for name in ("time", "velocity"):
+        one, two = getattr(first, name), getattr(other, name)
+        if one.size != two.size or not np.allclose(one, two, rtol=_SAME, atol=_SAME * np.abs(one).max()):
+            got = f"{two.size} and {one.size} times" if one.size != two.size else f"another {name}"
+            raise InputError(
+                "records",
+                expected="records of one protocol, at the same times and velocities",
+                got=got,
+                advice="a call for each record",
+            )
+
+
+def _lack(fit: RateAndStateFit) -> float:
+    """ln of the mean square of the residuals, above what rounding leaves."""
+    return 2 * math.log(max(float(np.sqrt(np.mean(fit.residual**2))), ROUNDING * fit.mu_0))
+
+
+def _log_ratio(fits: Mapping[StateLaw, RateAndStateFit]) -> float:
+    return _lack(fits["aging"]) - _lack(fits["slip"])
+
+
+def _numbers(fit: RateAndStateFit) -> list[float]:
+    """The parameters in order, D_c as its logarithm."""
+    return [math.log(fit.D_c) if name == "D_c" else float(getattr(fit, name)) for name in PARAMETERS]
+
+
+def _of_fit(fit: RateAndStateFit, name: str) -> Estimate:
+    value, stderr = getattr(fit, name), getattr(fit, f"{name}_stderr")
+    low, high = fit.interval(name)
+    return Estimate(np.float64(value), np.float64(stderr), np.float64(low), np.float64(high), 1)
+
+
+def _part(found: Estimate, at: int, *, scale: bool = False) -> Estimate:
+    """One of several numbers that were estimated together; of a scale, its logarithm was."""
+    value, stderr, low, high = (part[at] for part in (found.value, found.stderr, found.low, found.high))
+    if scale:
+        value, low, high = np.exp(value), np.exp(low), np.exp(high)
+        stderr = value * stderr
+    return Estimate(value, stderr, low, high, found.runs)

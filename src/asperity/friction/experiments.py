@@ -1,0 +1,146 @@
+"""Protocols of friction experiments, and the records that a law predicts for them.
+
+    protocol = asp.friction.slide_hold_slide(holds=[1.0, 10.0, 100.0], velocity=1.0, distance=20.0)
+    history = asp.age(contact, times=..., protocol=protocol)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import asperity.checks as checks
+from asperity.errors import InputError
+from asperity.friction.laws import RateAndState
+from asperity.friction.records import STEP, Record
+from asperity.protocols import Hold, Leg, Slide, legs_of
+
+
+def slide_hold_slide(
+    holds: ArrayLike,
+    *,
+    velocity: float,
+    distance: float,
+    run_in: float | None = None,
+    direction: str | tuple[int, ...] = "x",
+) -> list[Leg]:
+    """Slide, and rest again and again: static friction against hold time.
+
+    Parameters
+    ----------
+    holds
+        Times at rest, each above 0, in order.
+    velocity
+        Velocity of the slides (length/time), above 0.
+    distance
+        How far to slide after each hold (length), above 0: several D_c, so that the hold is forgotten.
+    run_in
+        How far to slide before the first hold; by default `distance`.
+    direction
+        As in `asperity.protocols.Slide`.
+
+    Returns
+    -------
+    list of Leg
+        For `asperity.age`.
+
+    Raises
+    ------
+    InputError
+        There is no hold, or a number is out of range.
+    """
+    times = checks.positive("holds", checks.line("holds", np.atleast_1d(np.asarray(holds))))
+    if not times.size:
+        raise InputError("holds", expected="one time or more", got="none")
+    first = Slide(distance if run_in is None else run_in, velocity, direction)
+    again = Slide(distance, velocity, direction)
+    return [first, *(leg for time in times.tolist() for leg in (Hold(time), again))]
+
+
+def velocity_steps(
+    velocities: ArrayLike, *, distance: float, direction: str | tuple[int, ...] = "x"
+) -> list[Leg]:
+    """Slide at one velocity after the other.
+
+    Parameters
+    ----------
+    velocities
+        Two or more (length/time), above 0, each different from the one before by 20 % or more.
+    distance
+        How far to slide at each (length), above 0: several D_c, so that friction becomes steady.
+    direction
+        As in `asperity.protocols.Slide`.
+
+    Returns
+    -------
+    list of Leg
+        For `asperity.age`.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or two velocities in a row hardly differ.
+    """
+    speeds = checks.positive("velocities", checks.line("velocities", velocities)).tolist()
+    differ = [max(one, two) > STEP * min(one, two) for one, two in pairwise(speeds)]
+    if not differ or not all(differ):
+        got = ", ".join(f"{speed:g}" for speed in speeds)
+        expected = "two velocities or more, each other than the one before by 20 % or more"
+        raise InputError("velocities", expected=expected, got=got)
+    return [Slide(distance, speed, direction) for speed in speeds]
+
+
+def synthetic_record(
+    protocol: Sequence[Leg],
+    law: RateAndState,
+    *,
+    per_leg: int = 50,
+    noise: float = 0.0,
+    seed: int = 0,
+    strength_at_rest: bool = False,
+    si: bool = True,
+) -> Record:
+    """Predict the record of a protocol by a law, with noise: what a fit must find again.
+
+    Parameters
+    ----------
+    protocol
+        Slides and holds; the record begins in steady sliding.
+    law
+        The law with its parameters.
+    per_leg
+        Entries of each leg, at equal distances in time.
+    noise
+        Standard deviation of normal noise, independent from entry to entry.
+    seed
+        Seed of the noise.
+    strength_at_rest, si
+        As in `Record`.
+
+    Returns
+    -------
+    Record
+
+    Raises
+    ------
+    InputError
+        A leg is neither slide nor hold, or a number is out of range.
+    """
+    checks.instance("law", law, RateAndState, "RateAndState(a=0.01, b=0.015, D_c=1e-5, mu_0=0.6, V_0=1e-6)")
+    per_leg = checks.integer("per_leg", per_leg, least=1)
+    noise = checks.number("noise", noise, least=0.0)
+    time, velocity = [np.zeros(1)], []
+    for leg in legs_of(protocol):
+        if not isinstance(leg, Slide | Hold):
+            raise InputError("protocol", expected="slides and holds", got=repr(leg))
+        velocity.append(np.full(per_leg, leg.velocity if isinstance(leg, Slide) else 0.0))
+        time.append(time[-1][-1] + leg.duration * np.arange(1, per_leg + 1) / per_leg)
+    times, velocities = np.concatenate(time), np.concatenate([velocity[0][:1], *velocity])
+    rng = np.random.default_rng(checks.seed(seed))
+    friction = law.friction(times, velocities) + noise * rng.standard_normal(times.size)
+    return Record(
+        times, velocities, friction, strength_at_rest=strength_at_rest, si=si, source="synthetic record"
+    )

@@ -1,0 +1,339 @@
+r"""Parameters of rate-and-state friction from records, with uncertainties, and which law of the state they prefer.
+
+The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at the
+first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10,
+413 (1973), doi:10.1137/0710036), from many starts; the state at the first time is a parameter too, because no
+record begins long enough after the beginning for certain.
+
+Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for white noise.
+Where neighboring residuals correlate by more than white noise would make them, rho > 2/sqrt(n), the n
+values count as n (1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough measure. The records of
+several surfaces under one protocol give better ones: the jackknife over surfaces, which assumes nothing about
+the residuals.
+
+Both laws have the same number of parameters, so that the difference of AICc is n ln(squares of one / squares of the
+other). It is judged with the same number of effective values.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+import asperity.checks as checks
+from asperity.checks import Floats
+from asperity.errors import InputError
+from asperity.fits import FitResult
+from asperity.fits.comparison import ROUNDING, autocorrelation_of
+from asperity.fits.search import inverse_square
+from asperity.friction.laws import (
+    RateAndState,
+    StateLaw,
+    first_velocity,
+    log_state,
+    log_velocity,
+    state_law,
+)
+from asperity.friction.records import HOLD, RUN_IN, STEP, STEPPED, Record
+
+Events = Literal["all", "holds", "steps"]
+_EVENTS: dict[str, tuple[int, ...]] = {
+    "all": (RUN_IN, HOLD, STEPPED),
+    "holds": (RUN_IN, HOLD),
+    "steps": (RUN_IN, STEPPED),
+}
+
+_REACH = 10.0
+"""D_c is searched from the smallest slip between two values over this factor, to the whole slip times it."""
+
+_EDGE = 1e-3
+"""Distance from the ends of this range, in ln D_c, within which D_c is not determined."""
+
+_START_REACH = 40.0
+"""Largest ln(V theta/D_c), in magnitude, of the state at the first time."""
+
+_STARTS = 10, (-3.0, 0.0, 3.0)
+"""Starts of the search: how many D_c, and ln(V theta/D_c) at the first time."""
+
+_POLISHED = 2
+_DIFFERENCE = 1e-5
+"""Step of the central differences in ln D_c and ln theta."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RateAndStateFit(FitResult):
+    """Parameters of rate-and-state friction.
+
+    Attributes
+    ----------
+    law
+        How the state evolves.
+    V_0
+        Reference velocity, as given.
+    mu_0, a, b, D_c
+        The parameters, each with a standard error in ``..._stderr``; 0 for an a that was given. The
+        interval of D_c is symmetric in its logarithm.
+    a_minus_b
+        Change of steady friction per e-fold of the velocity, with its standard error; below 0 sliding can be
+        unstable.
+    first_state
+        State theta at the first time of the record.
+    autocorrelation
+        Correlation rho of neighboring residuals.
+    effective_points
+        Number of independent values that standard errors count with.
+    residual
+        Friction less law at the values fitted, shape (points,).
+    used
+        Which entries of the record were fitted, shape (n,).
+    at_edge
+        Whether the search for D_c ended at the end of its range.
+    """
+
+    law: StateLaw
+    V_0: float
+    mu_0: float
+    mu_0_stderr: float
+    a: float
+    a_stderr: float
+    b: float
+    b_stderr: float
+    D_c: float
+    D_c_stderr: float
+    a_minus_b: float
+    a_minus_b_stderr: float
+    first_state: float
+    autocorrelation: float
+    effective_points: float
+    residual: Floats
+    used: NDArray[np.bool_]
+    at_edge: bool
+
+    scales: ClassVar[frozenset[str]] = frozenset({"D_c"})
+
+    @property
+    def determined(self) -> bool:
+        """Whether the record determines D_c, to a factor of about three at least."""
+        return not self.at_edge and self.D_c_stderr < self.D_c
+
+    @property
+    def parameters(self) -> RateAndState:
+        """The law with these parameters."""
+        return RateAndState(law=self.law, a=self.a, b=self.b, D_c=self.D_c, mu_0=self.mu_0, V_0=self.V_0)
+
+    def predict(self, record: Record) -> Floats:
+        """Friction coefficient at each time of the record, from the state at its first time, shape (n,)."""
+        return self.parameters.friction(record.time, record.velocity, self.first_state)
+
+
+def rate_and_state(
+    record: Record,
+    *,
+    law: StateLaw = "aging",
+    a: float | Literal["fitted"] | None = None,
+    V_0: float | None = None,
+    events: Events = "all",
+) -> RateAndStateFit:
+    """Fit rate-and-state friction to a record.
+
+    Parameters
+    ----------
+    record
+        What was measured or simulated.
+    law
+        How the state evolves: ``"aging"`` or ``"slip"``.
+    a
+        The direct effect; or ``"fitted"`` where velocities differ. By default that of the record, which is 0
+        for simulated contacts of constant shear strength, and fitted where the record does not know it.
+    V_0
+        Reference velocity (length/time), of which mu_0 is the steady friction; by default the first
+        velocity of the record.
+    events
+        What of the record to fit besides the run-in: ``"holds"``, which are rests and the slip after them until
+        the velocity steps, ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is followed
+        through the whole record in any case.
+
+    Returns
+    -------
+    RateAndStateFit
+
+    Raises
+    ------
+    InputError
+        There are no such events, too few values, or velocities that do not differ to fit a.
+    """
+    problem = _Problem.of(checks.instance("record", record, Record, _MADE), state_law(law), a, V_0, events)
+    return problem.solution()
+
+
+_MADE = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """What is fitted.
+
+    Attributes
+    ----------
+    record, law, V_0
+        As given.
+    used
+        Which entries are fitted.
+    given_a
+        The direct effect, or None where it is fitted.
+    """
+
+    record: Record
+    law: StateLaw
+    V_0: float
+    used: NDArray[np.bool_]
+    given_a: float | None
+
+    @classmethod
+    def of(cls, record: Record, law: StateLaw, a: object, V_0: float | None, events: str) -> _Problem:
+        if events not in _EVENTS:
+            raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
+        reference = first_velocity(record.velocity)
+        reference = reference if V_0 is None else checks.number("V_0", V_0, above=0.0)
+        kinds = record.events
+        rests = bool((record.velocity[1:] == 0).any())
+        wanted = {"all": rests or (kinds == STEPPED).any(), "holds": rests, "steps": (kinds == STEPPED).any()}
+        if not wanted[events]:
+            needed = {"all": "a rest, or a step of the velocity", "holds": "a rest", "steps": "a step"}[events]
+            got = "rests only" if rests else f"slip at {reference:g}, without rest or step"
+            raise InputError("record", expected=f"{needed} to see the state change by", got=got)
+        used = np.isin(kinds, _EVENTS[events])
+        if not record.strength_at_rest:
+            used &= record.velocity > 0
+        velocities = record.velocity[used & (record.velocity > 0)]
+        differ = velocities.size > 0 and velocities.max() > STEP * velocities.min()
+        if a is None:
+            a = "fitted" if record.a is None else record.a
+        if a == "fitted" and not differ:
+            raise InputError(
+                "a",
+                expected="a number, as all slip is at one velocity, which does not show the direct effect",
+                got="none",
+                advice="a=0.01, a common value for rock, or a=0.0",
+            )
+        problem = cls(record, law, reference, used, None if a == "fitted" else checks.number("a", a))
+        if used.sum() < problem.count + 3:
+            expected = f"at least {problem.count + 3} values for {problem.count} parameters"
+            raise InputError("record", expected=expected, got=int(used.sum()))
+        return problem
+
+    @property
+    def count(self) -> int:
+        """Number of parameters: mu_0, b, D_c, the first state, and a where it is fitted."""
+        return 4 + (self.given_a is None)
+
+    @cached_property
+    def values(self) -> Floats:
+        """Friction less a direct effect that was given."""
+        direct = (self.given_a or 0.0) * log_velocity(self.record.velocity, self.V_0)
+        return (self.record.friction - direct)[self.used]
+
+    def columns(self, shape: Floats) -> Floats:
+        """Factors of mu_0, b and a; `shape` is ln D_c and ln(V theta/D_c) at the first time."""
+        record = self.record
+        state = log_state(self.law, record.time, record.velocity, math.exp(shape[0]), self.log_start(shape))
+        columns = [np.ones(self.values.size), (state + math.log(self.V_0) - shape[0])[self.used]]
+        if self.given_a is None:
+            columns.append(log_velocity(record.velocity, self.V_0)[self.used])
+        return np.column_stack(columns)
+
+    def log_start(self, shape: Floats) -> float:
+        """ln theta at the first time."""
+        return float(shape[0] + shape[1] - math.log(first_velocity(self.record.velocity)))
+
+    def linear(self, shape: Floats) -> tuple[Floats, Floats]:
+        """mu_0, b and a that suit best, and the residuals."""
+        columns, values = self.columns(shape), self.values
+        found = np.linalg.lstsq(columns, values)[0]
+        return found, np.asarray(values - columns @ found)
+
+    @cached_property
+    def reach(self) -> tuple[float, float]:
+        """Least and largest ln D_c."""
+        slips = np.diff(self.record.displacement)
+        slips = slips[slips > 0]
+        return math.log(slips.min() / _REACH), math.log(slips.sum() * _REACH)
+
+    def searched(self) -> Floats:
+        """ln D_c and ln(V theta/D_c) at the first time, of the least squares."""
+        low, high = self.reach
+        bounds = np.array([[low, high], [-_START_REACH, _START_REACH]]).T
+        many, states = _STARTS
+        starts = [np.array([D_c, state]) for D_c in np.linspace(low, high, many) for state in states]
+        starts.sort(key=lambda shape: float(np.sum(self.linear(shape)[1] ** 2)))
+        minima = [
+            least_squares(
+                lambda shape: self.linear(shape)[1] / self._unit,
+                start,
+                jac="2-point",
+                bounds=bounds,
+                ftol=1e-12,
+                xtol=1e-9,
+                gtol=1e-12,
+            )
+            for start in starts[:_POLISHED]
+        ]
+        return np.asarray(min(minima, key=lambda found: float(found.cost)).x)
+
+    @cached_property
+    def _unit(self) -> float:
+        """Spread of the values, by which the search measures residuals."""
+        return max(float(np.std(self.values)), ROUNDING * float(self.record.friction.max()))
+
+    def solution(self) -> RateAndStateFit:
+        """The parameters, with their standard errors."""
+        shape = self.searched()
+        (mu_0, b, *rest), residual = self.linear(shape)
+        a = rest[0] if self.given_a is None else self.given_a
+        steps = _DIFFERENCE * np.eye(2)
+        slopes = [
+            b * (self.columns(shape + h)[:, 1] - self.columns(shape - h)[:, 1]) / (2 * _DIFFERENCE)
+            for h in steps
+        ]
+        jacobian = np.column_stack([self.columns(shape), *slopes])
+        n, squares, friction = residual.size, float(residual @ residual), self.record.friction[self.used]
+        rho = autocorrelation_of(residual)
+        effective = n * (1 - rho) / (1 + rho) if rho > 2 / math.sqrt(n) else float(n)
+        covariance = squares / (n - self.count) * n / effective * inverse_square(jacobian)
+        of_mu_0, of_b, *of_a = np.sqrt(np.diag(covariance))[: 2 + len(rest)]
+        of_D_c = math.sqrt(covariance[-2, -2])
+        contrast = np.zeros(self.count)
+        contrast[1], contrast[2] = -1.0, 1.0 if rest else 0.0
+        total = float(np.sum((friction - friction.mean()) ** 2))
+        D_c = math.exp(shape[0])
+        return RateAndStateFit(
+            points=n,
+            degrees_of_freedom=max(1.0, effective - self.count),
+            rms_residual=float(np.sqrt(np.mean((residual / friction) ** 2))),
+            r_squared=1 - squares / total if total > 0 else math.nan,
+            reduced_chi_squared=None,
+            law=self.law,
+            V_0=self.V_0,
+            mu_0=float(mu_0),
+            mu_0_stderr=float(of_mu_0),
+            a=float(a),
+            a_stderr=float(of_a[0]) if of_a else 0.0,
+            b=float(b),
+            b_stderr=float(of_b),
+            D_c=D_c,
+            D_c_stderr=D_c * of_D_c,
+            a_minus_b=float(a - b),
+            a_minus_b_stderr=math.sqrt(float(contrast @ covariance @ contrast)),
+            first_state=math.exp(self.log_start(shape)),
+            autocorrelation=rho,
+            effective_points=effective,
+            residual=residual,
+            used=self.used,
+            at_edge=min(abs(shape[0] - end) for end in self.reach) < _EDGE,
+        )

@@ -1,0 +1,204 @@
+r"""Rate-and-state friction, and its state in closed form wherever the velocity is constant.
+
+The friction coefficient depends on the slip velocity V and on a state theta (time), which is the age of the
+contacts (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979), doi:10.1029/JB084iB05p02161; A. Ruina, J. Geophys.
+Res. 88, 10359 (1983), doi:10.1029/JB088iB12p10359):
+
+    mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)
+    aging law   d theta/dt = 1 - V theta/D_c
+    slip law    d theta/dt = -(V theta/D_c) ln(V theta/D_c)
+
+Over a time t at a constant velocity, with x = V t/D_c, both have solutions:
+
+    aging   theta = theta_start exp(-x) + t (1 - exp(-x))/x
+    slip    ln theta = exp(-x) ln theta_start + (1 - exp(-x)) ln(D_c/V)
+
+A record is a chain of such times, so that no error of an integrator enters. Both chains are sums of terms
+above 0, which are added in the logarithm: no number overflows, however far a contact slides. At rest the aging
+law gives theta_start + t, and the slip law, in which only slip changes the state, theta_start.
+
+The stiffness of an apparatus is left out: V is the velocity of slip, not that of a distant load point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import asperity.checks as checks
+from asperity.checks import Floats
+from asperity.errors import InputError
+
+StateLaw = Literal["aging", "slip"]
+STATE_LAWS: tuple[StateLaw, ...] = ("aging", "slip")
+
+
+def state_law(value: object) -> StateLaw:
+    """Name of a law of the state."""
+    if value not in STATE_LAWS:
+        raise InputError("law", expected="'aging' or 'slip'", got=checks.shown(value))
+    return value
+
+
+@dataclass(frozen=True, kw_only=True)
+class RateAndState:
+    """Rate-and-state friction with its parameters.
+
+    Parameters
+    ----------
+    law
+        How the state evolves: ``"aging"`` (Dieterich) or ``"slip"`` (Ruina).
+    a
+        Direct effect of the velocity; 0 for a shear strength that does not depend on it.
+    b
+        Effect of the state.
+    D_c
+        Slip over which the state forgets (length), above 0.
+    mu_0
+        Friction coefficient of steady sliding at V_0.
+    V_0
+        Reference velocity (length/time), above 0.
+
+    Raises
+    ------
+    InputError
+        For a number out of range, and another law.
+    """
+
+    law: StateLaw = "aging"
+    a: float
+    b: float
+    D_c: float
+    mu_0: float
+    V_0: float
+
+    def __post_init__(self) -> None:
+        state_law(self.law)
+        for name in ("a", "b", "mu_0"):
+            object.__setattr__(self, name, checks.number(name, getattr(self, name)))
+        for name in ("D_c", "V_0"):
+            object.__setattr__(self, name, checks.number(name, getattr(self, name), above=0.0))
+
+    def state(self, time: ArrayLike, velocity: ArrayLike, start: float | None = None) -> Floats:
+        """Return the state theta of a record.
+
+        Parameters
+        ----------
+        time
+            Times that never fall, shape (n,).
+        velocity
+            Velocity of slip in the interval that ends at each time, shape (n,), not below 0; at the first
+            time, that of the first interval.
+        start
+            State at the first time, not below 0, and above 0 for the slip law; by default that of steady
+            sliding at the first velocity above 0.
+
+        Returns
+        -------
+        ndarray
+            theta (time), shape (n,).
+
+        Raises
+        ------
+        InputError
+            The shapes differ, a number is out of range, or nothing slides and no start is given.
+        """
+        times, velocities = timetable(time, velocity)
+        if start is None:
+            start = self.D_c / first_velocity(velocities)
+        start = checks.number("start", start, least=0.0)
+        if start == 0 and self.law == "slip":
+            raise InputError("start", expected="a state above 0 for the slip law", got=start)
+        with np.errstate(divide="ignore"):
+            return np.exp(log_state(self.law, times, velocities, self.D_c, float(np.log(start))))
+
+    def friction(self, time: ArrayLike, velocity: ArrayLike, start: float | None = None) -> Floats:
+        """Return the friction coefficient of a record, shape (n,).
+
+        At rest it is the strength against slip at the next velocity. Parameters and errors are those of `state`.
+        """
+        state = self.state(time, velocity, start)
+        direct = self.a * log_velocity(timetable(time, velocity)[1], self.V_0)
+        with np.errstate(divide="ignore"):
+            return np.asarray(self.mu_0 + direct + self.b * np.log(self.V_0 * state / self.D_c))
+
+    def steady_friction(self, velocity: ArrayLike) -> Floats:
+        """Return the friction coefficient of steady sliding, mu_0 + (a - b) ln(V/V_0).
+
+        Parameters
+        ----------
+        velocity
+            Velocities above 0 of any shape.
+
+        Returns
+        -------
+        ndarray
+            Of the same shape; a NumPy float for a number.
+
+        Raises
+        ------
+        InputError
+            A velocity is not above 0.
+        """
+        velocities = checks.positive("velocity", velocity)
+        return np.asarray(self.mu_0 + (self.a - self.b) * np.log(velocities / self.V_0))[()]
+
+
+def timetable(time: ArrayLike, velocity: ArrayLike) -> tuple[Floats, Floats]:
+    """Check times, which never fall, and velocities, not below 0."""
+    times, velocities = checks.line("time", time), checks.line("velocity", velocity)
+    if velocities.size != times.size or not times.size:
+        raise InputError("velocity", expected=f"one for each of the {times.size} times", got=velocities.size)
+    falls = np.diff(times) < 0
+    if falls.any():
+        at = int(np.argmax(falls))
+        got = f"{times[at + 1]:g} after {times[at]:g}"
+        raise InputError("time", expected="times that never fall", got=got, advice="sorting the record")
+    if (velocities < 0).any():
+        raise InputError(
+            "velocity",
+            expected="velocities not below 0, as the record slides in one direction",
+            got=float(velocities.min()),
+            advice="cutting the record at the reversal, or smoothing a noisy displacement",
+        )
+    return times, velocities
+
+
+def first_velocity(velocity: Floats) -> float:
+    """Return the first velocity above 0."""
+    slides = velocity > 0
+    if not slides.any():
+        raise InputError("velocity", expected="a velocity above 0 somewhere", got="rest at all times")
+    return float(velocity[np.argmax(slides)])
+
+
+def log_velocity(velocity: Floats, V_0: float) -> Floats:
+    """ln(V/V_0); at rest that of the next slip, after the last one of the last, and 0 without any."""
+    slides = np.flatnonzero(velocity > 0)
+    if not slides.size:
+        return np.zeros_like(velocity)
+    coming = np.minimum(np.searchsorted(slides, np.arange(velocity.size)), slides.size - 1)
+    return np.log(velocity[slides[coming]] / V_0)
+
+
+def log_state(law: StateLaw, time: Floats, velocity: Floats, D_c: float, start: float) -> Floats:
+    """ln theta at each time, shape (n,), from that at the first; the arguments are checked already."""
+    duration = np.diff(time, prepend=time[0])
+    slid = velocity * duration / D_c  # x of each interval; the first has no length
+    total = np.cumsum(slid)
+    lost = -np.expm1(-slid)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if law == "aging":
+            # What each interval adds to theta: its duration, less what slip takes away.
+            added = np.log(np.where(slid > 0, lost * (duration / slid), duration))
+            added[0] = start
+            return np.asarray(np.logaddexp.accumulate(added + total) - total)
+        steady = np.where(velocity > 0, np.log(D_c / velocity), start)
+        floor = min(float(steady.min()), start)
+        # ln theta is a mean of its start and of steady states, with weights that sum to 1.
+        added = np.log(lost) + np.log(steady - floor)
+        added[0] = np.log(start - floor)
+        return np.asarray(floor + np.exp(np.logaddexp.accumulate(added + total) - total))

@@ -1,0 +1,374 @@
+"""Records of friction: times, the velocity of slip, and the friction coefficient."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+import asperity.checks as checks
+import asperity.units as units
+import asperity.views as views
+from asperity.checks import Floats
+from asperity.columns import Roles, finite, position
+from asperity.errors import InputError
+from asperity.friction.laws import timetable
+from asperity.friction.tabor import ShearStrength, add_friction
+from asperity.results import History, load
+from asperity.tables import read_table
+
+STEP = 1.2
+"""Ratio of two velocities from which a change is a step."""
+
+RUN_IN, HOLD, STEPPED = 0, 1, 2
+"""Kinds of events."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Record(views.Brief):
+    """How friction went while a contact slid and rested.
+
+    Parameters
+    ----------
+    time
+        Times that never fall, shape (n,); two entries of one time stand before and after a jump.
+    velocity
+        Velocity of slip in the interval that ends at each time, shape (n,), not below 0 and 0 at rest; at
+        the first time that of the first interval, and after a jump that of the interval that begins.
+    friction
+        Friction coefficients above 0, shape (n,).
+    strength_at_rest
+        Whether friction at rest is the strength that a slip would meet, as in simulations. In an
+        experiment it is the force that the machine holds, and a fit leaves it out.
+    a
+        The direct effect, if it is known: 0 for a simulation with a constant shear strength.
+    si
+        Whether times are in s and lengths in m; else they are in units of the simulation.
+    normal_stress
+        Mean normal stress (Pa), if it is known; only passed on.
+    source
+        Where the record comes from.
+
+    Raises
+    ------
+    InputError
+        Times fall, a velocity is negative, a friction coefficient is not above 0, or the shapes differ.
+    """
+
+    time: Floats
+    velocity: Floats
+    friction: Floats
+    strength_at_rest: bool = field(default=False, kw_only=True)
+    a: float | None = field(default=None, kw_only=True)
+    si: bool = field(default=True, kw_only=True)
+    normal_stress: float | None = field(default=None, kw_only=True)
+    source: str = field(default="", kw_only=True)
+
+    def __post_init__(self) -> None:
+        time, velocity = timetable(self.time, self.velocity)
+        friction = checks.positive("friction", checks.line("friction", self.friction))
+        if friction.size != time.size:
+            expected = f"one for each of the {time.size} times"
+            raise InputError("friction", expected=expected, got=friction.size)
+        for name, values in (("time", time), ("velocity", velocity), ("friction", friction)):
+            object.__setattr__(self, name, values)
+
+    @classmethod
+    def of_displacement(
+        cls, time: ArrayLike, displacement: ArrayLike, friction: ArrayLike, **known: Any
+    ) -> Record:
+        """Make a record of the displacement (length) in place of the velocity.
+
+        The velocity of an interval is its displacement over its duration. Of entries at one time between
+        which the contact slipped the first one counts: that before the slip.
+
+        Parameters
+        ----------
+        time, displacement, friction
+            Shape (n,); the displacement never falls.
+        **known
+            The other parameters of a record.
+
+        Raises
+        ------
+        InputError
+            As for a record; or the displacement falls.
+        """
+        times, places = checks.line("time", time), checks.line("displacement", displacement)
+        values = checks.line("friction", friction)
+        if not times.size or places.size != times.size or values.size != times.size:
+            got = f"{times.size} times, {places.size} displacements, {values.size} friction coefficients"
+            raise InputError("displacement", expected="one for each time and friction", got=got)
+        slips = np.append(False, (np.diff(times) == 0) & (np.diff(places) != 0))
+        times, places, values = times[~slips], places[~slips], values[~slips]
+        falls = np.diff(places) < 0
+        if falls.any():
+            at = int(np.argmax(falls))
+            raise InputError(
+                "displacement",
+                expected="a displacement that never falls, as the record slides in one direction",
+                got=f"{places[at + 1]:g} after {places[at]:g}",
+                advice="cutting the record at the reversal, smoothing noise, or a column of velocity",
+            )
+        durations = np.diff(times)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            velocity = np.append(np.nan, np.diff(places) / durations)
+        # The first time, and the second of two entries at one time, have the velocity of what follows.
+        for at in np.flatnonzero(~np.isfinite(velocity))[::-1]:
+            velocity[at] = velocity[at + 1] if at + 1 < velocity.size else 0.0
+        return cls(times, velocity, values, **known)
+
+    @property
+    def displacement(self) -> Floats:
+        """Slip since the first time, shape (n,)."""
+        return np.cumsum(self.velocity * np.diff(self.time, prepend=self.time[0]))
+
+    @property
+    def events(self) -> NDArray[np.intp]:
+        """To what each entry belongs, shape (n,): 0 the run-in, 1 a rest and the slip after it, 2 a step."""
+        before, now = self.velocity[:-1], self.velocity[1:]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stepped = (before > 0) & (now > 0) & (np.abs(np.log(now / before)) > math.log(STEP))
+        change = np.where(now == 0, HOLD, np.where(stepped, STEPPED, -1))
+        change = np.append(HOLD if self.velocity[0] == 0 else RUN_IN, change)
+        return np.asarray(change[np.maximum.accumulate(np.where(change >= 0, np.arange(change.size), 0))])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HoldPeaks(views.Brief):
+    """Static friction after holds.
+
+    Attributes
+    ----------
+    duration
+        Time at rest, shape (holds,).
+    peak
+        Friction at the end of the rest where it is the strength, else the largest of the slip after it.
+    before
+        Mean friction of the second half of the slip before, shape (holds,).
+    velocity
+        Velocity of the slip before, shape (holds,).
+    """
+
+    duration: Floats
+    peak: Floats
+    before: Floats
+    velocity: Floats
+
+
+def hold_peaks(record: Record) -> HoldPeaks:
+    """Find static friction against hold time.
+
+    If the state before each hold is that of steady sliding at V, the aging law says
+    peak - before = b ln(1 + V duration/D_c) without a direct effect: `asperity.fits.logarithm` fits it.
+
+    Parameters
+    ----------
+    record
+        Holds count if there is slip before and after them.
+
+    Returns
+    -------
+    HoldPeaks
+        Possibly of no holds.
+    """
+    time, velocity, friction = record.time, record.velocity, record.friction
+    resting = (velocity == 0).astype(int)
+    begins = np.flatnonzero(np.diff(resting) == 1) + 1
+    rows = []
+    for begin in begins:
+        after = np.flatnonzero(resting[begin:] == 0) + begin
+        if not after.size:
+            continue
+        since = np.flatnonzero(resting[:begin])
+        slid = slice(int(since[-1]) + 1 if since.size else 0, begin)
+        again = np.flatnonzero(resting[after[0] :])
+        slip = slice(after[0], after[0] + int(again[0]) if again.size else time.size)
+        end = after[0] - 1
+        peak = friction[end] if record.strength_at_rest else friction[slip].max()
+        before = friction[slid][(slid.stop - slid.start) // 2 :].mean()
+        rows.append((time[end] - time[begin - 1], peak, before, velocity[begin - 1]))
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
+    return HoldPeaks(*columns)
+
+
+def record_of(
+    history: History | xr.Dataset | Path | str,
+    *,
+    shear_strength: ShearStrength | float | str | None = None,
+) -> Record:
+    """Take the record of a history in which the contact slid.
+
+    Parameters
+    ----------
+    history
+        A `History`, its dataset, or the folder where one is saved.
+    shear_strength
+        As in `add_friction`; needed where the dataset has no series ``friction`` yet.
+
+    Returns
+    -------
+    Record
+        Friction at rest is the strength.
+
+    Raises
+    ------
+    InputError
+        The contact never slid, or friction was not asked for.
+    """
+    dataset, source = _dataset(history)
+    if "displacement" not in dataset or not (dataset["displacement"] > 0).any():
+        advice = "asperity.age(contact, times, protocol=asperity.friction.slide_hold_slide(...))"
+        raise InputError("history", expected="one in which the contact slides", got="none", advice=advice)
+    if shear_strength is not None:
+        dataset = add_friction(dataset, shear_strength)
+    if "friction" not in dataset:
+        expected = "the shear strength of the contacts, as the history has no series 'friction'"
+        raise InputError("shear_strength", expected=expected, got="none", advice="shear_strength=1.0")
+    spacing = json.loads(dataset.attrs.get("spacing", "[1.0]"))
+    nominal = dataset["heights"].size * math.prod(spacing)
+    si = bool(dataset.attrs.get("si", 0))
+    finite = np.isfinite(dataset["time"].values)  # not the relaxed state
+    return Record.of_displacement(
+        dataset["time"].values[finite],
+        dataset["displacement"].values[finite],
+        dataset["friction"].values[finite],
+        strength_at_rest=True,
+        a=None if dataset.attrs.get("rate_coefficient") else 0.0,
+        si=si,
+        normal_stress=float(dataset["load"].mean()) / nominal if si else None,
+        source=source,
+    )
+
+
+_ROLES = Roles(
+    (
+        ("", r"temp|humid|\bstd|\berr|angle|thickness"),
+        ("time", r"\btime\b|^t$|elapsed"),
+        ("normal stress", r"(normal|effective).*(stress|pressure)|^sigma|^σ"),
+        ("normal force", r"normal.*(force|load)|^(load|fn|f n)$"),
+        ("shear stress", r"shear.*stress|^tau$|^τ$"),
+        ("shear force", r"(shear|friction|tangential|lateral).*force|^(fs|ft|f s|f t)$"),
+        ("velocity", r"veloc|speed|slip rate|^v$"),
+        ("displacement", r"displac|slip|position|distance|^[xd]$"),
+        ("friction", r"friction|^mu\b|^[µμ]|coef"),
+    ),
+    {
+        "time": ("s",),
+        "normal stress": ("Pa",),
+        "normal force": ("N",),
+        "shear stress": ("Pa",),
+        "shear force": ("N",),
+        "velocity": ("m/s",),
+        "displacement": ("m",),
+        "friction": ("1",),
+    },
+)
+_EXAMPLES = "time_s, displacement_um and friction, or time_s, velocity_um/s, shear_stress_MPa and normal_stress_MPa"
+_KINEMATIC = ("time", "velocity", "displacement")
+
+
+def read_record(
+    path: Path | str, *, columns: Sequence[int | str] | None = None, strength_at_rest: bool = False
+) -> Record:
+    """Read the record of an experiment from a table in a text file, and convert it to s, m and Pa.
+
+    The names of the columns say what they hold and in which unit: ``time_s``, ``velocity [um/s]`` or
+    ``displacement (mm)``, and ``friction``, or ``shear_stress_MPa`` and ``normal_stress_MPa``, or
+    ``shear_force_N`` and ``normal_force_N``, of which friction is the ratio. Where there are velocity and
+    displacement, the velocity counts. If neither time nor velocity nor displacement has a unit, the
+    record is in units of its own, such as those of a simulation. For the form of the file see
+    `asperity.fits.read_measurements`.
+
+    Parameters
+    ----------
+    path
+        A text file with a line for each time.
+    columns
+        Names or numbers, from 0, of the columns to read; by default all whose names are understood.
+    strength_at_rest
+        As in `Record`.
+
+    Returns
+    -------
+    Record
+
+    Raises
+    ------
+    InputError
+        There is no such table, its columns are not understood, some have units and some have none, a cell
+        is no number, or the numbers are no record.
+    """
+    table = read_table(Path(path))
+    chosen = range(len(table.names)) if columns is None else [position(table, name) for name in columns]
+    found: dict[str, tuple[int, str | None]] = {}
+    for at in chosen:
+        role, unit = _ROLES.of(table.names[at])
+        if role and role in found:
+            got = f"{table.names[found[role][0]]!r} and {table.names[at]!r}"
+            expected = f"one column of {role}"
+            raise InputError(table.name, expected=expected, got=got, advice="columns=[...] to choose")
+        if role:
+            found[role] = (at, unit)
+    ratio = next((kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(found)), "")
+    motion = "velocity" if "velocity" in found else "displacement"
+    if "time" not in found or motion not in found or not ("friction" in found or ratio):
+        named = ", ".join(repr(name) for name in table.names if name)[:120]
+        raise InputError(
+            table.name,
+            expected="columns of time, of velocity or displacement, and of friction or two stresses or forces",
+            got=f"columns {named}" if named else f"{len(table.names)} columns without names",
+            advice=f"a first line that names them with their units, such as {_EXAMPLES}",
+        )
+    with_units = [role for role in _KINEMATIC if role in found and found[role][1]]
+    if with_units and len(with_units) < sum(role in found for role in _KINEMATIC):
+        bare = next(role for role in _KINEMATIC if role in found and not found[role][1])
+        at = found[bare][0]
+        raise InputError(f"column {table.names[at]!r} of {table.name}", expected=f"a unit of {bare}", got="none")
+
+    def read(role: str) -> Floats:
+        at, unit = found[role]
+        target = _ROLES.units[role][0]
+        if unit is None:
+            name = f"column {table.names[at]!r} of {table.name}"
+            raise InputError(name, expected=f"a unit of {role}, such as {target}", got=repr(table.names[at]))
+        scale = 1.0 if not unit or unit == target else units.factor(unit, target)
+        assert scale is not None  # the role fits
+        return finite(table, at, role) * scale
+
+    friction = read("friction") if "friction" in found else read(f"shear {ratio}") / read(f"normal {ratio}")
+    make = Record if motion == "velocity" else Record.of_displacement
+    try:
+        return make(
+            read("time"),
+            read(motion),
+            friction,
+            strength_at_rest=strength_at_rest,
+            si=bool(with_units),
+            normal_stress=float(read("normal stress").mean()) if "normal stress" in found else None,
+            source=str(path),
+        )
+    except InputError as error:
+        if error.name.startswith((table.name, "column ")):
+            raise
+        raise InputError(
+            f"{table.name}, {error.name}", expected=error.expected, got=error.got, advice=error.advice
+        ) from error
+
+
+def _dataset(history: object) -> tuple[xr.Dataset, str]:
+    """The dataset of a history, and where it comes from."""
+    if isinstance(history, Path | str):
+        path = Path(history)
+        inside = path / "history.zarr"
+        return load(inside if inside.exists() else path), str(path)
+    if isinstance(history, History):
+        return history.dataset, ""
+    return checks.instance("history", history, xr.Dataset, "asperity.age(contact, times, protocol=...)"), ""

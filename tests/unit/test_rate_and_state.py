@@ -1,0 +1,325 @@
+"""Rate and state: closed forms against an integrator, recovery of known parameters, honest intervals."""
+
+import csv
+import dataclasses
+import tomllib
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import minimize_scalar
+from scipy.stats import binom
+
+import asperity as asp
+from asperity.friction.fitting import _Problem
+from tests.refusals import refuses
+
+F = asp.friction
+P = asp.protocols
+AGING = F.RateAndState(a=0.010, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
+SLIP = dataclasses.replace(AGING, law="slip")
+LAWS = {"aging": AGING, "slip": SLIP}
+HOLDS = F.slide_hold_slide([10.0, 100.0, 1000.0], velocity=1e-6, distance=50e-6)
+STEPS = F.velocity_steps([1e-6, 1e-5, 1e-6, 3e-6, 1e-6], distance=60e-6)
+NOISE = 5e-4
+
+
+def rate(law, velocity, state):
+    x = velocity * state / AGING.D_c
+    return 1 - x if law == "aging" else -x * np.log(x)
+
+
+@pytest.mark.parametrize("law", ["aging", "slip"])
+def test_the_state_is_that_of_an_integrator(law):
+    velocity = np.array([1.0, 1.0, 0.0, 1.0, 30.0, 0.1, 0.0, 10.0]) * 1e-6
+    time = np.cumsum([0.0, 3.0, 20.0, 0.5, 4.0, 60.0, 5.0, 2.0])
+    found = LAWS[law].state(time, velocity, start=4.0)
+    state = [4.0]
+    for n in range(1, time.size):
+        solution = solve_ivp(
+            lambda _, theta, V=velocity[n]: rate(law, V, theta) if V else [float(law == "aging")],
+            (time[n - 1], time[n]),
+            state[-1:],
+            rtol=1e-10,
+            atol=1e-12,
+        )
+        state.append(solution.y[0, -1])
+    np.testing.assert_allclose(found, state, rtol=1e-8)
+
+
+@pytest.mark.parametrize("law", ["aging", "slip"])
+def test_friction_becomes_steady_however_far_it_slides(law):
+    time = np.array([0.0, 1.0, 1e9, 2e9])
+    velocity = np.full(4, 1e-5)
+    friction = LAWS[law].friction(time, velocity, start=1e6)
+    assert friction[-1] == pytest.approx(AGING.steady_friction(1e-5), rel=1e-12)
+    assert AGING.steady_friction(1e-5) == pytest.approx(0.6 - 0.005 * np.log(10), rel=1e-12)
+
+
+def test_a_fresh_contact_ages_from_nothing():
+    np.testing.assert_allclose(AGING.state([0.0, 2.0, 5.0], [0.0, 0.0, 0.0], start=0.0), [0.0, 2.0, 5.0])
+
+
+def test_a_chain_of_intervals_is_one_interval():
+    fine = np.linspace(0.0, 30.0, 301)
+    for law in LAWS.values():
+        once = law.state([0.0, 30.0], [2e-6, 2e-6], start=1.0)[-1]
+        assert law.state(fine, np.full(301, 2e-6), start=1.0)[-1] == pytest.approx(once, rel=1e-11)
+
+
+@pytest.mark.parametrize("law", ["aging", "slip"])
+def test_an_exact_record_gives_its_parameters(law):
+    record = F.synthetic_record(STEPS, LAWS[law])
+    fit = F.rate_and_state(record, law=law)
+    for name in ("a", "b", "D_c", "mu_0"):
+        assert getattr(fit, name) == pytest.approx(getattr(AGING, name), rel=1e-5)
+    assert fit.a_minus_b == pytest.approx(-0.005, rel=1e-4)
+    np.testing.assert_allclose(fit.predict(record), record.friction, rtol=1e-8)
+
+
+def test_mu_0_is_the_steady_friction_of_the_velocity_asked_for():
+    record = F.synthetic_record(STEPS, AGING, noise=NOISE)
+    fit = F.rate_and_state(record, V_0=1e-4)
+    low, high = fit.interval("mu_0")
+    assert low < AGING.steady_friction(1e-4) < high
+    assert fit.D_c == pytest.approx(F.rate_and_state(record).D_c, rel=1e-6)
+
+
+def test_the_derivatives_behind_the_errors_are_those_of_the_law():
+    """Profile: where D_c is forced off its optimum by a standard error, chi squared grows by 1."""
+    record = F.synthetic_record(STEPS + HOLDS, AGING, noise=NOISE, seed=3)
+    fit = F.rate_and_state(record)
+    problem = _Problem.of(record, "aging", None, None, "all")
+
+    def squares(log_D_c):
+        return minimize_scalar(lambda s: np.sum(problem.linear(np.array([log_D_c, s]))[1] ** 2), (-0.1, 0.1)).fun
+
+    variance = float(fit.residual @ fit.residual) / fit.degrees_of_freedom
+    moved = np.log(fit.D_c) + fit.D_c_stderr / fit.D_c
+    assert (squares(moved) - float(fit.residual @ fit.residual)) / variance == pytest.approx(1.0, abs=0.15)
+
+
+def covered(protocol, law, count, **known):
+    """How many of 95 % intervals cover the truth."""
+    truth = LAWS[law]
+    hits = dict.fromkeys(("b", "D_c", "mu_0", "a_minus_b"), 0)
+    for seed in range(count):
+        record = F.synthetic_record(protocol, truth, per_leg=30, noise=NOISE, seed=seed)
+        fit = F.rate_and_state(record, law=law, **known)
+        for name in hits:
+            low, high = fit.interval(name)
+            hits[name] += low <= (-0.005 if name == "a_minus_b" else getattr(truth, name)) <= high
+    return hits
+
+
+@pytest.mark.parametrize(
+    ("protocol", "law", "known"), [(STEPS, "slip", {}), (HOLDS, "aging", {"a": 0.010})], ids=["steps", "holds"]
+)
+def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law, known):
+    count = 60
+    least, most = binom.ppf(0.001, count, 0.95), count
+    for hits in covered(protocol, law, count, **known).values():
+        assert least <= hits <= most
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["aging", "slip"])
+@pytest.mark.parametrize("protocol", [STEPS, HOLDS + STEPS], ids=["steps", "both"])
+def test_of_500_records_between_92_and_98_percent_are_covered(protocol, law):
+    for hits in covered(protocol, law, 500).values():
+        assert 460 <= hits <= 490
+
+
+def test_correlated_residuals_widen_the_intervals():
+    record = F.synthetic_record(STEPS, AGING, per_leg=200)
+    white = np.random.default_rng(0).standard_normal(record.time.size)
+    slow = np.convolve(white, np.ones(8) / np.sqrt(8), mode="same")
+    widths = {}
+    for name, noise in (("white", white), ("slow", slow)):
+        fit = F.rate_and_state(dataclasses.replace(record, friction=record.friction + NOISE * noise))
+        widths[name] = fit.b_stderr
+    assert widths["slow"] > 1.8 * widths["white"]
+
+
+@pytest.mark.parametrize("law", ["aging", "slip"])
+def test_the_verdict_is_the_law_that_made_the_record(law):
+    record = F.synthetic_record(STEPS + HOLDS, LAWS[law], noise=NOISE, seed=1)
+    found = F.compare_state_laws(record)
+    assert found.verdict == found.preferred == law
+    assert found.relative_likelihood < 1e-3
+
+
+def test_noise_leaves_the_verdict_open():
+    small = F.velocity_steps([1e-6, 1.3e-6, 1e-6], distance=60e-6)
+    record = F.synthetic_record(small, AGING, noise=5 * NOISE, seed=2)
+    assert F.compare_state_laws(record).verdict == "undecided"
+
+
+def test_several_surfaces_give_intervals_by_their_scatter():
+    rng = np.random.default_rng(0)
+    several = [
+        F.synthetic_record(
+            STEPS + HOLDS,
+            dataclasses.replace(AGING, b=0.015 * np.exp(0.1 * rng.standard_normal())),
+            noise=NOISE,
+            seed=seed,
+        )
+        for seed in range(8)
+    ]
+    found = F.compare_state_laws(several)
+    alone = F.compare_state_laws(several[0])
+    b = found.estimates["aging"]["b"]
+    assert found.verdict == "aging"
+    assert found.runs == 8
+    assert b.low < 0.015 < b.high
+    # The surfaces differ by 10 %, and the mean of 8 is worth 10 %/sqrt(8); the noise alone is far less.
+    assert 0.4 < b.stderr / (0.0015 / np.sqrt(8)) < 2.0
+    assert b.stderr > 5 * alone.estimates["aging"]["b"].stderr / np.sqrt(8)
+
+
+def test_b_from_holds_is_b_from_steps():
+    record = F.synthetic_record([*STEPS, *HOLDS], AGING, noise=NOISE)
+    holds, steps = (F.rate_and_state(record, events=events, a=0.010) for events in ("holds", "steps"))
+    assert holds.points < record.time.size
+    assert steps.points < record.time.size
+    spread = np.hypot(holds.b_stderr, steps.b_stderr)
+    assert abs(holds.b - steps.b) < 3 * spread
+
+
+def test_static_friction_against_hold_time_has_a_closed_form():
+    """peak - before = b ln(1 + V t/D_c): the logarithm of `asperity.fits` finds b and D_c another way."""
+    law = dataclasses.replace(AGING, a=0.0)
+    holds = np.geomspace(1.0, 1e4, 9)
+    protocol = F.slide_hold_slide(holds, velocity=1e-6, distance=200e-6)
+    peaks = F.hold_peaks(F.synthetic_record(protocol, law, strength_at_rest=True))
+    np.testing.assert_allclose(peaks.duration, holds)
+    np.testing.assert_allclose(peaks.velocity, 1e-6)
+    grown = asp.fits.logarithm(np.append(0.0, peaks.duration), np.append(peaks.before[0], peaks.peak))
+    assert grown.slope == pytest.approx(law.b, rel=1e-6)
+    assert grown.t0 * 1e-6 == pytest.approx(law.D_c, rel=1e-6)
+
+
+def test_rest_counts_only_where_it_is_the_strength():
+    known = dataclasses.replace(AGING, a=0.0)
+    machine = F.synthetic_record(HOLDS, known)
+    strength = F.synthetic_record(HOLDS, known, strength_at_rest=True)
+    assert F.rate_and_state(strength, a=0.0).points == strength.time.size
+    assert F.rate_and_state(machine, a=0.0).points == np.count_nonzero(machine.velocity)
+
+
+def test_displacement_and_velocity_are_one_record():
+    record = F.synthetic_record(STEPS + HOLDS, AGING)
+    again = F.Record.of_displacement(record.time, record.displacement, record.friction)
+    np.testing.assert_allclose(again.velocity, record.velocity, rtol=1e-6, atol=1e-15)
+
+
+def test_of_two_entries_at_a_shift_the_one_before_it_counts():
+    record = F.Record.of_displacement(
+        [0.0, 0.0, 1.0, 1.0, 2.0, 7.0], [0.0, 1.0, 1.0, 2.0, 2.0, 2.0], [0.5, 0.4, 0.5, 0.4, 0.5, 0.6]
+    )
+    np.testing.assert_array_equal(record.friction, [0.5, 0.5, 0.5, 0.6])
+    np.testing.assert_array_equal(record.velocity, [1.0, 1.0, 1.0, 0.0])
+
+
+def table(path, names, *columns):
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=names, comments="")
+    return path
+
+
+def test_a_table_is_read_with_its_units(tmp_path):
+    record = F.synthetic_record(STEPS, AGING)
+    time, slip, friction = record.time / 60, record.displacement * 1e6, record.friction
+    read = F.read_record(table(tmp_path / "a.csv", "time_min,displacement [um],friction", time, slip, friction))
+    np.testing.assert_allclose(read.displacement, record.displacement, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(read.time, record.time)
+    assert read.si
+    speed = record.velocity * 1e6
+    stress = table(
+        tmp_path / "b.csv",
+        "time_s,velocity_um/s,shear_stress_MPa,normal_stress_kPa",
+        record.time,
+        speed,
+        5 * friction,
+        np.full(time.size, 5000.0),
+    )
+    read = F.read_record(stress)
+    np.testing.assert_allclose(read.velocity, record.velocity)
+    np.testing.assert_allclose(read.friction, friction)
+    assert read.normal_stress == pytest.approx(5e6)
+    bare = F.read_record(table(tmp_path / "c.csv", "time,velocity,mu", time, speed, friction))
+    assert not bare.si
+
+
+def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    record = dataclasses.replace(F.synthetic_record(STEPS, AGING, noise=NOISE), normal_stress=5e6)
+    found = F.compare_state_laws(record)
+    F.save_parameters(found, tmp_path / "f.toml")
+    F.save_parameters(found, tmp_path / "f.csv", law="slip")
+    written = tomllib.loads((tmp_path / "f.toml").read_text())
+    assert written["parameters"] == {
+        "law": "aging",
+        **{name: getattr(found.fits["aging"], name) for name in ("mu_0", "a", "b", "D_c", "a_minus_b", "V_0")},
+        "normal_stress": 5e6,
+    }
+    assert written["units"]["D_c"] == "m"
+    assert written["intervals_95"]["D_c"] == list(found.fits["aging"].interval("D_c"))
+    assert written["origin"]["asperity_version"] == asp.__version__
+    first, second = csv.DictReader((tmp_path / "f.csv").read_text().splitlines())
+    assert [first["law"], second["law"]] == ["slip", "aging"]
+    assert float(second["D_c_m"]) == found.fits["aging"].D_c
+    with refuses("path"):
+        F.save_parameters(found, "f.txt")
+
+
+def test_bad_records_are_refused(tmp_path):
+    time, one = np.arange(9.0), np.ones(9)
+    with refuses("time"):
+        F.Record(time[::-1], one, one)
+    with refuses("velocity"):
+        F.Record(time, -one, one)
+    with refuses("velocity"):
+        F.Record(time, one[:3], one)
+    with refuses("friction"):
+        F.Record(time, one, 0 * one)
+    with refuses("friction"):
+        F.Record(time, one, one[:3])
+    with refuses("displacement"):
+        F.Record.of_displacement(time, time[::-1], one)
+    with refuses("displacement"):
+        F.Record.of_displacement(time, time[:3], one)
+    with refuses("record"):
+        F.rate_and_state(F.Record(time, one, one))
+    with refuses("velocity"):
+        F.rate_and_state(F.Record(time, 0 * one, one))
+    with refuses("a"):
+        F.rate_and_state(F.synthetic_record(HOLDS, AGING))
+    with refuses("record"):
+        F.rate_and_state(F.synthetic_record(HOLDS, AGING), events="steps")
+    with refuses("record"):
+        F.rate_and_state(F.synthetic_record(HOLDS[:3], AGING, per_leg=2), a=0.0)
+    with refuses("events"):
+        F.rate_and_state(F.synthetic_record(HOLDS, AGING), events="both")
+    with refuses("law"):
+        F.rate_and_state(F.synthetic_record(HOLDS, AGING), law="ageing")
+    with refuses("records"):
+        F.compare_state_laws([])
+    with refuses("records"):
+        F.compare_state_laws([F.synthetic_record(HOLDS, AGING), F.synthetic_record(STEPS, AGING)])
+    with refuses("start"):
+        SLIP.state([0.0, 1.0], [1.0, 1.0], start=0.0)
+    with refuses("history"):
+        F.record_of(3.0)
+    with refuses("protocol"):
+        F.synthetic_record([P.Step(load=1.0)], AGING)
+    with refuses("holds"):
+        F.slide_hold_slide([], velocity=1.0, distance=1.0)
+    with refuses("velocities"):
+        F.velocity_steps([1.0, 1.1], distance=1.0)
+    for file, names in (
+        ("no_friction.csv", "time_s,velocity_m/s,angle"),
+        ("twice.csv", "time_s,slip_um,displacement_um"),
+        ("half.csv", "time_s,velocity,friction"),
+    ):
+        with pytest.raises(asp.errors.InputError, match=file):
+            F.read_record(table(tmp_path / file, names, time, one, one))
