@@ -48,6 +48,18 @@ SERIES = asp.relaxation.PronySeries(2.0, ((0.25, 0.5), (0.5, 8.0)))
 RELAXED = (np.round(8 * SERIES.modulus_at(TIME)) / 8 + 0.0).tolist()
 STIFFENING = RELAXED[::-1]
 
+RATE_AND_STATE = asp.friction.RateAndState(a=0.0, b=0.25, D_c=2.0, mu_0=1.0, V_0=1.0)
+STEPPED = asp.friction.velocity_steps([1.0, 4.0], distance=8.0)
+SLID = {
+    "time": [0.0, 1.0, 2.0, 4.0, 8.0, 9.0, 10.0, 12.0, 16.0],
+    "velocity": [1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0],
+}
+RECORD = asp.friction.Record(
+    **{name: np.array(values) for name, values in SLID.items()},
+    friction=np.array([1.0, 1.0, 1.0, 1.5, 1.75, 1.25, 1.0, 0.75, 0.75]),
+    strength_at_rest=True,
+)
+
 CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.press, {"heights": ROUGH, "solid": LATTICE, "load": 8.0}),
     (asp.press, {"heights": ROUGH, "solid": LATTICE, "separation": 0.5}),
@@ -60,6 +72,19 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.protocols.Step, {"load": 8.0}),
     (asp.protocols.Step, {"separation": 0.5}),
     (asp.protocols.Repeat, {"legs": (asp.protocols.Hold(1.0),), "count": 2}),
+    (asp.friction.slide_hold_slide, {"holds": [1.0, 8.0], "velocity": 2.0, "distance": 8.0, "run_in": 4.0}),
+    (asp.friction.velocity_steps, {"velocities": [1.0, 4.0], "distance": 8.0}),
+    (
+        asp.friction.synthetic_record,
+        {"protocol": STEPPED, "law": RATE_AND_STATE, "per_leg": 4, "noise": 0.25, "seed": 1},
+    ),
+    (asp.friction.RateAndState, {"a": 0.25, "b": 0.5, "D_c": 2.0, "mu_0": 1.0, "V_0": 4.0}),
+    (RATE_AND_STATE.state, {**SLID, "start": 2.0}),
+    (RATE_AND_STATE.friction, {**SLID, "start": 2.0}),
+    (RATE_AND_STATE.steady_friction, {"velocity": [1.0, 4.0]}),
+    (asp.friction.Record, {**SLID, "friction": RECORD.friction.tolist()}),
+    (asp.friction.rate_and_state, {"record": RECORD, "a": 0.0, "V_0": 2.0}),
+    (asp.friction.compare_state_laws, {"records": RECORD, "a": 0.0, "V_0": 2.0}),
     (asp.Checkpoint, {"path": "place", "every": 2.0}),
     (asp.Multigrid, {"threads": 1, "max_cycles": 20}),
     (
@@ -243,7 +268,12 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.figures.plot_surface,
     asp.figures.relaxation_figure,
     asp.figures.surface_figure,
+    asp.figures.rate_and_state_figure,
     asp.fits.jackknife,
+    asp.friction.hold_peaks,
+    asp.friction.read_record,
+    asp.friction.record_of,
+    asp.friction.save_parameters,
     asp.fits.read_measurements,
     asp.relaxation.combined,
     asp.relaxation.read,

@@ -37,7 +37,7 @@ def test_the_state_is_that_of_an_integrator(law):
     state = [4.0]
     for n in range(1, time.size):
         solution = solve_ivp(
-            lambda _, theta, V=velocity[n]: rate(law, V, theta) if V else [float(law == "aging")],
+            lambda _, theta, V=velocity[n]: rate(law, V, theta) if V else [float(law == "aging")],  # type: ignore[misc]
             (time[n - 1], time[n]),
             state[-1:],
             rtol=1e-10,
@@ -92,7 +92,9 @@ def test_the_derivatives_behind_the_errors_are_those_of_the_law():
     problem = _Problem.of(record, "aging", None, None, "all")
 
     def squares(log_D_c):
-        return minimize_scalar(lambda s: np.sum(problem.linear(np.array([log_D_c, s]))[1] ** 2), (-0.1, 0.1)).fun
+        return minimize_scalar(
+            lambda s: np.sum(problem.linear(np.array([log_D_c, s]))[1] ** 2), (-0.1, 0.1)
+        ).fun
 
     variance = float(fit.residual @ fit.residual) / fit.degrees_of_freedom
     moved = np.log(fit.D_c) + fit.D_c_stderr / fit.D_c
@@ -113,7 +115,9 @@ def covered(protocol, law, count, **known):
 
 
 @pytest.mark.parametrize(
-    ("protocol", "law", "known"), [(STEPS, "slip", {}), (HOLDS, "aging", {"a": 0.010})], ids=["steps", "holds"]
+    ("protocol", "law", "known"),
+    [(STEPS, "slip", {}), (HOLDS, "aging", {"a": 0.010})],
+    ids=["steps", "holds"],
 )
 def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law, known):
     count = 60
@@ -229,7 +233,9 @@ def table(path, names, *columns):
 def test_a_table_is_read_with_its_units(tmp_path):
     record = F.synthetic_record(STEPS, AGING)
     time, slip, friction = record.time / 60, record.displacement * 1e6, record.friction
-    read = F.read_record(table(tmp_path / "a.csv", "time_min,displacement [um],friction", time, slip, friction))
+    read = F.read_record(
+        table(tmp_path / "a.csv", "time_min,displacement [um],friction", time, slip, friction)
+    )
     np.testing.assert_allclose(read.displacement, record.displacement, rtol=1e-6, atol=1e-12)
     np.testing.assert_allclose(read.time, record.time)
     assert read.si
@@ -259,7 +265,9 @@ def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
     written = tomllib.loads((tmp_path / "f.toml").read_text())
     assert written["parameters"] == {
         "law": "aging",
-        **{name: getattr(found.fits["aging"], name) for name in ("mu_0", "a", "b", "D_c", "a_minus_b", "V_0")},
+        **{
+            name: getattr(found.fits["aging"], name) for name in ("mu_0", "a", "b", "D_c", "a_minus_b", "V_0")
+        },
         "normal_stress": 5e6,
     }
     assert written["units"]["D_c"] == "m"
@@ -299,9 +307,9 @@ def test_bad_records_are_refused(tmp_path):
     with refuses("record"):
         F.rate_and_state(F.synthetic_record(HOLDS[:3], AGING, per_leg=2), a=0.0)
     with refuses("events"):
-        F.rate_and_state(F.synthetic_record(HOLDS, AGING), events="both")
+        F.rate_and_state(F.synthetic_record(HOLDS, AGING), events="both")  # type: ignore[arg-type]
     with refuses("law"):
-        F.rate_and_state(F.synthetic_record(HOLDS, AGING), law="ageing")
+        F.rate_and_state(F.synthetic_record(HOLDS, AGING), law="ageing")  # type: ignore[arg-type]
     with refuses("records"):
         F.compare_state_laws([])
     with refuses("records"):
@@ -309,7 +317,7 @@ def test_bad_records_are_refused(tmp_path):
     with refuses("start"):
         SLIP.state([0.0, 1.0], [1.0, 1.0], start=0.0)
     with refuses("history"):
-        F.record_of(3.0)
+        F.record_of(3.0)  # type: ignore[arg-type]
     with refuses("protocol"):
         F.synthetic_record([P.Step(load=1.0)], AGING)
     with refuses("holds"):

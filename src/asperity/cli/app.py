@@ -366,8 +366,9 @@ def friction(
 ) -> None:
     """Fit rate-and-state friction to records of sliding with holds or velocity steps.
 
-    The result is a folder with the parameters a, b, D_c, mu_0 and V_0, their 95 % intervals and units, for codes
-    of earthquakes (friction.toml, friction.csv), a picture, and a verdict on the aging law against the slip law.
+    The result is a folder with the parameters a, b, D_c, mu_0 and V_0, their 95 % intervals and units, for
+    codes of earthquakes (friction.toml, friction.csv), a picture, and a verdict on the aging law against
+    the slip law.
 
     Parameters
     ----------

@@ -108,7 +108,11 @@ def _read(
 
 def _of_flags(error: InputError) -> InputError:
     """The same error, about the flag."""
-    name = f"--{error.name.replace('_', '-')}" if error.name in _FLAGS and error.name != "records" else error.name
+    name = (
+        f"--{error.name.replace('_', '-')}"
+        if error.name in _FLAGS and error.name != "records"
+        else error.name
+    )
     advice = re.sub(r"\b(shear_strength|columns|a)=(\S)", _flag, error.advice)
     return InputError(name, expected=error.expected, got=error.got, advice=advice)
 

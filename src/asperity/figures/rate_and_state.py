@@ -31,7 +31,9 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     peaks = found.peaks()
     holds = peaks.duration.size > 1
     figure = style.Drawing(figsize=(9.6 if holds else 6.8, 5.2), layout="constrained")
-    grid = figure.add_gridspec(2, 2 if holds else 1, height_ratios=[3.0, 1], width_ratios=[1.7, 1][: 1 + holds])
+    grid = figure.add_gridspec(
+        2, 2 if holds else 1, height_ratios=[3.0, 1], width_ratios=[1.7, 1][: 1 + holds]
+    )
     upper = figure.add_subplot(grid[0, 0])
     lower = figure.add_subplot(grid[1, 0], sharex=upper)
     upper.tick_params(labelbottom=False)
@@ -82,14 +84,12 @@ def _legend(found: StateLaws, law: StateLaw) -> str:
     estimates, record = found.estimates[law], found.record
     D_c, unit = _in_unit(np.array([float(estimates["D_c"].value)]), si=record.si)
     scale = float(D_c[0]) / float(estimates["D_c"].value)
-    numbers = [
-        f"${name}$ = {uncertain(scale * float(estimates[key].value), scale * float(estimates[key].stderr))}{end}"
-        for name, key, scale, end in (
-            ("a", "a", 1.0, ""),
-            ("b", "b", 1.0, ""),
-            ("D_c", "D_c", scale, f" {unit}" if unit else ""),
-        )
-    ]
+    numbers = []
+    for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", scale, f" {unit}" if unit else "")):
+        value, stderr = float(estimates[name].value), float(estimates[name].stderr)
+        open_ended = name == "D_c" and not found.fits[law].determined
+        said = "not determined" if open_ended else f"{uncertain(factor * value, factor * stderr)}{end}"
+        numbers.append(f"${name}$ = {said}")
     mark = "  (preferred)" if found.verdict == law else ""
     return f"{law} law{mark}\n   {', '.join(numbers)}"
 

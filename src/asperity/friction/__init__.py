@@ -1,8 +1,31 @@
 """Friction of contacts that age and slide: from their real area to the force, and to laws of friction."""
 
+from asperity.friction.comparing import StateLaws, compare_state_laws
+from asperity.friction.experiments import slide_hold_slide, synthetic_record, velocity_steps
+from asperity.friction.export import save_parameters
+from asperity.friction.fitting import RateAndStateFit, rate_and_state
+from asperity.friction.laws import RateAndState
+from asperity.friction.records import HoldPeaks, Record, hold_peaks, read_record, record_of
 from asperity.friction.tabor import ShearStrength, add_friction
 
-__all__ = ["ShearStrength", "add_friction"]
+__all__ = [
+    "HoldPeaks",
+    "RateAndState",
+    "RateAndStateFit",
+    "Record",
+    "ShearStrength",
+    "StateLaws",
+    "add_friction",
+    "compare_state_laws",
+    "hold_peaks",
+    "rate_and_state",
+    "read_record",
+    "record_of",
+    "save_parameters",
+    "slide_hold_slide",
+    "synthetic_record",
+    "velocity_steps",
+]
 
 
 def __dir__() -> list[str]:

@@ -1,4 +1,9 @@
-"""Aging law against slip law on the same records, of one surface or of several."""
+"""Aging law against slip law on the same records, of one surface or of several.
+
+Both laws have the same number of parameters, so that AICc differs by n ln(squares of one / squares of the
+other), n being the number of effective values. Of several surfaces, the jackknife says how sure the
+logarithm of this ratio is.
+"""
 
 from __future__ import annotations
 
@@ -33,13 +38,14 @@ class StateLaws(views.Brief):
     Attributes
     ----------
     verdict
-        The law that the data prefer; or ``"undecided"``. Of one record: the other's relative likelihood is below
-        0.05. Of several surfaces: the 95 % interval of `log_ratio` does not contain 0.
+        The law that the data prefer; or ``"undecided"``. Of one record: the other's relative likelihood is
+        below 0.05. Of several surfaces: the 95 % interval of `log_ratio` does not contain 0.
     fits
         Fit of each law, to the record or to the mean of several.
     estimates
         By law and parameter (mu_0, a, b, D_c, a_minus_b), value, standard error and 95 % interval: from the
-        residuals of one record, or from the jackknife over surfaces (in ln D_c), unless the mean leaves D_c open.
+        residuals of one record, or from the jackknife over surfaces (in ln D_c), unless the mean leaves D_c
+        open.
     record
         What was fitted: the record, or the mean of several.
     runs
@@ -48,7 +54,8 @@ class StateLaws(views.Brief):
         ln(squares of the aging law / squares of the slip law), below 0 where the aging law fits better; its
         interval is NaN for one record.
     delta_aicc
-        AICc of the aging law less that of the slip law with `effective_points`, for one record; NaN for several.
+        AICc of the aging law less that of the slip law with `effective_points`, of one record; NaN for
+        several.
     effective_points
         Number of independent values that one record is worth, by the residuals of the better law.
     relative_likelihood
@@ -125,11 +132,11 @@ def compare_state_laws(
     fits = fitted(mean.friction)
     if len(several) == 1:
         better = min(fits.values(), key=_lack)
-        ratio, nan = _log_ratio(fits), np.float64(math.nan)
+        ratio = _log_ratio(fits)
         delta = better.effective_points * ratio
         likelihood = math.exp(-abs(delta) / 2)
         decided = likelihood < UNLIKELY
-        log_ratio = Estimate(np.float64(ratio), nan, nan, nan, 1)
+        log_ratio = _estimate(ratio, math.nan, math.nan, math.nan, 1)
         estimates = {law: {name: _of_fit(fit, name) for name in PARAMETERS} for law, fit in fits.items()}
         worth = better.effective_points
     else:
@@ -176,7 +183,7 @@ def _check_same(first: Record, other: Record) -> None:
 
 
 def _lack(fit: RateAndStateFit) -> float:
-    """ln of the mean square of the residuals, above what rounding leaves."""
+    """Ln of the mean square of the residuals, above what rounding leaves."""
     return 2 * math.log(max(float(np.sqrt(np.mean(fit.residual**2))), ROUNDING * fit.mu_0))
 
 
@@ -192,7 +199,7 @@ def _numbers(fit: RateAndStateFit) -> list[float]:
 def _of_fit(fit: RateAndStateFit, name: str) -> Estimate:
     value, stderr = getattr(fit, name), getattr(fit, f"{name}_stderr")
     low, high = fit.interval(name)
-    return Estimate(np.float64(value), np.float64(stderr), np.float64(low), np.float64(high), 1)
+    return _estimate(value, stderr, low, high, 1)
 
 
 def _part(found: Estimate, at: int, *, scale: bool = False) -> Estimate:
@@ -201,4 +208,9 @@ def _part(found: Estimate, at: int, *, scale: bool = False) -> Estimate:
     if scale:
         value, low, high = np.exp(value), np.exp(low), np.exp(high)
         stderr = value * stderr
-    return Estimate(value, stderr, low, high, found.runs)
+    return _estimate(value, stderr, low, high, found.runs)
+
+
+def _estimate(value: float, stderr: float, low: float, high: float, runs: int) -> Estimate:
+    one, two, three, four = (np.asarray(part, dtype=np.float64)[()] for part in (value, stderr, low, high))
+    return Estimate(one, two, three, four, runs)

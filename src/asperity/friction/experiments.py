@@ -1,7 +1,7 @@
 """Protocols of friction experiments, and the records that a law predicts for them.
 
-    protocol = asp.friction.slide_hold_slide(holds=[1.0, 10.0, 100.0], velocity=1.0, distance=20.0)
-    history = asp.age(contact, times=..., protocol=protocol)
+protocol = asp.friction.slide_hold_slide(holds=[1.0, 10.0, 100.0], velocity=1.0, distance=20.0)
+history = asp.age(contact, times=..., protocol=protocol)
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Parameters of rate-and-state friction as files that programs for earthquakes can be fed from.
 
-Names are those of the field: a, b, D_c (also L, D_RS, dc), mu_0 (f0) and V_0 (V0). docs/rate_and_state.md has a
-table of what other programs call them.
+Names are those of the field: a, b, D_c (also L, D_RS, dc), mu_0 (f0) and V_0 (V0). The documentation has
+a table of what other programs call them.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
     found
         From `compare_state_laws`.
     path
-        A file to write or replace. ``.toml``: the parameters of one law, both laws beside each other, the verdict
-        and the origin; ``.csv``: a line for each law, the preferred one first.
+        A file to write or replace. ``.toml``: the parameters of one law, both laws beside each other, the
+        verdict and the origin; ``.csv``: a line for each law, the preferred one first.
     law
         The law to prefer; by default that of the verdict or, where it is undecided, the one that fits better.
 
@@ -59,8 +59,10 @@ def _units(found: StateLaws) -> dict[str, str]:
 
 def _toml(found: StateLaws, law: StateLaw) -> str:
     estimates, record = found.estimates[law], found.record
-    stress = {} if record.normal_stress is None else {"normal_stress": float(record.normal_stress)}
-    tables = {
+    stress: dict[str, object] = {}
+    if record.normal_stress is not None:
+        stress["normal_stress"] = float(record.normal_stress)
+    tables: dict[str, dict[str, object]] = {
         "parameters": {
             "law": law,
             **{name: float(estimates[name].value) for name in PARAMETERS},
@@ -70,7 +72,7 @@ def _toml(found: StateLaws, law: StateLaw) -> str:
         "intervals_95": {
             name: [float(estimates[name].low), float(estimates[name].high)] for name in PARAMETERS
         },
-        "units": _units(found) | ({"normal_stress": "Pa"} if stress else {}),
+        "units": {**_units(found), **({"normal_stress": "Pa"} if stress else {})},
         "laws": {
             "verdict": found.verdict,
             "ln_ratio_of_squares": float(found.log_ratio.value),
@@ -86,7 +88,8 @@ def _toml(found: StateLaws, law: StateLaw) -> str:
             "asperity_version": __version__,
         },
     }
-    return f"# Rate-and-state friction: mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)\n\n{tables_to_toml(tables)}"
+    heading = "# Rate-and-state friction: mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"
+    return f"{heading}\n\n{tables_to_toml(tables)}"
 
 
 def _csv(found: StateLaws, law: StateLaw) -> str:

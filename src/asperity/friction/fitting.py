@@ -1,18 +1,15 @@
-r"""Parameters of rate-and-state friction from records, with uncertainties, and which law of the state they prefer.
+r"""Parameters of rate-and-state friction from records, with uncertainties.
 
-The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at the
-first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10,
-413 (1973), doi:10.1137/0710036), from many starts; the state at the first time is a parameter too, because no
-record begins long enough after the beginning for certain.
+The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at
+the first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer.
+Anal. 10, 413 (1973), doi:10.1137/0710036), from many starts; the state at the first time is a parameter
+too, because no record begins long enough after the beginning for certain.
 
-Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for white noise.
-Where neighboring residuals correlate by more than white noise would make them, rho > 2/sqrt(n), the n
-values count as n (1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough measure. The records of
-several surfaces under one protocol give better ones: the jackknife over surfaces, which assumes nothing about
-the residuals.
-
-Both laws have the same number of parameters, so that the difference of AICc is n ln(squares of one / squares of the
-other). It is judged with the same number of effective values.
+Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for
+white noise. Where neighboring residuals correlate by more than white noise would make them, rho >
+2/sqrt(n), the n values count as n (1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough
+measure. The records of several surfaces under one protocol give better ones: the jackknife over surfaces,
+which assumes nothing about the residuals.
 """
 
 from __future__ import annotations
@@ -155,9 +152,9 @@ def rate_and_state(
         Reference velocity (length/time), of which mu_0 is the steady friction; by default the first
         velocity of the record.
     events
-        What of the record to fit besides the run-in: ``"holds"``, which are rests and the slip after them until
-        the velocity steps, ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is followed
-        through the whole record in any case.
+        What of the record to fit besides the run-in: ``"holds"``, which are rests and the slip after them
+        until the velocity steps, ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is
+        followed through the whole record in any case.
 
     Returns
     -------
@@ -205,7 +202,9 @@ class _Problem:
         rests = bool((record.velocity[1:] == 0).any())
         wanted = {"all": rests or (kinds == STEPPED).any(), "holds": rests, "steps": (kinds == STEPPED).any()}
         if not wanted[events]:
-            needed = {"all": "a rest, or a step of the velocity", "holds": "a rest", "steps": "a step"}[events]
+            needed = {"all": "a rest, or a step of the velocity", "holds": "a rest", "steps": "a step"}[
+                events
+            ]
             got = "rests only" if rests else f"slip at {reference:g}, without rest or step"
             raise InputError("record", expected=f"{needed} to see the state change by", got=got)
         used = np.isin(kinds, _EVENTS[events])
@@ -249,14 +248,14 @@ class _Problem:
         return np.column_stack(columns)
 
     def log_start(self, shape: Floats) -> float:
-        """ln theta at the first time."""
+        """Ln theta at the first time."""
         return float(shape[0] + shape[1] - math.log(first_velocity(self.record.velocity)))
 
     def linear(self, shape: Floats) -> tuple[Floats, Floats]:
         """mu_0, b and a that suit best, and the residuals."""
         columns, values = self.columns(shape), self.values
         found = np.linalg.lstsq(columns, values)[0]
-        return found, np.asarray(values - columns @ found)
+        return np.asarray(found, dtype=np.float64), np.asarray(values - columns @ found)
 
     @cached_property
     def reach(self) -> tuple[float, float]:
@@ -266,15 +265,19 @@ class _Problem:
         return math.log(slips.min() / _REACH), math.log(slips.sum() * _REACH)
 
     def searched(self) -> Floats:
-        """ln D_c and ln(V theta/D_c) at the first time, of the least squares."""
+        """Ln D_c and ln(V theta/D_c) at the first time, of the least squares."""
         low, high = self.reach
-        bounds = np.array([[low, high], [-_START_REACH, _START_REACH]]).T
+        bounds = [low, -_START_REACH], [high, _START_REACH]
+
+        def misfit(shape: Floats) -> Floats:
+            return self.linear(shape)[1] / self._unit
+
         many, states = _STARTS
         starts = [np.array([D_c, state]) for D_c in np.linspace(low, high, many) for state in states]
-        starts.sort(key=lambda shape: float(np.sum(self.linear(shape)[1] ** 2)))
+        starts.sort(key=lambda shape: float(np.sum(misfit(shape) ** 2)))
         minima = [
             least_squares(
-                lambda shape: self.linear(shape)[1] / self._unit,
+                misfit,
                 start,
                 jac="2-point",
                 bounds=bounds,

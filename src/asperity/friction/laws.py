@@ -1,8 +1,8 @@
 r"""Rate-and-state friction, and its state in closed form wherever the velocity is constant.
 
 The friction coefficient depends on the slip velocity V and on a state theta (time), which is the age of the
-contacts (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979), doi:10.1029/JB084iB05p02161; A. Ruina, J. Geophys.
-Res. 88, 10359 (1983), doi:10.1029/JB088iB12p10359):
+contacts (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979), doi:10.1029/JB084iB05p02161; A. Ruina, J.
+Geophys. Res. 88, 10359 (1983), doi:10.1029/JB088iB12p10359):
 
     mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)
     aging law   d theta/dt = 1 - V theta/D_c
@@ -14,8 +14,8 @@ Over a time t at a constant velocity, with x = V t/D_c, both have solutions:
     slip    ln theta = exp(-x) ln theta_start + (1 - exp(-x)) ln(D_c/V)
 
 A record is a chain of such times, so that no error of an integrator enters. Both chains are sums of terms
-above 0, which are added in the logarithm: no number overflows, however far a contact slides. At rest the aging
-law gives theta_start + t, and the slip law, in which only slip changes the state, theta_start.
+above 0, which are added in the logarithm: no number overflows, however far a contact slides. At rest the
+aging law gives theta_start + t, and the slip law, in which only slip changes the state, theta_start.
 
 The stiffness of an apparatus is left out: V is the velocity of slip, not that of a distant load point.
 """
@@ -118,7 +118,8 @@ class RateAndState:
     def friction(self, time: ArrayLike, velocity: ArrayLike, start: float | None = None) -> Floats:
         """Return the friction coefficient of a record, shape (n,).
 
-        At rest it is the strength against slip at the next velocity. Parameters and errors are those of `state`.
+        At rest it is the strength against slip at the next velocity. Parameters and errors are those
+        of `state`.
         """
         state = self.state(time, velocity, start)
         direct = self.a * log_velocity(timetable(time, velocity)[1], self.V_0)
@@ -176,7 +177,7 @@ def first_velocity(velocity: Floats) -> float:
 
 
 def log_velocity(velocity: Floats, V_0: float) -> Floats:
-    """ln(V/V_0); at rest that of the next slip, after the last one of the last, and 0 without any."""
+    """Logarithm of V/V_0; at rest that of the next slip, after the last that of the last, 0 without any."""
     slides = np.flatnonzero(velocity > 0)
     if not slides.size:
         return np.zeros_like(velocity)
@@ -185,7 +186,7 @@ def log_velocity(velocity: Floats, V_0: float) -> Floats:
 
 
 def log_state(law: StateLaw, time: Floats, velocity: Floats, D_c: float, start: float) -> Floats:
-    """ln theta at each time, shape (n,), from that at the first; the arguments are checked already."""
+    """Logarithm of theta at each time, shape (n,), from that at the first; arguments are checked already."""
     duration = np.diff(time, prepend=time[0])
     slid = velocity * duration / D_c  # x of each interval; the first has no length
     total = np.cumsum(slid)

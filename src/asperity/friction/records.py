@@ -271,7 +271,9 @@ _ROLES = Roles(
         "friction": ("1",),
     },
 )
-_EXAMPLES = "time_s, displacement_um and friction, or time_s, velocity_um/s, shear_stress_MPa and normal_stress_MPa"
+_EXAMPLES = (
+    "time_s, displacement_um and friction, or time_s, velocity_um/s, shear_stress_MPa and normal_stress_MPa"
+)
 _KINEMATIC = ("time", "velocity", "displacement")
 
 
@@ -317,13 +319,15 @@ def read_record(
             raise InputError(table.name, expected=expected, got=got, advice="columns=[...] to choose")
         if role:
             found[role] = (at, unit)
-    ratio = next((kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(found)), "")
+    ratio = next(
+        (kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(found)), ""
+    )
     motion = "velocity" if "velocity" in found else "displacement"
     if "time" not in found or motion not in found or not ("friction" in found or ratio):
         named = ", ".join(repr(name) for name in table.names if name)[:120]
         raise InputError(
             table.name,
-            expected="columns of time, of velocity or displacement, and of friction or two stresses or forces",
+            expected="columns of time, of velocity or displacement, and of friction, stresses or forces",
             got=f"columns {named}" if named else f"{len(table.names)} columns without names",
             advice=f"a first line that names them with their units, such as {_EXAMPLES}",
         )
@@ -331,7 +335,9 @@ def read_record(
     if with_units and len(with_units) < sum(role in found for role in _KINEMATIC):
         bare = next(role for role in _KINEMATIC if role in found and not found[role][1])
         at = found[bare][0]
-        raise InputError(f"column {table.names[at]!r} of {table.name}", expected=f"a unit of {bare}", got="none")
+        raise InputError(
+            f"column {table.names[at]!r} of {table.name}", expected=f"a unit of {bare}", got="none"
+        )
 
     def read(role: str) -> Floats:
         at, unit = found[role]

@@ -1,0 +1,107 @@
+"""``asperity friction``: what it says of records and runs, what it writes, and its mistakes."""
+
+from __future__ import annotations
+
+import csv
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from tests.cli.conftest import Asperity
+
+F = asp.friction
+LAW = F.RateAndState(a=0.010, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
+HOLDS = F.slide_hold_slide([10.0, 100.0, 1000.0], velocity=1e-6, distance=50e-6)
+STEPS = F.velocity_steps([1e-5, 1e-6], distance=50e-6)
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def write(name: str, record: F.Record) -> None:
+    """Write the table of an experiment."""
+    columns = np.column_stack([record.time, record.displacement * 1e6, record.friction])
+    np.savetxt(name, columns, delimiter=",", header="time_s,displacement_um,friction", comments="")
+
+
+def test_parameters_of_a_table_in_words_files_and_a_picture(asperity: Asperity) -> None:
+    write("lab.csv", F.synthetic_record([*HOLDS, *STEPS], LAW, noise=5e-4, seed=1))
+    status, text, error = asperity("friction", "lab.csv", "--out", "found")
+    assert (status, error) == (0, "")
+    assert "the data prefer the aging law: the slip law is less than 1e-6 times as likely" in text
+    assert text.index("aging law  mu =") < text.index("slip law   mu =")
+    assert "not determined by this record" in text
+    assert sorted(path.name for path in Path("found").iterdir()) == [
+        "friction.csv",
+        "friction.png",
+        "friction.toml",
+        "summary.txt",
+    ]
+    found = tomllib.loads(Path("found/friction.toml").read_text())
+    for name in ("a", "b", "D_c", "mu_0"):
+        low, high = found["intervals_95"][name]
+        assert low < found["parameters"][name] < high
+        assert found["parameters"][name] == pytest.approx(getattr(LAW, name), rel=0.05)
+    assert found["units"] | {"D_c": "m", "V_0": "m/s"} == found["units"]
+    assert found["origin"]["record"] == "lab.csv"
+    with Path("found/friction.csv").open() as stream:
+        assert [row["law"] for row in csv.DictReader(stream)] == ["aging", "slip"]
+    assert Path("found/friction.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_several_surfaces_and_a_law_that_was_asked_for(asperity: Asperity) -> None:
+    for seed in range(3):
+        write(f"{seed}.csv", F.synthetic_record(HOLDS, LAW, per_leg=20, noise=5e-4, seed=seed))
+    words = ("--a", "0.01", "--law", "slip", "--reference-velocity", "2 um/s")
+    status, text, error = asperity("friction", "0.csv", "1.csv", "2.csv", *words)
+    assert (status, error) == (0, "")
+    assert "3 surfaces: 0.csv, ..." in text
+    assert "the surfaces prefer the aging law" in text
+    found = tomllib.loads(Path("friction/friction.toml").read_text())
+    assert found["parameters"]["law"] == "slip"
+    assert found["laws"]["verdict"] == "aging"
+    assert found["parameters"]["V_0"] == pytest.approx(2e-6)
+    assert found["origin"]["intervals_from"] == "jackknife over surfaces"
+
+
+def test_a_run_that_slid(asperity: Asperity) -> None:
+    rough = asp.surfaces.gaussian((256,), rms=1.0, seed=0)
+    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=16.0)
+    protocol = F.slide_hold_slide([10.0, 100.0], velocity=1.0, distance=8.0)
+    history = asp.age(contact, times=[1.0], protocol=protocol)
+    asp.results.save(history.dataset, "run/history.zarr")
+    status, _, error = asperity("friction", "run")
+    assert status == 2
+    assert "--shear-strength" in error
+    status, text, error = asperity("friction", "run", "--shear-strength", "1.0")
+    assert (status, error) == (0, "")
+    assert "2 holds" in text
+    assert "a        0, as given" in text
+    found = tomllib.loads(Path("friction/friction.toml").read_text())
+    assert found["units"]["D_c"] == "length of the record"
+
+
+def test_mistakes(asperity: Asperity) -> None:
+    write("holds.csv", F.synthetic_record(HOLDS, LAW))
+    Path("bad.csv").write_text("time_s,displacement_um,friction\n0,0,0.6\n1,2,0.6\n2,1,0.6\n")
+    for words, said in (
+        (("holds.csv",), "--a: expected a number, as all slip is at one velocity"),
+        (("holds.csv", "--a", "0.01", "--events", "steps"), "expected a step to see the state change by"),
+        (("holds.csv", "--columns", "time_s", "friction"), "expected columns of time, of velocity or displ"),
+        (("bad.csv",), "bad.csv, displacement: expected a displacement that never falls"),
+        (("none.csv",), "no such file"),
+        (("holds.csv", "--a", "0.01", "--reference-velocity", "1 m"), "--reference-velocity: expected"),
+    ):
+        status, text, error = asperity("friction", *words)
+        assert (status, text) == (2, "")
+        assert said in error
+        assert len(error.splitlines()) == 1
+    assert not Path("friction").exists()
+    assert asperity("friction", "holds.csv", "--a", "0.01", "--quiet")[:2] == (0, "")
+    assert "--overwrite" in asperity("friction", "holds.csv", "--a", "0.01")[2]
+    assert asperity("friction", "holds.csv", "--a", "0.01", "--overwrite", "--quiet")[0] == 0
