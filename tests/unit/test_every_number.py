@@ -49,7 +49,7 @@ RELAXED = (np.round(8 * SERIES.modulus_at(TIME)) / 8 + 0.0).tolist()
 STIFFENING = RELAXED[::-1]
 
 RATE_AND_STATE = asp.friction.RateAndState(a=0.0, b=0.25, D_c=2.0, mu_0=1.0, V_0=1.0)
-STEPPED = asp.friction.velocity_steps([1.0, 4.0], distance=8.0)
+STEPPED = asp.protocols.Repeat(asp.friction.velocity_steps([1.0, 4.0], distance=8.0), count=1)
 SLID = {
     "time": [0.0, 1.0, 2.0, 4.0, 8.0, 9.0, 10.0, 12.0, 16.0],
     "velocity": [1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0],

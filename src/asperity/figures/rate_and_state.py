@@ -30,7 +30,7 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     """
     peaks = found.peaks()
     holds = peaks.duration.size > 1
-    figure = style.Drawing(figsize=(9.6 if holds else 6.8, 5.2), layout="constrained")
+    figure = style.Drawing(figsize=(9.6 if holds else 6.8, 5.8), layout="constrained")
     grid = figure.add_gridspec(
         2, 2 if holds else 1, height_ratios=[3.0, 1], width_ratios=[1.7, 1][: 1 + holds]
     )
@@ -43,7 +43,7 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     upper.set_ylabel(r"friction coefficient $\mu$")
     lower.set_ylabel(r"$\mu$ − law")
     lower.set_xlabel(f"slip [{unit}]" if unit else "slip [length of the record]")
-    upper.legend(loc="best", fontsize=8, framealpha=0.95)
+    upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), fontsize=8, frameon=False)
     if holds:
         _draw_peaks(figure.add_subplot(grid[:, 1]), found)
     for axes in figure.axes:
@@ -87,9 +87,10 @@ def _legend(found: StateLaws, law: StateLaw) -> str:
     numbers = []
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", scale, f" {unit}" if unit else "")):
         value, stderr = float(estimates[name].value), float(estimates[name].stderr)
-        open_ended = name == "D_c" and not found.fits[law].determined
-        said = "not determined" if open_ended else f"{uncertain(factor * value, factor * stderr)}{end}"
-        numbers.append(f"${name}$ = {said}")
+        if name == "D_c" and not found.fits[law].determined:
+            numbers.append(f"${name}$ not determined")
+        else:
+            numbers.append(f"${name}$ = {uncertain(factor * value, factor * stderr)}{end}")
     mark = "  (preferred)" if found.verdict == law else ""
     return f"{law} law{mark}\n   {', '.join(numbers)}"
 

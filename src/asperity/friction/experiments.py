@@ -52,7 +52,7 @@ def slide_hold_slide(
     InputError
         There is no hold, or a number is out of range.
     """
-    times = checks.positive("holds", checks.line("holds", np.atleast_1d(np.asarray(holds))))
+    times = checks.positive("holds", checks.line("holds", holds))
     if not times.size:
         raise InputError("holds", expected="one time or more", got="none")
     first = Slide(distance if run_in is None else run_in, velocity, direction)
@@ -94,7 +94,7 @@ def velocity_steps(
 
 
 def synthetic_record(
-    protocol: Sequence[Leg],
+    protocol: Sequence[Leg] | Leg,
     law: RateAndState,
     *,
     per_leg: int = 50,

@@ -7,7 +7,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -82,7 +81,16 @@ class Record(views.Brief):
 
     @classmethod
     def of_displacement(
-        cls, time: ArrayLike, displacement: ArrayLike, friction: ArrayLike, **known: Any
+        cls,
+        time: ArrayLike,
+        displacement: ArrayLike,
+        friction: ArrayLike,
+        *,
+        strength_at_rest: bool = False,
+        a: float | None = None,
+        si: bool = True,
+        normal_stress: float | None = None,
+        source: str = "",
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -93,8 +101,8 @@ class Record(views.Brief):
         ----------
         time, displacement, friction
             Shape (n,); the displacement never falls.
-        **known
-            The other parameters of a record.
+        strength_at_rest, a, si, normal_stress, source
+            As in a record.
 
         Raises
         ------
@@ -123,7 +131,16 @@ class Record(views.Brief):
         # The first time, and the second of two entries at one time, have the velocity of what follows.
         for at in np.flatnonzero(~np.isfinite(velocity))[::-1]:
             velocity[at] = velocity[at + 1] if at + 1 < velocity.size else 0.0
-        return cls(times, velocity, values, **known)
+        return cls(
+            times,
+            velocity,
+            values,
+            strength_at_rest=strength_at_rest,
+            a=a,
+            si=si,
+            normal_stress=normal_stress,
+            source=source,
+        )
 
     @property
     def displacement(self) -> Floats:
