@@ -1,0 +1,63 @@
+"""Simulated contacts that slide, rest and change their velocity: the numbers of docs/rate_and_state.md."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+
+F = asp.friction
+SURFACES = range(6)
+
+
+def records(shape, waves, shares, distance, rtol):
+    """Slide-hold-slide and velocity steps on each surface."""
+    solid = asp.solids.half_space(modulus=1.0, branches=[(shares, 10.0**n) for n in range(-1, 6)])
+    protocols = (
+        F.slide_hold_slide([10.0, 100.0, 1000.0], velocity=1.0, distance=distance),
+        F.velocity_steps([1.0, 0.1, 1.0, 0.01, 1.0], distance=distance),
+    )
+    found = [], []
+    for seed in SURFACES:
+        rough = asp.surfaces.spectral(
+            shape, hurst=0.8, roll_off=4 * waves, cutoff=waves, rms_height=1.0, seed=seed
+        )
+        contact = asp.press(rough, solid, load=0.02 * rough.size)
+        for protocol, several in zip(protocols, found, strict=True):
+            history = asp.age(contact, times=[distance], protocol=protocol, rtol=rtol)
+            several.append(F.record_of(history, shear_strength=1.0))
+    return found
+
+
+def estimates(several):
+    laws = F.compare_state_laws(several)
+    assert laws.verdict == "aging"
+    return laws.estimates["aging"]
+
+
+@pytest.mark.slow
+def test_on_surfaces_b_from_steps_is_above_b_from_holds():
+    holds, steps = records((64, 64), 8.0, 0.05, 14.0, 1e-2)
+    of_holds, of_steps = estimates(holds), estimates(steps)
+    assert of_holds["b"].value == pytest.approx(0.151, abs=0.002)
+    assert of_steps["b"].value == pytest.approx(0.196, abs=0.002)
+    assert of_holds["D_c"].value == pytest.approx(0.72, abs=0.02)
+    assert of_steps["D_c"].value == pytest.approx(0.92, abs=0.02)
+    ratios = [
+        F.rate_and_state(two).b / F.rate_and_state(one).b for one, two in zip(holds, steps, strict=True)
+    ]
+    assert 1.25 < min(ratios) < np.mean(ratios) < max(ratios) < 1.38
+    # Healing is no exact logarithm: the slope grows with the age.
+    peaks = np.mean([F.hold_peaks(one).peak for one in holds], axis=0)
+    assert np.diff(peaks) / np.log(10) == pytest.approx([0.16, 0.22], abs=0.01)
+
+
+@pytest.mark.slow
+def test_on_lines_where_slip_is_resolved_both_agree():
+    holds, steps = (estimates(several) for several in records((512,), 32.0, 0.08, 24.0, 0.02))
+    assert holds["b"].value == pytest.approx(0.81, abs=0.01)
+    assert steps["b"].value == pytest.approx(0.96, abs=0.01)
+    assert holds["D_c"].value == pytest.approx(2.42, abs=0.05)
+    assert steps["D_c"].value == pytest.approx(2.56, abs=0.05)
+    for name in ("b", "D_c"):
+        assert holds[name].low < steps[name].value < holds[name].high
+        assert steps[name].low < holds[name].value < steps[name].high
