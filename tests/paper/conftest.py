@@ -8,9 +8,9 @@ from asperity.campaign.store import Store
 from asperity.campaign.sweeping import plan_to_json
 from asperity.campaign.worker import run_task
 from asperity.config import to_tables
-from asperity.paper.evidence import Evidence
 from asperity.paper.reproduce import STUDIES, prepared_in
 from asperity.paper.studies import Effort
+from asperity.studies.evidence import Evidence
 
 TINY = Effort(
     "tiny",
@@ -35,7 +35,7 @@ def do_here(prepared):
         for run in one.plan.runs:
             config = json.dumps(to_tables(run.config))
             report = run_task(str(one.folder), run.identity, config, run.content)
-            assert report[1] == "done", (one.study.name, report)
+            assert report[1] == "done", (one.campaign.name, report)
 
 
 @pytest.fixture(scope="session")

@@ -16,10 +16,10 @@ from asperity._version import __version__
 from asperity.paper import claims
 from asperity.paper.claims import CLAIMS, ledger
 from asperity.paper.claims.claim import Claim
-from asperity.paper.evidence import Evidence
-from asperity.paper.ledger import Verdict
-from asperity.paper.typeset import plain
 from asperity.paper.wording import spelled
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import Verdict
+from asperity.studies.typeset import plain
 from asperity.surfaces import gaussian
 from asperity.theory import (
     GaussianHeights,

@@ -19,7 +19,6 @@ from matplotlib.text import Text
 from scipy import stats
 
 import asperity as asp
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.figure_2 import figure_2
 from asperity.paper.figures.figure_3 import figure_3
@@ -29,8 +28,9 @@ from asperity.paper.figures.figure_8 import figure_8, indentation
 from asperity.paper.figures.figure_9 import figure_9
 from asperity.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
 from asperity.paper.studies import PEAK
-from asperity.paper.typeset import rich
 from asperity.paper.wording import spelled
+from asperity.studies.evidence import Evidence
+from asperity.studies.typeset import rich
 
 SITES = 900
 TIMES = np.concatenate([[0.0], np.geomspace(1e-2, 1e6, 25)])

@@ -21,12 +21,12 @@ from asperity import age, press, relax
 from asperity.analysis import clustering, contact_maps, patches, turnover, with_limit
 from asperity.figures import style
 from asperity.lattice import Field
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures.figure_1 import figure_1
 from asperity.paper.figures.figure_4 import figure_4
 from asperity.paper.figures.figure_7 import figure_7
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure
 from asperity.solids import spring_lattice
+from asperity.studies.evidence import Evidence
 from asperity.surfaces import gaussian, self_affine
 
 SIZE = 32

@@ -8,7 +8,7 @@ from scipy.special import ndtr
 
 from asperity.fits.resampling import Estimate
 from asperity.paper.claims.measures import between, crossing, exponent, growth_slope, mean_of
-from asperity.paper.ledger import Finding, Measurement, Verdict, exact, together
+from asperity.studies.ledger import Finding, Measurement, Verdict, exact, together
 
 
 def estimate(value, half, runs=4):

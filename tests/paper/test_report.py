@@ -17,13 +17,15 @@ from scipy.special import ndtr
 
 from asperity.errors import InputError, OutputError
 from asperity.fits.resampling import Estimate
-from asperity.paper import report, typeset
+from asperity.paper import report
 from asperity.paper.corrections import corrections
 from asperity.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
-from asperity.paper.ledger import Finding, Measurement, Verdict, exact
 from asperity.paper.places import EQUATIONS, SECTIONS, section_of
-from asperity.paper.report import About, Simulated, ledger_table, write_report
+from asperity.paper.report import About, write_report
 from asperity.paper.studies import QUICK, studies
+from asperity.studies import typeset
+from asperity.studies.ledger import Finding, Measurement, Verdict, exact
+from asperity.studies.report import Simulated, ledger_table
 from asperity.theory import GaussianHeights, compliance
 
 DOCUMENTED = Path(__file__).parents[2] / "docs" / "paper.md"
@@ -283,7 +285,7 @@ def test_bad_input_writes_nothing(tmp_path, figures, findings, match):
 
 def test_tables_of_one_name_are_refused(tmp_path):
     figure = PaperFigure(1, "", "", Figure(), {"a b": TABLE, "a-b": TABLE})
-    with pytest.raises(InputError, match=r"tables: expected each .* got figure-1-a-b\.csv twice"):
+    with pytest.raises(InputError, match=r"tables: expected each .* got a-b twice"):
         write_report(tmp_path, [figure], [], ABOUT)
 
 
@@ -390,7 +392,7 @@ def test_texts():
     ],
 )
 def test_equations_and_powers_of_ten_in_texts(text, written_as):
-    assert typeset.rich(text) == written_as
+    assert report.rich_numbered(text) == written_as
 
 
 def test_colors_have_contrast():

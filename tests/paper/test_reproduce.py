@@ -12,9 +12,10 @@ from asperity.cli import main
 from asperity.cli import reproduce as command
 from asperity.errors import InputError
 from asperity.paper.claims import ledger
-from asperity.paper.evidence import Evidence
-from asperity.paper.reproduce import STUDIES, conclude, prepared_in, run_studies
+from asperity.paper.reproduce import STUDIES, conclude, prepared_in
 from asperity.paper.studies import FULL, QUICK, studies
+from asperity.studies.campaigns import run_campaigns
+from asperity.studies.evidence import Evidence
 from tests.paper.conftest import TINY, do_here
 
 pytestmark = pytest.mark.xdist_group("reproduction")  # one process computes it
@@ -58,7 +59,7 @@ def test_report_of_finished_studies(reproduction, evidence, asperity):
 
 def test_only_what_is_missing_is_run(reproduction, asperity):
     folder, prepared = reproduction
-    sketch = next(one for one in prepared if one.study.name == "sketch")
+    sketch = next(one for one in prepared if one.campaign.name == "sketch")
     (run,) = sketch.plan.runs
     for path in sorted((sketch.folder / "runs.zarr" / run.identity).rglob("*"), reverse=True):
         path.unlink() if path.is_file() else path.rmdir()
@@ -67,7 +68,7 @@ def test_only_what_is_missing_is_run(reproduction, asperity):
     status, _, err = asperity("--out", folder, "--quick", "--seed", "3", "--workers", "1")
     assert status == 0
     assert err.count("study") == 1
-    assert sketch.study.purpose in err
+    assert sketch.campaign.purpose in err
     assert tally(sketch.plan, sketch.folder).done == 1
 
 
@@ -130,7 +131,7 @@ def test_another_seed_wants_another_folder(tmp_path, asperity):
 
 def test_an_unfinished_study_is_not_judged(tmp_path):
     with prepared_in(tmp_path / "out", TINY) as prepared:
-        one = next(each for each in prepared if each.study.name == "sketch")
+        one = next(each for each in prepared if each.campaign.name == "sketch")
         do_here([one])
         with pytest.raises(InputError, match="campaign"):
             conclude(tmp_path / "out", prepared, effort=TINY, command="", seconds=0.0)
@@ -141,10 +142,10 @@ def test_an_unfinished_study_is_not_judged(tmp_path):
 def test_a_folder_swept_with_another_plan_is_read_by_this_one(tmp_path):
     sketch = "sketch"
     with prepared_in(tmp_path / "out", TINY) as prepared:
-        one = next(each for each in prepared if each.study.name == sketch)
+        one = next(each for each in prepared if each.campaign.name == sketch)
         do_here([one])
         (one.folder / "plan.json").write_text("{}")
-        run_studies([one], workers=1, watch=lambda _: nullcontext(lambda _: None))
+        run_campaigns([one], workers=1, watch=lambda _: nullcontext(lambda _: None))
     assert Evidence(tmp_path / "out" / STUDIES)[sketch].attrs["finished"] == 1
 
 

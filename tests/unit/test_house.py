@@ -36,6 +36,7 @@ ROOMS = [
     {"runs"},
     {"campaign"},
     {"explore"},
+    {"studies"},
     {"paper"},
     {"cli"},
     {"__main__"},

@@ -590,6 +590,70 @@ def reproduce(
         )
 
 
+@_command()
+def study(
+    name: str | None = None,
+    /,
+    *,
+    out: Out | None = None,
+    quick: Switch = False,
+    seed: Whole = 0,
+    workers: Whole | None = None,
+    scheduler: str | None = None,
+    dry_run: Switch = False,
+    retry_failed: Switch = False,
+    quiet: Quiet = False,
+) -> None:
+    """Answer an open question from simulations of your own: numbers, a verdict and a figure.
+
+    Without a name: list the studies. The report is report.md in the folder. The same command again does what
+    is missing, and writes the report anew.
+
+    Parameters
+    ----------
+    name
+        Which study.
+    out
+        Folder of the study; made, or gone on with. [default: asperity-study-NAME]
+    quick
+        Small ensembles: a minute or a few in place of the full effort.
+    seed
+        First seed of every ensemble; another one repeats everything on other surfaces.
+    workers
+        Worker processes on this machine. [default: its cores]
+    scheduler
+        Address of a Dask scheduler to use instead, such as tcp://10.0.0.1:8786.
+    dry_run
+        Only say how many runs, how long, and how much disk.
+    retry_failed
+        Try again what failed earlier.
+    quiet
+        Print neither progress nor summary.
+    """
+    _check_workers(workers)
+    from asperity.cli import study as studying
+
+    if name is None:
+        studying.say_studies()
+        return
+    from asperity.runs import cores
+
+    folder = out or Path(f"asperity-study-{name}")
+    if dry_run:
+        studying.say_what_it_takes(name, folder, quick=quick, seed=seed, workers=workers or cores())
+    else:
+        studying.study(
+            name,
+            folder,
+            quick=quick,
+            seed=seed,
+            workers=workers,
+            scheduler=scheduler,
+            retry_failed=retry_failed,
+            quiet=quiet,
+        )
+
+
 def _check_campaign(command: str, out: Path) -> None:
     """Say what else a folder is that is no campaign's."""
     word = shlex.quote(str(out))
@@ -600,6 +664,13 @@ def _check_campaign(command: str, out: Path) -> None:
             got=f"{out}, that of a reproduction",
             advice=f"asperity {command} {word}/studies/NAME for one of its studies, "
             f"or asperity reproduce --out {word} for what is missing",
+        )
+    if inside := next((path.parent for path in out.glob("*/seed")), None):
+        raise InputError(
+            command,
+            expected="the folder of a campaign",
+            got=f"{out}, that of a study",
+            advice=f"asperity {command} {shlex.quote(str(inside))}/CAMPAIGN",
         )
     if (out / "history.zarr").is_dir():
         got = f"{out}, that of a run"

@@ -7,66 +7,26 @@ from __future__ import annotations
 
 import base64
 import datetime
-import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import jinja2
-import matplotlib as mpl
-import pandas as pd
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from asperity.config.models import RunConfig
-from asperity.errors import InputError, OutputError
+from asperity.errors import InputError
 from asperity.paper.corrections import corrections
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure
-from asperity.paper.ledger import Finding, Measurement, Verdict
-from asperity.paper.places import SECTIONS, section_of
-from asperity.paper.studies import Study
-from asperity.paper.typeset import bounds, interval, number, plain, rich
+from asperity.paper.places import SECTIONS, numbered, section_of
 from asperity.results.store import whole_file
+from asperity.studies.ledger import Finding, Measurement, Verdict
+from asperity.studies.report import Simulated, file_name, ledger_table, write_drawing, write_table
+from asperity.studies.typeset import bounds, interval, number, plain, rich
 from asperity.words import duration
 
 _LARGEST_SVG = 1_500_000
-_RESOLUTION = 250
-
-
-@dataclass(frozen=True)
-class Simulated:
-    """A study as it was run.
-
-    Attributes
-    ----------
-    study
-        Its conditions.
-    runs
-        Finished runs.
-    folder
-        Where it lies, relative to the report; holds ``campaign.toml``.
-    """
-
-    study: Study
-    runs: int
-    folder: str
-
-    @property
-    def conditions(self) -> list[Markup]:
-        """Its tables, a line each."""
-        return [
-            Markup("; ").join(
-                Markup("{} = {}").format(name, _brief(name, value))
-                for name, value in table.items()
-                if name != "seeds"
-            )
-            for table in self.study.tables.values()
-        ]
-
-    @property
-    def seeds(self) -> Markup:
-        """Its seeds, or a dash for a surface that has none."""
-        return _brief("seeds", self.study.tables["sweep"].get("seeds", "–"))
 
 
 @dataclass(frozen=True)
@@ -142,14 +102,9 @@ def write_report(
         The disk refused. Every file that stands is whole.
     """
     _check(figures, findings)
-    for name in ("figures", "data"):
-        try:
-            (folder / name).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"could not write {folder / name}: {error.strerror or error}") from error
     pictures = [_write_figure(folder, figure) for figure in sorted(figures, key=lambda one: one.number)]
     ordered = sorted(findings, key=lambda finding: list(SECTIONS).index(section_of(finding.place)))
-    _write_table(folder / "ledger.csv", ledger_table(ordered))
+    write_table(folder, "ledger", ledger_table(ordered))
     templates = _templates()
     for name in ("ledger.md", "report.html"):
         page = templates.get_template(name).render(
@@ -166,43 +121,17 @@ def write_report(
     return folder / "report.html"
 
 
-def ledger_table(findings: Iterable[Finding]) -> pd.DataFrame:
-    """Return the ledger with one row a measurement, in plain text and full precision."""
-    return pd.DataFrame(
-        {
-            "key": finding.key,
-            "place": plain(finding.place),
-            "claim": plain(finding.claim),
-            "verdict": finding.verdict.value,
-            "judged": judged,
-            "what": plain(measurement.what),
-            "value": float(measurement.estimate.value),
-            "low": float(measurement.estimate.low),
-            "high": float(measurement.estimate.high),
-            "range_low": measurement.low,
-            "range_high": measurement.high,
-            "runs": measurement.estimate.runs,
-            "correction": plain(finding.correction),
-            "note": plain(finding.note),
-            "needs": finding.needs,
-        }
-        for finding in findings
-        for judged, part in (("as it stands", finding.measured), ("corrected", finding.corrected))
-        for measurement in part
-    )
-
-
 def _check(figures: Sequence[PaperFigure], findings: Sequence[Finding]) -> None:
     _check_distinct("figures", [str(figure.number) for figure in figures])
     _check_distinct("findings", [finding.key for finding in findings])
     for figure in figures:
-        _check_distinct("tables", [_table_file(figure, name) for name in figure.tables])
-        rich(figure.title), rich(figure.caption)
+        _check_distinct("tables", [file_name(name) for name in figure.tables])
+        rich_numbered(figure.title), rich_numbered(figure.caption)
     for finding in findings:
         for text in (finding.place, finding.claim, finding.correction, finding.note):
-            rich(text)
+            rich_numbered(text)
         for measurement in (*finding.measured, *finding.corrected):
-            rich(measurement.what)
+            rich_numbered(measurement.what)
 
 
 def _check_distinct(name: str, keys: list[str]) -> None:
@@ -212,31 +141,18 @@ def _check_distinct(name: str, keys: list[str]) -> None:
 
 def _write_figure(folder: Path, figure: PaperFigure) -> _Picture:
     """Write the drawing in three formats and its tables, and choose what the page shows."""
-    written: dict[str, Path] = {}
-    for suffix, metadata in (("svg", {"Date": None}), ("pdf", {"CreationDate": None}), ("png", {})):
-        path = folder / "figures" / f"figure-{figure.number}.{suffix}"
-        # Letters as paths, so that the page looks the same where a font is missing.
-        with whole_file(path) as part, mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "asperity"}):
-            figure.figure.savefig(part, format=suffix, dpi=_RESOLUTION, metadata=metadata)
-        written[suffix] = path
-    for name, table in figure.tables.items():
-        _write_table(folder / "data" / _table_file(figure, name), table)
+    name = f"figure-{figure.number}"
+    written = write_drawing(folder / "figures", name, figure.figure)
+    tables = [
+        write_table(folder / "data", f"{name}-{table}", figure.tables[table]) for table in figure.tables
+    ]
     shown, kind = written["svg"], "image/svg+xml"
     if shown.stat().st_size > _LARGEST_SVG:
         shown, kind = written["png"], "image/png"
     encoded = base64.b64encode(shown.read_bytes()).decode("ascii")
     drawings = tuple(f"figures/{path.name}" for path in written.values())
-    tables = tuple(f"data/{_table_file(figure, name)}" for name in figure.tables)
-    return _Picture(figure, f"data:{kind};base64,{encoded}", drawings + tables)
-
-
-def _table_file(figure: PaperFigure, name: str) -> str:
-    return f"figure-{figure.number}-{re.sub(r'[^A-Za-z0-9_]+', '-', name).strip('-')}.csv"
-
-
-def _write_table(path: Path, table: pd.DataFrame) -> None:
-    with whole_file(path) as part:
-        table.to_csv(part, index=False)
+    numbers = tuple(f"data/{path.name}" for path in tables)
+    return _Picture(figure, f"data:{kind};base64,{encoded}", drawings + numbers)
 
 
 def _templates() -> jinja2.Environment:
@@ -249,7 +165,7 @@ def _templates() -> jinja2.Environment:
         keep_trailing_newline=True,
     )
     environment.filters |= {
-        "rich": rich,
+        "rich": rich_numbered,
         "plain": plain,
         "number": number,
         "interval": interval,
@@ -265,19 +181,11 @@ def _templates() -> jinja2.Environment:
     return environment
 
 
+def rich_numbered(text: str) -> Markup:
+    """Make HTML of a text, whose equations get their numbers for their labels, as in Eq. (17)."""
+    return rich(numbered(text))
+
+
 def _numbers(measured: Sequence[Measurement]) -> str:
     """Spell different numbers of a claim in plain text; equal ones once."""
     return "; ".join(dict.fromkeys(plain(interval(one.estimate)) for one in measured))
-
-
-def _brief(name: str, value: object) -> Markup:
-    """A value of a campaign file in words: a shape as 200 × 200, a long list by its ends."""
-    if not isinstance(value, list):
-        return number(value) if isinstance(value, float) else escape(value)
-    words = [_brief(name, item) for item in value]
-    if name == "shape":
-        return Markup("\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}").join(words)
-    ends = Markup("{} to {}").format(words[0], words[-1])
-    if name == "seeds" and value == list(range(value[0], value[-1] + 1)) and len(value) > 1:
-        return ends
-    return Markup(", ").join(words) if len(words) <= 6 else Markup("{} ({} values)").format(ends, len(words))

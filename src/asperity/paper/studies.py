@@ -7,19 +7,12 @@ sizes of its fifth and sixth); those are chosen here to show what it describes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.campaign import Plan, read_plan
-from asperity.errors import InputError
-from asperity.results.store import whole_file
-from asperity.words import tables_to_toml
-
-Tables = Mapping[str, Mapping[str, Any]]
+from asperity.lattice import Field
+from asperity.studies.campaigns import Campaign
 
 HURST = 0.5
 """Hurst exponent of the self-affine surfaces, where it is not varied."""
@@ -97,48 +90,7 @@ FULL = Effort(
 )
 
 
-@dataclass(frozen=True)
-class Study:
-    """One campaign.
-
-    Attributes
-    ----------
-    name
-        Its folder.
-    purpose
-        What it is for, in a few words.
-    tables
-        The campaign file, section by section.
-    asperity
-        Shape of a flat surface with one high site that it is run on; empty for made surfaces.
-    """
-
-    name: str
-    purpose: str
-    tables: Tables
-    asperity: tuple[int, ...] = ()
-
-    def write(self, folder: Path) -> Plan:
-        """Write the campaign file, and its surface if it has one, and read the plan back.
-
-        Raises
-        ------
-        OutputError
-            The disk refused.
-        """
-        folder.mkdir(parents=True, exist_ok=True)
-        if self.asperity:
-            heights = np.zeros(self.asperity)
-            heights.flat[0] = PEAK
-            with whole_file(folder / "asperity.npy") as part, part.open("wb") as stream:
-                np.save(stream, heights)
-        path = folder / "campaign.toml"
-        with whole_file(path) as part:
-            part.write_text(f"# {self.purpose}\n\n{tables_to_toml(self.tables)}", encoding="utf-8")
-        return read_plan(path)
-
-
-def studies(effort: Effort, *, seed: int = 0) -> tuple[Study, ...]:
+def studies(effort: Effort, *, seed: int = 0) -> tuple[Campaign, ...]:
     """Return all campaigns of the reproduction.
 
     Parameters
@@ -153,18 +105,15 @@ def studies(effort: Effort, *, seed: int = 0) -> tuple[Study, ...]:
     InputError
         For a negative seed.
     """
-    if seed < 0:
-        raise InputError("seed", expected="0 or more", got=seed)
-    return tuple(
-        _seeded(study, seed) for study in (*_uncorrelated(effort), *_self_affine(effort), *_points())
-    )
+    every = (*_uncorrelated(effort), *_self_affine(effort), *_points())
+    return tuple(one.seeded(seed) for one in every)
 
 
-def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
+def _uncorrelated(effort: Effort) -> tuple[Campaign, ...]:
     square, small = [effort.side] * 2, [effort.side // 2] * 2
     sites, small_sites = effort.side**2, (effort.side // 2) ** 2
     return (
-        Study(
+        Campaign(
             "load",
             "Area against load, before creep and relaxed: independent Gaussian heights",
             {
@@ -177,7 +126,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 },
             },
         ),
-        Study(
+        Campaign(
             "aging",
             "Growth of the area at constant load: independent Gaussian heights",
             {
@@ -189,7 +138,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 },
             },
         ),
-        Study(
+        Campaign(
             "exponential",
             "Growth of the area of few contacts: exponential heights, with and without viscous creep",
             {
@@ -199,7 +148,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 "sweep": {"k1": [1.0, 3.0], "R_viscous": [0.0, 1.0], "seeds": effort.light_seeds},
             },
         ),
-        Study(
+        Campaign(
             "mobility",
             "Growth of the area for several mobilities R",
             {
@@ -208,7 +157,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 "sweep": {"R": [0.01, 1.0, 100.0], "seeds": effort.seeds},
             },
         ),
-        Study(
+        Campaign(
             "separation",
             "The load under a rigid body that is held in place, with and without viscous creep",
             {
@@ -218,7 +167,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 "sweep": {"R_viscous": [0.0, 0.1, 1.0], "seeds": effort.seeds},
             },
         ),
-        Study(
+        Campaign(
             "no_lateral",
             "Creep without springs between neighbors",
             {
@@ -228,7 +177,7 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
                 "sweep": {"load": [4.0, 40.0, 400.0], "seeds": effort.seeds},
             },
         ),
-        Study(
+        Campaign(
             "sketch",
             "A line contact, to be drawn",
             {
@@ -243,11 +192,11 @@ def _uncorrelated(effort: Effort) -> tuple[Study, ...]:
     )
 
 
-def _self_affine(effort: Effort) -> tuple[Study, ...]:
+def _self_affine(effort: Effort) -> tuple[Campaign, ...]:
     surface = {"kind": "self_affine", "hurst": HURST, "delta": DELTA}
     stiff = {"k1": SELF_AFFINE_RATIO}
     return (
-        Study(
+        Campaign(
             "self_affine_load",
             "Area against load, before creep and relaxed: self-affine surfaces of several sizes",
             {
@@ -261,7 +210,7 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
                 },
             },
         ),
-        Study(
+        Campaign(
             "self_affine_aging",
             "Growth of the area at constant load: self-affine surfaces of several sizes",
             {
@@ -274,7 +223,7 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
                 },
             },
         ),
-        Study(
+        Campaign(
             "hurst",
             "Area against load, and its growth, for several Hurst exponents",
             {
@@ -287,7 +236,7 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
                 },
             },
         ),
-        Study(
+        Campaign(
             "maps",
             "Where a self-affine surface touches as the contact ages",
             {
@@ -299,7 +248,7 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
                 "sweep": {"seeds": effort.seeds},
             },
         ),
-        Study(
+        Campaign(
             "load_maps",
             "Where a self-affine surface touches as the load grows",
             {
@@ -313,11 +262,11 @@ def _self_affine(effort: Effort) -> tuple[Study, ...]:
     )
 
 
-def _points() -> tuple[Study, ...]:
+def _points() -> tuple[Campaign, ...]:
     """One asperity: the engine beside the closed form of the compliance."""
     alone = {"kind": "file", "path": "asperity.npy", "tilt": "none", "periodic": "wrap"}
     return (
-        Study(
+        Campaign(
             "point",
             "Indentation of the plane by one asperity under constant load",
             {
@@ -325,9 +274,9 @@ def _points() -> tuple[Study, ...]:
                 "contact": {"load": 1.0},
                 "sweep": {"k1": [1.0, 3.0, 10.0], "R_viscous": [0.0, 0.1, 1.0]},
             },
-            asperity=(128, 128),
+            heights=_asperity(128, 128),
         ),
-        Study(
+        Campaign(
             "line_point",
             "Indentation of the line by one asperity under constant load",
             {
@@ -336,9 +285,16 @@ def _points() -> tuple[Study, ...]:
                 "aging": {"last": 1e9},
                 "sweep": {"k1": [1.0, 10.0]},
             },
-            asperity=(4096,),
+            heights=_asperity(4096),
         ),
     )
+
+
+def _asperity(*shape: int) -> dict[str, Field]:
+    """A flat surface with one high site."""
+    heights = np.zeros(shape)
+    heights.flat[0] = PEAK
+    return {"asperity.npy": heights}
 
 
 _ONLY_ENDS = {"times": [0.0]}
@@ -349,11 +305,3 @@ def _decades(first: float, last: float, per_decade: int) -> list[float]:
     """Values even in the logarithm, to three digits, so that the file can be read."""
     count = 1 + round(np.log10(last / first) * per_decade)
     return [float(f"{value:.3g}") for value in np.geomspace(first, last, count)]
-
-
-def _seeded(study: Study, seed: int) -> Study:
-    count = study.tables["sweep"].get("seeds")
-    if not isinstance(count, int):
-        return study
-    sweep = {**study.tables["sweep"], "seeds": list(range(seed, seed + count))}
-    return replace(study, tables={**study.tables, "sweep": sweep})

@@ -1,7 +1,7 @@
 """Texts of the reproduction, which stand in text files: TOML, whose sentences are templates of Jinja.
 
-All are plain with the tags i, sub and sup of HTML; `asperity.paper.typeset` makes a page of them. Symbols and
-phrases of several sentences are in ``templates/phrases.j2``.
+All are plain with the tags i, sub and sup of HTML; `asperity.studies.typeset` makes a page of them. Symbols
+and phrases of several sentences are in ``templates/phrases.j2``.
 """
 
 from __future__ import annotations

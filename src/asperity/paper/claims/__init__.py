@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from asperity.paper.claims import area_and_load, discussion, few_contacts, growth, self_affine, spots
-from asperity.paper.evidence import Evidence
-from asperity.paper.ledger import Finding
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import Finding
 
 CLAIMS = {
     claim.name: claim

@@ -11,8 +11,8 @@ from asperity.fits.resampling import jackknife
 from asperity.lattice import Field
 from asperity.paper.claims.claim import Claim, Number, Numbers
 from asperity.paper.claims.measures import between, crossing, exponent, mean_of
-from asperity.paper.evidence import Evidence
-from asperity.paper.ledger import exact
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import exact
 from asperity.surfaces import gaussian
 from asperity.theory import (
     GaussianHeights,

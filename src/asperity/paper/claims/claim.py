@@ -15,9 +15,9 @@ from typing import Any, cast
 
 from asperity.fits.resampling import Estimate
 from asperity.paper.claims import measures
-from asperity.paper.evidence import Evidence
-from asperity.paper.ledger import Finding, Measurement
 from asperity.paper.wording import sentences, spelled
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import Finding, Measurement
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from asperity.paper.claims.measures import (
     mean_of,
     slope,
 )
-from asperity.paper.evidence import Evidence
-from asperity.paper.ledger import exact
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import exact
 from asperity.theory import compliance, displacement, site_stiffness
 
 

@@ -10,8 +10,8 @@ from asperity.fits.resampling import Estimate
 from asperity.lattice import Field
 from asperity.paper.claims.claim import Claim, Number, Numbers
 from asperity.paper.claims.measures import between, growth_slope, mean_of, slope
-from asperity.paper.evidence import Evidence
-from asperity.paper.ledger import exact
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import exact
 from asperity.theory import (
     LATE_INTERCEPT,
     LATE_SLOPE,

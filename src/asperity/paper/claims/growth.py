@@ -10,7 +10,7 @@ from asperity.fits import saturation
 from asperity.lattice import Field
 from asperity.paper.claims.claim import Claim, Number, Numbers
 from asperity.paper.claims.measures import EVEN, between, evenness, exponent, growth_slope, mean_of
-from asperity.paper.evidence import Evidence
+from asperity.studies.evidence import Evidence
 from asperity.theory import GaussianHeights, compliance, dilute_area, late_slope
 
 EARLY = (1.0, 100.0)

@@ -16,7 +16,7 @@ from asperity.paper.claims.measures import (
     growth_slope,
     mean_of,
 )
-from asperity.paper.evidence import Evidence
+from asperity.studies.evidence import Evidence
 from asperity.theory import site_stiffness
 
 PARTIAL = (1e-4, 5e-2)

@@ -10,8 +10,8 @@ from asperity.analysis import clustering, turnover
 from asperity.lattice import Field, Mask
 from asperity.paper.claims.claim import Claim, Number, Numbers
 from asperity.paper.claims.measures import mean_of
-from asperity.paper.evidence import Evidence
 from asperity.paper.studies import MAP_BOXES
+from asperity.studies.evidence import Evidence
 
 BOXES = (64, 16, MAP_BOXES)
 """Boxes along a side of the lattice in which contacts are counted; the last is that of Figure 7."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures.figure_1 import figure_1
 from asperity.paper.figures.figure_2 import figure_2
 from asperity.paper.figures.figure_3 import figure_3
@@ -13,6 +12,7 @@ from asperity.paper.figures.figure_7 import figure_7
 from asperity.paper.figures.figure_8 import figure_8
 from asperity.paper.figures.figure_9 import figure_9
 from asperity.paper.figures.paper_figure import PaperFigure
+from asperity.studies.evidence import Evidence
 
 _DRAWINGS = (figure_1, figure_2, figure_3, figure_4, figure_5, figure_6, figure_7, figure_8, figure_9)
 

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from asperity.figures import style
 from asperity.fits import jackknife
 from asperity.lattice import Field
-from asperity.paper.evidence import Evidence
+from asperity.studies.evidence import Evidence
 
 LABEL = 8.0
 """Font size of the labels of axes, points at final size."""

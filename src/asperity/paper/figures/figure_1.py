@@ -13,8 +13,8 @@ from matplotlib.patches import Patch
 
 from asperity.figures import style
 from asperity.lattice import Field
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
+from asperity.studies.evidence import Evidence
 
 _BEFORE = "before contact"
 _STUDY = "sketch"

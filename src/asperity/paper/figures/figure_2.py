@@ -9,9 +9,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.figures import style
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
+from asperity.studies.evidence import Evidence
 from asperity.theory import GaussianHeights, compliance, dilute_area
 
 _FAR_APART = 3.0

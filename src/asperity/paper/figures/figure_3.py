@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from asperity.errors import ConvergenceError, InputError
 from asperity.figures import style
 from asperity.fits import EnsembleFit, SaturationFit, ensemble, saturation
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
+from asperity.studies.evidence import Evidence
 
 _SLOPE = 0.5
 """The paper's beta, of q against the load."""

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from asperity.analysis import SiteState
 from asperity.figures import style
 from asperity.figures.marks import SMALLEST, draw_marks, site_side, width_in_words
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
+from asperity.studies.evidence import Evidence
 from asperity.words import thousands
 
 _STUDY = "load_maps"

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.figures import style
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
+from asperity.studies.evidence import Evidence
 
 _EXPONENT = 0.8
 """The paper's, of the area against the load."""

@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from asperity.errors import ConvergenceError, InputError
 from asperity.figures import style
 from asperity.fits import logarithm
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
+from asperity.studies.evidence import Evidence
 
 _LAST = 1e4
 """Latest time (1/(k0 R)) to which the logarithm is fitted: the paper excepts very long times."""

@@ -17,9 +17,9 @@ from asperity.figures import style
 from asperity.figures.marks import COLORS, draw_marks, show_lattice, site_side, width_in_words
 from asperity.fits.result import student
 from asperity.lattice import Field
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity.paper.studies import MAP_BOXES
+from asperity.studies.evidence import Evidence
 from asperity.words import thousands
 
 _STUDY = "maps"

@@ -11,10 +11,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.figures import style
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity.paper.studies import PEAK
+from asperity.studies.evidence import Evidence
 from asperity.theory import compliance, compliance_asymptote, compliance_asymptote_paper, torus_compliance
 
 _STIFFNESS_RATIOS = (0.1, 1.0, 3.0, 10.0, 100.0)

@@ -10,10 +10,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.figures import style
-from asperity.paper.evidence import Evidence
 from asperity.paper.figures import curves
 from asperity.paper.figures.figure_8 import LARGE_LATTICE, indentation
 from asperity.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
+from asperity.studies.evidence import Evidence
 from asperity.theory import LATE_SLOPE, compliance
 
 _STIFFNESS_RATIO = 3.0

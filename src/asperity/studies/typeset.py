@@ -1,6 +1,6 @@
 """Words and numbers as HTML, and as plain text.
 
-Texts of the reproduction are plain, with the tags i, sub and sup; whatever else they hold is shown as it is.
+Texts of studies are plain, with the tags i, sub and sup; whatever else they hold is shown as it is.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from markupsafe import Markup, escape
 
 from asperity.errors import InputError
 from asperity.fits.resampling import Estimate
-from asperity.paper.places import numbered
 
 UNKNOWN = "not determined"
 
@@ -24,7 +23,7 @@ _LARGE, _SMALL, _NARROW = 1e5, 1e-3, 1e-6
 def rich(text: str) -> Markup:
     """Return a text as HTML: the tags i, sub and sup are kept, all else is escaped.
 
-    Equations get their numbers for their labels, as in Eq. (17), and 2e-05 is written with a power of ten.
+    2e-05 is written with a power of ten.
 
     Raises
     ------
@@ -94,8 +93,8 @@ def bounds(low: float, high: float) -> Markup:
 
 
 def _words(text: str) -> Markup:
-    """Escape a text without tags; with numbers of equations and powers of ten."""
-    found = _E_NOTATION.split(numbered(text))
+    """Escape a text without tags; with powers of ten."""
+    found = _E_NOTATION.split(text)
     pieces = [escape(found[0])]
     for digits, exponent, after in zip(found[1::3], found[2::3], found[3::3], strict=True):
         pieces += [_scaled(digits, int(exponent)), escape(after)]

@@ -1,4 +1,4 @@
-"""What the simulations found, study by study, for the figures and the ledger to read."""
+"""What the simulations found, campaign by campaign, for the figures and the ledger to read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from asperity.lattice import Field
 
 @dataclass(frozen=True)
 class Evidence:
-    """The finished studies of a reproduction.
+    """The finished campaigns of a study, or of a reproduction.
 
     Attributes
     ----------

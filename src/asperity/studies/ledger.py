@@ -1,4 +1,4 @@
-"""The ledger: what the paper claims, what was measured, and what follows.
+"""The ledger: what is claimed, what was measured, and what follows.
 
 A verdict is never typed in. A claim states the range in which a number would bear it out, the number is
 computed from the simulations with a 95 % interval, and the two are compared: inside, outside, or undecided.
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+from scipy.stats import binomtest
 
 from asperity.fits.resampling import Estimate
 from asperity.lattice import Field
@@ -142,3 +143,17 @@ def exact(value: float) -> Estimate:
     """Return a number in which nothing is random, as an estimate."""
     number: Field = np.asarray(value, dtype=np.float64)[()]
     return Estimate(value=number, stderr=np.zeros_like(number), low=number, high=number, runs=1)
+
+
+def proportion(count: int, runs: int) -> Estimate:
+    """Return the share of runs that have a property, with its exact 95 % interval (Clopper and Pearson)."""
+    found = binomtest(count, runs)
+    ends = found.proportion_ci(0.95, method="exact")
+    share, low, high = (np.float64(x) for x in (found.statistic, ends.low, ends.high))
+    return Estimate(
+        value=np.asarray(share)[()],
+        stderr=np.asarray(np.sqrt(share * (1 - share) / runs))[()],
+        low=np.asarray(low)[()],
+        high=np.asarray(high)[()],
+        runs=runs,
+    )

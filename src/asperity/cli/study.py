@@ -1,0 +1,133 @@
+"""The command ``asperity study``, and the words that go with campaigns of a study."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import asperity.campaign as campaign
+from asperity.campaign import Estimate, Tally
+from asperity.cli.campaign import tally_shown
+from asperity.cli.report import aligned
+from asperity.runs import cores
+from asperity.studies import STUDIES, Study, conclude, named
+from asperity.studies.campaigns import Prepared, run_campaigns
+from asperity.studies.typeset import interval, plain
+from asperity.words import data_size, duration
+
+
+def say_studies() -> None:
+    """List the studies and their questions."""
+    rows = [(study.name, study.question) for study in STUDIES.values()]
+    sys.stdout.write(f"{aligned(rows)}\n\nasperity study NAME --quick answers one in minutes\n")
+
+
+def say_what_it_takes(name: str, out: Path, *, quick: bool, seed: int, workers: int) -> None:
+    """Say how many runs, how long, and how much disk, without leaving anything behind."""
+    one = named(name)
+    one.home.check(out)
+    with (
+        tempfile.TemporaryDirectory() as nowhere,
+        one.prepared_in(nowhere, quick=quick, seed=seed) as prepared,
+    ):
+        say_estimate(prepared, out / one.home.inside, workers=workers)
+
+
+def say_estimate(prepared: Sequence[Prepared], folder: Path, *, workers: int) -> None:
+    """Say what each campaign would take, and all, where some of them may be done in a folder."""
+    judged = [campaign.estimate(one.plan, folder / one.campaign.name) for one in prepared]
+    rows = [
+        (one.campaign.name, f"{it.runs} runs", f"about {duration(it.wall(workers))}", one.campaign.purpose)
+        for one, it in zip(prepared, judged, strict=True)
+    ]
+    rows.append(("all", *_total(judged, workers)))
+    sys.stdout.write(f"{aligned(rows)}\n")
+
+
+def study(
+    name: str,
+    out: Path,
+    *,
+    quick: bool,
+    seed: int,
+    workers: int | None,
+    scheduler: str | None,
+    retry_failed: bool,
+    quiet: bool,
+) -> None:
+    """Run the campaigns that are missing, and write the report.
+
+    Raises
+    ------
+    AsperityError
+        There is no such study; the folder cannot be used; the disk or the scheduler refused; some runs
+        failed.
+    """
+    one = named(name)
+    command = command_of(one, out, quick=quick, seed=seed)
+    try:
+        with one.prepared_in(out, quick=quick, seed=seed) as prepared:
+            voice = Voice("campaign", prepared, workers=workers or cores(), quiet=quiet)
+            run_campaigns(
+                prepared, workers=workers, scheduler=scheduler, retry_failed=retry_failed, watch=voice.watch
+            )
+            voice.say("computing the numbers and drawing the figure")
+            done = conclude(one, out, prepared, quick=quick, command=command, seed=seed)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            "interrupted; what is finished is kept, and the same command does the rest"
+        ) from None
+    if quiet:
+        return
+    for finding in done.outcome.findings:
+        rows = [("", plain(m.what), plain(str(interval(m.estimate)))) for m in finding.measured]
+        sys.stdout.write(f"{finding.verdict.value}: {plain(finding.claim)}\n{aligned(rows)}\n")
+    sys.stdout.write(f"\n{done.report}\n")
+
+
+def command_of(one: Study, out: Path, *, quick: bool, seed: int) -> str:
+    """Return the command line that runs a study."""
+    words = ["asperity", "study", one.name, "--out", str(out)]
+    return shlex.join([*words, *["--quick"] * quick, *(["--seed", str(seed)] if seed else [])])
+
+
+class Voice:
+    """Says which campaign begins, and at first how long it all will take."""
+
+    def __init__(self, what: str, prepared: Sequence[Prepared], *, workers: int, quiet: bool) -> None:
+        self._what = what
+        self._prepared = prepared
+        self._workers = workers
+        self._quiet = quiet
+        self._announced = False
+
+    @contextmanager
+    def watch(self, one: Prepared) -> Iterator[Callable[[Tally], None]]:
+        """Tell of one campaign while it runs."""
+        if not self._announced and not self._quiet:
+            self._announced = True
+            self.say("judging how long it will take")
+            judged = [campaign.estimate(each.plan, each.folder) for each in self._prepared]
+            self.say(", ".join(_total(judged, self._workers)))
+        number = 1 + [each.folder for each in self._prepared].index(one.folder)
+        self.say(f"{self._what} {number} of {len(self._prepared)}: {one.campaign.purpose}")
+        with tally_shown(quiet=self._quiet) as show:
+            yield show
+
+    def say(self, text: str) -> None:
+        """Print a line of progress."""
+        if not self._quiet:
+            print(text, file=sys.stderr, flush=True)
+
+
+def _total(judged: Sequence[Estimate], workers: int) -> tuple[str, str, str]:
+    seconds = sum(one.wall(workers) for one in judged)
+    return (
+        f"{sum(one.runs for one in judged)} runs",
+        f"about {duration(seconds)} on {workers} workers",
+        f"about {data_size(sum(one.bytes for one in judged))}",
+    )

@@ -1,0 +1,319 @@
+"""Whether the contact area falls before it rises, after the load has fallen.
+
+A contact is held under a load for a waiting time; then the load falls at once to a part of it, and stays.
+Lost contact is counted from the state just after the step, so that what the step itself takes does not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.lattice import Field
+from asperity.studies.campaigns import Campaign
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import Finding, Measurement, proportion
+from asperity.studies.study import Outcome, Study
+
+WAIT, LOAD = "protocol.0.duration", "protocol.1.load"
+RATIOS = (0.2, 0.5)
+"""Load after the step over that before."""
+
+_BRANCHES = [[0.25, 1.0], [0.25, 10.0], [0.25, 100.0]]
+_END = 1e4
+_MOST = 0.1
+"""Share of surfaces with a dip that still counts as none: 64 surfaces without any leave it below 0.06."""
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A solid of the study.
+
+    Attributes
+    ----------
+    what
+        In words.
+    table
+        Its section of the campaign file.
+    a_site
+        Load a site before the step.
+    waits
+        Waiting times before the step.
+    separable
+        Whether all its spectra are proportional.
+    """
+
+    what: str
+    table: Mapping[str, object]
+    a_site: float
+    waits: tuple[float, ...]
+    separable: bool = False
+
+
+SOLIDS = {
+    "half_space": Solid(
+        "half-space, three relaxation times",
+        {"kind": "half_space", "modulus": 1.0, "branches": _BRANCHES},
+        0.05,
+        (10.0, 100.0),
+        separable=True,
+    ),
+    "coated": Solid(
+        "elastic film on a half-space that relaxes",
+        {"kind": "coated_half_space", "modulus": 1.0, "poisson": 0.4, "thickness": 4.0}
+        | {"base_modulus": 1.0, "base_poisson": 0.4, "base_branches": _BRANCHES},
+        0.05,
+        (10.0, 100.0),
+    ),
+    "conserved": Solid(
+        "lattice of springs, creep that conserves the mean (R)",
+        {"k0": 1.0, "k1": 3.0, "R": 1.0},
+        0.2,
+        (5.0, 30.0, 200.0),
+    ),
+    "viscous": Solid(
+        "lattice of springs, viscous creep (R_viscous)",
+        {"k0": 1.0, "k1": 3.0, "R": 0.0, "R_viscous": 1.0},
+        0.2,
+        (5.0, 30.0, 200.0),
+    ),
+}
+"""The solids by the names of their campaigns; k0 = 1 and E* = 1 set the unit of stiffness."""
+
+
+def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
+    """Return the campaigns, one for each solid: so many surfaces, of so many sites along a side."""
+    return tuple(_campaign(name, surfaces, side) for name in SOLIDS)
+
+
+def _campaign(name: str, surfaces: int, side: int) -> Campaign:
+    solid = SOLIDS[name]
+    load = solid.a_site * side**2
+    wave = {"kind": "spectral", "shape": [side, side], "hurst": 0.8, "cutoff": 4.0, "roll_off": side / 2}
+    return Campaign(
+        name,
+        f"Area after a fall of the load: {solid.what}",
+        {
+            "surface": {**wave, "rms_slope": 1.0},
+            "solid": solid.table,
+            "contact": {"load": load},
+            "aging": {"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
+            "protocol": [
+                {"kind": "hold", "duration": solid.waits[0]},
+                {"kind": "step", "load": RATIOS[0] * load},
+                {"kind": "hold", "duration": _END},
+            ],
+            "sweep": {
+                WAIT: list(solid.waits),
+                LOAD: [ratio * load for ratio in RATIOS],
+                "seeds": surfaces,
+            },
+        },
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class After:
+    """The areas of all surfaces after the step, for one solid, one waiting time and one load ratio.
+
+    Attributes
+    ----------
+    wait, ratio
+        The waiting time; load after the step over that before.
+    time
+        Since the step; 0 is just after it.
+    area
+        Shape (surfaces, times), sites.
+    """
+
+    wait: float
+    ratio: float
+    time: Field
+    area: Field
+
+    @property
+    def depth(self) -> Field:
+        """Lost area over the area just after the step, one a surface."""
+        return np.asarray(1 - self.area.min(axis=1) / self.area[:, 0])
+
+    @property
+    def log_time(self) -> Field:
+        """Logarithm of the time of the minimum, in the middle where it lasts; NaN without a dip."""
+        middle = np.full(len(self.area), np.nan)
+        for row, area in enumerate(self.area):
+            at = self.time[area == area.min()]
+            if at[0] > 0:
+                middle[row] = np.log(at[[0, -1]]).mean()
+        return middle
+
+
+def after_the_step(evidence: Evidence, name: str) -> Iterator[After]:
+    """Give the areas after the step for every waiting time and load of a campaign."""
+    data = evidence[name]
+    for wait in data[WAIT].values:
+        for ratio, load in zip(RATIOS, data[LOAD].values, strict=True):
+            here = data[["area", "time", "leg"]].sel({WAIT: wait, LOAD: load})
+            since = here["leg"].values >= 1
+            area = here["area"].transpose("seed", ...).values[:, since]
+            yield After(float(wait), ratio, here["time"].values[since] - wait, area)
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Judge what is claimed of the area after a fall of the load."""
+    found = {name: list(after_the_step(evidence, name)) for name in SOLIDS}
+    dips = pd.DataFrame([_row(name, one) for name, every in found.items() for one in every])
+    curves = pd.concat([_curve(name, one) for name, every in found.items() for one in every])
+    lost = {name: _surfaces_that_lose(every) for name, every in found.items()}
+    separable = tuple(
+        Measurement(f"share of surfaces that lose contact: {SOLIDS[name].what}", share, high=_MOST)
+        for name, share in lost.items()
+        if SOLIDS[name].separable
+    )
+    others = tuple(
+        Measurement(f"share of surfaces that lose contact: {SOLIDS[name].what}", share, high=_MOST)
+        for name, share in lost.items()
+        if not SOLIDS[name].separable
+    )
+    slopes = tuple(
+        Measurement(
+            f"d ln (time of the minimum)/d ln (waiting time), load ratio {ratio:g}: {SOLIDS[name].what}",
+            _exponent([one for one in found[name] if one.ratio == ratio]),
+            low=0.9,
+            high=1.1,
+        )
+        for name in ("conserved", "viscous")
+        for ratio in RATIOS
+    )
+    return Outcome(
+        (
+            Finding(
+                "separable",
+                "the theorem of this study",
+                "On a separable solid no contact is lost after the load has fallen.",
+                separable,
+                note="A surface counts if it loses one site at any waiting time and any load ratio.",
+            ),
+            Finding(
+                "any-linear-solid",
+                "Li, Brenner and Frérot, arXiv:2511.19402",
+                "On no linear viscoelastic solid is contact lost after the load has fallen.",
+                others,
+                note="A surface counts if it loses one site at any waiting time and any load ratio.",
+            ),
+            Finding(
+                "time-of-minimum",
+                "Dillavou and Rubinstein, Phys. Rev. Lett. 120, 224101 (2018)",
+                "The time of the minimum is proportional to the waiting time.",
+                slopes,
+                note="Mean over the surfaces that lose contact at every waiting time.",
+            ),
+        ),
+        {"dips": dips, "curves": curves},
+    )
+
+
+def _surfaces_that_lose(every: list[After]) -> Estimate:
+    lose = np.any([one.depth > 0 for one in every], axis=0)
+    return proportion(int(lose.sum()), lose.size)
+
+
+def _exponent(every: list[After]) -> Estimate:
+    """Slope of ln (time of the minimum) against ln (waiting time), surface by surface; their mean."""
+    wait = np.log([one.wait for one in every])
+    times = np.array([one.log_time for one in every])
+    times = times[:, np.isfinite(times).all(axis=0)]
+    if wait.size < 2 or not times.shape[1]:
+        unknown = np.full((), np.nan)
+        return Estimate(unknown, unknown, unknown, unknown, times.shape[1])
+    away = wait - wait.mean()
+    return jackknife(np.mean, away @ times / (away @ away))
+
+
+def _row(name: str, one: After) -> dict[str, object]:
+    depth, log_time = one.depth, one.log_time[np.isfinite(one.log_time)]
+    mean = jackknife(np.mean, depth)
+    time = jackknife(np.mean, log_time) if log_time.size else None
+    return {
+        "solid": name,
+        "waiting_time": one.wait,
+        "load_ratio": one.ratio,
+        "surfaces": depth.size,
+        "with_a_dip": int((depth > 0).sum()),
+        "depth": float(mean.value),
+        "depth_stderr": float(mean.stderr),
+        "deepest": float(depth.max()),
+        "time_of_minimum": np.nan if time is None else float(np.exp(time.value)),
+        "log_time_stderr": np.nan if time is None else float(time.stderr),
+        "area_after_step": float(one.area[:, 0].mean()),
+    }
+
+
+def _curve(name: str, one: After) -> pd.DataFrame:
+    relative = one.area / one.area[:, :1]
+    mean = jackknife(lambda some: some.mean(axis=0), relative)
+    return pd.DataFrame(
+        {
+            "solid": name,
+            "waiting_time": one.wait,
+            "load_ratio": one.ratio,
+            "time": one.time,
+            "area": mean.value,
+            "area_stderr": mean.stderr,
+        }
+    )
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw area after the step, depth of the dip and time of the minimum."""
+    dips, curves = tables["dips"], tables["curves"]
+    figure = Figure(figsize=(9.0, 3.4), layout="constrained")
+    area, depth, time = figure.subplots(1, 3)
+    marks = dict(zip(SOLIDS, "sD^o", strict=True))
+    shades = dict(zip(SOLIDS, ("0.6", "0.4", "0.2", "0.0"), strict=True))
+    ratio = min(RATIOS)
+    for name, solid in SOLIDS.items():
+        wait = solid.waits[-1]
+        style = {"marker": marks[name], "color": shades[name], "markersize": 4}
+        shown = (curves["waiting_time"] == wait) & (curves["load_ratio"] == ratio) & (curves["time"] > 0)
+        one = curves[shown & (curves["solid"] == name)]
+        line = "--" if solid.separable else "-"
+        area.errorbar(one["time"], one["area"], one["area_stderr"], linestyle=line, label=name, **style)
+        for part, fill in zip(RATIOS, (None, "white"), strict=True):
+            here = dips[(dips["solid"] == name) & (dips["load_ratio"] == part)]
+            at = here["waiting_time"]
+            style |= {"markerfacecolor": fill, "linestyle": line}
+            depth.errorbar(at, 100 * here["depth"], 100 * here["depth_stderr"], **style)
+            low, high = (here["time_of_minimum"] * np.exp(sign * here["log_time_stderr"]) for sign in (-1, 1))
+            reach = [here["time_of_minimum"] - low, high - here["time_of_minimum"]]
+            time.errorbar(at, here["time_of_minimum"], reach, **style)
+    waits = np.unique(dips["waiting_time"])
+    time.plot(waits, waits, ":", color="black", linewidth=1)
+    time.annotate("equal", (waits[-1], waits[-1]), fontsize=8, ha="right", va="bottom")
+    area.set(xscale="log", yscale="log", xlabel="time since the step", ylabel="area / area after the step")
+    area.set_title(f"longest waiting time, load × {ratio:g}", fontsize=9)
+    area.legend(fontsize=8)
+    depth.set(xscale="log", xlabel="waiting time", ylabel="depth of the dip (%)")
+    depth.set_title("filled: load × 0.2, open: × 0.5", fontsize=9)
+    time.set(xscale="log", yscale="log", xlabel="waiting time", ylabel="time of the minimum")
+    return figure
+
+
+UNLOADING = Study(
+    name="unloading",
+    question="Does the contact area fall before it rises, after the load has fallen?",
+    quick=campaigns(surfaces=8, side=32),
+    full=campaigns(surfaces=64, side=32),
+    analyse=analyse,
+    draw=draw,
+    caption=(
+        "Left: area after the load has fallen, over that just after the step; mean over all surfaces. "
+        "Middle: lost area over the area just after the step. Right: time of the minimum, geometric mean over the "
+        "surfaces that have one. Bars: standard errors."
+    ),
+    page="docs/studies.md, Unloading",
+)
