@@ -31,7 +31,7 @@ def age(problem: Problem, times: list[float], *, step: float, tolerance: float, 
     moduli = (law.modulus * shares / 2 / unit).tolist()
     solver = tm.MaxwellViscoelastic(model, heights, tolerance, step, moduli, relaxation.tolist())
     solver.max_iter = 20000
-    forces, gaps, done = [], [], 0
+    forces, gaps, means, done = [], [], [], 0
     with Watch() as watch:
         for time in times:
             while done < round(time / step):
@@ -39,8 +39,16 @@ def age(problem: Problem, times: list[float], *, step: float, tolerance: float, 
                 done += 1
             forces.append(np.array(model.traction).reshape(heights.shape) * unit * problem.cell)
             gaps.append(_gap_in_contact(model, heights))
+            means.append(_mean_gap(model, heights))
     numbers = {"seconds": watch.seconds, "cpu_seconds": watch.cpu_seconds, "steps": done}
-    return {"force": np.array(forces)}, {**numbers, "gap_in_contact": gaps}
+    return {"force": np.array(forces)}, {**numbers, "gap_in_contact": gaps, "mean_gap": means}
+
+
+def _mean_gap(model, heights) -> float:
+    """Mean distance of the surfaces, m."""
+    pressed = np.array(model.traction).reshape(heights.shape) > 0
+    gap = np.array(model.displacement).reshape(heights.shape) - heights
+    return float(gap.mean() - gap[pressed].mean())
 
 
 def _gap_in_contact(model, heights) -> float:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from asperity import (
         analysis,
         campaign,
+        challenge,
         errors,
         figures,
         fits,
@@ -55,6 +56,7 @@ __all__ = [
     "age",
     "analysis",
     "campaign",
+    "challenge",
     "errors",
     "figures",
     "fits",

@@ -36,6 +36,12 @@ GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
 """A number that seems to have separators between thousands."""
 
 
+def with_unit(name: str, unit: str) -> str:
+    """Head a column: ``load_N``, ``contact_area_m2``, and a pure number by its name alone."""
+    spelled = unit.replace("^", "").replace("/", "_per_")
+    return name if unit == "1" else f"{name}_{spelled}"
+
+
 @dataclass(frozen=True, eq=False)
 class Table:
     """The numbers of a text file.

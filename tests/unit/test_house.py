@@ -34,6 +34,7 @@ ROOMS = [
     {"figures"},
     {"config"},
     {"runs"},
+    {"challenge"},
     {"campaign"},
     {"explore"},
     {"studies"},
@@ -102,6 +103,7 @@ def test_public_names():
         "age",
         "analysis",
         "campaign",
+        "challenge",
         "errors",
         "figures",
         "fits",
@@ -137,6 +139,7 @@ def test_every_room_is_reached(room):
     [
         "analysis",
         "campaign",
+        "challenge",
         "figures",
         "fits",
         "friction",

@@ -40,12 +40,14 @@ app = App(
 _P = ParamSpec("_P")
 
 
-def _command(*sections: str, name: str | None = None) -> Callable[[Callable[_P, None]], Callable[_P, None]]:
+def _command(
+    *sections: str, name: str | None = None, of: App = app
+) -> Callable[[Callable[_P, None]], Callable[_P, None]]:
     """Add a command; parameters named after sections of the configuration take the flags of their keys."""
 
     def add(command: Callable[_P, None]) -> Callable[_P, None]:
         command.__doc__ = _paragraphs(command.__doc__ or "")
-        app.command(command, name=name)
+        of.command(command, name=name)
         for section in sections:  # words, which are read when the command is used
             command.__annotations__[section] = f"flags_for({section!r}) | None"
         return command
@@ -652,6 +654,72 @@ def study(
             retry_failed=retry_failed,
             quiet=quiet,
         )
+
+
+references = App(name="challenge", help="Reference problems with certified answers, for any code.")
+app.command(references)
+
+
+@references.default
+def list_references() -> None:
+    """List the reference problems: what each asks, and how closely its answer is known."""
+    from asperity.cli.challenge import list_problems
+
+    list_problems()
+
+
+@_command(name="write", of=references)
+def write_references(
+    directory: Path,
+    /,
+    *,
+    problem: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None,
+    scan: Path | None = None,
+    overwrite: Switch = False,
+) -> None:
+    """Write the inputs of reference problems: heights, parameters, words, and a form for the answer.
+
+    Parameters
+    ----------
+    directory
+        Folder for them, one in it for each problem; it must not exist yet.
+    problem
+        Names of problems. [default: all]
+    scan
+        The file of the measured problem, which does not come with this package.
+    overwrite
+        Replace the folder.
+    """
+    from asperity.cli.challenge import write_inputs
+
+    write_inputs(directory, problem or (), scan=scan, overwrite=overwrite)
+
+
+@_command(name="score", of=references)
+def score_result(
+    result: Path,
+    /,
+    *,
+    problem: str | None = None,
+    out: Out | None = None,
+    overwrite: Switch = False,
+) -> None:
+    """Compare an answer with the certified one, number by number.
+
+    Parameters
+    ----------
+    result
+        A table with the columns of the form, answer.csv; also the aging.csv of a run.
+    problem
+        Name of the problem. [default: the file says it, in a line "# problem: NAME"]
+    out
+        Figure to write (.png, .pdf or .svg). [default: none]
+    overwrite
+        Replace the figure if it exists.
+    """
+    from asperity.cli.challenge import score_file
+
+    score_file(result, problem=problem, out=out, overwrite=overwrite)
 
 
 def _check_campaign(command: str, out: Path) -> None:

@@ -17,12 +17,13 @@ import asperity.campaign as campaign
 from asperity.campaign import Plan, Tally
 from asperity.campaign.gather import with_ends
 from asperity.campaign.plan import Run, name_of
-from asperity.cli.output import with_unit, write_figure
+from asperity.cli.output import write_figure
 from asperity.cli.report import aligned
 from asperity.errors import AsperityError, InputError
 from asperity.figures import campaign_figure
 from asperity.results import save
 from asperity.results.store import whole_file
+from asperity.tables import with_unit
 from asperity.words import data_size, duration
 
 _LINE_EVERY = 10.0

@@ -18,6 +18,7 @@ from asperity.figures.style import RESOLUTION
 from asperity.results import save
 from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_MAPS, OF_SLIDING
 from asperity.results.store import whole_file, whole_folder
+from asperity.tables import with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -202,12 +203,6 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
         except (ValueError, ArithmeticError, RuntimeError) as error:
             remarks.append(f"the figure {name!r} could not be drawn: {error}")
     return tuple(remarks)
-
-
-def with_unit(name: str, unit: str) -> str:
-    """Head a column: ``load_N``, ``contact_area_m2``, and a pure number by its name alone."""
-    spelled = unit.replace("^", "").replace("/", "_per_")
-    return name if unit == "1" else f"{name}_{spelled}"
 
 
 def _write_table(outcome: Outcome, path: Path) -> None:

@@ -1,0 +1,138 @@
+"""The input files of the reference problems, which anybody's code can read."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from asperity.challenge.problems import NAMES, Column, Problem, problem
+from asperity.config import MeasuredSurface, to_toml
+from asperity.results.store import whole_folder
+from asperity.surfaces import Surface
+
+_WIDTH = 110
+_RULES = {
+    "independent": "Independent heights on {sites} x {sites} sites, seed {seed}.",
+    "waves": "A spline of {octaves} octaves: grid {grid}, ratio {ratio}, halvings {halvings}, "
+    "seed {seed}{scaled}.",
+    "scan": "The file {file}, SHA-256 {sha256}; {source}.",
+}
+_STATED = " The rule is that of asperity.challenge.heights, whose documentation states it for any language."
+_FILES = """\
+heights.npy   the heights, rows by columns, in NumPy's format
+heights.csv   the same as text, commas between columns
+run.toml      the parameters, as `asperity run run.toml` takes them
+answer.csv    the form for an answer: fill in the columns, and
+              asperity challenge score answer.csv
+"""
+
+
+def write(
+    directory: str | Path,
+    names: Sequence[str] = NAMES,
+    *,
+    scan: str | Path | None = None,
+    overwrite: bool = False,
+) -> tuple[str, ...]:
+    """Write the inputs of reference problems: for each a folder with words, heights, parameters and a form.
+
+    Parameters
+    ----------
+    directory
+        The folder, which appears when all is written.
+    names
+        Which problems.
+    scan
+        The file of the measured problem; without it, that folder says where the file is to be had.
+    overwrite
+        Whether to replace the folder.
+
+    Returns
+    -------
+    tuple of str
+        Remarks: what could not be written, and why.
+
+    Raises
+    ------
+    InputError
+        There is no such problem, or the scan is another file.
+    OutputError
+        The folder exists and is to be kept, or the disk refused.
+    """
+    chosen = [problem(name) for name in names]
+    remarks = []
+    surfaces: dict[str, Surface | None] = {}
+    for one in chosen:
+        absent = one.heights["rule"] == "scan" and scan is None
+        surfaces[one.name] = None if absent else one.surface(scan=scan)
+        if absent:
+            remarks.append(
+                f"{one.name} has no heights: they need the file {one.heights['file']}, --scan FILE"
+            )
+    with whole_folder(Path(directory), overwrite=overwrite) as folder:
+        for one in chosen:
+            (folder / one.name).mkdir()
+            _write(one, surfaces[one.name], folder / one.name)
+    return tuple(remarks)
+
+
+def _write(asked: Problem, surface: Surface | None, folder: Path) -> None:
+    (folder / "problem.txt").write_text(in_words(asked, surface), encoding="utf-8")
+    (folder / "answer.csv").write_text(_form(asked), encoding="utf-8")
+    config = asked.config
+    if surface is None:
+        chosen = MeasuredSurface(path=asked.heights["file"], **asked.run["surface"])
+    else:
+        np.save(folder / "heights.npy", surface.heights)
+        np.savetxt(folder / "heights.csv", surface.heights, fmt="%.17g", delimiter=",")
+        units = {}
+        if surface.pixel_size is not None:
+            units = {
+                "file_unit": surface.unit,
+                "pixel_size": list(surface.pixel_size),
+                "length_unit": surface.length_unit,
+            }
+        chosen = MeasuredSurface(path="heights.npy", tilt="none", periodic="wrap", **units)
+    text = to_toml(config.model_copy(update={"surface": chosen}))
+    (folder / "run.toml").write_text(f"# problem: {asked.name}\n{text}", encoding="utf-8")
+
+
+def in_words(asked: Problem, surface: Surface | None = None) -> str:
+    """The text of a problem: what is given, and what is asked."""
+    paragraphs = [f"{asked.name}: {asked.title}", *textwrap.wrap(" ".join(asked.question.split()), _WIDTH)]
+    rule = dict(asked.heights)
+    scaled = (
+        f", all times {rule['times']:g} {rule['unit']}, on a square of side {rule['side']:g} {rule['unit']}"
+    )
+    stated = _RULES[rule["rule"]].format(**rule, scaled=scaled if "side" in rule else "")
+    if rule["rule"] != "scan":
+        stated += _STATED
+    lines = [*paragraphs, "", "Heights", *textwrap.wrap(stated, _WIDTH)]
+    if surface is not None:
+        rows, columns = surface.shape
+        unit = surface.unit if surface.unit != "1" else "the unit of length of the problem"
+        pixel = (
+            f"; {surface.pixel_size[0]:.9g} x {surface.pixel_size[1]:.9g} {surface.length_unit} between them"
+            if surface.pixel_size
+            else ""
+        )
+        lines += textwrap.wrap(f"Here {rows} x {columns} sites, in {unit}{pixel}; periodic.", _WIDTH)
+    lines += ["", "Asked", *(_asked(column) for column in (asked.abscissa, *asked.asked))]
+    lines += ["", "Files", _FILES.rstrip()]
+    return "\n".join(lines) + "\n"
+
+
+def _asked(column: Column) -> str:
+    unit = "" if column.unit == "1" else f" [{column.unit}]"
+    tolerance = f"; tolerance {100 * column.tolerance:g} %" if column.tolerance else ""
+    return f"{column.heading}{unit}: {column.meaning}{tolerance}"
+
+
+def _form(asked: Problem) -> str:
+    """An answer with nothing in it but where it is asked."""
+    headings = [asked.abscissa.heading, *(column.heading for column in asked.asked)]
+    rows = [f"{place:.12g}{',' * len(asked.asked)}" for place in asked.answer.abscissa]
+    return "\n".join([f"# problem: {asked.name}", ",".join(headings), *rows]) + "\n"
