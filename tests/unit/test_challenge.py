@@ -92,7 +92,7 @@ def test_a_finer_lattice_holds_the_sites_of_a_coarser_one():
     made = asp.challenge.problem("self-affine")
     coarse, fine = (made.surface(halvings=n) for n in (0, 1))
     np.testing.assert_allclose(fine.heights[::2, ::2], coarse.heights, atol=1e-14)
-    assert fine.pixel_size[0] == coarse.pixel_size[0] / 2
+    assert fine.in_meters()[1][0] == coarse.in_meters()[1][0] / 2
 
 
 def test_only_a_continuum_has_something_between_its_sites():
@@ -104,10 +104,10 @@ def test_answers_are_whole_and_small():
     names = [one.name for one in asp.challenge.problems()]
     assert len(names) == 8
     for one in asp.challenge.problems():
-        answer, config = one.answer, one.config
-        assert answer.abscissa.size == len(config.aging.times)
+        answer, times = one.answer, one.run["aging"]["times"]
+        assert answer.abscissa.size == len(times)
         if one.abscissa.name == "time":
-            assert answer.abscissa.tolist() == list(config.aging.times)
+            assert answer.abscissa.tolist() == times
         assert answer.origin[0] == f"problem: {one.name}"
         for column in one.asked:
             bars, values = answer.bars[column.name], answer.values[column.name]
@@ -115,7 +115,7 @@ def test_answers_are_whole_and_small():
             assert np.isfinite(values).all()
             assert (bars > 0).all()
             assert (bars >= parts * 0.99).all()
-            known = np.median(bars[values > 0] / values[values > 0])
+            known = np.median(bars[values != 0] / np.abs(values[values != 0]))
             assert known <= column.tolerance, f"{one.name} does not know {column.name} to its own tolerance"
     folder = Path(asp.challenge.__file__).parent / "data"
     assert sum(file.stat().st_size for file in folder.iterdir()) < 200_000
@@ -156,11 +156,11 @@ def test_the_scan_at_time_0():
 
 def test_the_dilute_answer_follows_dilute_theory():
     made = asp.challenge.problem("dilute")
-    heights, solid = made.surface().heights, made.config.solid
+    heights, solid = made.surface().heights, made.run["solid"]
     early = made.answer.abscissa <= 1.0
-    compliance = asp.theory.compliance(solid.k1 / solid.k0, made.answer.abscissa[early])
+    compliance = asp.theory.compliance(solid["k1"] / solid["k0"], made.answer.abscissa[early])
     law = asp.theory.EmpiricalHeights(heights)
-    area = heights.size * asp.theory.dilute_area(made.config.contact.load / heights.size, compliance, law)
+    area = heights.size * asp.theory.dilute_area(made.run["contact"]["load"] / heights.size, compliance, law)
     # Contacts 30 to 500 deep in 256^2 sites: theory leaves their neighbors out.
     np.testing.assert_allclose(made.answer.values["area"][early], area, rtol=0.06)
 

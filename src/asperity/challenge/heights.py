@@ -42,9 +42,9 @@ def outputs(seed: int, first: int, count: int) -> NDArray[np.uint64]:
 
 def normal(seed: int, first: int, sites: int) -> Field:
     """Normal numbers of sites, from output ``first`` on, shape ``(sites, sites)``."""
-    three = outputs(seed, first, 3 * sites * sites)
-    parts = three.view(np.uint16).reshape(sites, sites, 12)
-    return (parts.sum(axis=-1, dtype=np.int64) - 393210) / 65536.0
+    parts = outputs(seed, first, 3 * sites * sites).view(np.uint16).reshape(sites, sites, 12)
+    sums: Field = parts.sum(axis=-1, dtype=np.float64)
+    return (sums - 393210) / 65536
 
 
 def independent(sites: int, *, seed: int) -> Field:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -88,14 +89,11 @@ def _write(asked: Problem, surface: Surface | None, folder: Path) -> None:
     else:
         np.save(folder / "heights.npy", surface.heights)
         np.savetxt(folder / "heights.csv", surface.heights, fmt="%.17g", delimiter=",")
-        units = {}
+        tables: dict[str, Any] = {"path": "heights.npy", "tilt": "none", "periodic": "wrap"}
         if surface.pixel_size is not None:
-            units = {
-                "file_unit": surface.unit,
-                "pixel_size": list(surface.pixel_size),
-                "length_unit": surface.length_unit,
-            }
-        chosen = MeasuredSurface(path="heights.npy", tilt="none", periodic="wrap", **units)
+            tables |= {"file_unit": surface.unit, "length_unit": surface.length_unit}
+            tables["pixel_size"] = list(surface.pixel_size)
+        chosen = MeasuredSurface(**tables)
     text = to_toml(config.model_copy(update={"surface": chosen}))
     (folder / "run.toml").write_text(f"# problem: {asked.name}\n{text}", encoding="utf-8")
 

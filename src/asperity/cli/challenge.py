@@ -81,9 +81,10 @@ def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite
 def _blocks(found: Score) -> list[list[tuple[str, ...]]]:
     """A table for each quantity, and the verdicts."""
     place = found.problem.abscissa.heading
-    blocks, verdicts = [], []
+    blocks: list[list[tuple[str, ...]]] = []
+    verdicts: list[tuple[str, ...]] = []
     for one in found.quantities:
-        rows = [(place, one.heading, "certified", "error bar", "in bars", "percent")]
+        rows: list[tuple[str, ...]] = [(place, one.heading, "certified", "error bar", "in bars", "percent")]
         rows += [
             (f"{x:.6g}", f"{a:.8g}", f"{b:.8g}", f"{bar:.2g}", f"{in_bars:+.2f}", f"{100 * apart:+.3g}")
             for x, a, b, bar, in_bars, apart in zip(
