@@ -317,7 +317,7 @@ def test_the_written_run_is_the_problem(tmp_path):
     np.testing.assert_allclose(surface.in_meters()[0], made.surface().in_meters()[0], rtol=1e-12)
     assert surface.in_meters()[1] == pytest.approx(made.surface().in_meters()[1])
     assert config.solid == made.config.solid
-    assert config.legs == made.config.legs
+    assert config.legs == made.legs
     assert config.aging == made.config.aging
 
 

@@ -24,6 +24,7 @@ from asperity.challenge.heights import independent, waves
 from asperity.config import MeasuredSurface, RunConfig, config_from
 from asperity.errors import InputError
 from asperity.lattice import Field
+from asperity.protocols import Leg, leg_of
 from asperity.surfaces import Surface
 from asperity.tables import read_table, with_unit
 from asperity.words import closest
@@ -128,8 +129,14 @@ class Problem:
 
     @property
     def config(self) -> RunConfig:
-        """The run that solves it, but for the surface."""
-        return config_from({key: table for key, table in self.run.items() if key != "surface"}, {}, None)
+        """The run that solves it, but for surface and history."""
+        tables = {key: table for key, table in self.run.items() if key not in ("surface", "protocol")}
+        return config_from(tables, {}, None)
+
+    @property
+    def legs(self) -> tuple[Leg, ...]:
+        """The history of the load; none where it is constant."""
+        return tuple(map(leg_of, self.run.get("protocol", ())))
 
     def surface(self, *, halvings: int = 0, scan: str | Path | None = None) -> Surface:
         """Make the surface, or read the scan.
@@ -203,7 +210,7 @@ NAMES = (
     "two-step-load",
     "constant-area",
     "relaxing-half-space",
-    # "slide-hold-slide",
+    "slide-hold-slide",
 )
 
 

@@ -63,7 +63,7 @@ def solve(
     times = np.asarray(config.aging.times, dtype=np.float64)
     tolerance = config.aging.rtol if rtol is None else rtol
     dataset = age(
-        contact, times, protocol=config.legs or None, rtol=tolerance, solver=solver, exact=exact
+        contact, times, protocol=asked.legs or None, rtol=tolerance, solver=solver, exact=exact
     ).dataset
     recorded = dataset["time"].values
     rows = np.searchsorted(recorded, times, side="right") - 1

@@ -5,12 +5,11 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from asperity.challenge.problems import NAMES, Column, Problem, problem
-from asperity.config import MeasuredSurface, to_toml
+from asperity.config.reading import tables_to_toml
 from asperity.results.store import whole_folder
 from asperity.surfaces import Surface
 
@@ -83,19 +82,18 @@ def write(
 def _write(asked: Problem, surface: Surface | None, folder: Path) -> None:
     (folder / "problem.txt").write_text(in_words(asked, surface), encoding="utf-8")
     (folder / "answer.csv").write_text(_form(asked), encoding="utf-8")
-    config = asked.config
     if surface is None:
-        chosen = MeasuredSurface(path=asked.heights["file"], **asked.run["surface"])
+        tables = {"kind": "file", "path": asked.heights["file"], **asked.run["surface"]}
     else:
         np.save(folder / "heights.npy", surface.heights)
         np.savetxt(folder / "heights.csv", surface.heights, fmt="%.17g", delimiter=",")
-        tables: dict[str, Any] = {"path": "heights.npy", "tilt": "none", "periodic": "wrap"}
+        tables = {"kind": "file", "path": "heights.npy", "tilt": "none", "periodic": "wrap"}
         if surface.pixel_size is not None:
             tables |= {"file_unit": surface.unit, "length_unit": surface.length_unit}
             tables["pixel_size"] = list(surface.pixel_size)
-        chosen = MeasuredSurface(**tables)
-    text = to_toml(config.model_copy(update={"surface": chosen}))
-    (folder / "run.toml").write_text(f"# problem: {asked.name}\n{text}", encoding="utf-8")
+    run = {"surface": tables} | {key: table for key, table in asked.run.items() if key != "surface"}
+    text = f"# problem: {asked.name}\n{tables_to_toml(run)}"
+    (folder / "run.toml").write_text(text, encoding="utf-8")
 
 
 def in_words(asked: Problem, surface: Surface | None = None) -> str:
