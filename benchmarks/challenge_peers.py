@@ -101,8 +101,8 @@ def solve(worker: Worker, problem: Problem, folder: Path) -> State:
         return state_of(problem, data["force"])
 
 
-def march(worker: Worker, asked: asp.challenge.Problem, base: dict, folder: Path) -> list[tuple]:
-    """The same of a march, at every time above 0, extrapolated to no step."""
+def march(worker: Worker, asked: asp.challenge.Problem, base: dict, folder: Path, chosen=()) -> list[tuple]:
+    """The same of a march, at every time above 0 or at those chosen, extrapolated to no step."""
     config, surface = asked.config, asked.surface(**base)
     heights, spacing = surface.in_meters()
     branches = tuple(config.solid.build().parameters["branches"])
@@ -111,7 +111,7 @@ def march(worker: Worker, asked: asp.challenge.Problem, base: dict, folder: Path
     path, out = folder / f"{asked.name}.npz", folder / "answer.npz"
     write(problem, path)
     states = []
-    for moment in asked.answer.abscissa[asked.answer.abscissa > 0].tolist():
+    for moment in (t for t in asked.run["aging"]["times"] if t > 0 and t in (chosen or [t])):
         two = []
         for steps in (STEPS, 2 * STEPS):
             options = {"step": moment / steps, "tolerance": TOLERANCE}
@@ -148,6 +148,8 @@ def main() -> int:
     parser.add_argument("--peers-python", nargs="+", default=[], metavar="PYTHON")
     parser.add_argument("--scan", type=Path)
     parser.add_argument("--only", nargs="+", default=list(asp.challenge.NAMES))
+    parser.add_argument("--times", nargs="+", type=float, default=[], help="times to march to [all]")
+    parser.add_argument("--no-press", action="store_true", help="leave the elastic contacts out")
     parser.add_argument("--no-march", action="store_true", help="leave the marches out")
     parser.add_argument("--store", type=Path, help="write the table to this file")
     options = parser.parse_args()
@@ -169,7 +171,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for peer, solver in (*((peer, presses) for peer in PRESSES), ("tamaas-maxwell", march)):
-            if solver is march and options.no_march:
+            if options.no_march if solver is march else options.no_press:
                 continue
             try:
                 worker = solvers.start(peer, solvers.interpreters(options.peers_python), 1)
@@ -184,7 +186,8 @@ def main() -> int:
                 if not known or (solver is march and not relaxes) or (base and options.scan is None):
                     continue
                 try:
-                    rows = solver(worker, asked, base, folder)
+                    extra = (options.times,) if solver is march else ()
+                    rows = solver(worker, asked, base, folder, *extra)
                 except SolverError as error:
                     print(f"{asked.name}: {peer} gave no answer: {error}", file=sys.stderr)
                     continue
