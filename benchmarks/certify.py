@@ -11,8 +11,8 @@ constant load is marched, and solved without time steps too.
 
 The error bar of a number is the sum of four parts: of the time steps, the largest difference between a tenth
 and a hundredth of the tolerance (or between the march at a tenth and the exact contact) at this row and its
-neighbors; of the solver, the difference between the two; of the lattice, the difference between the finest
-and the one before; and half a site, or where it is larger 1e-8 of the value. Where the area is kept, which
+neighbors; of the solver, the difference between the two; of the lattice, the largest difference between the
+finest and the one before, likewise; and half a site, or where it is larger 1e-8 of the value. Where the area is kept, which
 the march does within 0.2 %, that replaces the last, and tolerances are a third and a tenth.
 """
 
@@ -163,9 +163,8 @@ def certify(asked: Problem, scan: Path | None) -> tuple[dict, dict, dict, list[s
         for column in asked.asked:
             parts[column.heading]["solver"] = np.abs(first[column.name] - other[column.name])
             if asked.continuous:
-                parts[column.heading]["lattice"] = np.abs(
-                    lattices[-1][column.heading] - lattices[-2][column.heading]
-                )
+                apart = np.abs(lattices[-1][column.heading] - lattices[-2][column.heading])
+                parts[column.heading]["lattice"] = neighbors(apart)
         did.append("ActiveSet against conjugate gradients on the pressures")
         if asked.continuous:
             sites = len(surface.heights)
