@@ -8,25 +8,31 @@ With D = 0 wherever M C > 0, the implicit step of infinite duration is the answe
 * R_viscous > 0, load control: the shape of u0 has the same limit, for every mode but the mean is driven to
   it. The rigid body has none: it keeps sinking at the rate R_viscous F / N (`approach` of a history).
 * R_viscous > 0, separation control: the load dies out; u and u0 end flat, at the highest point.
+* A local law of creep: as with R_viscous > 0, however the law depends on the force.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control
-from asperity.contact.mechanics import ImplicitStep
+from asperity.contact.mechanics import ImplicitStep, Mechanics, mechanics_of
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
 from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field
+from asperity.solids import CreepBranch, LaplacianSpectrum
 
 
 def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = None) -> Contact:
     """Find the state that a contact creeps toward under a control; see `asperity.relax`."""
     system = contact.system(control)
+    if system.mechanics.law is not None:
+        system = replace(system, mechanics=_without_law(system.mechanics))
     mechanics = system.mechanics
     some_soft, all_soft = mechanics.soft_modes
     if some_soft and contact.area == 0:
@@ -50,6 +56,24 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
         solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
     stretch, position = system.stretch(step, solution, before, position)
     return contact.become(system, solution, solution.u - stretch, position)
+
+
+def _without_law(mechanics: Mechanics) -> Mechanics:
+    """The same solid with viscous creep in place of a local law, which leads to the same limit.
+
+    Whatever creeps under every force creeps until all springs of the branch carry the same.
+    """
+    solid, law = mechanics.spectral.solid, mechanics.law
+    if law is not None and not law.velocity(np.array([np.finfo(float).tiny ** 0.25]))[0][0] > 0:
+        raise InputError(
+            "creep",
+            expected="a law that creeps under every stress",
+            got="one with a threshold, below which the limit depends on the path",
+            advice="asperity.age with late times",
+        )
+    (branch,) = solid.branches
+    viscous = CreepBranch(branch.stiffness, LaplacianSpectrum(uniform=1.0))
+    return mechanics_of(replace(solid, branches=(viscous,), creep=None), mechanics.lattice)
 
 
 def _without_stiffness(system: System, step: ImplicitStep, before: Field, position: float) -> Solution:

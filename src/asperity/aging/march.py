@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import asperity.checks as checks
 from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
+from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import FieldSteps, Steps
@@ -224,6 +225,8 @@ def _begin(system: System, solver: ContactSolver, start: Contact, exact: bool) -
     steps = SeparableSteps.begin(system, solver, start) if exact else None
     if steps is not None:
         return steps
+    if system.mechanics.law is not None:
+        return LocalSteps.begin(system, start)
     kind: Any = _kind_of_steps(system, solver)
     begun: Steps = kind.begin(system, solver, start)
     return begun
@@ -231,6 +234,8 @@ def _begin(system: System, solver: ContactSolver, start: Contact, exact: bool) -
 
 def _resume(system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> Steps:
     """The steps that left a state."""
+    if "moments" in arrays:
+        return LocalSteps(system, arrays)
     kind: Any = SeparableSteps if "loads" in arrays else SpringSteps if "times" in arrays else FieldSteps
     steps: Steps = kind(system, solver, arrays)
     return steps
@@ -346,6 +351,8 @@ class _March:
         """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
         if self.system.load is None:
             return -self.system.drift * self.now.time
+        if isinstance(self.now, LocalSteps):
+            return -self.now.position
         creep = self.system.mechanics.mean_mobility * self.impulse / self.system.sites
         return self.separation - separation + creep
 

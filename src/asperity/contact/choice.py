@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asperity.checks as checks
 from asperity.contact.active_set import ActiveSet
+from asperity.contact.lattice_creep import LatticeCreep
+from asperity.contact.local_creep import LocalCreepSolver
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.system import System
@@ -13,6 +15,15 @@ from asperity.errors import InputError
 def usual_solver(system: System) -> ContactSolver:
     """`Multigrid` where neighbors say all there is to say, else `ActiveSet`."""
     return Multigrid() if Multigrid.suits(system.mechanics) else ActiveSet()
+
+
+def local_solver(system: System) -> LocalCreepSolver:
+    """What solves implicit steps of a local law of creep."""
+    mechanics = system.mechanics
+    law, springs = mechanics.law, mechanics.spectral.solid.springs
+    assert law is not None
+    assert springs is not None
+    return LatticeCreep(springs, law, mechanics.lattice, system.heights)
 
 
 def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:

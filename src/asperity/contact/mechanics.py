@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
 from asperity.lattice import Field, Lattice, Modes, Spectrum
-from asperity.solids import Solid, Spectra, SpringConstants
+from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
 
 
 @dataclass(frozen=True)
@@ -93,6 +93,10 @@ class Mechanics(ABC):
         H and then each C_b at wave vector 0: what hangs on the rigid body.
     mean_mobility
         Of a solid of one branch that hangs on it alone: M at wave vector 0.
+    law
+        A local law of creep of the only branch, if it has one.
+    stressed_area
+        Area over which the force of a site is its stress in that law: of a site on a continuum, else 1.
     greatest_stiffness
         Largest H + sum of C_b.
     fastest_creep
@@ -103,6 +107,8 @@ class Mechanics(ABC):
     branches: int
     hanging: NDArray[np.float64]
     mean_mobility: float
+    law: LocalCreep | None
+    stressed_area: float
     greatest_stiffness: float
     fastest_creep: float
 
@@ -135,6 +141,10 @@ class Mechanics(ABC):
         """Contact force H u + sum of C_b w_b at every site; a load from afar where nothing hangs."""
 
     @abstractmethod
+    def creeping_force(self, stretch: Field, load: float | None) -> Field:
+        """Force of the springs of the only branch; where nothing hangs, its share of a load from afar."""
+
+    @abstractmethod
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """Elastic energy 1/2 sum_q [ H |u|^2 + sum of C_b |w_b|^2 ]."""
 
@@ -152,6 +162,7 @@ class SpectralMechanics(Mechanics):
 
     def __init__(self, solid: Solid, lattice: Lattice) -> None:
         self.solid, self.lattice, self.branches = solid, lattice, len(solid.branches)
+        self.law, self.stressed_area = solid.creep, lattice.cell if solid.in_lengths else 1.0
 
     @property
     def spectral(self) -> SpectralMechanics:
@@ -204,6 +215,20 @@ class SpectralMechanics(Mechanics):
         if self.mean_stiffness == 0 and held.load is not None:
             modes.flat[0] = held.load
         return lattice.backward(modes)
+
+    def creeping_force(self, stretch: Field, load: float | None) -> Field:
+        """See `Mechanics`."""
+        creeping = self.spectra.creeping[0]
+        modes = creeping * self.lattice.forward(stretch[0])
+        if self.mean_stiffness == 0 and load is not None:
+            modes.flat[0] = load * self.creeping_share
+        return self.lattice.backward(modes)
+
+    @property
+    def creeping_share(self) -> float:
+        """Part of the stiffness that the only branch has, at the shortest wave."""
+        creeping = float(self.spectra.creeping[0].flat[-1])
+        return creeping / (creeping + float(self.spectra.permanent.flat[-1]))
 
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """See `Mechanics`."""
@@ -346,6 +371,7 @@ class SpringMechanics(Mechanics):
     def __init__(self, springs: SpringConstants, spectral: SpectralMechanics) -> None:
         self.springs, self._spectral, self.lattice = springs, spectral, spectral.lattice
         self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.R_viscous
+        self.law, self.stressed_area = spectral.law, spectral.stressed_area
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
         self.fastest_creep = springs.k1 * (8 * springs.R + springs.R_viscous)
 
@@ -374,6 +400,11 @@ class SpringMechanics(Mechanics):
         k1, R, R_viscous = self.springs.k1, self.springs.R, self.springs.R_viscous
         w, mirrored = stretch[0], self.lattice.reflecting
         return lattice_force(w, w, k1 * R, k1 * R_viscous, mirrored=mirrored)[np.newaxis]
+
+    def creeping_force(self, stretch: Field, load: float | None) -> Field:
+        """See `Mechanics`."""
+        del load
+        return self.springs.k1 * stretch[0]
 
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """See `Mechanics`."""

@@ -82,8 +82,9 @@ class System:
 
     @property
     def free_mean(self) -> bool:
-        """Whether the mean of u0 creeps: viscous creep at a held separation."""
-        return self.mechanics.mean_mobility > 0 and not self.control.load_controlled
+        """Whether the mean of u0 creeps: viscous or local creep at a held separation."""
+        mechanics = self.mechanics
+        return (mechanics.mean_mobility > 0 or mechanics.law is not None) and not self.control.load_controlled
 
     @property
     def mean_stretch(self) -> float | None:

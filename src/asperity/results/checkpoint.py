@@ -27,6 +27,7 @@ from asperity.lattice import Field
 from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
 from asperity.results.store import remove_parts, whole_file
+from asperity.solids.creep_laws import fingerprint_of_law
 from asperity.words import reason_of
 
 
@@ -134,7 +135,18 @@ def fingerprint_of(
     """Hash all that a history depends on."""
     solid = start.solid
     laws = () if solid.springs else tuple(vars(solid.on(start.lattice)).values())
-    facts = (__version__, start.control, start.lattice, schedule, solid.springs, rtol, solver, exact)
+    facts: tuple[object, ...] = (
+        __version__,
+        start.control,
+        start.lattice,
+        schedule,
+        solid.springs,
+        rtol,
+        solver,
+        exact,
+    )
+    if solid.creep is not None:
+        facts = (*facts, fingerprint_of_law(solid.creep))
     digest = hashlib.sha256(repr(facts).encode())
     for array in (
         start.heights,

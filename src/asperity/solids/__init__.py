@@ -2,6 +2,7 @@
 
 from asperity.solids.coating import coated_half_space
 from asperity.solids.continua import contact_modulus, half_space, layer
+from asperity.solids.creep_laws import CreepLaw, Eyring, LocalCreep, Norton
 from asperity.solids.laws import (
     FixedRate,
     LaplacianSpectrum,
@@ -15,9 +16,13 @@ from asperity.solids.springs import spring_lattice
 
 __all__ = [
     "CreepBranch",
+    "CreepLaw",
+    "Eyring",
     "FixedRate",
     "LaplacianSpectrum",
     "LayerSpectrum",
+    "LocalCreep",
+    "Norton",
     "PowerMobility",
     "Scaled",
     "Solid",

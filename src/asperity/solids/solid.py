@@ -20,6 +20,7 @@ import asperity.checks as checks
 import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
+from asperity.solids.creep_laws import LocalCreep
 from asperity.solids.laws import FixedRate, LaplacianSpectrum, Numbers, Scaled, SpectrumOf, WithApparatus
 
 Parameters = Mapping[str, float | tuple[float, ...] | tuple[tuple[float, float], ...]]
@@ -96,6 +97,8 @@ class Solid(views.InNotebooks):
     in_lengths
         Whether the spectra depend on the spacing of the sites: a continuum, which takes surfaces with units
         in metres. Else the solid is defined on sites, whose spacing is 1.
+    creep
+        A local law of creep of the only branch, beside its mobility; see `asperity.solids.creep_laws`.
     kind
         Name of the function that built it.
     """
@@ -105,11 +108,14 @@ class Solid(views.InNotebooks):
     parameters: Parameters = field(default_factory=dict, hash=False)
     loaded_from_afar: bool = False
     in_lengths: bool = False
+    creep: LocalCreep | None = None
     kind: str = field(default="of own spectra", compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "branches", tuple(self.branches))
         object.__setattr__(self, "parameters", dict(self.parameters))
+        if self.creep is not None and len(self.branches) != 1:
+            raise InputError("creep", expected="a solid of one branch", got=f"{len(self.branches)} branches")
 
     def __repr__(self) -> str:
         parameters = ", ".join(_shown(name, value) for name, value in self.parameters.items())
@@ -140,6 +146,8 @@ class Solid(views.InNotebooks):
         J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech. 33, 845 (1966),
         DOI 10.1115/1.3625192), and no site loses contact after the load has fallen.
         """
+        if self.creep is not None:
+            return False
         permanent = self.permanent.law if isinstance(self.permanent, WithApparatus) else self.permanent
         laws = [permanent, *(branch.stiffness for branch in self.branches)]
         one = {law.law if isinstance(law, Scaled) else law for law in laws}

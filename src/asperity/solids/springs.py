@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import asperity.checks as checks
 from asperity.errors import InputError
+from asperity.solids.creep_laws import LocalCreep, checked_law
 from asperity.solids.laws import LaplacianSpectrum
 from asperity.solids.solid import CreepBranch, Solid
 
 
-def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0.0) -> Solid:
+def spring_lattice(
+    *, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0.0, creep: LocalCreep | None = None
+) -> Solid:
     """Build Jagla's lattice of springs (Eqs. e and dosrs).
 
     Parameters
@@ -23,6 +26,9 @@ def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0
         Mobility of creep that conserves the mean of u0, velocity per force; M = R lam(q) + R_viscous.
     R_viscous
         Mobility of viscous creep, the paper's R̃, velocity per force.
+    creep
+        A local law of creep v(s) beside both, such as `Eyring`: du0/dt = M s + v(s) with the force s of the
+        springs to the bulk.
 
     Returns
     -------
@@ -42,6 +48,8 @@ def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0
         for name, value in {"k0": k0, "k1": k1, "R": R, "R_viscous": R_viscous}.items()
     }
     k0, k1, R, R_viscous = parameters.values()
+    if creep is not None:
+        parameters |= checked_law(creep).parameters
     if k0 == 0 and k1 == 0:
         raise InputError("k0 and k1", expected="a stiffness above 0", got="both 0", advice="k0=1.0, k1=3.0")
     return Solid(
@@ -53,5 +61,6 @@ def spring_lattice(*, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0
             ),
         ),
         parameters=parameters,
+        creep=creep,
         kind="spring_lattice",
     )
