@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from asperity.contact import pair_loops as loops
+from asperity.contact.arrays import largest
 from asperity.contact.local_creep import LocalState, Stage
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
@@ -41,11 +42,17 @@ _MOST_CYCLES = 200
 _USUAL_RATE = 0.3
 """Ratio of successive errors expected before two are known."""
 
-_FORCE_ERROR = 1e-6
+_FORCE_ERROR = 1e-3
 """Error of the sum of the forces that is allowed."""
 
 _ROUNDING = 16 * float(np.finfo(float).eps)
 """Change of the creeping shape that rounding makes, in units of the largest length."""
+
+_HEAVY = 1e20
+"""Force that keeps contacts closed."""
+
+_FAINT = 1e-9
+"""Pins for each site, relative to k1, where there are no contacts."""
 
 _LARGEST_LAG = 1e30
 """Largest coefficient in single precision."""
@@ -120,7 +127,7 @@ class LatticeCreep:
             if run.missing is not None and run.contacts == 0:
                 continue  # something must carry the load
             rounding = _ROUNDING * run.largest
-            balanced = run.missing is None or abs(run.missing) <= _FORCE_ERROR * abs(run.total)
+            balanced = run.missing is None or rate * abs(run.missing) <= _FORCE_ERROR * abs(run.total)
             if rate * change <= max(allowed_error, rounding) and balanced:
                 u, w = (field.reshape(self.shape) for field in (run.u, run.w))
                 return LocalState(u, self.springs.k1 * w, run.position), cycle + 1
@@ -148,7 +155,7 @@ class _Run:
         self.spread, self.drag = tau * k1 * self.springs.R, tau * k1 * self.springs.R_viscous
         self.bonds = self.spread * (4.0 if solver.heights.shape[0] > 1 else 2.0)
         self.total, self.missing, self.contacts = float(self.w.sum()), None, 0
-        self.largest = max(float(np.abs(self.u).max()), float(np.abs(self.w).max()))
+        self.largest = max(largest(field, np) for field in (self.u, self.w, self.before))
         self.find_stretch()
 
     def evaluate(self) -> None:
@@ -186,11 +193,11 @@ class _Run:
         return float(np.sqrt(np.mean(change * change)))
 
     def correction(
-        self, b: Field, c: Field, least: Field, missing: float | None
+        self, b: Field, c: Field, least: Field, missing: float | None, *, unit: float = 0.0
     ) -> tuple[Field, Field, float]:
         """Corrections of u and w and the shift: one multigrid cycle on the linearized equations."""
         solver, single = self.solver, np.float32
-        unit = max(float(np.abs(b).max()), float(np.abs(c).max())) or 1.0
+        unit = unit or max(largest(b, np), largest(c, np)) or 1.0
         lag = np.minimum(self.slope + (1.0 + self.drag), _LARGEST_LAG).astype(single)
         weight = single(1.0 + self.drag + self.bonds) / (lag + single(self.bonds))
         bound = (least / unit).astype(single)
@@ -260,11 +267,16 @@ class _Run:
 
     def damped(self, error: Field) -> Field:
         """An error of the creeping shape after an implicit step, the contacts staying what they are."""
-        least = np.where(self.u > self.solver.heights, -np.inf, 0.0)
+        scale = largest(error, np)
+        if not 0 < scale < math.inf:
+            return error
+        free = self.u > self.solver.heights
         missing = None if self.stage.load is None else 0.0
-        e, f, shift = self.correction(np.zeros_like(error), -error, least, missing)
+        least, pressed = np.where(free, -np.inf, 0.0), np.where(free, 0.0, -_HEAVY)
+        e, f, shift = self.correction(pressed, error / -scale, least, missing, unit=1.0)
         left: Field = e - f
         left += shift
+        left *= scale
         return left
 
 
@@ -287,6 +299,8 @@ def _solved(grid: _Grid, missing: float | None) -> float:
             ):
                 np.add.at(matrix, (row, column), sign * bonds.ravel())
     own = np.arange(n)
+    if not pins.any():  # without contacts the matrix is singular
+        pins = _FAINT * sites
     matrix[own, own] += np.where(free > 0, pins, 1.0).ravel()
     matrix[own, n + own] = free.ravel()
     matrix[n + own, n + own] += lags.ravel()
