@@ -116,7 +116,7 @@ class LocalSteps:
     def state(self) -> tuple[Field, Field, float]:
         """See `Steps`."""
         now = self.moments[0].state
-        stretch = self.solver.stretch(now.force)
+        stretch = self.solver.balanced(now, self.system.at(self.time).load)
         return now.u, stretch[np.newaxis], float(now.u.mean() - stretch.mean())
 
     def extent(self) -> Extent:

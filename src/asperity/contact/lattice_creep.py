@@ -33,8 +33,11 @@ _COARSEST = 24
 _SOLVED = 1e-2
 """Change of the stretch, relative to how far the law bends in it, below which a site counts as solved."""
 
-_MOST_LOCAL = 80
-"""Bisections at a site, at most; 60 give all digits."""
+_EXACTLY = 1e-5
+"""The same for the last change of an iteration at one site: Newton's method squares it."""
+
+_FEW_LOCAL, _MOST_LOCAL = 6, 100
+"""Iterations at a site before intervals are halved too, and at most; 60 halvings give all digits."""
 
 _MOST_CYCLES = 200
 """Cycles after which a step is given up."""
@@ -87,6 +90,8 @@ class LatticeCreep:
         if ny == 1:
             below[:] = 0.0
         self.bonds = (below, right)
+        rows, columns = below + np.roll(below, 1), right + np.roll(right, 1)
+        self.bond_count = rows[:, np.newaxis] + columns
         self.kappa = np.float32(springs.k0 / springs.k1)
         self.pair = [np.zeros((ny, nx), np.float32) for _ in range(2)]
         self.grids, self.sums = [], np.zeros(2)
@@ -113,6 +118,16 @@ class LatticeCreep:
         if s.R_viscous > 0:
             rate += s.R_viscous * force
         return rate
+
+    def balanced(self, state: LocalState, load: float | None) -> Field:
+        """See `LocalCreepSolver`."""
+        u, s = np.atleast_2d(state.u), self.springs
+        off_contact = u > self.heights
+        force = np.where(off_contact, -s.k0 * self.laplacian(u), np.atleast_2d(state.force))
+        if load is not None and not off_contact.all():
+            rest = load - float(force[off_contact].sum())
+            force *= np.where(off_contact, 1.0, rest / float(force[~off_contact].sum()))
+        return (force / s.k1).reshape(state.u.shape)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
@@ -199,22 +214,24 @@ class _Run:
         solver, single = self.solver, np.float32
         unit = unit or max(largest(b, np), largest(c, np)) or 1.0
         lag = np.minimum(self.slope + (1.0 + self.drag), _LARGEST_LAG).astype(single)
-        weight = single(1.0 + self.drag + self.bonds) / (lag + single(self.bonds))
+        inverse = single(1.0) / (lag + solver.bond_count * single(self.spread))
+        yielding = single(1.0) / (solver.bond_count * solver.kappa + inverse)
+        weight = single(1.0 + self.drag + self.bonds) * inverse
         bound = (least / unit).astype(single)
         sources = [(field / unit).astype(single) for field in (b, c)]
         e, f = solver.pair
         for field in (e, f):
             field.fill(0.0)
         numbers = (solver.kappa, single(self.spread))
-        equations = (bound, *sources, lag, *solver.bonds, *numbers)
-        loops.relax(e, f, *equations, single(0.0), False)
+        relaxed = (e, f, bound, *sources, inverse, yielding, *solver.bonds, *numbers)
+        loops.relax(*relaxed, single(0.0), False)
         first = solver.grids[0]
-        weighted = (*equations[:4], weight, *equations[4:])
-        loops.restrict(e, f, *weighted, single(0.0), first.equations, solver.sums)
+        weighted = (e, f, bound, *sources, lag, weight, *solver.bonds, *numbers)
+        loops.restrict(*weighted, single(0.0), first.equations, solver.sums)
         total, contacts = solver.sums.tolist()
         shift = self.on_grid(0, None if missing is None else missing / unit - total)
         loops.correct(e, f, bound, weight, first.e, first.f)
-        loops.relax(e, f, *equations, single(shift), True)
+        loops.relax(*relaxed, single(shift), True)
         self.contacts = int(contacts)
         self.touching = e <= bound
         return unit * e.astype(float), unit * f.astype(float), unit * shift
@@ -249,16 +266,18 @@ class _Run:
             wanted = (lacking + own * self.w + self.value - self.slope * change).flat[bent]
             low, high = np.minimum(wanted / own, 0.0), np.maximum(wanted / own, 0.0)
             at = np.clip(found.flat[bent], low, high)
-            for _ in range(_MOST_LOCAL):
+            for step in range(_MOST_LOCAL):
                 value, slope = law.velocity(k1 * at)
                 value, slope = tau * value, tau * k1 * slope
                 left = wanted - own * at - value
                 low, high = np.where(left > 0, at, low), np.where(left < 0, at, high)
                 closer = at + left / (own + slope)
-                outside = ~((closer > low) & (closer < high)) | (np.abs(closer - at) > 0.4 * (high - low))
-                closer = np.where(outside, 0.5 * (low + high), closer)
+                outside = ~((closer > low) & (closer < high))
+                if step > _FEW_LOCAL:  # Newton's method creeps down an exponential
+                    outside |= np.abs(closer - at) > 0.1 * (high - low)
+                closer = np.where(outside & (high > low), 0.5 * (low + high), closer)
                 moved, at = np.abs(closer - at), closer
-                if (moved <= 1e-15 * np.abs(at)).all():
+                if (k1 * moved <= _EXACTLY * law.bend(k1 * at) + 4 * np.spacing(k1 * np.abs(at))).all():
                     break
             found.flat[bent] = at
             value, slope = law.velocity(k1 * at)

@@ -47,6 +47,10 @@ class LocalCreepSolver(Protocol):
         """Stretch of the creeping springs under their force."""
         ...
 
+    def balanced(self, state: LocalState, load: float | None) -> Field:
+        """Stretch with which the surface is in exact equilibrium, near that of the state."""
+        ...
+
     def velocity(self, force: Field) -> Field:
         """Velocity of the creeping shape."""
         ...

@@ -56,7 +56,8 @@ def relax(
     least: Any,
     b: Any,
     c: Any,
-    lag: Any,
+    inverse: Any,
+    yielding: Any,
     below: Any,
     right: Any,
     kappa: Any,
@@ -64,29 +65,33 @@ def relax(
     shift: Any,
     backward: bool,
 ) -> None:
-    """One sweep on the lattice: both unknowns of a site together, e no less than it may be."""
+    """One sweep on the lattice: both unknowns of a site together, e no less than it may be.
+
+    ``inverse`` is 1 / (lag + spread bonds), and ``yielding`` 1 / (kappa bonds + inverse), with the bonds of a
+    site.
+    """
     ny, nx = e.shape
+    first, step = (nx - 1, -1) if backward else (0, 1)
     for row in range(ny):
         i = ny - 1 - row if backward else row
         up, down = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
         a, d = below[up], below[i]
+        e_row, e_up, e_down, f_row, f_up, f_down = e[i], e[up], e[down], f[i], f[up], f[down]
+        lowest, push, flows, parts, soft = least[i], b[i], c[i], inverse[i], yielding[i]
+        start = 0 if backward else nx - 1
+        e_behind, f_behind = e_row[start], f_row[start]
         for column in range(nx):
-            j = nx - 1 - column if backward else column
-            left, next_ = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
-            p, q = right[left], right[j]
-            bonds = a + d + p + q
-            flow = c[i, j] + shift
-            own = lag[i, j]
+            j = first + step * column
+            ahead = first + step * (column + 1) if column < nx - 1 else first
+            bond = right[j - 1 if j > 0 else nx - 1]
+            p, q = (right[j], bond) if backward else (bond, right[j])
+            flow = flows[j] + shift
             if spread > 0:
-                own += spread * bonds
-                flow += spread * (a * f[up, j] + d * f[down, j] + p * f[i, left] + q * f[i, next_])
-            pull = kappa * (a * e[up, j] + d * e[down, j] + p * e[i, left] + q * e[i, next_]) + b[i, j]
-            inverse = np.float32(1.0) / own
-            moved = (pull - flow * inverse) / (kappa * bonds + inverse)
-            if moved < least[i, j]:
-                moved = least[i, j]
-            e[i, j] = moved
-            f[i, j] = (flow + moved) * inverse
+                flow += spread * (a * f_up[j] + d * f_down[j] + p * f_behind + q * f_row[ahead])
+            pull = kappa * (a * e_up[j] + d * e_down[j] + q * e_row[ahead]) + push[j] - flow * parts[j]
+            e_behind = max((pull + kappa * p * e_behind) * soft[j], lowest[j])
+            f_behind = (flow + e_behind) * parts[j]
+            e_row[j], f_row[j] = e_behind, f_behind
 
 
 @_compiled

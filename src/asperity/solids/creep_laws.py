@@ -30,6 +30,9 @@ _AVOGADRO = 6.02214076e23
 LARGEST_EXPONENT = 600.0
 """Largest s/s0 that Eyring's law takes: sinh overflows at 710, and velocities are multiplied by times."""
 
+_BLOCK = 2**12
+"""Stresses taken at a time, which stay in the cache."""
+
 _SMALLEST_RATE = 1e-290
 """Rate below which double precision loses digits."""
 
@@ -168,13 +171,20 @@ class Eyring(LocalCreep):
 
     def velocity(self, stress: Field) -> tuple[Field, Field]:
         """See `LocalCreep`. Beyond `LARGEST_EXPONENT`, which is refused, it is that at it."""
-        x = stress / self.stress
-        y = np.minimum(np.abs(x), LARGEST_EXPONENT)
-        # sinh x = (y + y / (1 + y)) / 2 with y = exp(x) - 1, which does not cancel where x is small.
-        np.expm1(y, out=y)
-        inverse = 1.0 / (1.0 + y)
-        sinh = 0.5 * (y + y * inverse)
-        return self.rate * np.copysign(sinh, x), (self.rate / self.stress) * (sinh + inverse)
+        stress = np.ascontiguousarray(stress)
+        rate, slope = np.empty_like(stress), np.empty_like(stress)
+        flat = [field.reshape(-1) for field in (stress, rate, slope)]
+        for start in range(0, stress.size, _BLOCK):
+            s, v, dv = (field[start : start + _BLOCK] for field in flat)
+            y = np.minimum(np.abs(s / self.stress), LARGEST_EXPONENT)
+            # sinh x = (y + y / (1 + y)) / 2 with y = exp(x) - 1, which does not cancel where x is small.
+            np.expm1(y, out=y)
+            np.divide(1.0, 1.0 + y, out=dv)
+            np.multiply(y * dv + y, 0.5 * self.rate, out=v)
+            dv *= self.rate / self.stress
+            dv += v * (1.0 / self.stress)
+            np.copysign(v, s, out=v)
+        return rate, slope
 
 
 @dataclass(frozen=True, init=False)

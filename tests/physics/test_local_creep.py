@@ -1,0 +1,179 @@
+"""Creep that is local and not linear, against closed forms, against LSODA with dense contacts, and its order."""
+
+import numpy as np
+import pytest
+import scipy.integrate
+
+import asperity as asp
+from asperity.aging.local_steps import LocalSteps
+from asperity.solids import CreepLaw, Eyring, Norton, spring_lattice
+from tests.independent import laplacian
+
+ROUGH = np.random.default_rng(0).normal(size=(8, 8))
+TIMES = [1e-3, 0.1, 1.0, 10.0]
+
+
+def lattice(creep=None, **others):
+    return spring_lattice(**({"k0": 1.0, "k1": 3.0, "R": 0.0} | others), creep=creep)
+
+
+@pytest.mark.parametrize("s0", [0.05, 0.3, 5.0])
+def test_independent_springs_relax_as_eyring_has_it(s0):
+    rough = ROUGH - ROUGH.max()
+    start = asp.press(rough, lattice(Eyring(rate=0.2, stress=s0), k0=0.0), separation=-1.5)
+    times = np.geomspace(1e-6, 1e3, 10)
+    history = asp.age(start, times, rtol=1e-5, fields_at=times)
+    first = 3.0 * np.maximum(rough + 1.5, 0.0)
+    data = history.dataset
+    for number, time in enumerate(times):
+        stress = 3.0 * (data["u"][number] - data["u0"][number]).values
+        # tanh(s/2s0) = tanh(s_i/2s0) exp(-k1 v0 t/s0), with logarithms of tanh where s is large
+        ratio = np.tanh(first / (2 * s0)) * np.exp(-3.0 * 0.2 * time / s0)
+        ends = first > 30 * s0
+        exact = 2 * s0 * np.arctanh(np.where(ends, 0.0, ratio))
+        decay = 2 * np.exp(-first / s0) + 0.6 * time / s0
+        exact = np.where(ends, -s0 * np.log(np.tanh(decay / 2)), exact)
+        assert np.abs(stress - exact).max() < 2e-4 * first.max()
+
+
+@pytest.mark.parametrize("hold", ["load", "separation"])
+@pytest.mark.parametrize("R", [0.0, 1.0])
+def test_under_small_stresses_it_is_viscous(hold, R):
+    runs = [
+        asp.age(asp.press(ROUGH, solid, load=20.0), TIMES, hold=hold, rtol=1e-4, fields_at=TIMES).dataset
+        for solid in (lattice(Eyring(rate=1e4, stress=1e4), R=R), lattice(R_viscous=1.0, R=R))
+    ]
+    size = runs[1]["u"][0].values.std()
+    for name in ("u", "u0"):
+        apart = (runs[0][name] - runs[1][name]).values
+        assert np.sqrt(np.mean(apart**2, axis=(1, 2))).max() < 1e-4 * size
+    np.testing.assert_allclose(runs[0]["approach"], runs[1]["approach"], rtol=1e-4, atol=1e-4 * size)
+    np.testing.assert_allclose(runs[0]["load"], runs[1]["load"], rtol=1e-3, atol=1e-3)
+
+
+def dense(heights, rate, load, position, times, *, k0, k1, R):
+    """(u, u0 - X, X) at each time by LSODA, the contact of each moment by guesses that get better."""
+    n, shape = heights.size, heights.shape
+    h = heights.ravel()
+    L = -np.array([laplacian(wave.reshape(shape)).ravel() for wave in np.eye(n)])
+    S = k0 * L + k1 * np.eye(n)
+    touching = h == h.max()
+
+    def contact(v):
+        nonlocal touching
+        seen: list[bytes] = []
+        while True:
+            A, b = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
+            A[:n, :n] = np.where(touching[:, None], np.eye(n), S)
+            A[:n, n] = np.where(touching, 0.0, -k1)
+            b[:n] = np.where(touching, h, k1 * v)
+            if load is None:
+                A[n, n], b[n] = 1.0, position
+            else:
+                A[n, :n], A[n, n], b[n] = k1, -n * k1, load + k1 * v.sum()
+            found = np.linalg.solve(A, b)
+            u, X = found[:n], found[n]
+            r = S @ u - k1 * (v + X)
+            better = np.where(touching, r > -1e-12, u < h - 1e-12)
+            if (better == touching).all():
+                return u, X
+            assert better.tobytes() not in seen
+            seen.append(better.tobytes())
+            touching = better
+
+    def speed(_, v):
+        u, X = contact(v)
+        s = k1 * (u - v - X)
+        return rate(s) + R * L @ s
+
+    found = scipy.integrate.solve_ivp(
+        speed, (0.0, times[-1]), np.zeros(n), t_eval=times, method="LSODA", rtol=1e-9, atol=1e-11
+    )
+    return [(contact(v)[0].reshape(shape), v.reshape(shape), contact(v)[1]) for v in found.y.T]
+
+
+@pytest.mark.parametrize(
+    ("law", "rate", "R", "load"),
+    [
+        (Eyring(0.1, 0.3), lambda s: 0.1 * np.sinh(s / 0.3), 0.0, 10.0),
+        (Eyring(1e-3, 0.1), lambda s: 1e-3 * np.sinh(s / 0.1), 0.3, 30.0),
+        (Eyring(1.0, 2.0), lambda s: np.sinh(s / 2.0), 1.0, 60.0),
+        (Norton(0.5, 1.0, 3.0), lambda s: 0.5 * s**3, 0.0, 30.0),
+        (CreepLaw(lambda s: s + s**3, lambda s: 1 + 3 * s**2), lambda s: s + s**3, 0.2, None),
+        (Eyring(0.1, 0.3), lambda s: 0.1 * np.sinh(s / 0.3), 0.0, None),
+    ],
+)
+def test_it_is_what_explicit_integration_finds(law, rate, R, load):
+    press = {"separation": 0.8} if load is None else {"load": load}
+    start = asp.press(ROUGH, lattice(law, R=R), **press)
+    times = np.array([0.01, 0.3, 3.0])
+    history = asp.age(start, times, rtol=1e-5, fields_at=times)
+    data = history.dataset
+    size = data["u"][0].values.std()
+    for number, (u, _, X) in enumerate(dense(ROUGH, rate, load, 0.8, times, k0=1.0, k1=3.0, R=R)):
+        assert np.abs(data["u"][number].values - u).max() < 3e-4 * size
+        assert int(data["area"].sel(time=times[number])) == np.count_nonzero(u - ROUGH < 1e-9) or load is None
+        if load is not None:
+            approach = start.separation - X
+            assert float(data["approach"].sel(time=times[number])) == pytest.approx(approach, rel=3e-4)
+
+
+@pytest.mark.parametrize("hold", ["load", "separation"])
+def test_equal_steps_converge_at_second_order(hold):
+    # Few spikes of nearly one height: all touch all the time, so that no event spoils the order.
+    rng = np.random.default_rng(0)
+    rough = np.full((16, 16), -9.0)
+    rough.flat[rng.choice(256, 12, replace=False)] = rng.uniform(-0.05, 0.0, 12)
+    start = asp.press(rough, lattice(Eyring(0.05, 0.5)), load=20.0)
+    control = asp.Load(20.0) if hold == "load" else asp.Separation(start.separation)
+
+    def end(count):
+        system = start.system(control)
+        steps = LocalSteps.begin(system, start)
+        for number in range(1, count + 1):
+            steps.attempt(0.5 / count, (1e-9, 1e-9), (1e-12, 1e-12))
+            steps.accept(0.5 * number / count)
+        u, (stretch,), _ = steps.state()
+        return u - stretch
+
+    exact = end(512)
+    errors = [np.abs(end(count) - exact).max() for count in (8, 16, 32, 64)]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert errors[0] > 1e-6
+    assert (orders > 1.8).all(), orders
+
+
+@pytest.mark.parametrize(("rtol", "s0"), [(1e-2, 0.1), (1e-3, 0.1), (1e-3, 1.0)])
+def test_errors_stay_below_rtol(rtol, s0):
+    rough = asp.surfaces.gaussian((16, 16), rms=1.0, seed=3)
+    start = asp.press(rough, lattice(Eyring(0.1, s0)), load=25.0)
+    times = np.geomspace(1e-5, 1e3, 5)
+    found, exact = (asp.age(start, times, rtol=tol, fields_at=times).dataset for tol in (rtol, 2e-5))
+    size = np.maximum.accumulate(exact["u"].values.std(axis=(1, 2)))
+    apart = (found["u0"] - exact["u0"]).values
+    assert (np.sqrt(np.mean(apart**2, axis=(1, 2))) < rtol * size).all()
+
+
+def test_energy_falls_at_a_held_separation_and_the_steady_state_is_the_relaxed_one():
+    start = asp.press(ROUGH, lattice(Eyring(0.1, 0.2)), load=20.0)
+    held = asp.age(start, np.geomspace(1e-5, 1e4, 30), hold="separation").dataset
+    energy = held["energy"].values
+    assert (np.diff(energy) < 1e-9 * energy[0]).all()
+    assert energy[-1] < 1e-6 * energy[0]
+    late = asp.age(start, [1e5], fields_at=[1e5])
+    limit = asp.relax(start)
+    np.testing.assert_allclose(late.final.u, limit.u, atol=2e-3 * limit.u.std())
+    assert late.final.area == limit.area
+
+
+def test_lines_and_edges_that_reflect():
+    line = ROUGH[0]
+    start = asp.press(line, lattice(Eyring(0.1, 0.3)), load=5.0)
+    plane = asp.press(np.tile(line, (8, 1)), lattice(Eyring(0.1, 0.3)), load=40.0)
+    pair = [asp.age(one, [1.0], rtol=1e-5).final.u for one in (start, plane)]
+    np.testing.assert_allclose(pair[0], pair[1][3], atol=1e-5)
+    surface = asp.surfaces.Surface(ROUGH, edges="reflecting")
+    mirrored = np.block([[ROUGH, ROUGH[:, ::-1]], [ROUGH[::-1], ROUGH[::-1, ::-1]]])
+    one = asp.age(asp.press(surface, lattice(Eyring(0.1, 0.3)), load=20.0), [1.0], rtol=1e-5)
+    four = asp.age(asp.press(mirrored, lattice(Eyring(0.1, 0.3)), load=80.0), [1.0], rtol=1e-5)
+    np.testing.assert_allclose(one.final.u, four.final.u[:8, :8], atol=1e-5)
