@@ -46,7 +46,7 @@ def test_under_small_stresses_it_is_viscous(hold, R):
     size = runs[1]["u"][0].values.std()
     for name in ("u", "u0"):
         apart = (runs[0][name] - runs[1][name]).values
-        assert np.sqrt(np.mean(apart**2, axis=(1, 2))).max() < 1e-4 * size
+        assert np.sqrt(np.mean(apart**2, axis=(1, 2))).max() < 2e-4 * size  # each errs by rtol at most
     np.testing.assert_allclose(runs[0]["approach"], runs[1]["approach"], rtol=1e-4, atol=1e-4 * size)
     np.testing.assert_allclose(runs[0]["load"], runs[1]["load"], rtol=1e-3, atol=1e-3)
 

@@ -8,6 +8,7 @@ from asperity.contact.lattice_creep import LatticeCreep
 from asperity.contact.local_creep import LocalCreepSolver
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import ContactSolver
+from asperity.contact.series_creep import SeriesCreep
 from asperity.contact.system import System
 from asperity.errors import InputError
 
@@ -22,8 +23,18 @@ def local_solver(system: System) -> LocalCreepSolver:
     mechanics = system.mechanics
     law, springs = mechanics.law, mechanics.spectral.solid.springs
     assert law is not None
-    assert springs is not None
-    return LatticeCreep(springs, law, mechanics.lattice, system.heights)
+    if springs is not None:
+        return LatticeCreep(springs, law, mechanics.lattice, system.heights)
+    spectra = mechanics.spectral.spectra
+    if spectra.permanent.any() or spectra.rate.any():
+        raise InputError(
+            "creep",
+            expected="a lattice of springs, or a solid all of whose stiffness is in series with a local law",
+            got="permanent stiffness, or other creep, beside it",
+        )
+    return SeriesCreep(
+        spectra.creeping[0], law, mechanics.stressed_area, mechanics.lattice, system.heights
+    )
 
 
 def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:

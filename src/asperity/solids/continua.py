@@ -9,8 +9,10 @@ import asperity.checks as checks
 import asperity.units as units
 from asperity.errors import InputError
 from asperity.relaxation import check_branches
+from asperity.solids.creep_laws import LocalCreep, checked_law
 from asperity.solids.laws import (
     FixedRate,
+    LaplacianSpectrum,
     LayerSpectrum,
     PowerMobility,
     Scaled,
@@ -63,6 +65,7 @@ def half_space(
     branches: Branches = (),
     flow: tuple[float, float] | None = None,
     apparatus: float | str | None = None,
+    creep: LocalCreep | None = None,
 ) -> Solid:
     r"""Build a half-space that is elastic, viscoelastic, or creeps by a mechanism of its surface.
 
@@ -88,11 +91,14 @@ def half_space(
         Stiffness of the apparatus, force per length, between the machine and the half-space, which may be
         `math.inf`. With it the position of the machine can be prescribed (``separation=``). Infinite stands
         for 1e4 times the largest stiffness of a mode.
+    creep
+        Instead of branches: a local law of creep in series with all of the stiffness, such as `Eyring`. Each
+        site yields with the velocity v(p) under its own pressure p.
 
     Returns
     -------
     Solid
-        It is separable unless it has ``flow``.
+        It is separable unless it has ``flow`` or ``creep``.
 
     Raises
     ------
@@ -112,6 +118,18 @@ def half_space(
     apparatus = checked_apparatus(apparatus)
     law = WaveNumberSpectrum(modulus / 2)
     parameters = {"modulus": modulus}
+    if creep is not None:
+        if branches or flow is not None:
+            raise InputError("creep", expected="no branches and no flow beside it", got="both")
+        return Solid(
+            permanent=Scaled(law, 0.0),
+            branches=(CreepBranch(_mounted(law, law, apparatus), LaplacianSpectrum()),),
+            parameters={**parameters, **checked_law(creep).parameters, **_named(apparatus)},
+            loaded_from_afar=True,
+            in_lengths=True,
+            creep=creep,
+            kind="half_space",
+        )
     if flow is None:
         return _solid("half_space", law, parameters, branches, apparatus, loaded_from_afar=True)
     if others := check_branches(branches):
