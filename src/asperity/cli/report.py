@@ -78,6 +78,8 @@ def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
     si = bool(dataset.attrs["si"])
     units = (
         {"modulus": "Pa", "base_modulus": "Pa", "young": "Pa", "thickness": "m", "apparatus": "N/m"}
+        | {"creep_rate": "m/s", "creep_stress": "Pa", "creep_energy": "J", "creep_volume": "m^3"}
+        | {"creep_prefactor": "m/s", "temperature": "K"}
         if si
         else {}
     )
@@ -85,6 +87,8 @@ def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
     for name, value in described.items():
         if isinstance(value, bool):
             parts += [name] * value
+        elif isinstance(value, str):
+            parts.append(f"{name} = {value}")
         else:
             values = value if isinstance(value, list | tuple) else [value]
             parts.append(f"{name} = " + " and ".join(written(one, units.get(name, "1")) for one in values))

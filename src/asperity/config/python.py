@@ -7,9 +7,10 @@ from typing import Any
 
 from asperity._version import __version__
 from asperity.config.models import MeasuredSurface, RunConfig, SelfAffine, Spectral
-from asperity.config.solids import CoatedHalfSpace, Layer, SpringLattice
+from asperity.config.solids import CoatedHalfSpace, Creeping, Layer, SolidSection, SpringLattice
 from asperity.errors import InputError
 from asperity.protocols import Leg, Repeat, described
+from asperity.solids import LocalCreep
 
 _LONG = 96
 """Characters of a line."""
@@ -96,7 +97,8 @@ def _surface(config: RunConfig) -> str:
 def _solid(config: RunConfig) -> str:
     solid = config.solid.resolved()
     if isinstance(solid, SpringLattice):
-        return _call("asp.solids.spring_lattice", **solid.model_dump(exclude={"kind"}))
+        springs = {name: getattr(solid, name) for name in ("k0", "k1", "R", "R_viscous")}
+        return _call("asp.solids.spring_lattice", **springs, **_creep(solid))
     facts: dict[str, Any] = {"modulus": solid.contact_modulus}
     if solid.maxwell:
         facts["branches"] = solid.maxwell
@@ -111,7 +113,12 @@ def _solid(config: RunConfig) -> str:
         facts |= {"base_branches": solid.base_branches or None}
     facts["flow"] = getattr(solid, "flow", None)
     given = {name: value for name, value in facts.items() if value is not None}
-    return _call(f"asp.solids.{solid.kind}", **given)
+    return _call(f"asp.solids.{solid.kind}", **given, **_creep(solid))
+
+
+def _creep(solid: SolidSection) -> dict[str, LocalCreep]:
+    law = solid.law if isinstance(solid, Creeping) else None
+    return {} if law is None else {"creep": law}
 
 
 def _call(name: str, *positional: str, **named: object) -> str:
@@ -132,6 +139,8 @@ def _written(value: object) -> str:
     if isinstance(value, list):
         line = f"[{', '.join(map(_written, value))}]"
         return line if len(line) <= _LONG else textwrap.fill(line, _LONG, subsequent_indent="        ")
+    if isinstance(value, LocalCreep):
+        return _call(f"asp.solids.{type(value).__name__}", **vars(value))
     if isinstance(value, Leg):
         facts = described(value)
         del facts["kind"]

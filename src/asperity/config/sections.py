@@ -37,6 +37,24 @@ class InUnit:
         return InUnits.of(check(number), str(value), self.unit)
 
 
+@dataclass(frozen=True)
+class Activation(InUnit):
+    """The same of an energy of activation, which may be one for each mole."""
+
+    unit: str = "J"
+
+    def __call__(self, value: object, check: Callable[[object], float]) -> float:
+        """Read a number, in joules."""
+        if not (has_unit(value) and "mol" in str(value)):
+            return super().__call__(value, check)
+        from asperity.solids.creep_laws import joules
+
+        try:
+            return InUnits.of(check(joules(str(value))), str(value), self.unit)
+        except InputError as error:
+            raise ValueError(f"expected {error.expected}, got {error.got}") from None
+
+
 def _in(unit: str) -> WrapValidator:
     return WrapValidator(InUnit(unit))
 
@@ -67,6 +85,10 @@ Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
 Speed = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("m/s")]
 """A velocity that may be infinite."""
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("N/m")]
+Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
+Energy = Annotated[float, Field(gt=0, le=LARGEST), WrapValidator(Activation())]
+Volume = Annotated[float, Field(gt=0, le=LARGEST), _in("m^3")]
+Temperature = Annotated[float, Field(gt=0, le=LARGEST), _in("K")]
 Branch = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], Duration], BeforeValidator(_paired)]
 """A share of the modulus, and a relaxation time."""
 Power = Annotated[tuple[Positive, Annotated[float, Field(ge=-2, le=4)]], BeforeValidator(_paired)]

@@ -12,23 +12,32 @@ from asperity.config.sections import (
     Branch,
     Constant,
     Modulus,
+    Energy,
     Power,
+    Pressure,
     Section,
     Size,
     Stiffness,
+    Temperature,
+    Velocity,
+    Volume,
     listed,
 )
 from asperity.errors import InputError
 
 if TYPE_CHECKING:  # these need numpy, for which the help does not wait
     from asperity.relaxation import PronySeries
-    from asperity.solids import Solid
+    from asperity.solids import LocalCreep, Solid
 
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
 OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
 _APPARATUS = "Stiffness of the apparatus that holds it, which may be inf; with it a separation can be held."
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
+
+_ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
+_OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | _ACTIVATION
+"""Keys of local laws of creep."""
 
 _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
@@ -64,7 +73,49 @@ class SolidSection(Section):
         raise NotImplementedError
 
 
-class SpringLattice(SolidSection):
+class Creeping(SolidSection):
+    """A solid that may creep by a local law."""
+
+    creep: Literal["eyring", "norton"] | None = Field(
+        default=None,
+        description="Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure, or on "
+        "the lattice of springs the force of a spring to the bulk.",
+    )
+    creep_rate: Velocity | None = Field(default=None, description="Its velocity v0.")
+    creep_stress: Pressure | None = Field(default=None, description="Its stress s0.")
+    creep_exponent: Annotated[float, Field(ge=1, le=100)] | None = Field(
+        default=None, description="Norton's exponent n."
+    )
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        given = {name for name in _OF_LAWS if getattr(self, name, None) is not None}
+        needed = [{"creep_rate", "creep_stress"}]
+        if isinstance(self, HalfSpace):
+            needed.append(_ACTIVATION)
+        if self.creep == "norton":
+            needed = [{"creep_rate", "creep_stress", "creep_exponent"}]
+        if self.creep is None:
+            needed = [set()]
+        if given not in needed:
+            expected = " or ".join(", ".join(sorted(one)) or "none" for one in needed)
+            kind = f"beside {self.creep}" if self.creep else "without creep"
+            raise ValueError(f"creep: expected {expected} {kind}, got {', '.join(sorted(given)) or 'none'}")
+        return self
+
+    @property
+    def law(self) -> LocalCreep | None:
+        """The local law of creep."""
+        from asperity.solids import Eyring, Norton
+
+        if self.creep is None:
+            return None
+        rate, stress = self.creep_rate or 0.0, self.creep_stress or 0.0
+        if self.creep_exponent is not None:
+            return Norton(rate, stress, self.creep_exponent)
+        return Eyring(rate, stress)
+
+
+class SpringLattice(Creeping):
     """The lattice of springs; see `asperity.solids.spring_lattice`."""
 
     kind: Literal["spring_lattice"] = "spring_lattice"
@@ -79,7 +130,7 @@ class SpringLattice(SolidSection):
         """Make the lattice."""
         from asperity.solids import spring_lattice
 
-        return spring_lattice(**self.model_dump(exclude={"kind"}))
+        return spring_lattice(k0=self.k0, k1=self.k1, R=self.R, R_viscous=self.R_viscous, creep=self.law)
 
 
 class Continuum(SolidSection):
@@ -192,7 +243,7 @@ class Continuum(SolidSection):
         return self.model_copy(update=numbers)
 
 
-class HalfSpace(Continuum):
+class HalfSpace(Creeping, Continuum):
     """A half-space; see `asperity.solids.half_space`."""
 
     not_beside_a_modulus: ClassVar[tuple[str, ...]] = ("poisson",)
@@ -203,7 +254,28 @@ class HalfSpace(Continuum):
         description="In place of branches: mobility of creep, and the power of the wave number with which "
         "it goes (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface).",
     )
+    creep_energy: Energy | None = Field(
+        default=None,
+        description="Energy of activation Q; with the next three it gives Eyring's v0 = prefactor exp(-Q/kT) and "
+        "s0 = kT/volume.",
+    )
+    creep_volume: Volume | None = Field(default=None, description="Volume of activation.")
+    creep_prefactor: Velocity | None = Field(default=None, description="Velocity v0 far above Q = kT.")
+    temperature: Temperature | None = Field(default=None, description="Temperature of thermally activated creep.")
     apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
+
+    @property
+    def law(self) -> LocalCreep | None:
+        """The local law of creep, from numbers or from its activation."""
+        from asperity.solids import Eyring
+
+        if self.temperature is None:
+            return super().law
+        numbers = (self.creep_energy, self.creep_volume, self.creep_prefactor)
+        energy, volume, prefactor = (number or 0.0 for number in numbers)
+        return Eyring.activated(
+            energy=energy, volume=volume, temperature=self.temperature, prefactor=prefactor
+        )
 
     @model_validator(mode="after")
     def _one_creep(self) -> Self:
@@ -211,6 +283,8 @@ class HalfSpace(Continuum):
             raise ValueError("poisson: expected none beside the contact modulus, which holds it; try young")
         if self.flow is not None and (self.branches or self.relaxation is not None):
             raise ValueError("expected branches or flow, got both")
+        if self.creep is not None and (self.branches or self.relaxation is not None or self.flow is not None):
+            raise ValueError("expected branches, flow or creep, got two of them")
         return self
 
     def build(self) -> Solid:
@@ -222,6 +296,7 @@ class HalfSpace(Continuum):
             branches=self.maxwell,
             flow=self.flow,
             apparatus=self.apparatus,
+            creep=self.law,
         )
 
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from asperity.contact import pair_loops as loops
 from asperity.contact.arrays import largest
-from asperity.contact.local_creep import LocalState, Stage
+from asperity.contact.local_creep import LocalState, Stage, stretches_of
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
 from asperity.solids import SpringConstants
@@ -32,12 +32,6 @@ _COARSEST = 24
 
 _SOLVED = 1e-2
 """Change of the stretch, relative to how far the law bends in it, below which a site counts as solved."""
-
-_EXACTLY = 1e-5
-"""The same for the last change of an iteration at one site: Newton's method squares it."""
-
-_FEW_LOCAL, _MOST_LOCAL = 6, 100
-"""Iterations at a site before intervals are halved too, and at most; 60 halvings give all digits."""
 
 _MOST_CYCLES = 200
 """Cycles after which a step is given up."""
@@ -264,21 +258,7 @@ class _Run:
         self.value += self.slope * change
         if bent.size:
             wanted = (lacking + own * self.w + self.value - self.slope * change).flat[bent]
-            low, high = np.minimum(wanted / own, 0.0), np.maximum(wanted / own, 0.0)
-            at = np.clip(found.flat[bent], low, high)
-            for step in range(_MOST_LOCAL):
-                value, slope = law.velocity(k1 * at)
-                value, slope = tau * value, tau * k1 * slope
-                left = wanted - own * at - value
-                low, high = np.where(left > 0, at, low), np.where(left < 0, at, high)
-                closer = at + left / (own + slope)
-                outside = ~((closer > low) & (closer < high))
-                if step > _FEW_LOCAL:  # Newton's method creeps down an exponential
-                    outside |= np.abs(closer - at) > 0.1 * (high - low)
-                closer = np.where(outside & (high > low), 0.5 * (low + high), closer)
-                moved, at = np.abs(closer - at), closer
-                if (k1 * moved <= _EXACTLY * law.bend(k1 * at) + 4 * np.spacing(k1 * np.abs(at))).all():
-                    break
+            at = stretches_of(law, own, tau, k1, wanted, found.flat[bent])
             found.flat[bent] = at
             value, slope = law.velocity(k1 * at)
             self.value.flat[bent], self.slope.flat[bent] = tau * value, tau * k1 * slope

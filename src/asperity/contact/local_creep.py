@@ -5,7 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from asperity.lattice import Field
+from asperity.solids.creep_laws import LocalCreep
+
+_EXACTLY = 1e-5
+"""Last change of a stress, relative to how far the law bends: Newton's method squares it."""
+
+_FEW, _MOST = 6, 100
+"""Iterations at a site before intervals are halved too, and at most; 60 halvings give all digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +47,30 @@ class Stage:
     before: Field
     load: float | None
     position: float
+
+
+def stretches_of(
+    law: LocalCreep, own: Field | float, tau: float, stiffness: float, wanted: Field, start: Field
+) -> Field:
+    """Roots w of own w + tau v(stiffness w) = wanted, by Newton's method in intervals that hold them.
+
+    No law overflows in it: w is between 0 and wanted / own.
+    """
+    low, high = np.minimum(wanted / own, 0.0), np.maximum(wanted / own, 0.0)
+    at = np.clip(start, low, high)
+    for step in range(_MOST):
+        value, slope = law.velocity(stiffness * at)
+        left = wanted - own * at - tau * value
+        low, high = np.where(left > 0, at, low), np.where(left < 0, at, high)
+        closer = at + left / (own + tau * stiffness * slope)
+        outside = ~((closer > low) & (closer < high))
+        if step > _FEW:  # Newton's method creeps down an exponential
+            outside |= np.abs(closer - at) > 0.1 * (high - low)
+        closer = np.where(outside & (high > low), 0.5 * (low + high), closer)
+        moved, at = stiffness * np.abs(closer - at), closer
+        if (moved <= _EXACTLY * law.bend(stiffness * at) + 4 * np.spacing(stiffness * np.abs(at))).all():
+            break
+    return at
 
 
 class LocalCreepSolver(Protocol):

@@ -22,7 +22,7 @@ import math
 import numpy as np
 
 from asperity.contact.arrays import inner, largest
-from asperity.contact.local_creep import LocalState, Stage
+from asperity.contact.local_creep import LocalState, Stage, stretches_of
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask, Spectrum
 from asperity.solids.creep_laws import LocalCreep
@@ -38,6 +38,9 @@ _REDUCTION = 0.05
 
 _GREATEST_RISE = 2.0
 """Rise of a stress that a linearized law is believed for, in units of `LocalCreep.bend`."""
+
+_WILD = 3.0
+"""Creep of a site in a step, over all that it could creep, above which its force is found for itself first."""
 
 _FAINT = 1e-6
 """Drag, relative to the largest, that a bend does not matter to."""
@@ -60,7 +63,7 @@ class SeriesCreep:
     ) -> None:
         self.law, self.area, self.lattice, self.heights = law, area, lattice, heights
         self.compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
-        self.stiffest = float(stiffness.max())
+        self.site_compliance = lattice.mean_over_modes(self.compliance)
 
     def stretch(self, force: Field) -> Field:
         """See `LocalCreepSolver`."""
@@ -92,7 +95,8 @@ class SeriesCreep:
         for revision in range(_MOST_REVISIONS):
             value, slope = self.law.velocity(p / self.area)
             stretch = self.stretch(p)
-            lacking = wanted - position - stretch - stage.tau * value
+            lacking = wanted - position - stretch
+            p, lacking, slope = self.tamed(p, lacking, stage.tau, value, slope)
             entering = ~touching & (lacking > rounding)
             touching |= entering
             drag = (stage.tau / self.area) * slope
@@ -124,6 +128,20 @@ class SeriesCreep:
             f"creep: a step of {stage.tau:.1e} changes by {size:.1e} after {revision + 1} revisions, expected "
             f"{allowed_error:.1e}; try a larger rtol"
         )
+
+    def tamed(
+        self, p: Field, lacking: Field, tau: float, value: Field, slope: Field
+    ) -> tuple[Field, Field, Field]:
+        """Forces where the law overshoots, each for itself; what then lacks, and the derivatives there."""
+        own = self.site_compliance
+        wanted = np.maximum(lacking + own * p, 0.0)
+        wild = tau * value > _WILD * wanted
+        if wild.any():
+            calm = p.copy()
+            calm[wild] = stretches_of(self.law, own, tau, 1 / self.area, wanted[wild], p[wild])
+            value, slope = self.law.velocity(calm / self.area)
+            lacking, p = lacking - self.stretch(calm - p), calm
+        return p, lacking - tau * value, slope
 
     def newton(
         self, lacking: Field, drag: Field, touching: Mask, missing: float | None, goal: float = _REDUCTION

@@ -111,6 +111,10 @@ def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
     parts += [f"{name} = {float(attrs[name]):g}" for name in ("k0", "k1", "R") if name in attrs]
     if float(attrs.get("R_viscous", 0)) > 0:
         parts.append(f"R_viscous = {float(attrs['R_viscous']):g}")
+    if "creep_rate" in attrs:
+        names = (("creep_rate", "v0", "m/s"), ("creep_stress", "s0", "Pa"), ("creep_exponent", "n", "1"))
+        units = {name: unit if attrs.get("si") else "1" for name, _, unit in names}
+        parts += [f"{short} = {written(attrs[name], units[name])}" for name, short, _ in names if name in attrs]
     return parts
 
 

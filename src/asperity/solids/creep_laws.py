@@ -143,7 +143,7 @@ class Eyring(LocalCreep):
         thermal = BOLTZMANN * units.number("temperature", temperature, "K", above=0)
         omega = units.number("volume", volume, "m^3", above=0)
         before = units.number("prefactor", prefactor, "m/s", above=0)
-        barrier = _joules(energy)
+        barrier = joules(energy)
         rate = before * math.exp(-barrier / thermal)
         if rate < _SMALLEST_RATE:
             raise InputError(
@@ -295,8 +295,8 @@ def fingerprint_of_law(law: LocalCreep) -> str:
     return hashlib.sha256(values.tobytes()).hexdigest()
 
 
-def _joules(energy: float | str) -> float:
-    """An activation energy in joules, from one for each mole where it says so."""
+def joules(energy: float | str) -> float:
+    """An energy of activation in joules, from one for each mole where the text says so."""
     if isinstance(energy, str) and "mol" in energy:
         return units.number("energy", energy, "J/mol", above=0) / _AVOGADRO
     return units.number("energy", energy, "J", above=0)
