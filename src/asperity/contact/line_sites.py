@@ -21,13 +21,11 @@ from typing import Any
 import numpy as np
 
 from asperity.contact.arrays import largest
-from asperity.contact.compiled import compiler
+from asperity.contact.compiled import compiled, inlined
 from asperity.contact.free_sites import Correction
 from asperity.contact.problem import SpringLaw
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask
-
-_compiled = compiler(nogil=True, error_model="numpy")
 
 
 class LineSites:
@@ -95,7 +93,7 @@ class LineSites:
         return 2 * field - before - after
 
 
-@_compiled
+@compiled
 def factorize(
     k0: float,
     pull: float,
@@ -157,7 +155,7 @@ def factorize(
     last[0], last[1], last[2] = c / determinant, -b / determinant, a / determinant
 
 
-@_compiled
+@inlined
 def through_chain(x: Any, inverses: Any, links: Any) -> None:
     """Solve the chain of all sites but the last, in place."""
     n = len(x)
@@ -177,7 +175,7 @@ def through_chain(x: Any, inverses: Any, links: Any) -> None:
         x[i, 1] = q[1] * d + q[2] * z
 
 
-@_compiled
+@compiled
 def substitute(inverses: Any, links: Any, border: Any, x: Any) -> None:
     """Solve for displacement and z at every site, in place."""
     n = len(x)

@@ -21,17 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.compiled import compiler
-
-_OPTIONS = {
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"contract", "reassoc", "nsz", "arcp"},
-}
-_compiled = compiler(**_OPTIONS)
+from asperity.contact.compiled import compiled
 
 
-@_compiled
+@compiled
 def laplacian(x: Any, below: Any, right: Any, out: Any) -> None:
     """Minus the Laplacian of a field."""
     ny, nx = x.shape
@@ -49,7 +42,7 @@ def laplacian(x: Any, below: Any, right: Any, out: Any) -> None:
             )
 
 
-@_compiled
+@compiled
 def relax(
     e: Any,
     f: Any,
@@ -94,7 +87,7 @@ def relax(
             e_row[j], f_row[j] = e_behind, f_behind
 
 
-@_compiled
+@compiled
 def restrict(
     e: Any,
     f: Any,
@@ -175,7 +168,7 @@ def restrict(
     sums[0], sums[1] = total, contacts
 
 
-@_compiled
+@compiled
 def relax_coarse(e: Any, f: Any, grid: Any, shift: Any, backward: bool) -> None:
     """One sweep on a coarse grid."""
     pins, e_right, e_below, free, sites, lags, f_right, f_below, b, c = grid
@@ -200,7 +193,7 @@ def relax_coarse(e: Any, f: Any, grid: Any, shift: Any, backward: bool) -> None:
             f[i, j] = (flow + m * moved) / own
 
 
-@_compiled
+@compiled
 def restrict_coarse(e: Any, f: Any, grid: Any, coarse: Any) -> None:
     """What both equations lack on a coarse grid, and the equations of the next."""
     pins, e_right, e_below, free, sites, lags, f_right, f_below, b, c = grid
@@ -237,7 +230,7 @@ def restrict_coarse(e: Any, f: Any, grid: Any, coarse: Any) -> None:
                 coarse[7][y, x] += half * f_below[i, j]
 
 
-@_compiled
+@compiled
 def correct(e: Any, f: Any, least: Any, weight: Any, e_coarse: Any, f_coarse: Any) -> None:
     """Add what the first coarse grid found; contacts stay."""
     ny, nx = e.shape
@@ -250,7 +243,7 @@ def correct(e: Any, f: Any, least: Any, weight: Any, e_coarse: Any, f_coarse: An
                     e[i, j] = least[i, j]
 
 
-@_compiled
+@compiled
 def correct_coarse(e: Any, f: Any, free: Any, e_coarse: Any, f_coarse: Any) -> None:
     """Add what the next coarser grid found."""
     ny, nx = e.shape

@@ -7,11 +7,11 @@ from contextlib import suppress
 
 import numpy as np
 
-from asperity.contact import asperities, stencils
+from asperity.contact import asperities, line_sites, pair_loops, stencils
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
 from asperity.contact.multigrid import loops
 from asperity.simulate import age, press, relax
-from asperity.solids import half_space, spring_lattice
+from asperity.solids import Eyring, half_space, spring_lattice
 from asperity.surfaces import self_affine
 
 
@@ -25,7 +25,9 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     remark
         Told where the machine code is kept, if that is an unusual place. By default a `Remark`.
     """
-    stamp = stamp_of(loops.wrap, stencils.combine, asperities.overlap_by_rows)
+    stamp = stamp_of(
+        loops.wrap, stencils.combine, asperities.overlap_by_rows, line_sites.substitute, pair_loops.laplacian
+    )
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
         return
@@ -39,6 +41,8 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     ):
         contact = press(heights, solid, load=80.0)
         relax(press(age(contact, [1.0, 100.0], exact=False).final, load=40.0))
+    age(press(heights[0], spring_lattice(k0=1.0, k1=3.0), load=1.2), [1.0])
+    age(press(heights, spring_lattice(k0=1.0, k1=3.0, creep=Eyring(rate=1.0, stress=1.0)), load=80.0), [1.0])
     # Contacts in patches under stiff springs to the bulk, where cycles are slow and steps are combined.
     patches = self_affine(64, hurst=0.8, delta=0.05, seed=0)
     rough = patches / patches.std()
