@@ -47,7 +47,10 @@ def run_python(code, **environment):
     )
 
 
-MODULES = ["asperity.contact.asperities", "asperity.contact.multigrid.loops", "asperity.contact.stencils"]
+MODULES = [
+    f"asperity.contact.{name}"
+    for name in ("asperities", "line_sites", "multigrid.loops", "pair_loops", "stencils")
+]
 TREES = {name: ast.parse(inspect.getsource(importlib.import_module(name))) for name in MODULES}
 COMPILED_SO = {
     module: {
@@ -82,7 +85,7 @@ def test_loops_that_others_call_are_inlined(module):
         for node in ast.walk(body)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in compiled_so
     }
-    assert len(called) > (15 if module.endswith("loops") else -1)
+    assert len(called) > (15 if module.endswith("multigrid.loops") else -1)
     for name in called:
         assert compiled_so[name] == "inlined", name
     imported = {
