@@ -54,7 +54,9 @@ class LineSites:
         self.inverses, self.links, self.border = np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2, 2))
         factorize(*self.numbers, in_contact, self.ring, self.inverses, self.links, self.border)
         if not np.isfinite(self.inverses).all():
-            raise ConvergenceError("contact solver: expected springs that hold the free sites, got none; try k0 > 0")
+            raise ConvergenceError(
+                "contact solver: expected springs that hold the free sites, got none; try k0 > 0"
+            )
         self.relaxed, self.mean = law.k1 == 0, law.mean / self.unit
         self.bordered = law.mean > 0 if self.relaxed else law.mean * law.lag != law.k1
         if self.bordered:

@@ -49,7 +49,12 @@ class History(views.InNotebooks):
         if not isinstance(name, str) or name not in self.dataset.variables:
             known = sorted(map(str, self.dataset.variables))
             near = closest(name, known) if isinstance(name, str) else None
-            raise InputError("name", expected=f"one of {', '.join(known)}", got=repr(name), advice=near or "")
+            raise InputError(
+                "name",
+                expected="a variable of the dataset, such as area, load or energy",
+                got=repr(name),
+                advice=near or "list(history.dataset.variables)",
+            )
         return self.dataset[name]
 
     @property
