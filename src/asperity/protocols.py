@@ -168,7 +168,7 @@ class Slide(Leg):
     mobility: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.velocity in ("inf", math.inf):
+        if isinstance(self.velocity, str | float) and self.velocity in ("inf", math.inf):
             object.__setattr__(self, "velocity", math.inf)
             _check(self, "distance", "mobility")
         else:
@@ -194,11 +194,9 @@ def checked_direction(direction: object) -> str | tuple[int, ...]:
     if isinstance(direction, str) and direction in _AXES:
         return direction
     expected = "'x', '-x', 'y', '-y', or whole numbers of sites along the axes"
-    if isinstance(direction, str) or not 1 <= np.size(np.asarray(direction)) <= 2:
-        raise InputError("direction", expected=expected, got=checks.shown(direction))
-    parts = np.atleast_1d(np.asarray(direction)).ravel().tolist()
-    sites = [checks.integer("direction", n, least=-(2**31), expected=expected) for n in parts]
-    if not any(sites):
+    given = direction if isinstance(direction, tuple | list) else [direction]
+    sites = [checks.integer("direction", n, least=-(2**31), expected=expected) for n in given]
+    if len(sites) not in (1, 2) or not any(sites):
         raise InputError("direction", expected=expected, got=checks.shown(direction))
     return tuple(n // math.gcd(*sites) for n in sites)
 

@@ -324,11 +324,11 @@ def slide(
         length = checks.number("distance", length, above=0)
         sites = [n * length / lattice.length_of(along) for n in along]
     else:
-        given = np.atleast_1d(np.asarray(shift))
-        expected = f"{lattice.dimension} numbers of sites, or one"
-        if given.ndim != 1 or given.size not in (1, lattice.dimension):
+        expected = "one finite number of sites, or one for each axis"
+        given = np.atleast_1d(checks.floats("shift", shift, expected=expected, advice="shift=(0, 1)"))
+        if given.ndim != 1 or given.size not in (1, lattice.dimension) or not np.isfinite(given).all():
             raise InputError("shift", expected=expected, got=checks.shown(shift), advice="shift=(0, 1)")
-        sites = [checks.number("shift", n, expected=expected) for n in given]
+        sites = given.tolist()
         sites = [0.0] * (lattice.dimension - given.size) + sites
     by = [Fraction(n) % size for n, size in zip(sites, lattice.shape, strict=True)]
     if not any(by):

@@ -81,6 +81,33 @@ def test_stopped_and_resumed_in_any_leg(tmp_path, solver):
     assert resumed.dataset["leg"].values.tolist() == [0, 0, 0, 1, 1, 2, 3, 3, 4, 4, 5, 5]
 
 
+SLIDES = [
+    P.Slide(3.0, velocity=2.0),
+    P.Hold(1.0),
+    P.Slide(2.0, velocity=np.inf, direction=(1, 1)),
+    P.Slide(1.5, velocity=1.0, direction="y", substeps=2, every=2),
+    P.Step(load=40.0),
+    P.Hold(1.0),
+]
+
+
+@pytest.mark.parametrize("solver", [None, ActiveSet()], ids=["springs", "fields"])
+def test_stopped_and_resumed_between_shifts(tmp_path, solver):
+    times = [0.25, 0.75, 1.0, 2.0, 2.6, 3.5, 4.5, 5.0]
+    contact = asp.press(uncorrelated(16), SOLID, load=60.0)
+    arguments = {"contact": contact, "times": times, "protocol": SLIDES, "fields_at": times, "solver": solver}
+    undisturbed = asp.age(**arguments)
+    checkpoint = Checkpoint(tmp_path / "place.npz", every=0.0)
+    for stop in times:
+        with pytest.raises(StopHereError):
+            asp.age(**arguments, checkpoint=checkpoint, progress=stop_at(stop))
+    resumed = asp.age(**arguments, checkpoint=checkpoint)
+    xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
+    np.testing.assert_array_equal(resumed.final.u0, undisturbed.final.u0)
+    np.testing.assert_array_equal(resumed.final.heights, undisturbed.final.heights)
+    assert set(times) <= set(resumed.time.values.tolist())
+
+
 def test_a_finished_run_resumes_to_the_same(tmp_path):
     path = tmp_path / "place.npz"
     for _ in range(2):

@@ -308,7 +308,7 @@ def test_whole_numbers_are_not_rounded(section: str, key: str) -> None:
 
 
 def test_every_key_has_one_flag_and_its_help() -> None:
-    sections = ("surface", "preparation", "solid", "contact", "aging", "output")
+    sections = ("surface", "preparation", "solid", "contact", "aging", "friction", "output")
     keys = {(flags_for(name).section, key) for name in sections for key in flags_for(name).keys}
     models = {name: models_of(name) for name in ORDER}
     assert keys == {

@@ -1,12 +1,24 @@
 """Protocols: what they take, what they refuse, and what a history says of them."""
 
 import json
+import math
 
 import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.protocols import Hold, Ramp, Repeat, Schedule, Step, described, legs_of
+from asperity.protocols import (
+    Hold,
+    Ramp,
+    Repeat,
+    Schedule,
+    Slide,
+    Step,
+    described,
+    in_words,
+    leg_of,
+    legs_of,
+)
 from tests.refusals import refuses
 from tests.surfaces import uncorrelated
 
@@ -37,6 +49,12 @@ NAN = float("nan")
         (lambda: Repeat([Hold(1.0)], 0), "count"),
         (lambda: Repeat([], 2), "protocol"),
         (lambda: Repeat([Hold(1.0), "hold"], 2), "protocol"),  # type: ignore[list-item]
+        (lambda: Slide(0.0, velocity=1.0), "distance"),
+        (lambda: Slide(3.0, velocity=-1.0), "velocity"),
+        (lambda: Slide(3.0, velocity=1.0, direction="z"), "direction"),
+        (lambda: Slide(3.0, velocity=1.0, direction=(0, 0)), "direction"),
+        (lambda: Slide(3.0, velocity=1.0, direction=(0.5, 1)), "direction"),  # type: ignore[arg-type]
+        (lambda: Slide(3.0, velocity=1.0, substeps=0), "substeps"),
     ],
 )
 def test_legs_that_cannot_be(make, name):
@@ -47,6 +65,10 @@ def test_legs_that_cannot_be(make, name):
 
 HALF_SPACE = asp.press(uncorrelated(16), asp.solids.half_space(modulus=2.0), load=10.0)
 LIFTED = asp.press(uncorrelated(16), SOLID, separation=50.0)
+
+
+LINE = asp.press(uncorrelated(16)[0], SOLID, load=3.0)
+MIRRORED = asp.press(asp.surfaces.Surface(uncorrelated(16), edges="reflecting"), SOLID, load=10.0)
 
 
 @pytest.mark.parametrize(
@@ -69,11 +91,60 @@ LIFTED = asp.press(uncorrelated(16), SOLID, separation=50.0)
             {"times": [1.0], "protocol": [Ramp(1.0, load=3.0)]},
             "hold",
         ),
+        (CONTACT, {"times": [1.0], "protocol": [Slide(0.3, velocity=0.1)]}, "distance"),
+        (CONTACT, {"times": [1.0], "protocol": [Slide(3.0, velocity=0.1, direction=(1,))]}, "direction"),
+        (CONTACT, {"times": [1.0], "protocol": [Slide("3 um", velocity=0.1)]}, "units"),  # type: ignore[arg-type]
+        (LINE, {"times": [1.0], "protocol": [Slide(3.0, velocity=0.1, direction="y")]}, "direction"),
+        (MIRRORED, {"times": [1.0], "protocol": [Slide(3.0, velocity=0.1)]}, "slide"),
     ],
 )
 def test_histories_that_cannot_be(contact, arguments, name):
     with refuses(name):
         asp.age(contact, **arguments)
+
+
+def test_shifts_that_cannot_be():
+    with refuses("shift"):
+        asp.slide(CONTACT, [1.0, 2.0, 3.0])
+    with refuses("shift and distance"):
+        asp.slide(CONTACT)
+    with refuses("units"):
+        asp.slide(CONTACT, distance="3 um")
+    with refuses("slide"):
+        asp.slide(MIRRORED, 1)
+    with refuses("contact"):
+        asp.slide(CONTACT.heights, 1)  # type: ignore[arg-type]
+
+
+def test_a_distance_is_in_the_unit_of_the_spacing():
+    heights = asp.surfaces.Surface(uncorrelated(16), unit="um", pixel_size=(2.0, 0.5), length_unit="um")
+    contact = asp.press(heights, asp.solids.half_space(modulus=1e9, branches=[(0.5, 1.0)]), pressure=1e7)
+    moved = asp.slide(contact, distance="1.5 um")
+    np.testing.assert_array_equal(moved.heights, np.roll(contact.heights, 3, axis=1))
+    across = asp.slide(contact, distance=6e-6, direction="-y")
+    np.testing.assert_array_equal(across.heights, np.roll(contact.heights, -3, axis=0))
+    history = asp.age(contact, ["1 s"], protocol=Slide("1.5 um", velocity="1 um/s"))  # type: ignore[arg-type]
+    assert history.time.values == pytest.approx([0, 0, 0.5, 0.5, 1.0, 1.0, 1.5])
+    assert history["displacement"].values == pytest.approx([0, 5e-7, 5e-7, 1e-6, 1e-6, 1.5e-6, 1.5e-6])
+    assert (history["displacement"].attrs["units"], history["velocity"].attrs["units"]) == ("m", "m/s")
+
+
+def test_every_tenth_shift_is_recorded():
+    contact = asp.press(uncorrelated(16), SOLID, load=60.0)
+    history = asp.age(
+        contact, [0.0], protocol=[Slide(40, velocity=10.0, every=10), Slide(25, "inf", every=10)]
+    )
+    assert history["displacement"].values.tolist() == [0, 1, 10, 11, 20, 21, 30, 31, 40, 41, 51, 61, 65]
+    assert "displacement" not in asp.age(contact, [1.0], protocol=Hold(1.0)).dataset
+
+
+def test_slides_are_written_and_read():
+    legs = [Slide(3.0, velocity=math.inf), Slide(2.0, 0.5, direction=(1, 1), substeps=3), Slide(1, 1, "-y")]
+    assert [leg_of(described(leg)) for leg in legs] == legs
+    assert in_words(map(described, legs)) == (
+        "slide distance=3 velocity=inf, slide distance=2 velocity=0.5 direction=[1, 1] substeps=3, "
+        "slide distance=1 velocity=1 direction=-y"
+    )
 
 
 def test_a_solid_is_not_changed_under_a_contact():

@@ -179,6 +179,7 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
             "dataset", expected="a history that kept fields", got="none", advice="age(..., fields_at=times)"
         )
     times = [float(t) for t in dataset["field_time"]]
+    dataset = on_the_surface(dataset)
     touching = list(np.asarray(dataset["in_contact"], dtype=bool))
     surfaces = list(np.asarray(dataset["u"], dtype=np.float64))
     if "in_contact_relaxed" in dataset:
@@ -194,6 +195,32 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         origin=json.loads(dataset.attrs.get("surface", "{}")),
         spacing=json.loads(dataset.attrs["spacing"]) if si else None,
     )
+
+
+def on_the_surface(dataset: xr.Dataset) -> xr.Dataset:
+    """Move the fields that a history kept to where the rough surface was at first, to the nearest site.
+
+    While the surface slides, fields stay with the elastic body. Moved back, they lie above the heights of the
+    dataset, as maps show them. A history that does not slide stays as it is.
+    """
+    axes = [axis for axis in ("y", "x") if f"field_shift_{axis}" in dataset.coords]
+    names = [name for name in dataset.data_vars if axes and "field_time" in dataset[name].dims]
+    moved = {}
+    for name in names:
+        field = dataset[name]
+        own = [axis for axis in axes if axis in field.dims]
+        if own:
+            values = [
+                np.roll(one, [-round(float(dataset[f"field_shift_{axis}"][at])) for axis in own], _last(own))
+                for at, one in enumerate(field.values)
+            ]
+            moved[name] = field.copy(data=np.stack(values))
+    return dataset.assign(moved)
+
+
+def _last(axes: Sequence[str]) -> tuple[int, ...]:
+    """The last axes of an array, as many."""
+    return tuple(range(-len(axes), 0))
 
 
 def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:

@@ -371,6 +371,8 @@ def _facts(config: RunConfig, content: str) -> dict[str, Any]:
     """All that the numbers of a run depend on; a measured surface counts by its content."""
     facts = config.model_dump()
     facts["output"].pop("figures")
+    if config.friction.shear_strength is None:
+        del facts["friction"]
     if isinstance(config.surface, MeasuredSurface):
         # The suffix decides how the content is read.
         facts["surface"]["path"] = [Path(config.surface.path).suffix.lower(), content]

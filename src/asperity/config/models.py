@@ -470,8 +470,9 @@ class Friction(Section):
         default=None,
         description="Shear strength of the contacts, an input; on the lattice of springs, force a site.",
     )
-    rate_coefficient: Annotated[float, Field(ge=0, le=1)] = Field(
-        default=0.0, description="Relative growth of the shear strength for each factor e of velocity."
+    rate_coefficient: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        default=None,
+        description="Relative growth of the shear strength for each factor e of velocity. By default none.",
     )
     reference_velocity: Velocity | None = Field(
         default=None, description="Velocity at which the shear strength is what it is."

@@ -102,6 +102,8 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
         tables["aging"].pop("last", None)
     else:
         del tables["protocol"]
+    if not tables["friction"]:
+        del tables["friction"]
     return tables
 
 

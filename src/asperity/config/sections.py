@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
@@ -70,6 +71,10 @@ def _paired(value: object) -> object:
     return tuple(value)
 
 
+def _infinite(value: object) -> object:
+    return math.inf if value == "inf" else value
+
+
 Real = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 Constant = Annotated[float, Field(ge=0, le=1e30)]
@@ -82,8 +87,8 @@ Modulus = Annotated[float, Field(gt=0, le=1e30), _in("Pa")]
 Size = Annotated[float, Field(gt=0, le=LARGEST), _in("m")]
 Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("m")]
 Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
-Speed = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("m/s")]
-"""A velocity that may be infinite."""
+Speed = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("m/s"), BeforeValidator(_infinite)]
+"""A velocity that may be infinite; where text alone can be written, as "inf"."""
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("N/m")]
 Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
 Energy = Annotated[float, Field(gt=0, le=LARGEST), WrapValidator(Activation())]

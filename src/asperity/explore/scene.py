@@ -22,6 +22,7 @@ from asperity.aging import Frame
 from asperity.analysis import AgingSummary
 from asperity.analysis.field_values import pressure_of
 from asperity.analysis.legs import leg_table, numbers_of
+from asperity.analysis.maps import on_the_surface
 from asperity.config import RunConfig, to_tables, to_toml
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
@@ -44,7 +45,7 @@ _A_MESSAGE = 4e6
 """Bytes of maps after which a message is sent off."""
 
 _SERIES = ("area", "contact_fraction", "load", "separation", "residual")
-_OF_LENGTHS = ("contact_area",)
+_OF_LENGTHS = ("contact_area", "contact_area_corrected")
 _MADE = {
     "mean_pressure": "load over real contact area",
     "friction": "static friction over that at first: real contact area over load (Tabor)",
@@ -93,11 +94,17 @@ def finite(value: Any) -> Any:
 
 
 def json_tables(config: RunConfig) -> dict[str, Any]:
-    """A configuration as JSON can write it: an infinite stiffness is a word."""
-    tables = to_tables(config)
-    if tables["solid"].get("apparatus") == math.inf:
-        tables["solid"]["apparatus"] = "inf"
+    """A configuration as JSON can write it: an infinite stiffness or velocity is a word."""
+    tables: dict[str, Any] = _worded(to_tables(config))
     return tables
+
+
+def _worded(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _worded(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_worded(one) for one in value]
+    return "inf" if value == math.inf else value
 
 
 def _padded(raw: bytes) -> bytes:
@@ -248,7 +255,10 @@ def started(frame: Frame, config: RunConfig) -> xr.Dataset:
 def of_frame(frame: Frame) -> tuple[Row, Map]:
     """Entry and map of a moment that was just reached."""
     contact = frame.contact
-    return row_of(frame), map_of(frame.time, frame.leg, contact.in_contact, contact.pressure)
+    # The page shows the rough surface at rest, as `on_the_surface` does.
+    back, axes = [-round(sites) for sites in frame.shift], tuple(range(len(frame.shift)))
+    in_contact, pressure = np.roll(contact.in_contact, back, axes), np.roll(contact.pressure, back, axes)
+    return row_of(frame), map_of(frame.time, frame.leg, in_contact, pressure)
 
 
 def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: str) -> Recording:
@@ -261,8 +271,9 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
         recording.add_row({name: values[number] for name, values in series.items()})
     count = dataset.sizes.get("field_time", 0)
     legs = dataset["field_leg"].values.tolist() if "field_leg" in dataset.coords else [0] * count
+    placed = on_the_surface(dataset)
     for number in _spread(count, most_maps(dataset["heights"].size)):
-        one = dataset.isel(field_time=number)
+        one = placed.isel(field_time=number)
         mask = np.asarray(one["in_contact"], dtype=bool)
         pressure = pressure_of(one)
         assert pressure is not None, "a history knows its springs"
@@ -365,6 +376,7 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "switches": sorted(set(switches)),
         "last_time": float(dataset["time"][-1]),
         "height_range": [low, high],
+        "shear_strength": None if config is None else config.friction.shear_strength,
         "remarks": [],
     }
     return header, steps

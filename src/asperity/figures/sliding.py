@@ -14,7 +14,6 @@ from asperity.figures.history import shown_series
 from asperity.protocols import Slide
 
 _COLORS = (style.BLUE, style.VERMILION, style.GRAY)
-_MOST_VELOCITIES = 3
 
 
 def sliding_figure(dataset: xr.Dataset) -> Figure:
@@ -28,8 +27,9 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     Returns
     -------
     Figure
-        Before a shift the contact has crept, so friction is higher than just after it: both are drawn.
-        What happens at rest is a vertical line.
+        The surface moves by whole shifts, and between two of them the contact grows. A line joins the states
+        just before each shift, a shade reaches down to those just after it. What happens at rest is a
+        vertical line.
 
     Raises
     ------
@@ -37,11 +37,10 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
         The history does not slide.
     """
     if "displacement" not in dataset:
-        raise InputError(
-            "dataset", expected="a history that slides", got="one that does not", advice="protocols.Slide"
-        )
+        expected, got = "a history that slides", "one that does not"
+        raise InputError("dataset", expected=expected, got=got, advice="a protocol with a Slide")
     name = "friction" if "friction" in dataset else "area"
-    values, label, per_site = shown_series(dataset, name)
+    values, quantity, per_site = shown_series(dataset, name)
     way = dataset["displacement"].values
     unit, factor = str(dataset["displacement"].attrs["units"]), 1.0
     if dataset.attrs.get("si"):
@@ -49,41 +48,32 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     figure = style.Drawing(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.subplots()
     numbers = numbers_of(dataset)
-    rests = [row for row in leg_table(dataset) if not isinstance(row.leg, Slide)]
-    slides = [row for row in leg_table(dataset) if isinstance(row.leg, Slide)]
-    speeds = list(dict.fromkeys(row.leg.velocity for row in slides if isinstance(row.leg, Slide)))
-    for row in [*rests, *slides]:
+    speeds: dict[float, str] = {}
+    resting: str | None = "at rest"
+    for row in leg_table(dataset):
         own = np.flatnonzero(numbers == row.number)
-        own = np.append(np.arange(max(own[0] - 1, 0), own[0]), own) if own.size else own
-        color, width, text = style.INK, 1.6, "at rest"
-        if isinstance(row.leg, Slide):
-            kind = min(speeds.index(row.leg.velocity), _MOST_VELOCITIES - 1)
-            speed = style.said(dataset, "velocity", row.leg.velocity) if row.leg.duration else ""
-            text = f"slides at {speed}" if speed else "slides at once"
-            text = (
-                text if len(speeds) <= _MOST_VELOCITIES or kind < _MOST_VELOCITIES - 1 else "other velocities"
-            )
-            color, width = _COLORS[kind], 0.9
-        known = axes.get_legend_handles_labels()[1]
+        own = np.insert(own, 0, own[:1] - 1) if own.size and own[0] > 0 else own
+        if not isinstance(row.leg, Slide):
+            axes.plot(factor * way[own], values[own], "o-", color=style.INK, markersize=3, label=resting)
+            resting = None
+            continue
+        speed = row.leg.velocity
+        said = f"slides at {style.said(dataset, 'velocity', speed)}" if row.leg.duration else "slides at once"
+        color = speeds.setdefault(speed, _COLORS[len(speeds) % len(_COLORS)])
+        place, first = np.unique(way[own], return_index=True)
+        after, before = values[own[first]], values[own[np.append(first[1:], own.size) - 1]]
+        label = None if said in axes.get_legend_handles_labels()[1] else said
         axes.plot(
-            way[own] * factor,
-            values[own],
-            "-" if isinstance(row.leg, Slide) else "o-",
-            color=color,
-            linewidth=width,
-            markersize=3,
-            label=text if text not in known else None,
+            factor * place, before, "o-", color=color, markersize=3, markerfacecolor="white", label=label
         )
-    axes.set_xlabel(style.with_unit("displacement", "1" if unit in _UNITLESS else unit))
-    axes.set_ylabel("friction coefficient" if name == "friction" else label)
+        axes.fill_between(factor * place, after, before, color=color, alpha=0.2, linewidth=0)
+    axes.set_xlabel(style.with_unit("displacement", unit))
+    axes.set_ylabel("friction coefficient" if name == "friction" else quantity)
     if name == "area":
         style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * per_site))
     axes.legend(loc="best", fontsize=8, framealpha=0.95)
     what = "Friction" if name == "friction" else "Contact area"
-    first = f"load {style.said(dataset, 'load', float(dataset['load'].values[0]))} at first"
-    conditions = style.lines(style.conditions(dataset, first), figure.room)
+    first_load = f"load {style.said(dataset, 'load', float(dataset['load'].values[0]))} at first"
+    conditions = style.lines(style.conditions(dataset, first_load), figure.room)
     figure.suptitle(f"{what} against displacement\n{conditions}", fontsize=10)
     return figure
-
-
-_UNITLESS = ("length unit",)

@@ -79,8 +79,8 @@ class ShearStrength:
             A velocity cannot be used, or is so low that the strength would not be above 0.
         """
         if not self.rate_coefficient:
-            return np.full(np.shape(velocity), self.strength)
-        speeds = np.asarray(velocity, dtype=float)
+            return np.full(checks.floats("velocity", velocity).shape, self.strength)
+        speeds = checks.floats("velocity", velocity)
         if not (np.isfinite(speeds).all() and (speeds > 0).all()):
             raise InputError(
                 "velocity",

@@ -348,8 +348,11 @@ def _observed(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
 
 def _with_friction(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
     """Add friction, where there is a shear strength."""
-    strength, rate, reference = config.friction.model_dump().values()
-    return dataset if strength is None else add_friction(dataset, ShearStrength(strength, rate, reference))
+    told = config.friction
+    if told.shear_strength is None:
+        return dataset
+    law = ShearStrength(told.shear_strength, told.rate_coefficient or 0.0, told.reference_velocity)
+    return add_friction(dataset, law)
 
 
 def _with_limit(

@@ -2,7 +2,7 @@
 // A quantity against time, with the moment shown, the limit, an earlier curve, and the moment of a change of load.
 
 const QUANTITIES = {
-  contact_area: "contact area", area: "contact area", contact_fraction: "contact fraction", load: "load",
+  contact_area: "contact area", contact_area_corrected: "contact area less rim", area: "contact area", contact_fraction: "contact fraction", load: "load",
   mean_pressure: "mean pressure in contact", friction: "friction coefficient relative to first", separation: "separation", decade_growth: "growth per decade",
   residual: "residual",
 };

@@ -210,5 +210,6 @@ function legInWords(leg) {
   if (leg.kind === "hold") return `hold for ${number(leg.duration)}`;
   if (leg.kind === "step") return `step ${to}`;
   if (leg.kind === "ramp") return `ramp ${to} in ${number(leg.duration)}`;
+  if (leg.kind === "slide") return `slide ${number(leg.distance)} ${leg.velocity === "inf" ? "at once" : `at ${number(leg.velocity)}`}`;
   return `${leg.count} times (${leg.legs.map(legInWords).join(", ")})`;
 }

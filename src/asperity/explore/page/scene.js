@@ -42,8 +42,11 @@ class Scene {
 
   value(row, name) {
     const at = this.columns.indexOf(name);
-    // With a shear strength it is the coefficient: strength times area over load.
-    if (name === "friction" && this.shear) return this.shear * this.value(row, "contact_area") / this.value(row, "load");
+    // With a shear strength it is the coefficient: strength times area (less rim) over load.
+    if (name === "friction" && this.shear) {
+      const area = this.columns.includes("contact_area_corrected") ? "contact_area_corrected" : "area";
+      return this.shear * this.value(row, area) / this.value(row, "load");
+    }
     return at < 0 || !this.rows[row] ? NaN : this.rows[row][at];
   }
 
