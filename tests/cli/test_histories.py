@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,9 @@ from asperity import age, press, results
 from asperity.cli import main
 from asperity.config import read_config
 from asperity.config.legs import legs_from_words
-from asperity.protocols import Hold, Ramp, Repeat, Step
+from asperity.config.python import to_python
+from asperity.protocols import Hold, Ramp, Repeat, Slide, Step
+from asperity.runs.pipeline import recorded_times
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
 from tests.cli.conftest import Asperity
@@ -130,7 +133,10 @@ def test_legs_that_cannot_be(words: list[str], message: str, asperity: Asperity,
         ("protocol = 3", "protocol: expected a list of legs; try [[protocol]]"),
         ('[protocol]\nkind = "hold"', "protocol: expected a list of legs; try [[protocol]]"),
         ('[[protocol]]\nkind = "hold"', "protocol[0] duration: expected a value, got none"),
-        ("[[protocol]]\nduration = 3.0", "protocol[0]: expected one of 'hold', 'ramp', 'step', 'repeat'"),
+        (
+            "[[protocol]]\nduration = 3.0",
+            "protocol[0]: expected one of 'hold', 'ramp', 'step', 'slide', 'repeat'",
+        ),
         ('[[protocol]]\nkind = "hold"\nduraton = 3.0', "protocol[0] duraton: no such key; did you mean"),
         (
             '[aging]\nlast = 4.0\n[[protocol]]\nkind = "hold"\nduration = 3.0',
@@ -162,3 +168,40 @@ def test_units_of_legs_may_stand_apart(line):
     (leg,) = legs_from_words([line])
     assert leg["mobility"] == 3
     assert [str(leg[key]).replace(" ", "") for key in ("duration", "pressure")] == ["5s", "2MPa"]
+
+
+def test_sliding_and_friction_from_flags(tmp_path: Path, asperity: Asperity) -> None:
+    flags = (
+        "--leg",
+        "hold 1",
+        "--leg",
+        "slide distance=3 velocity=2",
+        "--leg",
+        "slide distance=2 velocity=inf",
+    )
+    strength = ("--shear-strength", "4", "--rate-coefficient", "0.1", "--reference-velocity", "1")
+    status, _, error = asperity("run", *SMALL, *flags, *strength, "--out", tmp_path / "out")
+    assert status == 2
+    assert "velocity: expected finite velocities > 0" in error
+    status, _, error = asperity("run", *SMALL, *flags, *strength[:2], "--out", tmp_path / "out")
+    assert status == 0, error
+    data = results.load(tmp_path / "out")
+    assert data["displacement"].values[-6:].tolist() == [2, 2, 3, 3, 4, 5]
+    np.testing.assert_allclose(data["friction"], 4 * data["area"] / data["load"], rtol=1e-14)
+    with (tmp_path / "out" / "aging.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["friction"]) for row in rows] == data["friction"].values.tolist()
+    assert (tmp_path / "out" / "sliding.png").is_file()
+    config = read_config(tmp_path / "out" / "config.toml", {})
+    assert config.legs[1:] == (Slide(3.0, velocity=2.0), Slide(2.0, velocity=np.inf))
+    program = to_python(config, recorded_times(config).tolist())
+    assert "asp.friction.add_friction(history.dataset, asp.friction.ShearStrength(4.0))" in program
+    found: dict[str, Any] = {}
+    exec(program, found)
+    np.testing.assert_array_equal(found["friction"]["friction"], data["friction"])
+
+
+def test_friction_without_a_strength_is_a_mistake(tmp_path: Path, asperity: Asperity) -> None:
+    status, said, error = asperity("run", *SMALL, "--rate-coefficient", "0.1", "--out", tmp_path / "out")
+    assert (status, said) == (2, "")
+    assert "expected shear_strength beside it, got none" in error

@@ -132,7 +132,7 @@ def test_a_distance_is_in_the_unit_of_the_spacing():
 def test_every_tenth_shift_is_recorded():
     contact = asp.press(uncorrelated(16), SOLID, load=60.0)
     history = asp.age(
-        contact, [0.0], protocol=[Slide(40, velocity=10.0, every=10), Slide(25, "inf", every=10)]
+        contact, [0.0], protocol=[Slide(40, velocity=10.0, every=10), Slide(25, math.inf, every=10)]
     )
     assert history["displacement"].values.tolist() == [0, 1, 10, 11, 20, 21, 30, 31, 40, 41, 51, 61, 65]
     assert "displacement" not in asp.age(contact, [1.0], protocol=Hold(1.0)).dataset

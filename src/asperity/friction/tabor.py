@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import asperity.checks as checks
 import asperity.units as units
@@ -60,7 +60,7 @@ class ShearStrength:
                 advice="reference_velocity=1.0",
             )
 
-    def at(self, velocity: float | Field) -> NDArray[np.float64]:
+    def at(self, velocity: ArrayLike) -> NDArray[np.float64]:
         """Shear strength while the contacts slide.
 
         Parameters

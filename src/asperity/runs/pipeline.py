@@ -26,7 +26,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
 from asperity.memory import require
-from asperity.protocols import Hold, Ramp, Schedule, legs_of
+from asperity.protocols import Hold, Ramp, Schedule, Slide, legs_of
 from asperity.results import Checkpoint, History
 from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load, modest_pressure
 from asperity.simulate import age, press, relax
@@ -145,6 +145,7 @@ def execute(
     if made is None:
         _require_memory(rough.shape, solid, config)
     _check_units(config, solid, rough)
+    _shear_strength(config)  # refuses before hours have passed
     config, remarks = completed(config, rough)
     progress.completed(config)
     for remark in remarks:
@@ -348,11 +349,18 @@ def _observed(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
 
 def _with_friction(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
     """Add friction, where there is a shear strength."""
+    law = _shear_strength(config)
+    return dataset if law is None else add_friction(dataset, law)
+
+
+def _shear_strength(config: RunConfig) -> ShearStrength | None:
+    """The law of the shear strength, if there is one; it must know all velocities."""
     told = config.friction
     if told.shear_strength is None:
-        return dataset
+        return None
     law = ShearStrength(told.shear_strength, told.rate_coefficient or 0.0, told.reference_velocity)
-    return add_friction(dataset, law)
+    law.at([leg.velocity for leg in legs_of(config.legs or [Hold(1.0)]) if isinstance(leg, Slide)] or [0.0])
+    return law
 
 
 def _with_limit(
