@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.analysis.maps import on_the_surface
 from asperity.contact import ActiveSet, Multigrid
 from asperity.lattice import Lattice
 from tests.continua import pressed
@@ -179,3 +180,15 @@ def test_sliding_forgets_a_hold_over_the_correlation_length():
     assert min(grown) > 1.0
     assert np.abs(left).max() < 0.1 * min(grown)  # on every surface, and on average nothing:
     assert abs(np.mean(left)) < 3 * np.std(left, ddof=1) / 2
+
+
+@pytest.mark.parametrize("direction", ["x", "-y"])
+def test_maps_are_drawn_where_the_rough_surface_was(direction):
+    contact = asp.press(uncorrelated(16), springs(), load=40.0)
+    protocol = P.Slide(3.0, velocity=10.0, direction=direction)
+    dataset = asp.age(contact, [0.3], protocol=protocol, fields_at=[0.0, 0.15, 0.3]).dataset
+    placed = on_the_surface(dataset)
+    for u, in_contact in zip(placed["u"].values, placed["in_contact"].values.astype(bool), strict=True):
+        assert in_contact.any()
+        np.testing.assert_array_equal(u[in_contact], dataset["heights"].values[in_contact])
+        assert (u >= dataset["heights"].values).all()
