@@ -16,7 +16,7 @@ def records(shape, waves, shares, distance, rtol):
         F.slide_hold_slide([10.0, 100.0, 1000.0], velocity=1.0, distance=distance),
         F.velocity_steps([1.0, 0.1, 1.0, 0.01, 1.0], distance=distance),
     )
-    found = [], []
+    found: tuple[list[F.Record], list[F.Record]] = [], []
     for seed in SURFACES:
         rough = asp.surfaces.spectral(
             shape, hurst=0.8, roll_off=4 * waves, cutoff=waves, rms_height=1.0, seed=seed

@@ -60,8 +60,9 @@ SLID = {
     "velocity": [1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0],
 }
 RECORD = asp.friction.Record(
-    **{name: np.array(values) for name, values in SLID.items()},
-    friction=np.array([1.0, 1.0, 1.0, 1.5, 1.75, 1.25, 1.0, 0.75, 0.75]),
+    np.array(SLID["time"]),
+    np.array(SLID["velocity"]),
+    np.array([1.0, 1.0, 1.0, 1.5, 1.75, 1.25, 1.0, 0.75, 0.75]),
     strength_at_rest=True,
 )
 

@@ -21,8 +21,8 @@ import asperity as asp
 rough = asp.surfaces.spectral((256,), hurst=0.8, roll_off=64.0, cutoff=16.0, rms_height=1.0, seed=0)
 solid = asp.solids.half_space(modulus=1.0, branches=[(0.1, 1.0), (0.1, 10.0), (0.1, 100.0)])
 contact = asp.press(rough, solid, load=5.0)
-protocol = asp.friction.slide_hold_slide(holds=[3.0, 10.0, 30.0, 100.0], velocity=1.0, distance=10.0)
-history = asp.age(contact, times=[10.0], protocol=protocol, rtol=0.02)
+protocol = asp.friction.slide_hold_slide(holds=[3.0, 10.0, 100.0], velocity=1.0, distance=8.0)
+history = asp.age(contact, times=[8.0], protocol=protocol, rtol=0.02)
 record = asp.friction.record_of(history, shear_strength=1.0)
 laws = asp.friction.compare_state_laws(record)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import asperity.checks as checks
+import asperity.units as units
 from asperity.errors import InputError
 from asperity.friction.laws import RateAndState
 from asperity.friction.records import STEP, Record
@@ -22,9 +23,9 @@ from asperity.protocols import Hold, Leg, Slide, legs_of
 def slide_hold_slide(
     holds: ArrayLike,
     *,
-    velocity: float,
-    distance: float,
-    run_in: float | None = None,
+    velocity: float | str,
+    distance: float | str,
+    run_in: float | str | None = None,
     direction: str | tuple[int, ...] = "x",
 ) -> list[Leg]:
     """Slide, and rest again and again: static friction against hold time.
@@ -32,7 +33,8 @@ def slide_hold_slide(
     Parameters
     ----------
     holds
-        Times at rest, each above 0, in order.
+        Times at rest, each above 0, in order. All of these may be texts with units where the contact has
+        some: ``["10 s", "3 min"]``, ``"1 um/s"``, ``"20 um"``.
     velocity
         Velocity of the slides (length/time), above 0.
     distance
@@ -52,16 +54,17 @@ def slide_hold_slide(
     InputError
         There is no hold, or a number is out of range.
     """
-    times = checks.positive("holds", checks.line("holds", holds))
+    times = checks.positive("holds", checks.line("holds", units.numbers("holds", holds, "s")))
     if not times.size:
         raise InputError("holds", expected="one time or more", got="none")
+    velocity = units.number("velocity", velocity, "m/s", above=0.0)  # finite: nothing ages in no time
     first = Slide(distance if run_in is None else run_in, velocity, direction)
     again = Slide(distance, velocity, direction)
     return [first, *(leg for time in times.tolist() for leg in (Hold(time), again))]
 
 
 def velocity_steps(
-    velocities: ArrayLike, *, distance: float, direction: str | tuple[int, ...] = "x"
+    velocities: ArrayLike, *, distance: float | str, direction: str | tuple[int, ...] = "x"
 ) -> list[Leg]:
     """Slide at one velocity after the other.
 
@@ -84,7 +87,8 @@ def velocity_steps(
     InputError
         A number is out of range, or two velocities in a row hardly differ.
     """
-    speeds = checks.positive("velocities", checks.line("velocities", velocities)).tolist()
+    given = units.numbers("velocities", velocities, "m/s")
+    speeds = checks.positive("velocities", checks.line("velocities", given)).tolist()
     differ = [max(one, two) > STEP * min(one, two) for one, two in pairwise(speeds)]
     if not differ or not all(differ):
         got = ", ".join(f"{speed:g}" for speed in speeds)
