@@ -91,7 +91,7 @@ def test_mistakes(asperity: Asperity) -> None:
     Path("bad.csv").write_text("time_s,displacement_um,friction\n0,0,0.6\n1,2,0.6\n2,1,0.6\n")
     for words, said in (
         (("holds.csv",), "--a: expected a number, as all slip is at one velocity"),
-        (("holds.csv", "--a", "0.01", "--events", "steps"), "expected a step to see the state change by"),
+        (("holds.csv", "--a", "0.01", "--events", "steps"), "expected a step, to learn b and D_c from"),
         (("holds.csv", "--columns", "time_s", "friction"), "expected columns of time, of velocity or displ"),
         (("bad.csv",), "bad.csv, displacement: expected a displacement that never falls"),
         (("none.csv",), "no such file"),

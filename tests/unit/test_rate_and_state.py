@@ -280,6 +280,24 @@ def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
         F.save_parameters(found, "f.txt")
 
 
+def test_a_history_becomes_a_record_if_it_slid():
+    rough = asp.surfaces.gaussian((64,), rms=1.0, seed=0)
+    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=4.0)
+    for protocol in ([P.Hold(1.0)], [P.Slide(4.0, float("inf")), P.Hold(1.0)]):
+        with refuses("history"):
+            F.record_of(asp.age(contact, [1.0], protocol=protocol), shear_strength=1.0)
+    slid = asp.age(contact, [1.0], protocol=[P.Slide(4.0, 1.0)])
+    with refuses("shear_strength"):
+        F.record_of(slid)
+    assert F.record_of(slid, shear_strength=F.ShearStrength(1.0, 0.1, 1.0)).a is None
+    record = F.record_of(slid, shear_strength=1.0)
+    assert record.a == 0.0
+    np.testing.assert_allclose(record.velocity, 1.0)
+    np.testing.assert_allclose(record.displacement, record.time)
+    with refuses("history"):
+        F.record_of(3.0)  # type: ignore[arg-type]
+
+
 def test_bad_records_are_refused(tmp_path):
     time, one = np.arange(9.0), np.ones(9)
     with refuses("time"):
@@ -316,8 +334,6 @@ def test_bad_records_are_refused(tmp_path):
         F.compare_state_laws([F.synthetic_record(HOLDS, AGING), F.synthetic_record(STEPS, AGING)])
     with refuses("start"):
         SLIP.state([0.0, 1.0], [1.0, 1.0], start=0.0)
-    with refuses("history"):
-        F.record_of(3.0)  # type: ignore[arg-type]
     with refuses("protocol"):
         F.synthetic_record([P.Step(load=1.0)], AGING)
     with refuses("holds"):

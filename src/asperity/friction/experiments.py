@@ -23,9 +23,9 @@ from asperity.protocols import Hold, Leg, Slide, legs_of
 def slide_hold_slide(
     holds: ArrayLike,
     *,
-    velocity: float | str,
-    distance: float | str,
-    run_in: float | str | None = None,
+    velocity: float,
+    distance: float,
+    run_in: float | None = None,
     direction: str | tuple[int, ...] = "x",
 ) -> list[Leg]:
     """Slide, and rest again and again: static friction against hold time.
@@ -54,17 +54,20 @@ def slide_hold_slide(
     InputError
         There is no hold, or a number is out of range.
     """
-    times = checks.positive("holds", checks.line("holds", units.numbers("holds", holds, "s")))
-    if not times.size:
+    given = units.numbers("holds", holds, "s")
+    times = checks.positive("holds", checks.line("holds", given)).tolist()
+    if not times:
         raise InputError("holds", expected="one time or more", got="none")
     velocity = units.number("velocity", velocity, "m/s", above=0.0)  # finite: nothing ages in no time
     first = Slide(distance if run_in is None else run_in, velocity, direction)
     again = Slide(distance, velocity, direction)
-    return [first, *(leg for time in times.tolist() for leg in (Hold(time), again))]
+    if isinstance(given, list):  # texts with units stay known as such
+        times = given
+    return [first, *(leg for time in times for leg in (Hold(time), again))]
 
 
 def velocity_steps(
-    velocities: ArrayLike, *, distance: float | str, direction: str | tuple[int, ...] = "x"
+    velocities: ArrayLike, *, distance: float, direction: str | tuple[int, ...] = "x"
 ) -> list[Leg]:
     """Slide at one velocity after the other.
 

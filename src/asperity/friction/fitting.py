@@ -206,7 +206,7 @@ class _Problem:
                 events
             ]
             got = "rests only" if rests else f"slip at {reference:g}, without rest or step"
-            raise InputError("record", expected=f"{needed} to see the state change by", got=got)
+            raise InputError("record", expected=f"{needed}, to learn b and D_c from", got=got)
         used = np.isin(kinds, _EVENTS[events])
         if not record.strength_at_rest:
             used &= record.velocity > 0

@@ -244,6 +244,9 @@ def record_of(
     if "displacement" not in dataset or not (dataset["displacement"] > 0).any():
         advice = "asperity.age(contact, times, protocol=asperity.friction.slide_hold_slide(...))"
         raise InputError("history", expected="one in which the contact slides", got="none", advice=advice)
+    if "velocity" in dataset and np.isinf(dataset["velocity"]).any():
+        expected = "slides at finite velocities, as the age of contacts has no time to change otherwise"
+        raise InputError("history", expected=expected, got="a slide at once")
     if shear_strength is not None:
         dataset = add_friction(dataset, shear_strength)
     if "friction" not in dataset:
