@@ -29,6 +29,9 @@ from asperity.results.store import whole_folder
 from asperity.words import counted, uncertain
 
 _FLAGS = ("a", "events", "shear_strength", "columns", "records")
+_OPEN = 100.0
+"""Relative standard error above which a parameter is not determined."""
+
 _NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
 
 
@@ -157,10 +160,8 @@ def _law(found: StateLaws, law: StateLaw) -> list[tuple[str, str]]:
         value, stderr, low, high = (float(part) for part in (one.value, one.stderr, one.low, one.high))
         if name == "a" and fit.a_stderr == 0:
             said = f"{value:g}, as given"
-        elif name == "D_c" and not fit.determined:
+        elif (name == "D_c" and not fit.determined) or stderr > _OPEN * abs(value):
             said = "not determined by this record"
-        elif not stderr < math.inf:
-            said = f"{value:.4g}"
         elif name == "D_c" and record.si:
             said = f"{written(value, 'm', 4)}, 95 % from {written(low, 'm', 4)} to {written(high, 'm', 4)}"
         else:
