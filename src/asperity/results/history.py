@@ -30,7 +30,8 @@ class History(views.InNotebooks):
         An xarray Dataset over ``time``, whose first entry, 0, is the state before any creep:
         ``area``, ``contact_fraction``, ``load``, ``separation``, ``approach``, ``energy``,
         ``residual``, ``residual_scale``, ``steps``, ``rejected``, ``iterations``; ``heights`` over the
-        sites; and over ``field_time``, where fields were asked for, ``u``, ``u0`` and ``in_contact``.
+        sites; and over ``field_time``, where fields were asked for, ``u``, ``u0`` and ``in_contact``, and
+        what these maps know of patches: ``patches``, ``births``, ``contact_age`` and others.
         ``history["energy"]`` is one of them.
     final
         The contact at the last time reached (of ``times`` and ``fields_at``); age it further, or relax it.
