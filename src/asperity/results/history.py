@@ -52,9 +52,9 @@ class History(views.InNotebooks):
             near = closest(name, known) if isinstance(name, str) else None
             raise InputError(
                 "name",
-                expected="a variable of the dataset, such as area, load or energy",
+                expected="a variable of the dataset, such as area or load",
                 got=repr(name),
-                advice=near or "list(history.dataset.variables)",
+                advice=near or "print(history.dataset)",
             )
         return self.dataset[name]
 
