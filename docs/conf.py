@@ -49,7 +49,10 @@ sphinx_gallery_conf = {
     "filename_pattern": r"\.py$",
     "ignore_pattern": r"__init__\.py",
     "subsection_order": ExplicitOrder(
-        [f"gallery/{section}" for section in ("contacts", "surfaces", "materials", "histories", "data")]
+        [
+            f"gallery/{section}"
+            for section in ("contacts", "surfaces", "materials", "histories", "studies", "data")
+        ]
         + ["*"]
     ),
     "within_subsection_order": "FileNameSortKey",

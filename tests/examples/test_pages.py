@@ -63,6 +63,7 @@ FEWER = {"seeds = 32": "seeds = 2", "shape = [64, 64]": "shape = [16, 16]"}
 UNTRIED = {
     r"asperity explore(?!.*--export)": "serves until it is stopped; tests/explore starts it",
     r"asperity reproduce": "takes minutes; tests/paper does it on tiny lattices",
+    r"asperity study \w": "takes minutes; tests/studies does it on tiny lattices",
     r"asperity sweep .*--scheduler": "needs a cluster; tests/campaign has one of its own",
     r"make\b": "installs, or runs the tests and benchmarks themselves",
     r"(benchmarks/peers/install|\.venv/bin/python benchmarks/)": "tests/unit/test_benchmarks.py has parts",
