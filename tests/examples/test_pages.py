@@ -37,6 +37,7 @@ ROOMS = (
     "asperity",
     "analysis",
     "campaign",
+    "challenge",
     "contact",
     "fits",
     "results",
@@ -50,6 +51,7 @@ TEN_LINES = r"sites in contact: ([\d ]+)"
 SMALLER = {
     r"asperity run .*(--leg|(history|sliding)\.toml)": "--shape 48 48 --per-decade 1 --quiet",
     r"asperity run .*self_affine": "--size 32 --last 10 --per-decade 2 --quiet",
+    r"asperity run problems/": "--quiet",
     r"asperity run .*--file": "--last 10 --per-decade 2 --quiet",
     r"asperity run": "--shape 32 32 --last 10 --per-decade 2 --quiet",
     r"asperity predict": "--per-decade 1 --quiet",

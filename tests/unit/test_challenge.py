@@ -337,3 +337,15 @@ def test_answers_are_tables_of_the_reader():
     for one in asp.challenge.problems():
         file = Path(asp.challenge.__file__).parent / "data" / f"{one.name}.csv"
         assert np.isfinite(read_table(file).values).all()
+
+
+def test_the_page_says_how_well_each_answer_is_known():
+    page = (Path(__file__).parents[2] / "docs" / "challenge.md").read_text(encoding="utf-8")
+    for one in asp.challenge.problems():
+        for column in one.asked:
+            values, bars = one.answer.values[column.name], one.answer.bars[column.name]
+            known = 100 * np.median(bars[values != 0] / np.abs(values[values != 0]))
+            assert (
+                f"| `{one.name}` | `{column.heading}` | {known:.1g} % | {100 * column.tolerance:g} % |"
+                in page
+            )
