@@ -139,11 +139,9 @@ def _compared(asked: Problem, columns: Mapping[str, Field], where: str) -> Score
     place, answer = asked.abscissa.heading, asked.answer
     headings = {column.name: _found(column, columns) for column in asked.asked}
     if place not in columns or not any(headings.values()):
-        wanted = [place, *(column.heading for column in asked.asked)]
-        if place in columns:
-            wanted = ["one of", *wanted[1:]]
+        wanted = ", ".join(column.heading for column in asked.asked)
+        expected = f"one of the columns {wanted}" if place in columns else f"the columns {place}, {wanted}"
         got = ", ".join(filter(None, columns)) or "no names"
-        expected = f"the columns {', '.join(wanted)}" if place not in columns else " ".join(wanted)
         raise InputError(where, expected=expected, got=got, advice=f"the form {asked.name}/answer.csv")
     rows = _rows(columns[place], answer.abscissa)
     given = np.flatnonzero(rows >= 0)

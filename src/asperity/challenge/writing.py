@@ -100,10 +100,10 @@ def in_words(asked: Problem, surface: Surface | None = None) -> str:
     """The text of a problem: what is given, and what is asked."""
     paragraphs = [f"{asked.name}: {asked.title}", *textwrap.wrap(" ".join(asked.question.split()), _WIDTH)]
     rule = dict(asked.heights)
-    scaled = (
-        f", all times {rule['times']:g} {rule['unit']}, on a square of side {rule['side']:g} {rule['unit']}"
-    )
-    stated = _RULES[rule["rule"]].format(**rule, scaled=scaled if "side" in rule else "")
+    scaled = ""
+    if "side" in rule:
+        scaled = f", all times {rule['times']:g} {rule['unit']}, on a square of side {rule['side']:g} {rule['unit']}"
+    stated = _RULES[rule["rule"]].format(**rule, scaled=scaled)
     if rule["rule"] != "scan":
         stated += _STATED
     lines = [*paragraphs, "", "Heights", *textwrap.wrap(stated, _WIDTH)]
