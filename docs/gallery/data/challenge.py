@@ -20,11 +20,8 @@ import asperity as asp
 
 def press(heights, spacing, modulus, load):
     """Contact area and mean gap of an elastic half-space, m^2 and m."""
-    q = (
-        2
-        * np.pi
-        * np.hypot(*np.meshgrid(*(np.fft.fftfreq(n, spacing) for n in heights.shape), indexing="ij"))
-    )
+    frequencies = np.fft.fftfreq(len(heights), spacing)[:, None], np.fft.rfftfreq(len(heights), spacing)
+    q = 2 * np.pi * np.hypot(*frequencies)
     compliance = 2 / (modulus * np.where(q > 0, q, np.inf))
     mean = load / (heights.size * spacing**2)
     p, t, before, fresh = np.full(heights.shape, mean), 0.0, 1.0, True
@@ -81,11 +78,13 @@ for ax, quantity in zip(axes, ("contact area", "mean gap"), strict=True):
         label="error bar",
     )
     ax.set(xlabel="load [N]", ylabel=f"deviation of the {quantity} [%]")
+    ax.set_xticks(loads, [f"{load:g}" for load in loads])
+    ax.minorticks_off()
 axes[0].legend(fontsize=8)
 
 # %%
-# The gap is right at once. The area is not: counting squares adds the rim of every contact, which halves with
-# the spacing. The problem asks for the area of the continuum; a code that counts has to take off the rim.
+# From 128² sites on the gap is right to 0.1 %. The area is not: counting squares adds the rim of every
+# contact, which halves with the spacing. The problem asks for the area of the continuum: take off the rim.
 
 gaps = [np.abs(score.quantities[1].relative).max() for score in scores.values()]
 areas = [score.quantities[0].relative for score in scores.values()]

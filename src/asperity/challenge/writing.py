@@ -102,7 +102,8 @@ def in_words(asked: Problem, surface: Surface | None = None) -> str:
     rule = dict(asked.heights)
     scaled = ""
     if "side" in rule:
-        scaled = f", all times {rule['times']:g} {rule['unit']}, on a square of side {rule['side']:g} {rule['unit']}"
+        unit = rule["unit"]
+        scaled = f", all times {rule['times']:g} {unit}, on a square of side {rule['side']:g} {unit}"
     stated = _RULES[rule["rule"]].format(**rule, scaled=scaled)
     if rule["rule"] != "scan":
         stated += _STATED
