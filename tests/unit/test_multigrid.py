@@ -1,11 +1,13 @@
 """The multigrid solver: its parts against their definitions, its results against the Fourier solver."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import asperity as asp
 from asperity.contact import ActiveSet, Load, Multigrid, Separation
-from asperity.contact.multigrid import loops, processor
+from asperity.contact.multigrid import loops, processor, solver
 from asperity.contact.multigrid.grids import Axis, Hierarchy
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.pins import Response
@@ -15,6 +17,7 @@ from asperity.errors import ConvergenceError
 from tests.independent import assert_equilibrium, laplacian
 from tests.refusals import refuses
 from tests.surfaces import correlated, uncorrelated
+from tests.whole_fields import WholeFields
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -288,3 +291,38 @@ def test_balanced_stretch_is_in_equilibrium():
     assert force[contact.in_contact].min() >= -1e-12
     assert force.sum() == pytest.approx(50.0, rel=1e-10)
     np.testing.assert_allclose(stretch, rough_guess, atol=1e-2)
+
+
+@pytest.mark.parametrize("edges", ["periodic", "reflecting"])
+def test_a_second_backend_finds_the_same_states(monkeypatch, edges):
+    operations = {name for name in vars(Processor) if not name.startswith("_")}
+    assert {name for name in vars(WholeFields) if not name.startswith("_")} >= operations
+    heights = replace(asp.surfaces.Surface(uncorrelated(32)[:28, :23].copy()), edges=edges)
+    solid = asp.solids.spring_lattice(k0=1.0, k1=10.0, R_viscous=0.1)
+    found = []
+    for backend in (Processor, WholeFields):
+        monkeypatch.setattr(solver, "Processor", backend)
+        contact = asp.press(heights, solid, load=30.0, solver=Multigrid())
+        history = asp.age(contact, [1.0, 100.0], solver=Multigrid(), exact=False)
+        found.append((contact, asp.relax(contact, solver=Multigrid()), history.final, history.dataset))
+    spread = contact.u.std()
+    for one, other, allowed in zip(*(states[:3] for states in found), (1e-6, 1e-6, 1e-4), strict=True):
+        np.testing.assert_array_equal(one.in_contact, other.in_contact)
+        np.testing.assert_allclose(one.u, other.u, atol=allowed * spread)
+    cycles = [states[3]["iterations"].values[1:].sum() for states in found]
+    assert cycles[1] == pytest.approx(cycles[0], rel=0.2)
+
+
+@pytest.mark.parametrize("shape", [(64, 48), (57, 61)])
+def test_mirrors_cost_few_cycles(shape):
+    heights = uncorrelated(64)[: shape[0], : shape[1]]
+    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+    periodic = asp.surfaces.Surface(heights.copy())
+    cycles = []
+    for surface in (periodic, replace(periodic, edges="reflecting")):
+        contact = asp.press(surface, solid, load=0.02 * heights.size, solver=Multigrid(max_cycles=25))
+        history = asp.age(contact, np.geomspace(0.1, 1e4, 6), solver=Multigrid(max_cycles=25))
+        cycles.append(
+            [contact.iterations, asp.relax(contact).iterations, history.dataset["iterations"].sum()]
+        )
+    assert np.max(np.array(cycles[1]) / cycles[0]) < 1.3

@@ -77,9 +77,10 @@ def inlined(function: F) -> F:
     """Compile what other loops call.
 
     Without inlining each of them would hold a version of it, alike but for the order of its sums, and
-    whichever was loaded first would serve all: last digits would depend on what ran before.
+    whichever was loaded first would serve all: last digits would depend on what ran before. It makes no array
+    and counts no references to those it is given, which would take as long as a short row.
     """
-    return _compiler(forceinline=True, **_OPTIONS)(function)
+    return _compiler(forceinline=True, _nrt=False, **_OPTIONS)(function)
 
 
 def warn(text: str) -> None:
