@@ -33,7 +33,7 @@ _COARSEST = 24
 _SOLVED = 1e-2
 """Change of the stretch, relative to how far the law bends in it, below which a site counts as solved."""
 
-_MOST_CYCLES = 200
+_MOST_CYCLES = 60
 """Cycles after which a step is given up."""
 
 _USUAL_RATE = 0.3
@@ -219,6 +219,11 @@ class _Run:
         numbers = (solver.kappa, single(self.spread))
         relaxed = (e, f, bound, *sources, inverse, yielding, *solver.bonds, *numbers)
         loops.relax(*relaxed, single(0.0), False)
+        # A contact that its neighbors' stretches do not reach answers a shift on its own.
+        touching = e <= bound
+        reached = solver.bond_count * single(self.spread) * inverse
+        weight = np.where(touching, weight * reached, weight)
+        self.own_answer = float(np.sum((1 - reached) * inverse, where=touching, dtype=float))
         first = solver.grids[0]
         weighted = (e, f, bound, *sources, lag, weight, *solver.bonds, *numbers)
         loops.restrict(*weighted, single(0.0), first.equations, solver.sums)
@@ -234,7 +239,7 @@ class _Run:
         """One cycle from a coarse grid up; the shift."""
         grid = self.solver.grids[level]
         if level == len(self.solver.grids) - 1:
-            return _solved(grid, missing)
+            return _solved(grid, missing, self.own_answer)
         grid.e.fill(0.0)
         grid.f.fill(0.0)
         coarser = self.solver.grids[level + 1]
@@ -279,7 +284,7 @@ class _Run:
         return left
 
 
-def _solved(grid: _Grid, missing: float | None) -> float:
+def _solved(grid: _Grid, missing: float | None, own_answer: float) -> float:
     """Solve on the coarsest grid; the shift."""
     pins, e_right, e_below, free, sites, lags, f_right, f_below, b, c = (
         np.asarray(field, float) for field in grid.equations
@@ -302,13 +307,13 @@ def _solved(grid: _Grid, missing: float | None) -> float:
         pins = _FAINT * sites
     matrix[own, own] += np.where(free > 0, pins, 1.0).ravel()
     matrix[own, n + own] = free.ravel()
-    matrix[n + own, n + own] += lags.ravel()
+    matrix[n + own, n + own] += np.where(lags > 0, lags, 1.0).ravel()
     matrix[n + own, own] = -free.ravel()
     if missing is None:
         matrix[-1, -1] = 1.0
     else:
         matrix[n + own, -1] = -sites.ravel()
-        matrix[-1, n + own] = sites.ravel()
+        matrix[-1, n + own], matrix[-1, -1] = sites.ravel(), own_answer
     try:
         found = np.linalg.solve(matrix, np.concatenate([b.ravel(), c.ravel(), [missing or 0.0]]))
     except np.linalg.LinAlgError:  # singular by rounding: no cycle converges

@@ -173,6 +173,7 @@ def relax_coarse(e: Any, f: Any, grid: Any, shift: Any, backward: bool) -> None:
     """One sweep on a coarse grid."""
     pins, e_right, e_below, free, sites, lags, f_right, f_below, b, c = grid
     ny, nx = e.shape
+    tiny = np.float32(1e-30)  # of cells of nothing but contacts, whose stretches are not found here
     for row in range(ny):
         i = ny - 1 - row if backward else row
         up, down = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
@@ -180,7 +181,7 @@ def relax_coarse(e: Any, f: Any, grid: Any, shift: Any, backward: bool) -> None:
             j = nx - 1 - column if backward else column
             left, next_ = j - 1 if j > 0 else nx - 1, j + 1 if j < nx - 1 else 0
             wu, wd, wl, wr = f_below[up, j], f_below[i, j], f_right[i, left], f_right[i, j]
-            own = lags[i, j] + wu + wd + wl + wr
+            own = max(lags[i, j] + wu + wd + wl + wr, tiny)
             flow = c[i, j] + shift * sites[i, j]
             flow += wu * f[up, j] + wd * f[down, j] + wl * f[i, left] + wr * f[i, next_]
             m = free[i, j]
