@@ -54,7 +54,7 @@ def heights(draw: Draw, longest: int = 40) -> Any:
     return rough
 
 
-def springs(draw: Draw) -> dict[str, float]:
+def springs(draw: Draw) -> dict[str, Any]:
     """Spring constants, of which k1 is not zero."""
     near = draw.chance(0.5)
     k0, k1, R, R_viscous = (draw.decades(*((-2, 2) if near else (-8, 8))) for _ in range(4))
@@ -93,7 +93,7 @@ def judged(contact: Contact, k: dict[str, float], load: float | None = None) -> 
         assert abs(contact.load - load) <= 1e-9 * load + rounding
 
 
-def pressed(draw: Draw) -> tuple[Contact | None, dict[str, float]]:
+def pressed(draw: Draw) -> tuple[Contact | None, dict[str, Any]]:
     rough = heights(draw)
     k = springs(draw)
     held = control(draw, rough, k["k0"] + k["k1"])

@@ -1,4 +1,4 @@
-"""Creep that is local and not linear, against closed forms, against LSODA with dense contacts, and its order."""
+"""Creep that is local and not linear, against closed forms and LSODA with dense contacts, and its order."""
 
 import numpy as np
 import pytest

@@ -50,9 +50,11 @@ def projected_gradients(T, heights, before, law, tau, load):
     p = np.full(h.size, load / h.size)
 
     def energy(p):
-        return p @ T @ p / 2 + tau * law.rate * law.stress * CELL * np.sum(
-            np.cosh(p / CELL / law.stress) - 1
-        ) - p @ h
+        return (
+            p @ T @ p / 2
+            + tau * law.rate * law.stress * CELL * np.sum(np.cosh(p / CELL / law.stress) - 1)
+            - p @ h
+        )
 
     def allowed(p):
         low, high = -np.abs(p).max() - load, np.abs(p).max() + load
@@ -142,6 +144,9 @@ def test_under_small_stresses_it_is_dissolution():
     ]
     size = runs[1]["u"][0].values.std()
     apart = (runs[0]["u"] - runs[1]["u"]).values
-    assert np.sqrt(np.mean((apart - apart.mean(axis=(1, 2), keepdims=True)) ** 2, axis=(1, 2))).max() < 2e-4 * size
+    assert (
+        np.sqrt(np.mean((apart - apart.mean(axis=(1, 2), keepdims=True)) ** 2, axis=(1, 2))).max()
+        < 2e-4 * size
+    )
     assert runs[1]["area"][-1] > 1.2 * runs[1]["area"][0]
     np.testing.assert_allclose(runs[0]["area"], runs[1]["area"], atol=1)

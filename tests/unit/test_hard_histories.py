@@ -1,5 +1,7 @@
 """Histories at the edge of what numbers can hold: an answer, or one clear line, in bounded time."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from asperity.contact.problem import Guess
 from asperity.errors import ConvergenceError
 from tests.refusals import refuses
 
-SOLID = {"k0": 1.0, "k1": 3.0}
+SOLID: dict[str, Any] = {"k0": 1.0, "k1": 3.0}
 
 
 def heights(shape, seed, kind="white"):

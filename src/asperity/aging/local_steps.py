@@ -1,12 +1,12 @@
 r"""TR-BDF2 for creep that is local and not linear; the stages of `asperity.aging.tr_bdf2` on fields.
 
-The creeping shape is measured from the rigid body, whose position X is prescribed, or follows from the load:
+The creeping shape is measured from the rigid body, whose position X is prescribed or follows from the load:
 
     stage 1   v = u_c + d h f0            stage 2   v = u_c + w h (f0 + f1)
-    each:     solve u - X - u_c' = C^-1 s,  u_c' = v + d h V(s),  for u, s and X;  then  f = (u_c' - v) / (d h)
+    each:     solve u - X - u_c' = C^-1 s,  u_c' = v + d h V(s),  for u, s, X;  f = (u_c' - v) / (d h)
 
-V(s) is the velocity under the forces s of the creeping springs, that of a local law and of linear creep beside
-it. Under a load the mean of u_c grows for ever; it is taken into X after each step, and ``crept`` counts it.
+V(s) is the velocity under the forces s of the creeping springs, by a local law and by linear creep beside
+it. Under a load the mean of u_c grows for ever; X takes it in after each step, and ``crept`` counts it.
 Each stage starts from the polynomial in the logarithm of time through the states before it.
 """
 
@@ -176,10 +176,13 @@ class LocalSteps:
         weights = extrapolation([math.log(moment.time + origin) for moment in known], math.log(time + origin))
         states = [moment.state for moment in known]
         u, force, position = (
-            sum(weight * getattr(state, name) for weight, state in zip(weights, states, strict=True) if weight)
+            sum(
+                weight * getattr(state, name) for weight, state in zip(weights, states, strict=True) if weight
+            )
             for name in ("u", "force", "position")
         )
-        assert isinstance(u, np.ndarray) and isinstance(force, np.ndarray)
+        assert isinstance(u, np.ndarray)
+        assert isinstance(force, np.ndarray)
         return LocalState(u, force, float(position))
 
     def _about_mean(self, field: Field) -> Field:

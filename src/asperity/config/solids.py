@@ -11,8 +11,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from asperity.config.sections import (
     Branch,
     Constant,
-    Modulus,
     Energy,
+    Modulus,
     Power,
     Pressure,
     Section,
@@ -78,14 +78,15 @@ class Creeping(SolidSection):
 
     creep: Literal["eyring", "norton"] | None = Field(
         default=None,
-        description="Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure, or on "
-        "the lattice of springs the force of a spring to the bulk.",
+        description="Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure, "
+        "or on the lattice of springs the force of a spring to the bulk.",
     )
     creep_rate: Velocity | None = Field(default=None, description="Its velocity v0.")
     creep_stress: Pressure | None = Field(default=None, description="Its stress s0.")
     creep_exponent: Annotated[float, Field(ge=1, le=100)] | None = Field(
         default=None, description="Norton's exponent n."
     )
+
     @model_validator(mode="after")
     def _one_law(self) -> Self:
         given = {name for name in _OF_LAWS if getattr(self, name, None) is not None}
@@ -256,12 +257,14 @@ class HalfSpace(Creeping, Continuum):
     )
     creep_energy: Energy | None = Field(
         default=None,
-        description="Energy of activation Q; with the next three it gives Eyring's v0 = prefactor exp(-Q/kT) and "
-        "s0 = kT/volume.",
+        description="Energy of activation Q; with the next three it gives Eyring's v0 = prefactor "
+        "exp(-Q/kT) and s0 = kT/volume.",
     )
     creep_volume: Volume | None = Field(default=None, description="Volume of activation.")
     creep_prefactor: Velocity | None = Field(default=None, description="Velocity v0 far above Q = kT.")
-    temperature: Temperature | None = Field(default=None, description="Temperature of thermally activated creep.")
+    temperature: Temperature | None = Field(
+        default=None, description="Temperature of thermally activated creep."
+    )
     apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
 
     @property

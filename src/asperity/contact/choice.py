@@ -32,9 +32,7 @@ def local_solver(system: System) -> LocalCreepSolver:
             expected="a lattice of springs, or a solid all of whose stiffness is in series with a local law",
             got="permanent stiffness, or other creep, beside it",
         )
-    return SeriesCreep(
-        spectra.creeping[0], law, mechanics.stressed_area, mechanics.lattice, system.heights
-    )
+    return SeriesCreep(spectra.creeping[0], law, mechanics.stressed_area, mechanics.lattice, system.heights)
 
 
 def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:

@@ -88,7 +88,8 @@ class LatticeCreep:
         self.bond_count = rows[:, np.newaxis] + columns
         self.kappa = np.float32(springs.k0 / springs.k1)
         self.pair = [np.zeros((ny, nx), np.float32) for _ in range(2)]
-        self.grids, self.sums = [], np.zeros(2)
+        self.grids: list[_Grid] = []
+        self.sums = np.zeros(2)
         while not self.grids or (ny * nx > _COARSEST):
             ny, nx = (ny + 1) // 2, (nx + 1) // 2
             self.grids.append(_Grid.of((ny, nx)))
@@ -127,7 +128,7 @@ class LatticeCreep:
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """See `LocalCreepSolver`."""
         run = _Run(self, stage, guess)
-        size, change, sites = math.inf, math.inf, run.u.size
+        size, change = math.inf, math.inf
         for cycle in range(_MOST_CYCLES):
             change, size = run.cycle(), change
             if not math.isfinite(change):
@@ -163,7 +164,8 @@ class _Run:
         k1, tau = self.springs.k1, stage.tau
         self.spread, self.drag = tau * k1 * self.springs.R, tau * k1 * self.springs.R_viscous
         self.bonds = self.spread * (4.0 if solver.heights.shape[0] > 1 else 2.0)
-        self.total, self.missing, self.contacts = float(self.w.sum()), None, 0
+        self.total, self.contacts, self.own_answer = float(self.w.sum()), 0, 0.0
+        self.missing: float | None = None
         self.largest = max(largest(field, np) for field in (self.u, self.w, self.before))
         self.find_stretch()
 

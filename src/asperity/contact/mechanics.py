@@ -404,7 +404,7 @@ class SpringMechanics(Mechanics):
     def creeping_force(self, stretch: Field, load: float | None) -> Field:
         """See `Mechanics`."""
         del load
-        return self.springs.k1 * stretch[0]
+        return np.asarray(self.springs.k1 * stretch[0])
 
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """See `Mechanics`."""

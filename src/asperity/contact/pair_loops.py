@@ -106,8 +106,8 @@ def restrict(
 ) -> None:
     """What both equations lack on the lattice, and the equations of the first coarse grid.
 
-    ``coarse`` has the fields pins, bonds of e to the right and below, coupling, sum of the weights, lag, bonds
-    of f likewise, and both sources. ``sums``: of f, contacts.
+    ``coarse`` has the fields pins, bonds of e to the right and below, coupling, sum of the weights, lag,
+    bonds of f likewise, and both sources. ``sums``: of f, contacts.
     """
     ny, nx = e.shape
     pins, e_right, e_below, free, sites, lags, f_right, f_below, b_out, c_out = coarse

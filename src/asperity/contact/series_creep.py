@@ -4,13 +4,13 @@ All forces pass through the creeping element, so the contact forces p are the un
 
     C^-1 p + tau v(p / a) + v0 + X = xi   in contact,      p = 0 elsewhere, where u = C^-1 p + v0 + X > xi
 
-with a the area of a site, v0 the creeping shape before the step, and X the rigid body, prescribed or such that
-the sum of p is the load. These are the conditions for the minimum, over p >= 0 with that sum, of
+with a the area of a site, v0 the creeping shape before the step, and X the rigid body, prescribed or such
+that the sum of p is the load. These are the conditions for the minimum, over p >= 0 with that sum, of
 
     p C^-1 p / 2 + sum of tau V(p) - p (xi - v0),      V' = v,
 
-which is convex. Newton's method linearizes v; the contacts are revised as in `asperity.contact.active_set`, and
-the forces on them follow by conjugate gradients, preconditioned by (C^-1 + d)^-1 in Fourier modes between
+which is convex. Newton's method linearizes v; the contacts are revised as in `asperity.contact.active_set`,
+and the forces on them follow by conjugate gradients, preconditioned by (C^-1 + d)^-1 in Fourier modes between
 weights ((t + d) / (t + D))^(1/2), where D is tau v' / a at each site, d its mean in the logarithm, and t the
 compliance of the shortest wave.
 """
@@ -40,7 +40,7 @@ _GREATEST_RISE = 2.0
 """Rise of a stress that a linearized law is believed for, in units of `LocalCreep.bend`."""
 
 _WILD = 3.0
-"""Creep of a site in a step, over all that it could creep, above which its force is found for itself first."""
+"""Creep of a site in a step, over all that it could creep, above which its force is found for itself."""
 
 _FAINT = 1e-6
 """Drag, relative to the largest, that a bend does not matter to."""
@@ -88,11 +88,15 @@ class SeriesCreep:
             if not touching.any():
                 touching.flat[int(np.argmax(self.heights - guess.u))] = True
             total = float(p.sum())
-            p = p * (stage.load / total) if total > 0 else touching * (stage.load / np.count_nonzero(touching))
+            p = (
+                p * (stage.load / total)
+                if total > 0
+                else touching * (stage.load / np.count_nonzero(touching))
+            )
         wanted = self.heights - stage.before
         size, spent = math.inf, 0
         rounding = _ROUNDING * max(largest(self.heights, np), largest(stage.before, np))
-        for revision in range(_MOST_REVISIONS):
+        for _ in range(_MOST_REVISIONS):
             value, slope = self.law.velocity(p / self.area)
             stretch = self.stretch(p)
             lacking = wanted - position - stretch
@@ -104,7 +108,9 @@ class SeriesCreep:
             dp, moved, more = self.newton(lacking, drag, touching, missing)
             spent += more
             # What a linear law says of a stress that rises by far is not to be believed.
-            believed = _GREATEST_RISE * np.maximum(self.law.bend(p / self.area), 0.1 * largest(p, np) / self.area)
+            believed = _GREATEST_RISE * np.maximum(
+                self.law.bend(p / self.area), 0.1 * largest(p, np) / self.area
+            )
             rise = np.where(drag > _FAINT * drag.max(), self.area * believed, math.inf)
             new = np.where(touching, p + np.minimum(dp, rise), 0.0)
             leaving = new < 0
@@ -125,14 +131,14 @@ class SeriesCreep:
                 u = np.where(touching, self.heights, stage.before + position + self.stretch(p))
                 return LocalState(np.maximum(u, self.heights), p, position), spent
         raise ConvergenceError(
-            f"creep: a step of {stage.tau:.1e} changes by {size:.1e} after {revision + 1} revisions, expected "
-            f"{allowed_error:.1e}; try a larger rtol"
+            f"creep: a step of {stage.tau:.1e} changes by {size:.1e} after {_MOST_REVISIONS} revisions, "
+            f"expected {allowed_error:.1e}; try a larger rtol"
         )
 
     def tamed(
         self, p: Field, lacking: Field, tau: float, value: Field, slope: Field
     ) -> tuple[Field, Field, Field]:
-        """Forces where the law overshoots, each for itself; what then lacks, and the derivatives there."""
+        """Forces where the law overshoots, each for itself; what then lacks, and the derivatives."""
         own = self.site_compliance
         wanted = np.maximum(lacking + own * p, 0.0)
         wild = tau * value > _WILD * wanted
@@ -169,25 +175,29 @@ class SeriesCreep:
         if missing is not None:
             dp[touching] = missing / contacts
         residual = np.where(touching, lacking - self.stretch(dp) - drag * dp, 0.0)
-        even = conditioned(touching.astype(float)) if missing is not None else None
+        spread = conditioned(touching.astype(float))
         norm = None
 
         def projected(x: Field) -> Field:
             """The preconditioned residual that adds up to nothing."""
             z = conditioned(x)
-            if even is not None:
-                z -= (float(z.sum()) / float(even.sum())) * even
+            if missing is not None:
+                z -= (float(z.sum()) / float(spread.sum())) * spread
             return z
 
         z = projected(residual)
         slope = inner(residual, z, np)
         direction, iterations = z, 0
-        for iterations in range(1, _MOST_ITERATIONS + 1):
+        while iterations < _MOST_ITERATIONS:
+            iterations += 1
             if not slope > 0:
                 break
             norm = norm or slope
             change = np.where(touching, self.stretch(direction) + drag * direction, 0.0)
-            length = slope / inner(direction, change, np)
+            curvature = inner(direction, change, np)
+            if not curvature > 0:
+                break
+            length = slope / curvature
             dp += length * direction
             residual -= length * change
             z = projected(residual)
@@ -198,7 +208,7 @@ class SeriesCreep:
         moved = 0.0
         if missing is not None:
             # What the constraint leaves is even: the rise of the body, by the weights of the preconditioner.
-            moved = float(np.sum(residual * even)) / float(np.sum(even))
+            moved = float(np.sum(residual * spread)) / float(np.sum(spread))
         return dp, moved, iterations
 
     def damped(self, error: Field, stage: Stage, end: LocalState) -> Field:

@@ -114,7 +114,9 @@ def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
     if "creep_rate" in attrs:
         names = (("creep_rate", "v0", "m/s"), ("creep_stress", "s0", "Pa"), ("creep_exponent", "n", "1"))
         units = {name: unit if attrs.get("si") else "1" for name, _, unit in names}
-        parts += [f"{short} = {written(attrs[name], units[name])}" for name, short, _ in names if name in attrs]
+        parts += [
+            f"{short} = {written(attrs[name], units[name])}" for name, short, _ in names if name in attrs
+        ]
     return parts
 
 

@@ -282,7 +282,14 @@ class CreepLaw(LocalCreep):
 
 def checked_law(creep: LocalCreep) -> LocalCreep:
     """Take a local law of creep and nothing else."""
-    return checks.instance("creep", creep, LocalCreep, "asperity.solids.Eyring(rate=1.0, stress=1.0)")
+    if not isinstance(creep, LocalCreep):
+        raise InputError(
+            "creep",
+            expected="a law of creep",
+            got=checks.kind_of(creep),
+            advice="asperity.solids.Eyring(rate=1.0, stress=1.0)",
+        )
+    return creep
 
 
 def fingerprint_of_law(law: LocalCreep) -> str:
