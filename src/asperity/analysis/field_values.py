@@ -85,7 +85,8 @@ def pressure_of(one: xr.Dataset) -> Field | None:
     attrs, springs = one.attrs, ("k0", "k1", "R", "R_viscous")
     if not set(springs) <= set(attrs):
         return None
-    solid = spring_lattice(**{name: float(attrs[name]) for name in springs})
+    k0, k1, R, R_viscous = (float(attrs[name]) for name in springs)
+    solid = spring_lattice(k0=k0, k1=k1, R=R, R_viscous=R_viscous)
     u = np.asarray(one["u"], dtype=np.float64)
     mechanics = mechanics_of(solid, Lattice(u.shape, tuple(json.loads(attrs["spacing"])), attrs["edges"]))
     stretch = (u - np.asarray(one["u0"], dtype=np.float64))[np.newaxis]
