@@ -31,7 +31,6 @@ _EXAMPLES = {
     "m/s": ("a velocity", "1 um/s"),
     "Hz": ("a frequency", "10 Hz"),
     "rad/s": ("an angular frequency", "60 rad/s"),
-    "m/s": ("a velocity", "1 nm/s"),
     "m^3": ("a volume", "1 nm^3"),
     "J": ("an energy", "1 eV"),
     "K": ("a temperature", "25 degC"),

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from asperity.challenge.problems import NAMES, Column, Problem, problem
-from asperity.config.reading import tables_to_toml
 from asperity.results.store import whole_folder
 from asperity.surfaces import Surface
+from asperity.words import tables_to_toml
 
 _WIDTH = 110
 _RULES = {

@@ -93,8 +93,8 @@ def _try_writing(flag: str, target: Path, folder: Path) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    stems = "aging history sliding contacts patches growth pressure relaxation observed friction".split()
-    return name in {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION} or Path(name).stem in stems
+    pictures = "aging, history, sliding, contacts, patches, growth, pressure, relaxation, observed, friction"
+    return name in {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION} or Path(name).stem in pictures.split(", ")
 
 
 def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:

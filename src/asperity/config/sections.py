@@ -90,7 +90,6 @@ Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
 Speed = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("m/s"), BeforeValidator(_infinite)]
 """A velocity that may be infinite; where text alone can be written, as "inf"."""
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("N/m")]
-Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
 Energy = Annotated[float, Field(gt=0, le=LARGEST), WrapValidator(Activation())]
 Volume = Annotated[float, Field(gt=0, le=LARGEST), _in("m^3")]
 Temperature = Annotated[float, Field(gt=0, le=LARGEST), _in("K")]

@@ -48,11 +48,12 @@ class LineSites:
         self.unit = max(law.k0, self.pull) or 1.0
         # z is in units of ``pull``; its equation is divided by what makes the blocks symmetric.
         weight = self.pull or self.unit
-        numbers = (law.k0, self.pull, weight * law.lag / scale, weight * law.spread / scale)
-        self.numbers = tuple(number / self.unit for number in numbers)
+        self.k0, lag, spread = law.k0 / self.unit, weight * law.lag / scale, weight * law.spread / scale
         n = lattice.sites
         self.inverses, self.links, self.border = np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2, 2))
-        factorize(*self.numbers, in_contact, self.ring, self.inverses, self.links, self.border)
+        numbers = (self.k0, self.pull / self.unit, lag / self.unit, spread / self.unit)
+        matrix = (self.inverses, self.links, self.border)
+        factorize(*numbers, in_contact, self.ring, *matrix)
         if not np.isfinite(self.inverses).all():
             raise ConvergenceError(
                 "contact solver: expected springs that hold the free sites, got none; try k0 > 0"
@@ -70,7 +71,7 @@ class LineSites:
         del goal, imbalance, most, patience
         scale = worst * self.unit
         d, z = self._solved(np.where(self.in_contact, 0.0, -force / scale), np.zeros(force.size))
-        k0, pull, *_ = self.numbers
+        k0, pull = self.k0, self.pull / self.unit
         g = 0.0
         if self.bordered:
             left, shift = (self.mean * x.mean() - pull * y.mean() for x, y in ((d, z), self.even))

@@ -13,11 +13,11 @@ from filelock import FileLock, Timeout
 
 import asperity.campaign as campaign
 from asperity.campaign import Plan, Tally, read_plan
-from asperity.words import tables_to_toml
 from asperity.errors import AsperityError, InputError, OutputError
 from asperity.lattice import Field
 from asperity.results.store import whole_file
 from asperity.studies.evidence import Evidence
+from asperity.words import tables_to_toml
 
 Tables = Mapping[str, Any]
 

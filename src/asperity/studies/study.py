@@ -19,14 +19,13 @@ from matplotlib.figure import Figure
 
 import asperity.studies.campaigns as campaigns
 from asperity._version import __version__
-from asperity.words import tables_to_toml
 from asperity.results.store import whole_file
 from asperity.studies.campaigns import Campaign, Home, Prepared
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding
 from asperity.studies.report import Simulated, ledger_table, write_drawing, write_table
 from asperity.studies.typeset import bounds, interval, plain
-from asperity.words import duration
+from asperity.words import duration, tables_to_toml
 
 
 @dataclass(frozen=True, eq=False)
