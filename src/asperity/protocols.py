@@ -40,12 +40,16 @@ _UNITS = {
     "duration": "s",
     "load": "N",
     "separation": "m",
+    "approach": "m",
     "pressure": "Pa",
     "distance": "m",
     "velocity": "m/s",
 }
 
 _AXES = {"x": (0, 1), "-x": (0, -1), "y": (1, 0), "-y": (-1, 0)}
+
+_TARGETS = ("load", "separation", "pressure", "approach")
+"""What a `Ramp` or a `Step` may prescribe."""
 
 
 class Leg:
@@ -77,8 +81,22 @@ class Hold(Leg):
             raise InputError("hold", expected="'load', 'separation' or 'area'", got=repr(self.hold))
 
 
+class Change(Leg):
+    """A leg that ends at another load or separation."""
+
+    load: float | None
+    separation: float | None
+    pressure: float | None
+    approach: float | None
+
+    @property
+    def target(self) -> str:
+        """Which of these it prescribes."""
+        return next(name for name in _TARGETS if getattr(self, name) is not None)
+
+
 @dataclass(frozen=True)
-class Ramp(Leg):
+class Ramp(Change):
     """The load or the separation changes linearly in time to a new value.
 
     Parameters
@@ -89,11 +107,13 @@ class Ramp(Leg):
         The load at the end > 0.
     separation
         The separation at the end: the rigid body moves by what it differs from the mean of u0 at the
-        beginning. Give this, the load or the pressure.
+        beginning. Give this, the approach, the load or the pressure.
     pressure
         The load at the end over the nominal area > 0.
     mobility
         As in `Hold`.
+    approach
+        The approach at the end: how far the rigid body has moved since time 0, as the dataset has it.
     """
 
     duration: float
@@ -101,6 +121,7 @@ class Ramp(Leg):
     separation: float | None = None
     mobility: float = 1.0
     pressure: float | None = None
+    approach: float | None = None
 
     def __post_init__(self) -> None:
         _check(self, "duration", "mobility")
@@ -108,7 +129,7 @@ class Ramp(Leg):
 
 
 @dataclass(frozen=True)
-class Step(Leg):
+class Step(Change):
     """The load or the separation changes at once; the crept shape stays.
 
     Parameters
@@ -116,14 +137,17 @@ class Step(Leg):
     load
         The new load > 0.
     separation
-        The new separation. Give this, the load or the pressure.
+        The new separation. Give this, the approach, the load or the pressure.
     pressure
         The new load over the nominal area > 0.
+    approach
+        The new approach, as in `Ramp`.
     """
 
     load: float | None = None
     separation: float | None = None
     pressure: float | None = None
+    approach: float | None = None
 
     def __post_init__(self) -> None:
         _check_target(self, "Step(load=400.0)")
@@ -346,7 +370,7 @@ class Schedule:
     def holds_separation(self) -> bool:
         """Whether the rigid body is held or moved in some leg."""
         return any(
-            leg.hold == "separation" if isinstance(leg, Hold) else leg.separation is not None
+            leg.hold == "separation" if isinstance(leg, Hold) else leg.target in ("separation", "approach")
             for leg in self.legs
             if not isinstance(leg, Slide)
         )
@@ -365,6 +389,6 @@ def _check(leg: Hold | Ramp | Slide, *names: str) -> None:
 
 
 def _check_target(leg: Ramp | Step, advice: str) -> None:
-    target = checks.one_of(advice, load=leg.load, separation=leg.separation, pressure=leg.pressure)
-    least = -LARGEST if target == "separation" else 1 / LARGEST
+    target = checks.one_of(advice, **{name: getattr(leg, name) for name in _TARGETS})
+    least = -LARGEST if target in ("separation", "approach") else 1 / LARGEST
     object.__setattr__(leg, target, units.number(target, getattr(leg, target), _UNITS[target], least=least))

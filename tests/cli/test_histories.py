@@ -110,7 +110,7 @@ def test_a_file_with_repetitions(tmp_path: Path, asperity: Asperity) -> None:
         (["hold -3"], "--leg [0] duration: expected a number above 0.0, got -3"),
         (["hold 0,5"], "--leg [0] duration: expected a number, got '0,5'; try 0.5"),
         (["stp load=3"], "got 'stp'; did you mean 'step'?"),
-        (["hold 1", "step"], "--leg [1]: expected load, pressure or separation, got none"),
+        (["hold 1", "step"], "--leg [1]: expected load, pressure, separation or approach, got none"),
         (["hold 1", "step load=0"], "--leg [1] load: expected a number above 0.0, got 0"),
         (["ramp 3 lod=3"], "--leg lod: no such key; did you mean 'load'?"),
         (["repeat 3"], "--leg [0] legs: expected at least 1 in the list"),

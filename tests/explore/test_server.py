@@ -204,7 +204,7 @@ MISTAKES: dict[str, tuple[object, str, str]] = {
     "nested": (
         {"protocol": [{"kind": "repeat", "count": 2, "legs": [{"kind": "step"}]}]},
         "protocol[0].legs[0]",
-        "expected load, pressure or separation",
+        "expected load, pressure, separation or approach",
     ),
     "unknown": ({"solid": {"k_0": 1.0}}, "solid.k_0", "no such key; did you mean 'k0'?"),
     "unit": ({"aging": {"last": "3 K"}}, "aging.last", "expected"),

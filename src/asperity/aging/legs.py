@@ -152,7 +152,7 @@ def follow(
         elif isinstance(leg, Slide):
             yield from way.slide(leg, number, span, here)
         elif isinstance(leg, Step):
-            pressed = pressed_anew(way.now.contact, _target(way.now.contact, leg), solver)
+            pressed = pressed_anew(way.now.contact, _target(way.now, leg), solver)
             yield way.at_once(pressed, replace(way.now, time=span[1], leg=number, velocity=0.0))
         else:
             if here is not None:
@@ -244,7 +244,7 @@ class _Way:
     ) -> Generator[Frame, None, Pace | None]:
         """March through a span of time; returns what it tells of the length of steps."""
         now, (begun, end) = self.now, span
-        control = _control(now.contact, leg, end - begun) if here is None else here.control
+        control = _control(now, leg, end - begun) if here is None else here.control
         approach = now.approach if here is None else here.approach
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
         if here is not None:
@@ -286,15 +286,17 @@ class _Way:
         return told
 
 
-def _control(contact: Contact, leg: Hold | Ramp | Slide, lasting: float) -> Control:
+def _control(now: Frame, leg: Hold | Ramp | Slide, lasting: float) -> Control:
     """What a leg prescribes, in times since its beginning and as fast as its mobility lets time pass."""
     if not isinstance(leg, Ramp):
-        return control_of(contact, leg.hold if isinstance(leg, Hold) else None)
-    target = _target(contact, leg)
-    start = contact.separation if leg.separation is not None else control_of(contact, "load").value
+        return control_of(now.contact, leg.hold if isinstance(leg, Hold) else None)
+    target = _target(now, leg)
+    start = control_of(now.contact, "load").value if target.load_controlled else now.contact.separation
     return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))
 
 
-def _target(contact: Contact, leg: Ramp | Step) -> Control:
-    load = leg.load if leg.pressure is None else leg.pressure * contact.nominal_area
+def _target(now: Frame, leg: Ramp | Step) -> Control:
+    load = leg.load if leg.pressure is None else leg.pressure * now.contact.nominal_area
+    if leg.approach is not None:  # under viscous creep the mean of u0 is not where the body was put
+        return control_from(None, now.contact.separation + now.approach - leg.approach)
     return control_from(load, leg.separation)

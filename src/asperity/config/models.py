@@ -395,7 +395,7 @@ class HoldLeg(Section):
 
 
 class Target(Section):
-    """A load, a pressure or a separation to get to."""
+    """A load, a pressure, a separation or an approach to get to."""
 
     load: Force | None = Field(default=None, description="Load at the end.")
     separation: Position | None = Field(
@@ -404,12 +404,18 @@ class Target(Section):
     pressure: Pressure | None = Field(
         default=None, description="Load over nominal area at the end; instead of the load."
     )
+    approach: Position | None = Field(
+        default=None,
+        description="How far the rigid body has moved at the end since time 0; instead of the load.",
+    )
 
     @model_validator(mode="after")
-    def _one_of_three(self) -> Self:
-        given = [name for name in ("load", "pressure", "separation") if getattr(self, name) is not None]
+    def _one_of_four(self) -> Self:
+        names = ("load", "pressure", "separation", "approach")
+        given = [name for name in names if getattr(self, name) is not None]
         if len(given) != 1:
-            raise ValueError(f"expected load, pressure or separation, got {' and '.join(given) or 'none'}")
+            got = " and ".join(given) or "none"
+            raise ValueError(f"expected load, pressure, separation or approach, got {got}")
         return self
 
 

@@ -191,7 +191,7 @@ def _only_load(dataset: xr.Dataset, table: list[LegRow]) -> bool:
     holds = [row.leg.hold for row in table if isinstance(row.leg, Hold)]
     others = [row.leg for row in table if isinstance(row.leg, Ramp | Step)]
     return dataset.attrs["held"] == "load" and not (
-        "separation" in holds or any(leg.separation is not None for leg in others)
+        "separation" in holds or any(leg.target in ("separation", "approach") for leg in others)
     )
 
 
@@ -385,17 +385,15 @@ def _said(leg: Leg, say: _Say) -> str:
 
 
 def _target(leg: Ramp | Step, say: _Say) -> str:
-    if leg.pressure is not None:
-        return f"pressure {say('mean_contact_pressure', leg.pressure)}"
-    name = "load" if leg.separation is None else "separation"
-    return f"{name} {_signed(getattr(leg, name), name, say)}"
+    quantity = "mean_contact_pressure" if leg.target == "pressure" else leg.target
+    return f"{leg.target} {_signed(getattr(leg, leg.target), quantity, say)}"
 
 
 def _jump(row: LegRow, say: _Say) -> str:
     """Say what changes at once, from what to what."""
     if isinstance(row.leg, Slide):
         return _said(row.leg, say)
-    by_load = isinstance(row.leg, Step) and row.leg.separation is None
+    by_load = isinstance(row.leg, Step) and row.leg.target in ("load", "pressure")
     name, (before, after) = ("load", row.load) if by_load else ("separation", row.separation)
     return f"{name} {_signed(before, name, say)}\u00a0→\u00a0{_signed(after, name, say)}"
 

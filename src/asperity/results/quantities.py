@@ -171,6 +171,7 @@ PARAMETERS: dict[str, tuple[str, str]] = {
 IN_A_LEG = {
     "load": SERIES["load"],
     "separation": SERIES["separation"],
+    "approach": SERIES["approach"],
     "pressure": ("load over nominal area", "pressure"),
     "duration": ("duration", "time"),
     "distance": ("distance", "place"),

@@ -206,7 +206,7 @@ function withUnits(words) {
 }
 
 function legInWords(leg) {
-  const to = ["load", "separation"].filter((name) => leg[name] !== undefined && leg[name] !== null).map((name) => `to ${name} ${number(leg[name])}`).join(" ");
+  const to = ["load", "pressure", "separation", "approach"].filter((name) => leg[name] !== undefined && leg[name] !== null).map((name) => `to ${name} ${number(leg[name])}`).join(" ");
   if (leg.kind === "hold") return `hold for ${number(leg.duration)}`;
   if (leg.kind === "step") return `step ${to}`;
   if (leg.kind === "ramp") return `ramp ${to} in ${number(leg.duration)}`;
