@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from asperity.errors import InputError
+from asperity.studies.release import RELEASE
 from asperity.studies.study import Concluded, Outcome, Study, conclude, run
 from asperity.studies.unloading import UNLOADING
 from asperity.words import closest
 
-_ALL = (UNLOADING,)
+_ALL = (UNLOADING, RELEASE)
 STUDIES = {study.name: study for study in _ALL}
 """All studies by name, in the order of the list."""
 

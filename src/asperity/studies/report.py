@@ -126,6 +126,8 @@ def _brief(name: str, value: object) -> Markup:
     if not isinstance(value, list):
         return number(value) if isinstance(value, float) else escape(value)
     words = [_brief(name, item) for item in value]
+    if not words:
+        return escape("none")
     if name == "shape":
         return Markup("\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}").join(words)
     ends = Markup("{} to {}").format(words[0], words[-1])

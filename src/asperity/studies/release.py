@@ -1,0 +1,382 @@
+r"""Study: the force after a partial release of the displacement, and whether it remembers the waiting time.
+
+Two bodies are pressed, held at that displacement for a time t_w, brought apart by a little, and held there.
+The force rises for a while, and then falls. Y. Lahini, O. Gottesman, A. Amir, S. M. Rubinstein, Phys. Rev.
+Lett. 118, 085501 (2017), DOI 10.1103/PhysRevLett.118.085501, find on crumpled sheets and foams that it is
+greatest at a time in proportion to t_w.
+
+With a fixed set of contacts a separable solid is linear: the force after every displacement relaxes as the
+modulus E(t), so that, with t from the release on,
+
+    F(t) = [F_0 E(t + t_w) - F_1 E(t)] / E(0),
+
+F_0 being the force at first and F_1 the fall of the force at the release. Where E falls like ln t or like a
+power of t, the greatest F comes at a fixed multiple of t_w; where E relaxes with one time there is no
+maximum. A rough contact loses contacts in the release and wins some again, so that this is an estimate for
+it: the tables have its maximum beside the measured one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits.resampling import jackknife
+from asperity.relaxation import PronySeries
+from asperity.studies.campaigns import Campaign
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import Finding, Measurement, proportion
+from asperity.studies.study import Outcome, Study
+
+PROPORTIONAL = (0.95, 1.05)
+"""Slopes d ln t_max/d ln t_w that bear out that the two are proportional."""
+
+PROMINENT = 1e-4
+"""Part of the greatest force by which the first and the last one are to be below it."""
+
+HAS_MAXIMUM = (0.95, 1.0)
+"""Shares of the runs with a maximum that bear out that there is one."""
+
+_WAITING = (1.0, 10.0, 100.0, 1e3, 1e4)
+_QUICK_WAITING = (1.0, 10.0, 100.0)
+
+_LOGARITHMIC = [(0.03, float(f"{time:.4g}")) for time in np.geomspace(1e-4, 1e8, 25)]
+"""Equal shares, two in a decade: the modulus falls by 0.06 in each decade, for twelve of them."""
+
+_POWER = [
+    (float(f"{0.09 * (time / 1e-4) ** -0.1:.4g}"), float(f"{time:.4g}"))
+    for time in np.geomspace(1e-4, 1e8, 25)
+]
+"""Shares that fall as the power -0.1 of their time: so does the modulus, beside what does not relax."""
+
+_ROUGH = {
+    "kind": "spectral",
+    "shape": [48, 48],
+    "hurst": 0.8,
+    "roll_off": 24.0,
+    "cutoff": 4.0,
+    "rms_height": 1.0,
+}
+_HELD = {"kind": "half_space", "modulus": 1.0, "apparatus": math.inf}
+_SPRINGS = {"kind": "spring_lattice", "k0": 1.0, "k1": 3.0}
+_WHITE = {"kind": "gaussian", "shape": [96, 96]}
+
+_SOLIDS: Mapping[str, tuple[str, Mapping[str, Any], Mapping[str, Any], float, tuple[float, ...]]] = {
+    "logarithm": (
+        "half-space with a modulus that falls like ln t",
+        _ROUGH,
+        _HELD | {"branches": _LOGARITHMIC},
+        0.5,
+        (0.1, 0.2),
+    ),
+    "power": (
+        "half-space with a modulus that falls like a power of t",
+        _ROUGH,
+        _HELD | {"branches": _POWER},
+        0.5,
+        (0.1,),
+    ),
+    "one_time": (
+        "half-space with one relaxation time, 10",
+        _ROUGH,
+        _HELD | {"branches": [(0.75, 10.0)]},
+        0.5,
+        (0.1,),
+    ),
+    "conserved": (
+        "lattice of springs, conserved creep (R = 1)",
+        _WHITE,
+        _SPRINGS | {"R": 1.0},
+        2.5,
+        (0.05, 0.1),
+    ),
+    "viscous": (
+        "lattice of springs, viscous creep (R_viscous = 1, R = 0)",
+        _WHITE,
+        _SPRINGS | {"R": 0.0, "R_viscous": 1.0},
+        2.5,
+        (0.1,),
+    ),
+}
+"""By name: words, surface, solid, separation at first, and by how much the bodies are brought apart."""
+
+
+def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
+    """Campaigns by solid and release. Creep t_w times as fast for a time of 1 is creep for t_w."""
+    for name, (words, surface, solid, separation, moves) in _SOLIDS.items():
+        for move in moves:
+            yield Campaign(
+                _folder(name, move),
+                f"Force after a release by {move:g}, with the waiting time as a factor on mobility: {words}",
+                {
+                    "surface": surface,
+                    "solid": {key: _listed(value) for key, value in solid.items()},
+                    "contact": {"separation": separation},
+                    "aging": {"first": 0.01, "per_decade": 8},
+                    "protocol": [
+                        {"kind": "hold", "duration": 1.0},
+                        {"kind": "step", "approach": -move},
+                        {"kind": "hold", "duration": 30.0},
+                    ],
+                    "output": {"maps_at": []},
+                    "sweep": {
+                        "protocol.0.mobility": list(waiting),
+                        "protocol.2.mobility": list(waiting),
+                        "seeds": seeds if solid["kind"] == "spring_lattice" else seeds // 2,
+                        "combine": "zip",
+                    },
+                },
+            )
+
+
+def _folder(name: str, move: float) -> str:
+    return f"{name}_{move:g}".replace(".", "_")
+
+
+def _listed(value: object) -> object:
+    return [list(branch) for branch in value] if isinstance(value, list) else value
+
+
+def maximum(time: Floats, force: Floats) -> float:
+    """Time at which a force is greatest: that of the parabola in ln t through the greatest and its neighbors.
+
+    Parameters
+    ----------
+    time
+        Increasing times above 0, shape (n,).
+    force
+        Forces at them.
+
+    Returns
+    -------
+    float
+        NaN where the force does not rise to it and fall after it by more than a part `PROMINENT`.
+    """
+    at = int(np.argmax(force))
+    if not force[at] - max(force[0], force[-1]) > PROMINENT * abs(force[at]):
+        return math.nan
+    near = slice(at - 1, at + 2)
+    below = (force[near] - force[at]) / np.ptp(force[near])
+    square, slope, _ = np.polyfit(np.log(time[near] / time[at]), below, 2)
+    return float(time[at] * math.exp(-slope / (2 * square))) if square < 0 else float(time[at])
+
+
+def superposed(series: PronySeries, waiting: float, fall: float) -> float:
+    """Time of the maximum of E(t + t_w) - fall E(t): that of a linear solid; NaN where there is none.
+
+    Parameters
+    ----------
+    series
+        Relaxation of the modulus.
+    waiting
+        t_w.
+    fall
+        Fall of the force at the release, over the force at first.
+    """
+    time = np.geomspace(1e-2, 30.0, 241) * waiting
+    return maximum(time, series.modulus_at(time + waiting) - fall * series.modulus_at(time))
+
+
+def _runs(evidence: Evidence) -> pd.DataFrame:
+    """Return one row a run: the force at the switches and the time of its maximum."""
+    rows = []
+    for name, move in ((name, move) for name, solid in _SOLIDS.items() for move in solid[4]):
+        solid = _SOLIDS[name][2]
+        series = PronySeries(1.0, tuple(solid["branches"])) if "branches" in solid else None
+        dataset = evidence[_folder(name, move)]
+        for point in dataset["point"].values:
+            for seed in dataset["seed"].values:
+                one = dataset.sel(point=point, seed=seed)
+                here = {"solid": name, "move": move, "seed": int(seed)}
+                rows.append(here | _row(one, float(one["protocol.0.mobility"]), series))
+    first = ["solid", "move", "waiting", "seed"]
+    table = pd.DataFrame(rows)
+    return table[first + [column for column in table if column not in first]]
+
+
+def _row(one: xr.Dataset, waiting: float, series: PronySeries | None) -> dict[str, float]:
+    leg, load = one["leg"].values, one["load"].values
+    after = leg == 2
+    before, once = load[leg == 0][-1], load[leg == 1][-1]
+    time = (one["time"].values[after] - 1) * waiting
+    fall = float(before - once) / float(load[0])
+    return {
+        "waiting": waiting,
+        "before": float(before / load[0]),
+        "released": float(once / load[0]),
+        "greatest": float(load[after].max() / load[0]),
+        "time_of_maximum": maximum(time, load[after]),
+        "superposed": superposed(series, waiting, fall) if series is not None else math.nan,
+    }
+
+
+def slope(waiting: Floats, logarithms: Floats) -> float:
+    """Slope of the mean over runs of ln t_max against ln t_w, of shape (runs, waiting times)."""
+    return float(np.polyfit(np.log(waiting), logarithms.mean(axis=0), 1)[0])
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Find the maxima, and the slopes of their times."""
+    runs = _runs(evidence)
+    findings, points = [], []
+    for name, (words, _, _, _, moves) in _SOLIDS.items():
+        measured = []
+        for move in moves:
+            part = runs[(runs["solid"] == name) & (runs["move"] == move)]
+            times = part.pivot(index="seed", columns="waiting", values="time_of_maximum")
+            estimates = part.pivot(index="seed", columns="waiting", values="superposed")
+            waiting = times.columns.to_numpy(dtype=float)
+            logs = np.log(times.to_numpy())
+            solid = f"{words}, released by {move:g}"
+            shared = np.isfinite(logs).all(axis=0)
+            ratios = jackknife(lambda sample: sample.mean(axis=0), logs - np.log(waiting))
+            if shared.sum() > 2:
+                own = waiting[shared]
+                found = jackknife(lambda sample, own=own: slope(own, sample), logs[:, shared])
+                what = f"slope of ln <i>t</i><sub>max</sub> against ln <i>t</i><sub>w</sub>: {solid}"
+                measured.append(Measurement(what, found, *PROPORTIONAL))
+            else:
+                found = proportion(int(np.isfinite(logs).sum()), logs.size)
+                what = f"share of the runs in which the force has a maximum: {solid}"
+                measured.append(Measurement(what, found, *HAS_MAXIMUM))
+            linear = np.exp(np.log(estimates.to_numpy()).mean(axis=0)) / waiting
+            points += [
+                {
+                    "solid": name,
+                    "move": move,
+                    "waiting": waiting[at],
+                    "ratio": math.exp(ratios.value[at]),
+                    "low": math.exp(ratios.low[at]),
+                    "high": math.exp(ratios.high[at]),
+                    "with_maximum": float(np.isfinite(logs[:, at]).mean()),
+                    "superposed_ratio": linear[at],
+                    "runs": len(logs),
+                }
+                for at in range(waiting.size)
+            ]
+        findings.append(
+            Finding(
+                key=name,
+                place="Lahini et al. 2017",
+                claim="The force is greatest at a time in proportion to the waiting time",
+                measured=tuple(measured),
+                note=_NOTES.get(name, ""),
+            )
+        )
+    slopes = [
+        {
+            "solid": name,
+            "move": move,
+            "measured": "share" if one.low == HAS_MAXIMUM[0] and one.high == HAS_MAXIMUM[1] else "slope",
+            "value": float(one.estimate.value),
+            "low": float(one.estimate.low),
+            "high": float(one.estimate.high),
+            "runs": one.estimate.runs,
+            "verdict": one.verdict.value,
+        }
+        for (name, (*_, moves)), finding in zip(_SOLIDS.items(), findings, strict=True)
+        for move, one in zip(moves, finding.measured, strict=True)
+    ]
+    tables = {
+        "runs": runs,
+        "ratios": pd.DataFrame(points),
+        "slopes": pd.DataFrame(slopes),
+        "forces": _forces(evidence),
+    }
+    return Outcome(tuple(findings), tables)
+
+
+_NOTES = {
+    "one_time": "With one relaxation time the modulus gives no maximum: the force moves one way only.",
+    "viscous": "The held bodies lose all force in the end, while the release stays what it is.",
+}
+
+
+def _forces(evidence: Evidence) -> pd.DataFrame:
+    """Return force over that at first against the time since the release, of the first surface."""
+    dataset = evidence[_folder("logarithm", _SOLIDS["logarithm"][4][0])].isel(seed=0)
+    parts = []
+    for point in range(dataset.sizes["point"]):
+        one = dataset.isel(point=point)
+        after, waiting = one["leg"].values == 2, float(one["protocol.0.mobility"])
+        time = (one["time"].values[after] - 1) * waiting
+        force = one["load"].values[after] / one["load"].values[0]
+        parts.append(pd.DataFrame({"waiting": waiting, "time": time, "force": force}))
+    return pd.concat(parts, ignore_index=True)
+
+
+_LOOKS = {
+    "logarithm": ("o", style.INK),
+    "power": ("s", style.BLUE),
+    "conserved": ("^", style.VERMILION),
+    "viscous": ("D", style.SKY),
+}
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw the force after the release, and the times of its maxima."""
+    figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    forces, ratios = tables["forces"], tables["ratios"]
+    for waiting, part in forces.groupby("waiting"):
+        greatest = part.loc[part["force"].idxmax()]
+        left.plot(part["time"], part["force"], "-", color=style.INK, linewidth=0.9)
+        left.plot(greatest["time"], greatest["force"], "o", color=style.INK, markersize=4)
+        left.annotate(
+            rf"$t_\mathrm{{w}}={style.power(float(waiting))}$",
+            (part["time"].iloc[0], part["force"].iloc[0]),
+            xytext=(0, -9),
+            textcoords="offset points",
+            fontsize=7,
+        )
+    left.set(xscale="log", xlabel=r"time since the release $t$", ylabel="force over that at first")
+    for (solid, move), part in ratios.groupby(["solid", "move"], sort=False):
+        if solid not in _LOOKS or part["ratio"].isna().all():
+            continue
+        mark, color = _LOOKS[str(solid)]
+        error = (part["ratio"] - part["low"], part["high"] - part["ratio"])
+        right.errorbar(
+            part["waiting"],
+            part["ratio"],
+            yerr=error,
+            fmt=f"{mark}-",
+            color=color,
+            markersize=4,
+            linewidth=0.8,
+            markerfacecolor=color if move == _SOLIDS[str(solid)][4][0] else "white",
+            label=f"{str(solid).replace('_', ', ')}, {move:g}",
+        )
+        if not part["superposed_ratio"].isna().any():
+            right.plot(part["waiting"], part["superposed_ratio"], ":", color=color, linewidth=1.2)
+    right.set(
+        xscale="log",
+        yscale="log",
+        xlabel=r"waiting time $t_\mathrm{w}$",
+        ylabel=r"time of the maximum over $t_\mathrm{w}$",
+    )
+    right.set_ylim(0.02, 3)
+    right.legend(fontsize=7, loc="lower left", ncols=2)
+    return figure
+
+
+RELEASE = Study(
+    name="release",
+    question="After a partial release, is the force greatest at a time in proportion to the waiting time?",
+    quick=tuple(_campaigns(_QUICK_WAITING, seeds=4)),
+    full=tuple(_campaigns(_WAITING, seeds=8)),
+    analyse=analyse,
+    draw=draw,
+    caption="Left: force after a release by 0.1, on a half-space with a modulus like ln <i>t</i>; "
+    "one surface, several waiting times, the greatest force marked. Right: time of the greatest force over "
+    "the waiting time, geometric mean over the surfaces with its 95 % interval; filled marks are the smaller "
+    "release; dotted is the linear superposition for fixed contacts.",
+    page="docs/studies/release.md",
+)
