@@ -326,12 +326,14 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
     left, right = figure.subplots(1, 2)
     forces, ratios = tables["forces"], tables["ratios"]
-    for waiting, part in forces.groupby("waiting"):
-        greatest = part.loc[part["force"].idxmax()]
+    for _, part in forces.groupby("waiting"):
+        greatest = int(part["force"].to_numpy().argmax())
         left.plot(part["time"], part["force"], "-", color=style.INK, linewidth=0.9)
-        left.plot(greatest["time"], greatest["force"], "o", color=style.INK, markersize=4)
+        left.plot(
+            part["time"].iloc[greatest], part["force"].iloc[greatest], "o", color=style.INK, markersize=4
+        )
         left.annotate(
-            rf"$t_\mathrm{{w}}={style.power(float(waiting))}$",
+            rf"$t_\mathrm{{w}}={style.power(float(part['waiting'].iloc[0]))}$",
             (part["time"].iloc[0], part["force"].iloc[0]),
             xytext=(0, -9),
             textcoords="offset points",
