@@ -219,7 +219,7 @@ class _Run:
         for field in (e, f):
             field.fill(0.0)
         numbers = (solver.kappa, single(self.spread))
-        relaxed: Any = (e, f, bound, *sources, inverse, yielding, *solver.bonds, *numbers)
+        relaxed: tuple[Any, ...] = (e, f, bound, *sources, inverse, yielding, *solver.bonds, *numbers)
         loops.relax(*relaxed, single(0.0), False)
         # A contact that its neighbors' stretches do not reach answers a shift on its own.
         touching = e <= bound
@@ -227,7 +227,7 @@ class _Run:
         weight = np.where(touching, weight * reached, weight)
         self.own_answer = float(np.sum((1 - reached) * inverse, where=touching, dtype=float))
         first = solver.grids[0]
-        weighted: Any = (e, f, bound, *sources, lag, weight, *solver.bonds, *numbers)
+        weighted: tuple[Any, ...] = (e, f, bound, *sources, lag, weight, *solver.bonds, *numbers)
         loops.restrict(*weighted, single(0.0), first.equations, solver.sums)
         total, contacts = solver.sums.tolist()
         shift = self.on_grid(0, None if missing is None else missing / unit - total)

@@ -1,0 +1,125 @@
+"""Local laws of creep: their numbers, what is refused, checkpoints, legs, and configurations."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.config.python import to_python
+from asperity.config.models import RunConfig
+from asperity.errors import CheckpointError, ConvergenceError
+from asperity.solids import CreepLaw, Eyring, Norton, half_space, spring_lattice
+from tests.refusals import refuses
+
+ROUGH = np.random.default_rng(0).normal(size=(12, 12))
+LAW = Eyring(rate=0.1, stress=0.2)
+LATTICE = spring_lattice(k0=1.0, k1=3.0, R=0.1, creep=LAW)
+
+
+def test_eyring_is_the_hyperbolic_sine_at_every_stress():
+    stress = np.array([-50.0, -1e-12, 0.0, 1e-9, 0.3, 100.0])
+    rate, slope = Eyring(2.0, 0.5).velocity(stress)
+    np.testing.assert_allclose(rate, 2.0 * np.sinh(stress / 0.5), rtol=1e-14)
+    np.testing.assert_allclose(slope, 4.0 * np.cosh(stress / 0.5), rtol=1e-14)
+    assert np.isfinite(Eyring(2.0, 0.5).velocity(np.array([1e6, -1e6]))).all()
+
+
+def test_norton_is_odd_and_has_its_derivative():
+    stress = np.array([-2.0, 0.0, 1.0, 3.0])
+    rate, slope = Norton(0.5, 2.0, 3.0).velocity(stress)
+    np.testing.assert_allclose(rate, 0.5 * (stress / 2.0) ** 3)
+    np.testing.assert_allclose(slope, 0.75 * (stress / 2.0) ** 2)
+
+
+def test_activation_gives_rate_and_stress():
+    law = Eyring.activated(energy="96.485 kJ/mol", volume="0.1 nm^3", temperature="300 K", prefactor=1.0)
+    same = Eyring.activated(energy="1 eV", volume=1e-28, temperature=300.0, prefactor="1 m/s")
+    assert law.rate == pytest.approx(same.rate, rel=1e-3)
+    assert law.rate == pytest.approx(np.exp(-1.602177e-19 / (1.380649e-23 * 300)), rel=1e-3)
+    assert law.stress == pytest.approx(1.380649e-23 * 300 / 1e-28)
+
+
+def test_what_is_no_law_is_refused():
+    with refuses("energy"):
+        Eyring.activated(energy="20 eV", volume=1e-28, temperature=100.0, prefactor=1.0)
+    with refuses("rate"):
+        CreepLaw(lambda s: s + 1.0, np.ones_like)
+    with refuses("creep"):
+        spring_lattice(k0=1.0, k1=3.0, creep=1.0)  # type: ignore[arg-type]
+    with refuses("creep"):
+        half_space(modulus=1.0, branches=[(0.5, 1.0)], creep=LAW)
+
+
+def test_a_stress_beyond_belief_is_refused():
+    solid = spring_lattice(k0=1.0, k1=3.0, creep=Eyring(1.0, 1e-3))
+    with refuses("creep"):
+        asp.age(asp.press(ROUGH, solid, load=40.0), [1.0])
+
+
+def test_a_law_with_a_threshold_has_no_limit_of_its_own():
+    law = CreepLaw(lambda s: np.maximum(s - 0.1, 0.0), lambda s: (s > 0.1).astype(float))
+    with refuses("creep"):
+        asp.relax(asp.press(ROUGH, spring_lattice(k0=1.0, k1=3.0, creep=law), load=40.0))
+
+
+@pytest.mark.parametrize(
+    "solid", [LATTICE, half_space(modulus=3.0, creep=LAW)], ids=["lattice", "half_space"]
+)
+def test_a_killed_run_ends_at_the_identical_result(solid, tmp_path, monkeypatch):
+    contact = asp.press(ROUGH, solid, load=8.0)
+    legs = [asp.protocols.Hold(1.0), asp.protocols.Step(load=4.0), asp.protocols.Hold(5.0)]
+    times = [0.5, 2.0, 6.0]
+    whole = asp.age(contact, times, protocol=legs)
+    place, count = tmp_path / "place", 0
+
+    def stop(frame):
+        nonlocal count
+        count += 1
+        if count == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        asp.age(contact, times, protocol=legs, progress=stop, checkpoint=asp.Checkpoint(place, every=0))
+    resumed = asp.age(contact, times, protocol=legs, checkpoint=asp.Checkpoint(place, every=0))
+    assert resumed.dataset.identical(whole.dataset)
+    assert np.array_equal(resumed.final.u, whole.final.u)
+    other = dataclasses.replace(solid, creep=Eyring(rate=0.1, stress=0.3))
+    with pytest.raises(CheckpointError, match="other parameters"):
+        asp.age(asp.press(ROUGH, other, load=8.0), times, protocol=legs, checkpoint=place)
+
+
+def test_a_step_that_is_not_solved_raises(monkeypatch):
+    monkeypatch.setattr("asperity.contact.lattice_creep._MOST_CYCLES", 0)
+    with pytest.raises(ConvergenceError, match="steps shrank"):
+        asp.age(asp.press(ROUGH, LATTICE, load=8.0), [1.0])
+
+
+def configured(**solid):
+    solid = {"kind": "spring_lattice", **solid}
+    return RunConfig.model_validate(
+        {"surface": {"kind": "gaussian", "shape": [8, 8]}, "solid": solid, "contact": {"load": 5.0}}
+    )
+
+
+def test_configurations_make_the_same_law_and_python():
+    config = configured(creep="eyring", creep_rate=0.1, creep_stress=0.2)
+    assert config.solid.build().creep == LAW
+    assert "creep=asp.solids.Eyring(rate=0.1, stress=0.2)" in to_python(config, [1.0]).replace("\n", "")
+    activated = {"creep_energy": "1 eV", "creep_volume": "0.1 nm^3", "temperature": "300 K"}
+    warm = configured(kind="half_space", modulus="1 GPa", creep="eyring", creep_prefactor=1.0, **activated)
+    law = Eyring.activated(energy="1 eV", volume="0.1 nm^3", temperature="300 K", prefactor=1.0)
+    assert warm.solid.build().creep == law
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        {"creep": "eyring", "creep_rate": 1.0},
+        {"creep_rate": 1.0},
+        {"creep": "norton", "creep_rate": 1.0, "creep_stress": 1.0},
+    ],
+)
+def test_half_a_law_is_refused(solid):
+    with pytest.raises(ValueError, match="creep: expected"):
+        configured(**solid)
