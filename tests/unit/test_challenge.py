@@ -21,6 +21,8 @@ SCAN = Path(os.environ.get("ASPERITY_DATA", "")) / "mi-1.mi"
 MADE = [one.name for one in asp.challenge.problems() if one.heights["rule"] != "scan"]
 QUICK = ("dense", "constant-area")
 """Problems that take about a second."""
+RTOL = dict.fromkeys(MADE, 2e-4) | {"constant-area": 2e-3 / 3}
+"""Finer tolerances take very long where the area is kept."""
 
 
 def splitmix(seed, count):
@@ -123,7 +125,7 @@ def test_answers_are_whole_and_small():
 
 @pytest.mark.parametrize("name", QUICK)
 def test_quick_answers_lie_within_their_bars(name):
-    score = asp.challenge.score(asp.challenge.solve(name, rtol=2e-4), name)
+    score = asp.challenge.score(asp.challenge.solve(name, rtol=RTOL[name]), name)
     assert score.agrees
     for one in score.quantities:
         assert one.verdict == "within the error bars", one.in_bars
@@ -133,7 +135,7 @@ def test_quick_answers_lie_within_their_bars(name):
 @pytest.mark.parametrize("name", MADE)
 def test_answers_lie_within_their_bars(name):
     made = asp.challenge.problem(name)
-    found = asp.challenge.solve(name, rtol=2e-4, halvings=2 * made.continuous)
+    found = asp.challenge.solve(name, rtol=RTOL[name], halvings=2 * made.continuous)
     for one in asp.challenge.score(found, name).quantities:
         assert one.verdict == "within the error bars", one.in_bars
 
