@@ -30,7 +30,7 @@ import scipy.fft
 
 import asperity as asp
 from asperity.challenge import NAMES, Problem, problem, solve
-from asperity.challenge.problems import PARTS
+from asperity.challenge.posing import PARTS
 
 USUAL = 2e-3
 ROUNDING = 1e-8

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import asperity.checks as checks
-from asperity.challenge.problems import Column, Problem, problem
+from asperity.challenge.posing import Column, Problem, problem
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.tables import read_table

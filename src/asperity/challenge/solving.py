@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from asperity.challenge.problems import Problem, problem
+from asperity.challenge.posing import Problem, problem
 from asperity.contact.problem import ContactSolver
 from asperity.lattice import Field
 from asperity.simulate import age, press

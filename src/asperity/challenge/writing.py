@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from asperity.challenge.problems import NAMES, Column, Problem, problem
+from asperity.challenge.posing import NAMES, Column, Problem, problem
 from asperity.results.store import whole_folder
 from asperity.surfaces import Surface
 from asperity.words import tables_to_toml
