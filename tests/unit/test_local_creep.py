@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.config.python import to_python
 from asperity.config.models import RunConfig
+from asperity.config.python import to_python
 from asperity.errors import CheckpointError, ConvergenceError
 from asperity.solids import CreepLaw, Eyring, Norton, half_space, spring_lattice
 from tests.refusals import refuses
