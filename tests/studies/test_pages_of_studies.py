@@ -2,6 +2,7 @@
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -60,7 +61,8 @@ def test_the_numbers_have_an_origin(name):
 
 def test_the_sentences_on_the_release_hold():
     data = DOCS / "data" / "studies" / "release"
-    slopes, ratios = pd.read_csv(data / "slopes.csv").set_index("solid"), pd.read_csv(data / "ratios.csv")
+    slopes: Any = pd.read_csv(data / "slopes.csv").set_index("solid")
+    ratios: Any = pd.read_csv(data / "ratios.csv")
     scale_free = slopes.loc[["logarithm", "power"]]
     assert (scale_free[["low", "high"]] - 1).abs().to_numpy().max() < 0.003
     of_half_spaces = ratios[ratios["solid"].isin(["logarithm", "power"])]

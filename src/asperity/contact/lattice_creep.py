@@ -220,7 +220,7 @@ class _Run:
             field.fill(0.0)
         numbers = (solver.kappa, single(self.spread))
         relaxed: tuple[Any, ...] = (e, f, bound, *sources, inverse, yielding, *solver.bonds, *numbers)
-        loops.relax(*relaxed, single(0.0), False)
+        loops.relax(*(*relaxed, single(0.0), False))
         # A contact that its neighbors' stretches do not reach answers a shift on its own.
         touching = e <= bound
         reached = solver.bond_count * single(self.spread) * inverse
@@ -228,11 +228,11 @@ class _Run:
         self.own_answer = float(np.sum((1 - reached) * inverse, where=touching, dtype=float))
         first = solver.grids[0]
         weighted: tuple[Any, ...] = (e, f, bound, *sources, lag, weight, *solver.bonds, *numbers)
-        loops.restrict(*weighted, single(0.0), first.equations, solver.sums)
+        loops.restrict(*(*weighted, single(0.0), first.equations, solver.sums))
         total, contacts = solver.sums.tolist()
         shift = self.on_grid(0, None if missing is None else missing / unit - total)
         loops.correct(e, f, bound, weight, first.e, first.f)
-        loops.relax(*relaxed, single(shift), True)
+        loops.relax(*(*relaxed, single(shift), True))
         self.contacts = int(contacts)
         self.touching = e <= bound
         return unit * e.astype(float), unit * f.astype(float), unit * shift
