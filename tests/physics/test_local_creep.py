@@ -143,12 +143,12 @@ def test_equal_steps_converge_at_second_order(hold):
     assert (orders > 1.8).all(), orders
 
 
-@pytest.mark.parametrize(("rtol", "s0"), [(1e-2, 0.1), (1e-3, 0.1), (1e-3, 1.0)])
+@pytest.mark.parametrize(("rtol", "s0"), [(1e-2, 0.1), (1e-3, 1.0)])
 def test_errors_stay_below_rtol(rtol, s0):
     rough = asp.surfaces.gaussian((16, 16), rms=1.0, seed=3)
     start = asp.press(rough, lattice(Eyring(0.1, s0)), load=25.0)
     times = np.geomspace(1e-5, 1e3, 5)
-    found, exact = (asp.age(start, times, rtol=tol, fields_at=times).dataset for tol in (rtol, 2e-5))
+    found, exact = (asp.age(start, times, rtol=tol, fields_at=times).dataset for tol in (rtol, 5e-5))
     size = np.maximum.accumulate(exact["u"].values.std(axis=(1, 2)))
     apart = (found["u0"] - exact["u0"]).values
     assert (np.sqrt(np.mean(apart**2, axis=(1, 2))) < rtol * size).all()

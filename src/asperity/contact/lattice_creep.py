@@ -288,37 +288,15 @@ class _Run:
 
 def _solved(grid: _Grid, missing: float | None, own_answer: float) -> float:
     """Solve on the coarsest grid; the shift."""
-    pins, e_right, e_below, free, sites, lags, f_right, f_below, b, c = (
-        np.asarray(field, float) for field in grid.equations
-    )
-    n = pins.size
-    matrix = np.zeros((2 * n + 1, 2 * n + 1))
-    ones = np.arange(n).reshape(pins.shape)
-    for offset, right, below in ((0, e_right, e_below), (n, f_right, f_below)):
-        for axis, bonds in ((1, right), (0, below)):
-            here, there = (offset + index.ravel() for index in (ones, np.roll(ones, -1, axis)))
-            for row, column, sign in (
-                (here, here, 1),
-                (there, there, 1),
-                (here, there, -1),
-                (there, here, -1),
-            ):
-                np.add.at(matrix, (row, column), sign * bonds.ravel())
-    own = np.arange(n)
-    if not pins.any():  # without contacts the matrix is singular
-        pins = _FAINT * sites
-    matrix[own, own] += np.where(free > 0, pins, 1.0).ravel()
-    matrix[own, n + own] = free.ravel()
-    matrix[n + own, n + own] += np.where(lags > 0, lags, 1.0).ravel()
-    matrix[n + own, own] = -free.ravel()
-    if missing is None:
-        matrix[-1, -1] = 1.0
-    else:
-        matrix[n + own, -1] = -sites.ravel()
-        matrix[-1, n + own], matrix[-1, -1] = sites.ravel(), own_answer
+    n = grid.e.size
+    matrix, sides = np.zeros((2 * n + 1, 2 * n + 1)), np.zeros(2 * n + 1)
+    faint = 0.0 if grid.equations[0].any() else _FAINT  # without contacts the matrix is singular
+    loops.assemble(grid.equations, faint, missing is not None, matrix, sides)
+    if missing is not None:
+        matrix[-1, -1], sides[-1] = own_answer, missing
     try:
-        found = np.linalg.solve(matrix, np.concatenate([b.ravel(), c.ravel(), [missing or 0.0]]))
+        found = np.linalg.solve(matrix, sides)
     except np.linalg.LinAlgError:  # singular by rounding: no cycle converges
         found = np.full(2 * n + 1, np.nan)
-    grid.e[...], grid.f[...] = found[:n].reshape(pins.shape), found[n:-1].reshape(pins.shape)
+    grid.e[...], grid.f[...] = found[:n].reshape(grid.e.shape), found[n:-1].reshape(grid.e.shape)
     return float(found[-1])

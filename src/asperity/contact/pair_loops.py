@@ -253,3 +253,34 @@ def correct_coarse(e: Any, f: Any, free: Any, e_coarse: Any, f_coarse: Any) -> N
             f[i, j] += f_coarse[i // 2, j // 2]
             if free[i, j] > 0:
                 e[i, j] += e_coarse[i // 2, j // 2]
+
+
+@_compiled
+def assemble(grid: Any, faint: float, load_held: bool, matrix: Any, sides: Any) -> None:
+    """The equations of the coarsest grid as a matrix: corrections e, then f, then the shift."""
+    pins, e_right, e_below, free, sites, lags, f_right, f_below, b, c = grid
+    ny, nx = pins.shape
+    n = ny * nx
+    matrix[2 * n, 2 * n] = 1.0
+    for i in range(ny):
+        for j in range(nx):
+            here = i * nx + j
+            beside, under = i * nx + (j + 1) % nx, (i + 1) % ny * nx + j
+            for there, first, second in (
+                (beside, e_right[i, j], f_right[i, j]),
+                (under, e_below[i, j], f_below[i, j]),
+            ):
+                for offset, bond in ((0, first), (n, second)):
+                    matrix[offset + here, offset + here] += bond
+                    matrix[offset + there, offset + there] += bond
+                    matrix[offset + here, offset + there] -= bond
+                    matrix[offset + there, offset + here] -= bond
+            m = free[i, j]
+            matrix[here, here] += pins[i, j] + faint * sites[i, j] if m > 0 else 1.0
+            matrix[here, n + here] = m
+            matrix[n + here, here] = -m
+            matrix[n + here, n + here] += lags[i, j] if lags[i, j] > 0 else 1.0
+            sides[here], sides[n + here] = b[i, j], c[i, j]
+            if load_held:
+                matrix[n + here, 2 * n] = -sites[i, j]
+                matrix[2 * n, n + here] = sites[i, j]
