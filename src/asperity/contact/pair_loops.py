@@ -255,7 +255,7 @@ def correct_coarse(e: Any, f: Any, free: Any, e_coarse: Any, f_coarse: Any) -> N
                 e[i, j] += e_coarse[i // 2, j // 2]
 
 
-@_compiled
+@compiled
 def assemble(grid: Any, faint: float, load_held: bool, matrix: Any, sides: Any) -> None:
     """The equations of the coarsest grid as a matrix: corrections e, then f, then the shift."""
     pins, e_right, e_below, free, sites, lags, f_right, f_below, b, c = grid
