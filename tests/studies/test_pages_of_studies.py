@@ -27,7 +27,8 @@ def release_rows(data):
 
 
 def slide_hold_slide_rows(data):
-    for row in pd.read_csv(data / "points.csv").itertuples():
+    table: Any = pd.read_csv(data / "points.csv")
+    for row in table.itertuples():
         at = f" {row.at:.4g}" if row.at == row.at else ""
         yield f"| {row.what}, {row.of}{at} | {row.value:.3f} [{row.low:.3f}, {row.high:.3f}] |"
     yield from ledger_rows(data)
