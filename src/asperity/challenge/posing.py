@@ -31,6 +31,9 @@ from asperity.words import closest
 
 _DATA = files("asperity.challenge") / "data"
 
+Table = Mapping[str, Any]
+"""A table of a TOML file."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -116,8 +119,8 @@ class Problem:
     question: str
     abscissa: Column
     asked: tuple[Column, ...]
-    heights: Mapping[str, Any]
-    run: Mapping[str, Any]
+    heights: Table
+    run: Table
 
     def __repr__(self) -> str:
         return f"<Problem {self.name}: {self.title}>"

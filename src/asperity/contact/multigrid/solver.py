@@ -162,7 +162,7 @@ class Multigrid:
         return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
 
     def stages(
-        self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[Any]]
+        self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[np.floating]]
     ) -> StageSolver:
         """The solver of steps of creep from a state; see `StageSolver.arrays`."""
         return StageSolver(self.work_on(mechanics), mechanics.springs, heights, arrays)
