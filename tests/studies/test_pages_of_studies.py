@@ -10,7 +10,7 @@ import pytest
 from asperity.studies import STUDIES
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ("release", "slide_hold_slide")
+PAGES = ("release", "slide_hold_slide", "patch_sizes")
 
 
 def release_rows(data):
@@ -39,7 +39,17 @@ def ledger_rows(data):
         yield f"| {row.claim} | {row.value:.2f} [{row.low:.2f}, {row.high:.2f}] | {row.verdict} |"
 
 
-ROWS = {"release": release_rows, "slide_hold_slide": slide_hold_slide_rows}
+def patch_sizes_rows(data):
+    for row in pd.read_csv(data / "ledger.csv").itertuples():
+        found = f"{row.value:.3f} [{row.low:.3f}, {row.high:.3f}]"
+        yield f"| {row.claim} | {row.what} | {found} | {row.verdict} |"
+    for row in pd.read_csv(data / "exponents.csv").itertuples():
+        found = f"{row.exponent:.2f} [{row.exponent_low:.2f}, {row.exponent_high:.2f}]"
+        size = f"{row.mean_size:.0f} [{row.mean_size_low:.0f}, {row.mean_size_high:.0f}]"
+        yield f"| {row.of}, {row.hurst:g}, {row.pressure:g} | {found} | {size} |"
+
+
+ROWS = {"release": release_rows, "slide_hold_slide": slide_hold_slide_rows, "patch_sizes": patch_sizes_rows}
 
 
 @pytest.mark.parametrize("name", [name for name in PAGES if (DOCS / "studies" / f"{name}.md").exists()])
