@@ -481,6 +481,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             label=f"{kind}, {hurst:g}",
         )
     exponent.set(xscale="log", xlabel="load a site", ylabel=r"exponent $\tau$")
+    exponent.set_xticks(PRESSURES, [f"{p:g}" for p in PRESSURES])
+    exponent.tick_params(axis="x", which="minor", labelbottom=False)
     exponent.legend(title="Hurst exponent", fontsize=7, title_fontsize=7)
     for name, part in tables["growth"].groupby("solid", sort=False):
         mark, color = _LOOKS[str(name)]
