@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from asperity.errors import InputError
+from asperity.studies.logarithm import LOGARITHM
 from asperity.studies.patch_sizes import PATCH_SIZES
 from asperity.studies.release import RELEASE
 from asperity.studies.slide_hold_slide import SLIDE_HOLD_SLIDE
@@ -10,7 +11,7 @@ from asperity.studies.study import Concluded, Outcome, Study, conclude, run
 from asperity.studies.unloading import UNLOADING
 from asperity.words import closest
 
-_ALL = (UNLOADING, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES)
+_ALL = (UNLOADING, LOGARITHM, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES)
 STUDIES = {study.name: study for study in _ALL}
 """All studies by name, in the order of the list."""
 

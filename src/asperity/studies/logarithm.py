@@ -1,0 +1,425 @@
+r"""Study: which relaxation makes the contact of a rough half-space grow like the logarithm of time.
+
+The stiffness of a half-space is E* abs(q)/2. If all of it relaxes alike, with the creep compliance J(t), J(0) = 1,
+the contact under a constant load F is the elastic one under the load J(t) F (E. H. Lee and J. R. M. Radok,
+J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020). With the elastic area A_e(F),
+
+    A(t)/A(0) = A_e(J(t) F)/A_e(F),        B = d (A/A(0))/d ln t = n J'(t) t,    n = d ln A_e/d ln F.
+
+So the area grows like ln t if J does, while A_e is near proportional to F. One relaxation time gives an
+exponential approach to a limit. Equal parts of compliance in every decade of time give J = 1 + j log10(t/t_0),
+and B = n j/ln 10. Equal parts g of the modulus give J near 1/(1 - g log10(t/t_0)), which bends up. Under a point
+force on a lattice of springs it is the permanent stiffness in proportion to q^2 that gives the logarithm, from one
+branch; a permanent stiffness in proportion to abs(q) gives none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.lattice import Field
+from asperity.relaxation import PronySeries, from_retardation
+from asperity.studies.campaigns import Campaign
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import Finding, Measurement
+from asperity.studies.study import Outcome, Study
+
+SIDE = 128
+"""Sites along a side."""
+
+_PRESSURE = 0.01
+"""Load over E* and nominal area, where it is not varied."""
+
+_PRESSURES = (0.0025, 0.01, 0.04)
+_FACTORS = (1.0, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0, 2.5)
+"""Loads of the curve of the elastic area, over the load."""
+
+_TIMES = tuple(10.0**decade for decade in range(9))
+_FIRST, _LAST = 10.0, 1e7
+"""The decades of time in which growth is judged."""
+
+_END_DECADES = 2
+
+WANTED = 0.01
+"""B that is looked for."""
+
+STRAIGHT = (0.9, 1.1)
+"""Ratios of the slope in the last two decades to that in the first two that bear out a logarithm."""
+
+
+@dataclass(frozen=True)
+class Relaxing:
+    """A relaxation.
+
+    Attributes
+    ----------
+    what
+        In words.
+    series
+        Its branches.
+    share
+        Share of a decade of time; NaN if that is no one number.
+    """
+
+    what: str
+    series: PronySeries
+    share: float = math.nan
+
+
+def equal_compliance(share: float, times: tuple[float, ...] = _TIMES) -> PronySeries:
+    """J = 1 + a share at every one of the retardation times."""
+    return from_retardation(1.0, [(share, time) for time in times])
+
+
+def equal_modulus(share: float, times: tuple[float, ...] = _TIMES) -> PronySeries:
+    """E = 1 less a share at every one of the relaxation times."""
+    return PronySeries(1.0, tuple((share, time) for time in times))
+
+
+_COMPLIANCES, _MODULI = (0.01, 0.02, 0.03, 0.1), (0.01, 0.02, 0.05)
+
+RELAXATIONS: Mapping[str, Relaxing] = {
+    "one_time": Relaxing("one relaxation time, 30, of share 0.2", PronySeries(1.0, ((0.2, 30.0),))),
+    "power": Relaxing(
+        "parts of compliance that rise like the power 0.1 of their time",
+        from_retardation(1.0, [(0.01 * time**0.1, time) for time in _TIMES]),
+    ),
+    **{
+        f"modulus_{share:g}": Relaxing(
+            f"{share:g} of the modulus in each decade", equal_modulus(share), share
+        )
+        for share in _MODULI
+    },
+    **{
+        f"compliance_{share:g}": Relaxing(
+            f"compliance grows by {share:g} in each decade", equal_compliance(share), share
+        )
+        for share in _COMPLIANCES
+    },
+}
+"""The relaxations by name."""
+
+_OF_LOADS = "compliance_0.03"
+
+
+def _campaigns(seeds: int, side: int = SIDE) -> Iterator[Campaign]:
+    tables = {
+        "surface": {
+            "kind": "spectral",
+            "shape": [side, side],
+            "hurst": 0.8,
+            "roll_off": side / 2,
+            "cutoff": 4.0,
+            "rms_slope": 0.2,
+        },
+        "aging": {"first": 1.0, "per_decade": 4, "rtol": 5e-3},
+        "output": {"maps_at": []},
+    }
+
+    def solid(series: PronySeries) -> dict[str, object]:
+        return {"kind": "half_space", "modulus": 1.0, "branches": [list(one) for one in series.branches]}
+
+    load = side**2 * _PRESSURE
+    for name, relaxing in RELAXATIONS.items():
+        yield Campaign(
+            name.replace(".", "_"),
+            f"Growth under a constant load: {relaxing.what}",
+            tables
+            | {
+                "solid": solid(relaxing.series),
+                "contact": {"load": load},
+                "protocol": [{"kind": "hold", "duration": _LAST}],
+                "sweep": {"seeds": seeds},
+            },
+        )
+    yield Campaign(
+        "loads",
+        f"Growth under other loads: {RELAXATIONS[_OF_LOADS].what}",
+        tables
+        | {
+            "solid": solid(RELAXATIONS[_OF_LOADS].series),
+            "contact": {"load": load},
+            "protocol": [{"kind": "hold", "duration": _LAST}],
+            "sweep": {"load": [side**2 * pressure for pressure in _PRESSURES], "seeds": seeds},
+        },
+    )
+    yield Campaign(
+        "elastic",
+        "Area against load, before anything has relaxed",
+        tables
+        | {
+            "solid": solid(RELAXATIONS[_OF_LOADS].series),
+            "contact": {"load": load},
+            "protocol": [{"kind": "hold", "duration": 1.0}],
+            "sweep": {"load": [load * factor for factor in _FACTORS], "seeds": seeds},
+        },
+    )
+
+
+def slope(time: Floats, growth: Floats, first: float = _FIRST, last: float = _LAST) -> Floats:
+    """Slope of the mean growth against ln t, between two times, by least squares.
+
+    Parameters
+    ----------
+    time
+        Times, shape (n,).
+    growth
+        A/A(0), shape (runs, n).
+    first, last
+        Times between which it is taken.
+    """
+    chosen = (time >= first * (1 - 1e-9)) & (time <= last * (1 + 1e-9))
+    return np.asarray(np.polyfit(np.log(time[chosen]), growth.mean(axis=0)[chosen], 1)[0])
+
+
+def straightness(time: Floats, growth: Floats) -> Floats:
+    """Slope in the last two of the decades over that in the first two; 1 for a logarithm."""
+    decades = 10.0**_END_DECADES
+    early = slope(time, growth, _FIRST, _FIRST * decades)
+    return np.asarray(slope(time, growth, _LAST / decades, _LAST) / early)
+
+
+def share_for(shares: Floats, slopes: Floats, wanted: float = WANTED) -> float:
+    """Share a decade at which B has a value: ln B linear in ln share between its neighbors.
+
+    Parameters
+    ----------
+    shares
+        Increasing, shape (n,).
+    slopes
+        B at them, shape (n,); increasing.
+    wanted
+        The value of B.
+    """
+    return float(np.exp(np.interp(math.log(wanted), np.log(slopes), np.log(shares))))
+
+
+def predicted(loads: Floats, areas: Floats, series: PronySeries, time: Floats) -> Field:
+    """A/A(0) from the curve of the elastic area against load, by ln A linear in ln F between its points.
+
+    Parameters
+    ----------
+    loads
+        Over the load that is kept, increasing from 1, shape (n,).
+    areas
+        Elastic areas at them, shape (runs, n).
+    series
+        The relaxation.
+    time
+        Times, shape (m,).
+
+    Returns
+    -------
+    ndarray
+        Shape (runs, m).
+    """
+    at = np.log(series.compliance_at(time))
+    ratios = np.log(areas / areas[:, :1])
+    return np.exp([np.interp(at, np.log(loads), one) for one in ratios])
+
+
+def _growth(evidence: Evidence, name: str, **where: float) -> tuple[Floats, Field]:
+    """Times and A/A(0), one row a seed."""
+    dataset = evidence[name.replace(".", "_")].sel(where)
+    area = dataset["area"].transpose("seed", "time").values.astype(np.float64)
+    return np.asarray(dataset["time"].values, dtype=np.float64), area / area[:, :1]
+
+
+def _row(kind: str, what: str, at: float, found: Estimate) -> dict[str, object]:
+    return {
+        "number": kind,
+        "relaxation": what,
+        "at": at,
+        "value": float(found.value),
+        "low": float(found.low),
+        "high": float(found.high),
+        "runs": found.runs,
+    }
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Find B and the straightness of all relaxations, and the share for a given B."""
+    elastic = evidence["elastic"]
+    loads = np.asarray(elastic["load"].values, dtype=np.float64)
+    areas = evidence.samples("elastic", "area")[..., 0]
+    rows, curves, grown = [], [], {}
+    straight: dict[str, Measurement] = {}
+    ratios: list[Measurement] = []
+    for name, relaxing in RELAXATIONS.items():
+        time, growth = _growth(evidence, name)
+        grown[name] = growth
+        bent = jackknife(lambda sample, time=time: straightness(time, sample), growth)
+        straight[name] = Measurement(
+            f"slope in the last two decades over that in the first two: {relaxing.what}", bent, *STRAIGHT
+        )
+        forecast = predicted(loads / loads[0], areas, relaxing.series, time)
+        rows += [
+            _row("straightness", name, relaxing.share, bent),
+            _row("B", name, relaxing.share, jackknife(lambda one, time=time: slope(time, one), growth)),
+        ]
+        if relaxing.share == relaxing.share:
+            over = jackknife(
+                lambda one, other, time=time: slope(time, one) / slope(time, other), (growth, forecast)
+            )
+            rows.append(_row("B over prediction", name, relaxing.share, over))
+            ratios.append(
+                Measurement(f"<i>B</i> over that from <i>J</i>(<i>t</i>): {relaxing.what}", over, 0.95, 1.05)
+            )
+        curves.append(
+            pd.DataFrame(
+                {
+                    "relaxation": name,
+                    "time": time,
+                    "growth": growth.mean(axis=0),
+                    "predicted": forecast.mean(axis=0),
+                    "compliance": relaxing.series.compliance_at(time),
+                }
+            )
+        )
+    time = _growth(evidence, _OF_LOADS)[0]
+    wanted = {}
+    for kind, shares in (("compliance", _COMPLIANCES), ("modulus", _MODULI)):
+        samples = tuple(grown[f"{kind}_{share:g}"] for share in shares)
+        wanted[kind] = jackknife(
+            lambda *each, shares=shares: share_for(
+                np.array(shares), np.array([slope(time, one) for one in each])
+            ),
+            samples,
+        )
+        rows.append(_row("share for B = 0.01", kind, WANTED, wanted[kind]))
+    exponent = jackknife(lambda one: _exponent(loads, one), areas)
+    rows.append(_row("d ln A/d ln F", "elastic", _PRESSURE, exponent))
+    by_load = [_growth(evidence, "loads", load=load)[1] for load in evidence["loads"]["load"].values.tolist()]
+    slopes = [jackknife(lambda one: slope(time, one), growth) for growth in by_load]
+    rows += [
+        _row("B of a load", _OF_LOADS, pressure, found)
+        for pressure, found in zip(_PRESSURES, slopes, strict=True)
+    ]
+    of_loads = jackknife(
+        lambda light, heavy: slope(time, heavy) / slope(time, light), (by_load[0], by_load[-1])
+    )
+    findings = _findings(straight, ratios, wanted, of_loads)
+    tables = {"numbers": pd.DataFrame(rows), "curves": pd.concat(curves, ignore_index=True)}
+    return Outcome(findings, tables)
+
+
+def _exponent(loads: Floats, areas: Floats) -> float:
+    """Exponent of the area against load between the load and twice it."""
+    near = loads <= 2.001 * loads[0]
+    return float(np.polyfit(np.log(loads[near]), np.log(areas.mean(axis=0)[near]), 1)[0])
+
+
+def _findings(
+    straight: Mapping[str, Measurement],
+    ratios: list[Measurement],
+    wanted: Mapping[str, Estimate],
+    of_loads: Estimate,
+) -> tuple[Finding, ...]:
+    def claim(key: str, words: str, names: list[str]) -> Finding:
+        return Finding(
+            key=key,
+            place="this study",
+            claim=f"With {words} the area grows like a logarithm over six decades",
+            measured=tuple(straight[name] for name in names),
+        )
+
+    proportional = math.log(10) * WANTED
+    return (
+        claim("one_time", "one relaxation time", ["one_time"]),
+        claim("power", "a compliance like a power of time", ["power"]),
+        claim("modulus", "equal parts of the modulus in each decade", [f"modulus_{g:g}" for g in _MODULI]),
+        claim(
+            "compliance",
+            "equal parts of compliance in each decade",
+            [f"compliance_{j:g}" for j in _COMPLIANCES],
+        ),
+        Finding(
+            key="share",
+            place="this study",
+            claim="B = 0.01 takes the share of a contact in proportion to load, 0.01 ln 10 a decade, within a fifth",
+            measured=tuple(
+                Measurement(
+                    f"share of {kind} in each decade that gives <i>B</i> = 0.01",
+                    found,
+                    0.8 * proportional,
+                    1.2 * proportional,
+                )
+                for kind, found in wanted.items()
+            ),
+        ),
+        Finding(
+            key="prediction",
+            place="Lee and Radok 1960",
+            claim="B follows from the compliance and the elastic area against load",
+            measured=tuple(ratios),
+        ),
+        Finding(
+            key="load",
+            place="Amontons' law",
+            claim="B does not depend on load",
+            measured=(
+                Measurement(
+                    "<i>B</i> at the load 0.04 over that at 0.0025: " + RELAXATIONS[_OF_LOADS].what,
+                    of_loads,
+                    0.9,
+                    1.1,
+                ),
+            ),
+        ),
+    )
+
+
+_LOOKS = {
+    "one_time": ("one time", "^", style.SKY),
+    "power": ("power", "v", style.VERMILION),
+    "modulus_0.05": ("modulus, 0.05", "s", style.BLUE),
+    "compliance_0.1": ("compliance, 0.1", "o", style.INK),
+    "compliance_0.03": ("compliance, 0.03", "D", style.INK),
+}
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw growth against time, and B against the share of a decade."""
+    figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    curves, numbers = tables["curves"], tables["numbers"]
+    for name, (words, mark, color) in _LOOKS.items():
+        own = curves[(curves["relaxation"] == name) & (curves["time"] > 0)]
+        left.plot(own["time"], own["growth"], mark, color=color, markersize=3, label=words)
+        left.plot(own["time"], own["predicted"], "-", color=color, linewidth=0.8)
+    left.set(xscale="log", xlabel=r"time $t$", ylabel=r"area $A/A(0)$")
+    left.legend(fontsize=7, loc="upper left")
+    for kind, mark, color in (("compliance", "o", style.INK), ("modulus", "s", style.BLUE)):
+        own = numbers[(numbers["number"] == "B") & numbers["relaxation"].str.startswith(kind)]
+        error = (own["value"] - own["low"], own["high"] - own["value"])
+        right.errorbar(own["at"], own["value"], yerr=error, fmt=mark, color=color, markersize=4, label=kind)
+    shares = np.geomspace(0.008, 0.12, 20)
+    right.plot(shares, shares / math.log(10), ":", color="0.5", label=r"share$\,/\ln 10$")
+    right.axhline(WANTED, color="0.7", linewidth=0.8)
+    right.set(xscale="log", yscale="log", xlabel="share of each decade", ylabel=r"$B$")
+    right.legend(fontsize=7)
+    return figure
+
+
+LOGARITHM = Study(
+    name="logarithm",
+    question="Which relaxation makes the area on a half-space grow like the logarithm of time, and by 1 % an e-fold?",
+    quick=tuple(_campaigns(4)),
+    full=tuple(_campaigns(6)),
+    analyse=analyse,
+    draw=draw,
+    caption="Left: area under a constant load over that at first, mean over the surfaces (points), and that of an "
+    "elastic contact under <i>J</i>(<i>t</i>) <i>F</i> (lines). Right: <i>B</i> = d(<i>A</i>/<i>A</i>(0))/d ln "
+    "<i>t</i> against the part of compliance or modulus in each decade of time, with 95 % intervals; dotted for an "
+    "area in proportion to load.",
+    page="docs/studies/logarithm.md",
+)
