@@ -2,8 +2,8 @@ r"""
 Which relaxation gives a logarithm?
 ===================================
 
-The area of a rough contact often grows like :math:`\ln t`, by about 1 % in each e-fold. On a half-space with a
-creep compliance :math:`J(t)` the contact under a constant load :math:`F` is the elastic one under
+The area of a rough contact often grows like :math:`\ln t`, by about 1 % in each e-fold. On a half-space with
+a creep compliance :math:`J(t)` the contact under a constant load :math:`F` is the elastic one under
 :math:`J(t)\,F`, so that the area grows like :math:`\ln t` if :math:`J` does. ``asperity study logarithm``
 measures how straight the growth is, and by how much.
 """
@@ -39,7 +39,7 @@ for (name, series), color in zip(spectra.items(), ("#56B4E9", "black", "#0072B2"
     ax.semilogx(times, creeping, "o", color=color, markersize=4, label=name)
     ax.semilogx(times, pressed, "-", color=color, linewidth=0.8)
     slopes[name] = np.polyfit(np.log(times[2:]), creeping[2:], 1)[0]
-    # Origin: E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960); three sites of 900 may be on the edge.
+    # Origin: E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960); three sites may be on the edge.
     np.testing.assert_allclose(creeping, pressed, atol=3 / at_first)
 ax.set(xlabel="time", ylabel="area over that at first")
 ax.legend()

@@ -1,16 +1,14 @@
 r"""Study: which relaxation makes the contact of a rough half-space grow like the logarithm of time.
 
-The stiffness of a half-space is E* abs(q)/2. If all of it relaxes alike, with the creep compliance J(t), J(0) = 1,
-the contact under a constant load F is the elastic one under the load J(t) F (E. H. Lee and J. R. M. Radok,
-J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020). With the elastic area A_e(F),
+The stiffness of a half-space is E* abs(q)/2. If all of it relaxes alike, with the creep compliance J(t),
+J(0) = 1, the contact under a constant load F is the elastic one under the load J(t) F (E. H. Lee and J. R. M.
+Radok, J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020). With the elastic area A_e(F),
 
-    A(t)/A(0) = A_e(J(t) F)/A_e(F),        B = d (A/A(0))/d ln t = n J'(t) t,    n = d ln A_e/d ln F.
+    A(t)/A(0) = A_e(J(t) F)/A_e(F),        B = d (A/A(0))/d ln t,    n = d ln A_e/d ln F.
 
 So the area grows like ln t if J does, while A_e is near proportional to F. One relaxation time gives an
 exponential approach to a limit. Equal parts of compliance in every decade of time give J = 1 + j log10(t/t_0),
-and B = n j/ln 10. Equal parts g of the modulus give J near 1/(1 - g log10(t/t_0)), which bends up. Under a point
-force on a lattice of springs it is the permanent stiffness in proportion to q^2 that gives the logarithm, from one
-branch; a permanent stiffness in proportion to abs(q) gives none.
+and B near n j/ln 10. Equal parts g of the modulus give J near 1/(1 - g log10(t/t_0)), which bends up.
 """
 
 from __future__ import annotations
@@ -345,7 +343,7 @@ def _findings(
         Finding(
             key="share",
             place="this study",
-            claim="B = 0.01 takes the share of a contact in proportion to load, 0.01 ln 10 a decade, within a fifth",
+            claim="B = 0.01 takes a share of 0.01 ln 10 a decade, within a fifth",
             measured=tuple(
                 Measurement(
                     f"share of {kind} in each decade that gives <i>B</i> = 0.01",
@@ -412,14 +410,14 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 LOGARITHM = Study(
     name="logarithm",
-    question="Which relaxation makes the area on a half-space grow like the logarithm of time, and by 1 % an e-fold?",
+    question="Which relaxation makes the area on a half-space grow like ln t, and by 1 % an e-fold?",
     quick=tuple(_campaigns(4)),
     full=tuple(_campaigns(6)),
     analyse=analyse,
     draw=draw,
-    caption="Left: area under a constant load over that at first, mean over the surfaces (points), and that of an "
-    "elastic contact under <i>J</i>(<i>t</i>) <i>F</i> (lines). Right: <i>B</i> = d(<i>A</i>/<i>A</i>(0))/d ln "
-    "<i>t</i> against the part of compliance or modulus in each decade of time, with 95 % intervals; dotted for an "
-    "area in proportion to load.",
+    caption="Left: area under a constant load over that at first, mean over the surfaces (points), and that of "
+    "an elastic contact under <i>J</i>(<i>t</i>) <i>F</i> (lines). Right: <i>B</i> = "
+    "d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> against the part of compliance or modulus in each decade of time, "
+    "with 95 % intervals; dotted for an area in proportion to load.",
     page="docs/studies/logarithm.md",
 )
