@@ -7,7 +7,7 @@ Radok, J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020). With the elastic a
     A(t)/A(0) = A_e(J(t) F)/A_e(F),        B = d (A/A(0))/d ln t,    n = d ln A_e/d ln F.
 
 So the area grows like ln t if J does, while A_e is near proportional to F. One relaxation time gives an
-exponential approach to a limit. Equal parts of compliance in every decade of time give J = 1 + j log10(t/t_0),
+exponential approach to a limit. Equal parts of compliance in each decade give J = 1 + j log10(t/t_0),
 and B near n j/ln 10. Equal parts g of the modulus give J near 1/(1 - g log10(t/t_0)), which bends up.
 """
 
@@ -415,7 +415,7 @@ LOGARITHM = Study(
     full=tuple(_campaigns(6)),
     analyse=analyse,
     draw=draw,
-    caption="Left: area under a constant load over that at first, mean over the surfaces (points), and that of "
+    caption="Left: area under a constant load over that at first, mean over the surfaces (points), and of "
     "an elastic contact under <i>J</i>(<i>t</i>) <i>F</i> (lines). Right: <i>B</i> = "
     "d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> against the part of compliance or modulus in each decade of time, "
     "with 95 % intervals; dotted for an area in proportion to load.",
