@@ -87,7 +87,7 @@ def _legend(found: StateLaws, law: StateLaw) -> str:
     numbers = []
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", scale, f" {unit}" if unit else "")):
         value, stderr = float(estimates[name].value), float(estimates[name].stderr)
-        if name == "D_c" and not found.fits[law].determined:
+        if (name == "D_c" and not found.fits[law].determined) or stderr > 100 * abs(value):
             numbers.append(f"${name}$ not determined")
         else:
             numbers.append(f"${name}$ = {uncertain(factor * value, factor * stderr)}{end}")
