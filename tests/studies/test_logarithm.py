@@ -111,7 +111,8 @@ def test_every_number_of_the_ledger_stands_on_the_page():
     assert len(rows) == 19
     for row in rows:
         value, low, high = (round(row[name], 4) + 0.0 for name in ("value", "low", "high"))
-        estimate = Estimate(*map(np.float64, (row["value"], 0.0, row["low"], row["high"])), row["runs"])
+        numbers = (np.asarray(number) for number in (row["value"], 0.0, row["low"], row["high"]))
+        estimate = Estimate(*(*numbers, row["runs"]))
         verdict = Measurement("", estimate, row["range_low"], row["range_high"]).verdict
         start, end = (
             f"| {row['what']} | {value:.4f} [{low:.4f}, {high:.4f}] |",

@@ -163,9 +163,9 @@ def fit(means: Floats, support: Floats) -> Law:
     """
     unit = support[:, -1][:, None]  # of order 1
     scaled, wanted = support / unit, means / unit[:, 0]
-    theta = np.zeros(len(means))
+    theta: Floats = np.zeros(len(means))
     value = -math.inf
-    step = np.zeros_like(theta)
+    step: Floats = np.zeros_like(theta)
     for _ in range(200):
         tried = theta + step
         exponent = -tried @ scaled
@@ -253,7 +253,8 @@ def growth(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[NDArray
     whole = np.bincount(other, links.shared, links.after.size)
     part = links.after[other] * links.shared / whole[other]
     born = int(links.after[whole == 0].sum())
-    return links.before, np.bincount(one, part, links.before.size) - links.before, born
+    grown: Floats = np.bincount(one, part, links.before.size) - links.before.astype(float)
+    return links.before, grown, born
 
 
 def analyse(evidence: Evidence) -> Outcome:
@@ -278,9 +279,9 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
                 found["contact"].append(patches(touching).sizes)
                 found["overlap"].append(patches(overlap(one["heights"].values, int(touching.sum()))).sizes)
                 sites = touching.size
-            for kind, each in found.items():
-                sums[kind].append([sums_of(some) for some in each])
-                together = np.concatenate(each)
+            for kind, sizes in found.items():
+                sums[kind].append([sums_of(some) for some in sizes])
+                together = np.concatenate(sizes)
                 shares += [
                     {"of": kind, "hurst": hurst, "pressure": load / sites, "size": size, "share": share}
                     for size, share in _survival(together)
@@ -352,13 +353,14 @@ def _split(found: Estimate, loads: int) -> tuple[Estimate, Estimate]:
     """Return what was found under each load, shape (loads, columns), and the slopes, shape (2,)."""
     many = loads * len(_COLUMNS)
     parts = [found.value, found.stderr, found.low, found.high]
-    each = Estimate(*(part[:many].reshape(loads, -1) for part in parts), runs=found.runs)
-    return each, Estimate(*(part[many:] for part in parts), runs=found.runs)
+    each: Any = [part[:many].reshape(loads, -1) for part in parts]
+    slopes: Any = [part[many:] for part in parts]
+    return Estimate(*(*each, found.runs)), Estimate(*(*slopes, found.runs))
 
 
 def _at(each: Estimate, load: int, column: int) -> Estimate:
-    parts = (part[load, column] for part in (each.value, each.stderr, each.low, each.high))
-    return Estimate(*parts, runs=each.runs)
+    parts: Any = [part[load, column] for part in (each.value, each.stderr, each.low, each.high)]
+    return Estimate(*(*parts, each.runs))
 
 
 def _one(found: Estimate, at: int) -> Estimate:
