@@ -180,7 +180,7 @@ def fit(means: Floats, support: Floats) -> Law:
         share = np.exp(exponent - norm)
         mean = scaled @ share
         centered = scaled - mean[:, None]
-        step = np.linalg.solve((centered * share) @ centered.T, mean - wanted)
+        step = np.asarray(np.linalg.solve((centered * share) @ centered.T, mean - wanted), dtype=np.float64)
         if gained < 1e-13:
             break
     theta = theta / unit[:, 0]
