@@ -97,7 +97,7 @@ def test_durations_can_be_swept_and_each_run_keeps_its_times(tmp_path):
         ("protocol.x.load = [3.0]", "[sweep] protocol.x.load: no such leg"),
         (
             "protocol.0.kind = ['hold']",
-            "[sweep] protocol.0.kind: cannot be swept; load, separation, pressure,",
+            "[sweep] protocol.0.kind: cannot be swept; load, separation, approach,",
         ),
         ("protocol.1.load = 3.0", "[sweep] protocol.1.load: expected a list of values, got 3.0"),
         ("protocol.1.load = [-3.0]", "protocol[1] load: expected a number above 0.0, got -3.0"),

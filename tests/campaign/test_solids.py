@@ -45,7 +45,7 @@ def done(tmp_path_factory):
 
 def test_moduli_and_seeds_give_what_single_runs_give_with_their_units(done):
     data = campaign.open(done)
-    assert data.sizes == {"modulus": 2, "seed": 2, "time": 6}
+    assert data.sizes == {"modulus": 2, "seed": 2, "time": 6, "field_time": 2, "quantile": 6}
     assert data["modulus"].values.tolist() == [1e9, 4e9]
     assert data["modulus"].attrs == {"long_name": "contact modulus", "units": "Pa"}
     units = {name: data[name].attrs["units"] for name in ("load", "contact_area", "separation", "energy")}

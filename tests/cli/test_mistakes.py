@@ -41,7 +41,7 @@ def complaint(asperity: Asperity, *words: str | Path, status: int = 2) -> str:
     ("words", "line"),
     [
         (("rnu",), "unknown command rnu; did you mean run?"),
-        (("plot",), "unknown command plot; there are run, predict, surface, fit, sweep, status, gather, "),
+        (("plot",), "unknown command plot; there are run, predict, surface, fit, "),
         (("--vesion",), "unknown command --vesion"),
         (("run", "--lod", "3"), "unknown option --lod; did you mean --load?"),
         (("run", "--r-viscous", "3"), "unknown option --r-viscous; did you mean --R-viscous?"),

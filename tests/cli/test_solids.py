@@ -76,7 +76,11 @@ def test_every_variable_names_its_unit(done):
         **dict.fromkeys(("separation", "approach", "mean_gap", "u", "u0", "heights", "u_relaxed"), "m"),
         **dict.fromkeys(("x", "y"), "m"),
         **dict.fromkeys(("time", "field_time"), "s"),
-        **{"energy": "J", "area": "sites"},
+        **dict.fromkeys(("contact_age", "mean_contact_age"), "s"),
+        **{"energy": "J", "contact_pressure": "Pa", "perimeter": "m"},
+        **dict.fromkeys(("area", "mean_patch_size", "median_patch_size", "largest_patch_size"), "sites"),
+        **dict.fromkeys((f"gained_by_{how}" for how in ("births", "coalescence", "expansion")), "sites"),
+        **dict.fromkeys(("lost_by_deaths", "lost_by_shrinkage"), "sites"),
     }
     assert {name: unit for name, unit in units.items() if unit != "1"} == expected
     np.testing.assert_allclose(data["y"], 0.4e-6 * np.arange(64), rtol=1e-12)

@@ -68,15 +68,8 @@ for ax, quantity in zip(axes, ("contact area", "mean gap"), strict=True):
         ax.semilogx(loads, 100 * one.relative, style, color="black", markerfacecolor="white", label=label)
     tolerance = 100 * one.column.tolerance
     ax.axhspan(-tolerance, tolerance, color="0.9", label="tolerance")
-    ax.errorbar(
-        loads,
-        0 * loads,
-        100 * one.bar / one.certified,
-        fmt="none",
-        ecolor="tab:red",
-        capsize=3,
-        label="error bar",
-    )
+    bar = 100 * one.bar / one.certified
+    ax.errorbar(loads, 0 * loads, bar, fmt="none", ecolor="tab:red", capsize=3, label="error bar")
     ax.set(xlabel="load [N]", ylabel=f"deviation of the {quantity} [%]")
     ax.set_xticks(loads, [f"{load:g}" for load in loads])
     ax.minorticks_off()
