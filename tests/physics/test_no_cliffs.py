@@ -4,7 +4,6 @@ Shapes of 4 sites a side and more, and lines; eight kinds of heights; k1/k0 from
 from one contact to full contact; both controls; conserved, viscous and mixed creep.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,13 +14,16 @@ import asperity as asp
 TIMES = np.geomspace(1e-3, 1e6, 10)
 
 STEPS_A_DECADE = 260
-"""The most that any of 1,500 draws took was 190; half of them take fewer than 15 in every decade."""
+"""The most that any of the first 300 draws took was 232, a ball with k0 = 0; half take at most 12."""
 
-ITERATIONS_A_STEP = 150
-"""Cycles, or iterations of conjugate gradients, on average over a history. The most was 91."""
+ITERATIONS_A_STEP = 40
+"""Cycles, or iterations of conjugate gradients, on average over a history. The most was 32."""
 
-PRESSING = 400
-"""Iterations of an instantaneous contact."""
+PRESSING = 60
+"""Iterations of an instantaneous contact. The most was 36."""
+
+LARGEST = 40
+"""Longest side of a map, sites."""
 
 
 def draw_heights(rng, shape):
@@ -61,14 +63,14 @@ class Drawn:
     control: dict[str, float]
 
 
-def draw(number, largest):
-    """The problem of a number; ``largest`` is its longest side, a line may have 500 sites."""
+def draw(number):
+    """The problem of a number; a line may have 500 sites."""
     rng = np.random.default_rng([1, number])
 
     def side(most):
         return round(4 * (most / 4) ** rng.random())
 
-    shape = (side(500),) if rng.random() < 0.25 else (side(largest), side(largest))
+    shape = (side(500),) if rng.random() < 0.25 else (side(LARGEST), side(LARGEST))
     kind, rough = draw_heights(rng, shape)
     k0 = 0.0 if rng.random() < 0.15 else 1.0
     k1 = 10 ** rng.uniform(-3, 3) if k0 else 1.0
@@ -93,16 +95,14 @@ def cost(problem):
     return contact.iterations, max(steps), spent / sum(steps)
 
 
-@pytest.mark.parametrize("largest", [40, pytest.param(150, marks=pytest.mark.slow)])
-def test_costs_stay_within_a_budget(largest):
-    count = 40 if largest < 100 else 1000
-    found = []
+@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
+def test_costs_stay_within_a_budget(count):
+    most = []
     for number in range(count):
-        problem = draw(number, largest)
+        problem = draw(number)
         pressing, steps, iterations = cost(problem)
-        found.append(steps)
+        most.append(steps)
         assert pressing <= PRESSING, problem.name
         assert steps <= STEPS_A_DECADE, problem.name
         assert iterations <= ITERATIONS_A_STEP, problem.name
-    assert np.median(found) < 25
-    assert math.isfinite(max(found))
+    assert np.median(most) < 25
