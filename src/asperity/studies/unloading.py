@@ -181,10 +181,11 @@ def analyse(evidence: Evidence) -> Outcome:
         if not SOLIDS[name].separable
     )
     early = [one for one in found["conserved"] if one.wait < _relaxation_time(evidence["conserved"])]
+    waits = f"waits from {early[0].wait:g} to {early[-1].wait:g}" if early else "no wait is short enough"
     slopes = tuple(
         Measurement(
             f"d ln (time of the minimum)/d ln (waiting time), load ratio {ratio:g}, "
-            f"waits from {early[0].wait:g} to {early[-1].wait:g}: {SOLIDS['conserved'].what}",
+            f"{waits}: {SOLIDS['conserved'].what}",
             _exponent([one for one in early if one.ratio == ratio]),
             low=0.8,
             high=1.2,
@@ -238,7 +239,7 @@ def _relaxation_time(data: xr.Dataset) -> float:
 def _exponent(every: list[After]) -> Estimate:
     """Slope of ln (time of the minimum) against ln (waiting time), surface by surface; their mean."""
     wait = np.log([one.wait for one in every])
-    times = np.array([one.log_time for one in every])
+    times = np.array([one.log_time for one in every] or [[]])
     times = times[:, np.isfinite(times).all(axis=0)]
     if wait.size < 2 or not times.shape[1]:
         unknown = np.full((), np.nan)
