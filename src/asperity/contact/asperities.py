@@ -29,7 +29,7 @@ def level_of_overlap(heights: Field, overlap: float) -> float:
         overlap_by_rows(rows, level, sums)
         total, count = sums.sum(axis=0).tolist()
         rise = (total - overlap) / count if count else 0.0
-        if not rise > -1e-9 * level:
+        if not rise > 1e-9 * abs(level):
             return level
         level += rise
     return 0.0
