@@ -239,7 +239,7 @@ def _relaxation_time(data: xr.Dataset) -> float:
 def _exponent(every: list[After]) -> Estimate:
     """Slope of ln (time of the minimum) against ln (waiting time), surface by surface; their mean."""
     wait = np.log([one.wait for one in every])
-    times = np.array([one.log_time for one in every] or [[]])
+    times = np.array([one.log_time for one in every] or [np.empty(0)])
     times = times[:, np.isfinite(times).all(axis=0)]
     if wait.size < 2 or not times.shape[1]:
         unknown = np.full((), np.nan)
