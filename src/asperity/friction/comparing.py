@@ -59,7 +59,7 @@ class StateLaws(views.Brief):
     effective_points
         Number of independent values that one record is worth, by the residuals of the better law.
     relative_likelihood
-        Of the less likely law, exp(-|delta_aicc|/2); NaN for several.
+        Of the less likely law, exp(-abs(delta_aicc)/2); NaN for several.
     """
 
     verdict: Literal["aging", "slip", "undecided"]
