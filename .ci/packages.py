@@ -145,7 +145,10 @@ def tool() -> str:
     return "uvx --from WHEEL asperity --version"
 
 
-RUN = ("aging.csv", "aging.png", "config.toml", "contacts.png", "history.zarr", "summary.txt")
+RUN = (
+    *("aging.csv", "aging.png", "config.toml", "contacts.png", "history.zarr"),
+    *("patches.csv", "patches.png", "summary.txt"),
+)
 
 STEPS: dict[str, Callable[[], str]] = {
     "contents": contents,
