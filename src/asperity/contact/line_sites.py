@@ -44,16 +44,16 @@ class LineSites:
     def __init__(self, lattice: Lattice, law: SpringLaw, in_contact: Mask) -> None:
         self.in_contact, self.ring = in_contact, not lattice.reflecting
         scale = max(law.lag, law.spread)
-        self.pull = law.k1 / scale
-        self.unit = max(law.k0, self.pull) or 1.0
+        pull = law.k1 / scale
+        self.unit = max(law.k0, pull) or 1.0
+        self.k0, self.pull = law.k0 / self.unit, pull / self.unit
         # z is in units of ``pull``; its equation is divided by what makes the blocks symmetric.
-        weight = self.pull or self.unit
-        self.k0, lag, spread = law.k0 / self.unit, weight * law.lag / scale, weight * law.spread / scale
+        weight = pull or self.unit
+        lag, spread = weight * law.lag / scale / self.unit, weight * law.spread / scale / self.unit
         n = lattice.sites
         self.inverses, self.links, self.border = np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2, 2))
-        numbers = (self.k0, self.pull / self.unit, lag / self.unit, spread / self.unit)
         matrix = (self.inverses, self.links, self.border)
-        factorize(*numbers, in_contact, self.ring, *matrix)
+        factorize(self.k0, self.pull, lag, spread, in_contact, self.ring, *matrix)
         if not np.isfinite(self.inverses).all():
             raise ConvergenceError(
                 "contact solver: expected springs that hold the free sites, got none; try k0 > 0"
@@ -71,13 +71,12 @@ class LineSites:
         del goal, imbalance, most, patience
         scale = worst * self.unit
         d, z = self._solved(np.where(self.in_contact, 0.0, -force / scale), np.zeros(force.size))
-        k0, pull = self.k0, self.pull / self.unit
         g = 0.0
         if self.bordered:
-            left, shift = (self.mean * x.mean() - pull * y.mean() for x, y in ((d, z), self.even))
+            left, shift = (self.mean * x.mean() - self.pull * y.mean() for x, y in ((d, z), self.even))
             g = -float(left / (shift + 1.0 if self.relaxed else shift))
             d, z = d + g * self.even[0], z + g * self.even[1]
-        change = k0 * self._laplacian(d) + (-g if self.relaxed else pull * z)
+        change = self.k0 * self._laplacian(d) + (-g if self.relaxed else self.pull * z)
         predicted = force + scale * change
         off_contact = np.where(self.in_contact, 0.0, predicted)
         worst_left, sum_left = largest(off_contact, np), abs(float(off_contact.sum()))
