@@ -27,6 +27,7 @@ import asperity.views as views
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import SaturationFit, saturation
 from asperity.lattice import Field
+from asperity.results.history import check_dataset
 from asperity.theory import compliance, dilute_area
 from asperity.theory.heights import HeightLaw
 
@@ -127,6 +128,7 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     InputError
         The history started without any contact.
     """
+    check_dataset(dataset)
     time, area = np.asarray(dataset["time"], dtype=np.float64), np.asarray(dataset["area"], dtype=np.float64)
     if area[0] == 0:
         raise InputError("dataset", expected="contact at time 0", got="none", advice="a larger load")

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-import asperity.checks as checks
 from asperity.contact.mechanics import Prescribed, mechanics_of
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.patches import patches
+from asperity.results.history import check_dataset
 from asperity.solids import spring_lattice
 
 
@@ -58,7 +58,7 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
     InputError
         The history kept no fields.
     """
-    checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
+    check_dataset(dataset)
     if "in_contact" not in dataset:
         advice = "age(..., fields_at=[0.0, 1.0])"
         raise InputError("dataset", expected="a history that kept fields", got="none", advice=advice)

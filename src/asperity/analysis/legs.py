@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from asperity.lattice import Field
 from asperity.protocols import Hold, Leg, Ramp, Schedule, Slide, Step, leg_of, legs_of
+from asperity.results.history import check_dataset
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,7 @@ def leg_table(dataset: xr.Dataset) -> list[LegRow]:
     list of LegRow
         Empty for a history without a protocol that ends at time 0.
     """
+    check_dataset(dataset)
     times = [dataset[name].values for name in ("time", "field_time") if name in dataset.coords]
     # Times are given to the schedule as in the run, so that it finds the same switches to the last digit.
     schedule = Schedule.of(_legs(dataset), np.unique(np.concatenate(times)))

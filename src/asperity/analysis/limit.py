@@ -6,6 +6,7 @@ import xarray as xr
 
 from asperity.contact.state import Contact
 from asperity.errors import InputError
+from asperity.results.history import check_dataset
 
 
 def with_limit(dataset: xr.Dataset, limit: Contact) -> xr.Dataset:
@@ -30,6 +31,7 @@ def with_limit(dataset: xr.Dataset, limit: Contact) -> xr.Dataset:
     InputError
         The state is of another lattice.
     """
+    check_dataset(dataset)
     sites = dataset["heights"].dims
     if limit.heights.shape != dataset["heights"].shape:
         raise InputError(

@@ -18,6 +18,7 @@ from asperity.analysis.scan import readable
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
+from asperity.results.history import check_dataset
 from asperity.surfaces.surface import measured_part
 
 Number = TypeVar("Number", np.int8, np.float64)
@@ -174,6 +175,7 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
     InputError
         The history kept no fields.
     """
+    check_dataset(dataset)
     if "in_contact" not in dataset:
         raise InputError(
             "dataset", expected="a history that kept fields", got="none", advice="age(..., fields_at=times)"

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import asperity.checks as checks
 from asperity.challenge.scoring import QuantityScore, Score
 from asperity.figures import style
 from asperity.lattice import Field
@@ -23,6 +24,7 @@ def score_figure(score: Score) -> Figure:
     -------
     Figure
     """
+    checks.instance("score", score, Score, "asperity.challenge.score(result)")
     count = len(score.quantities)
     figure = style.Drawing(figsize=(4.2 * count + 0.6, 5.2), layout="constrained")
     panels = figure.subplots(2, count, sharex=True, squeeze=False, height_ratios=[2.2, 1])

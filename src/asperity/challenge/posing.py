@@ -222,7 +222,6 @@ def problems() -> tuple[Problem, ...]:
     return tuple(problem(name) for name in NAMES)
 
 
-@functools.cache
 def problem(name: str) -> Problem:
     """The reference problem of a name.
 
@@ -231,9 +230,15 @@ def problem(name: str) -> Problem:
     InputError
         There is none of this name.
     """
-    if name not in NAMES:
+    if not isinstance(name, str) or name not in NAMES:
         meant = closest(str(name), NAMES)
-        raise InputError("problem", expected=f"one of {', '.join(NAMES)}", got=repr(name), advice=meant or "")
+        expected = f"one of {', '.join(NAMES)}"
+        raise InputError("problem", expected=expected, got=checks.shown(name), advice=meant or "")
+    return _read(name)
+
+
+@functools.cache
+def _read(name: str) -> Problem:
     tables = tomllib.loads((_DATA / f"{name}.toml").read_text(encoding="utf-8"))
     return Problem(
         name=name,

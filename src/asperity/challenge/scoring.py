@@ -22,6 +22,7 @@ Verdict = Literal["within the error bars", "within the tolerance", "off"]
 _SAME = 1e-6
 """Relative difference up to which a number in the first column is that of the problem."""
 
+_EXAMPLE = '{"time": times, "area": areas}'
 _NAMED = re.compile(r"^\s*[#%;]\s*problem\s*[:=]\s*(\S+)", re.IGNORECASE | re.MULTILINE)
 
 
@@ -117,22 +118,30 @@ def score(result: str | Path | Mapping[str, ArrayLike], name: str | None = None)
     InputError
         The problem is not named, a column is missing or no number, or no row is one of the problem's.
     """
+    asked = None if name is None else problem(name)
     if isinstance(result, Mapping):
         where, columns = "result", {key: checks.line(key, value) for key, value in result.items()}
+        if not columns:
+            raise InputError("result", expected="columns", got="none", advice=_EXAMPLE)
         lengths = {len(values) for values in columns.values()}
         if len(lengths) != 1:
             raise InputError("result", expected="columns of one length", got=sorted(lengths))
     else:
-        path = Path(result)
+        try:
+            path = Path(result)
+        except TypeError as error:
+            expected, got = "a file, or columns by their headings", checks.kind_of(result)
+            raise InputError("result", expected=expected, got=got, advice=_EXAMPLE) from error
         where = str(path)
         table = read_table(path)
         columns = dict(zip(table.names, table.values.T, strict=True))
         found = _NAMED.search(path.read_text(encoding="utf-8", errors="replace"))
-        name = name or (found[1] if found else None)
-    if name is None:
+        if asked is None and found:
+            asked = problem(found[1])
+    if asked is None:
         expected = "the name of the problem, in a line '# problem: NAME' of the file"
         raise InputError(where, expected=expected, got="none", advice="--problem NAME")
-    return _compared(problem(name), columns, where)
+    return _compared(asked, columns, where)
 
 
 def _compared(asked: Problem, columns: Mapping[str, Field], where: str) -> Score:

@@ -6,10 +6,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import asperity.checks as checks
 from asperity.analysis import AgingSummary
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field
+from asperity.results.history import check_dataset
 
 _IN_SIGHT = 3.0
 """How far off the curve, in its own heights, the relaxed limit is still drawn."""
@@ -36,6 +38,8 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     InputError
         The history holds no time above 0.
     """
+    checks.instance("summary", summary, AgingSummary, "asperity.analysis.aging_summary(history.dataset)")
+    check_dataset(dataset)
     if summary.time.size == 0:
         raise InputError(
             "summary", expected="a history with times above 0", got="none", advice="age(contact, times)"

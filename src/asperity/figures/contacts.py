@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
+import asperity.checks as checks
 from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.scan import readable
 from asperity.figures import style
@@ -54,6 +55,7 @@ def contact_figure(maps: ContactMaps) -> Figure:
         For a surface, the topography and one map a time; for a profile, heights and elastic surfaces in
         the stretch with most contacts, above the contacts of the whole profile against time.
     """
+    checks.instance("maps", maps, ContactMaps, "asperity.analysis.contact_maps(history.dataset)")
     return _profile_figure(maps) if maps.heights.ndim == 1 else _map_figure(maps)
 
 

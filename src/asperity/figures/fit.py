@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import asperity.checks as checks
 from asperity.figures import style
 from asperity.fits import LogarithmFit, MeasuredGrowth, SaturationFit
 from asperity.fits.measured import Law
@@ -47,6 +48,7 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
     -------
     Figure
     """
+    checks.instance("growth", growth, MeasuredGrowth, "asperity.fits.measured_growth(...)")
     figure = style.Drawing(figsize=(6.8, 6.0), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3.2, 1])
     upper.set_xscale("log")

@@ -13,6 +13,7 @@ import jinja2
 import numpy as np
 from matplotlib.figure import Figure
 
+import asperity.checks as checks
 from asperity._version import __version__
 from asperity.analysis.prediction import Prediction, Resolved
 from asperity.analysis.scan import written
@@ -67,6 +68,7 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
     dict
         Pictures by the names of their files, without suffix, in the order of the page.
     """
+    checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     friction = "" if prediction.friction is None else " Bottom: the coefficient of static friction."
     captions: dict[str, tuple[Figure, str]] = {
         "growth": (
@@ -114,6 +116,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
     -------
     str
     """
+    checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("asperity.figures", "templates"),
         autoescape=True,

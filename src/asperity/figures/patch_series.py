@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field
+from asperity.results.history import check_dataset
 
 _GAINS = (
     ("gained_by_expansion", "expansion", style.BLUE),
@@ -38,6 +39,7 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     InputError
         The history kept fewer fields.
     """
+    check_dataset(dataset)
     count = dataset.sizes.get("field_time", 0) if "patches" in dataset else 0
     if count < 2:
         raise InputError(

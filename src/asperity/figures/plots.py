@@ -32,6 +32,7 @@ from asperity.figures.history import draw_legs, shown_series
 from asperity.figures.marks import COLORS
 from asperity.figures.surface import draw_map, draw_spectrum, height_view
 from asperity.lattice import Field
+from asperity.results.history import check_dataset
 from asperity.surfaces import PowerSpectrum, Surface
 
 _LOWEST = 0.02
@@ -139,6 +140,7 @@ def plot_history(
 
 def check_series(dataset: xr.Dataset, quantity: str) -> None:
     """Refuse a history that has no such series, or no time above 0."""
+    check_dataset(dataset)
     series = [name for name in map(str, dataset.data_vars) if dataset[name].dims == ("time",)]
     if quantity not in series:
         raise InputError("quantity", expected=f"one of {', '.join(series)}", got=checks.shown(quantity))

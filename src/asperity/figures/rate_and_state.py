@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import asperity.checks as checks
 from asperity.figures import style
 from asperity.friction import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw
@@ -28,6 +29,7 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     -------
     Figure
     """
+    checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
     peaks = found.peaks()
     holds = peaks.duration.size > 1
     figure = style.Drawing(figsize=(9.6 if holds else 6.8, 5.8), layout="constrained")

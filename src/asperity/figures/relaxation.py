@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import asperity.checks as checks
 from asperity.figures import style
 from asperity.relaxation import Creep, Dynamic, Fit
 
@@ -28,6 +29,7 @@ def relaxation_figure(fit: Fit) -> Figure:
     -------
     Figure
     """
+    checks.instance("fit", fit, Fit, "asperity.relaxation.fit(data)")
     figure = style.Drawing(figsize=(6.8, 7.0), layout="constrained")
     upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=[3.0, 1.0, 1.3])
     draw_moduli(upper, fit)

@@ -12,6 +12,7 @@ from asperity.errors import InputError
 from asperity.figures import style
 from asperity.figures.history import shown_series
 from asperity.protocols import Slide
+from asperity.results.history import check_dataset
 
 _COLORS = (style.BLUE, style.VERMILION, style.GRAY)
 
@@ -36,6 +37,7 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     InputError
         The history does not slide.
     """
+    check_dataset(dataset)
     if "displacement" not in dataset:
         expected, got = "a history that slides", "one that does not"
         raise InputError("dataset", expected=expected, got=got, advice="a protocol with a Slide")

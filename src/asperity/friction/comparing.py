@@ -112,7 +112,7 @@ def compare_state_laws(
     InputError
         As in `rate_and_state`; or the records differ in times or velocities.
     """
-    several = [records] if isinstance(records, Record) else list(records)
+    several = list(records) if isinstance(records, Sequence) else [records]
     if not several:
         raise InputError("records", expected="a record, or several", got="none")
     first = checks.instance("records", several[0], Record, "asperity.friction.record_of(history)")

@@ -196,6 +196,7 @@ def hold_peaks(record: Record) -> HoldPeaks:
     HoldPeaks
         Possibly of no holds.
     """
+    checks.instance("record", record, Record, "asperity.friction.record_of(history)")
     time, velocity, friction = record.time, record.velocity, record.friction
     resting = (velocity == 0).astype(int)
     begins = np.flatnonzero(np.diff(resting) == 1) + 1

@@ -165,14 +165,15 @@ def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
 
 def mask(name: str, given: ArrayLike) -> Mask:
     """A boolean array of one or two axes; `InputError` for anything else."""
-    found = np.asarray(given)
+    expected, advice = "a boolean array of shape (n,) or (n, m)", "u == heights"
+    try:
+        found = np.asarray(given)
+    except TypeError as error:  # such as a Dataset
+        got = checks.kind_of(given)
+        raise InputError(name, expected=expected, got=got, advice=advice) from error
     if found.dtype != np.bool_ or found.ndim not in (1, 2) or found.size == 0:
-        raise InputError(
-            name,
-            expected="a boolean array of shape (n,) or (n, m)",
-            got=f"{found.dtype} of shape {found.shape}",
-            advice="u == heights",
-        )
+        got = f"{found.dtype} of shape {found.shape}"
+        raise InputError(name, expected=expected, got=got, advice=advice)
     return found
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+import asperity.checks as checks
 import asperity.views as views
 from asperity.contact.state import Contact
 from asperity.errors import InputError
@@ -18,6 +19,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from asperity.views import Film
+
+
+def check_dataset(dataset: object) -> None:
+    """Refuse what is not the dataset of a history; `InputError`."""
+    checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
+    if missing := [name for name in ("time", "area") if name not in dataset]:  # type: ignore[operator]
+        expected, got = "the dataset of a history", f"one without {', '.join(missing)}"
+        raise InputError("dataset", expected=expected, got=got, advice="asperity.results.load(folder)")
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import asperity.checks as checks
 from asperity.errors import InputError
+from asperity.studies.campaigns import run_campaigns
 from asperity.studies.logarithm import LOGARITHM
 from asperity.studies.patch_sizes import PATCH_SIZES
 from asperity.studies.release import RELEASE
 from asperity.studies.slide_hold_slide import SLIDE_HOLD_SLIDE
-from asperity.studies.study import Concluded, Outcome, Study, conclude, run
+from asperity.studies.study import Concluded, Outcome, Study, conclude
 from asperity.studies.unloading import UNLOADING
 from asperity.words import closest
 
@@ -26,10 +30,48 @@ def named(name: str) -> Study:
     InputError
         There is none of that name.
     """
-    if name not in STUDIES:
-        meant = closest(name, STUDIES) or "asperity study, which lists them"
-        raise InputError("study", expected=" or ".join(STUDIES), got=name, advice=meant)
+    if not isinstance(name, str) or name not in STUDIES:
+        meant = closest(str(name), STUDIES) or "asperity study, which lists them"
+        raise InputError("study", expected=" or ".join(STUDIES), got=checks.shown(name), advice=meant)
     return STUDIES[name]
+
+
+def run(
+    study: Study | str,
+    directory: str | Path,
+    *,
+    quick: bool = False,
+    seed: int = 0,
+    workers: int | None = None,
+    command: str = "asperity.studies.run",
+) -> Concluded:
+    """Run what is missing of a study, and write its report.
+
+    Parameters
+    ----------
+    study
+        A study or its name, such as ``"unloading"``.
+    directory
+        Its folder; made, or gone on with.
+    quick
+        The smaller effort.
+    seed
+        First seed of every ensemble.
+    workers
+        Worker processes on this machine; by default its cores.
+    command
+        The command, for the report.
+
+    Raises
+    ------
+    AsperityError
+        There is no such study; or as `asperity.studies.campaigns.prepared_in`, `run_campaigns` and
+        `conclude`.
+    """
+    one = study if isinstance(study, Study) else named(study)
+    with one.prepared_in(directory, quick=quick, seed=seed) as prepared:
+        run_campaigns(prepared, workers=workers)
+        return conclude(one, directory, prepared, quick=quick, command=command, seed=seed)
 
 
 def __dir__() -> list[str]:

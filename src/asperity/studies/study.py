@@ -17,6 +17,7 @@ import jinja2
 import pandas as pd
 from matplotlib.figure import Figure
 
+import asperity.checks as checks
 import asperity.studies.campaigns as campaigns
 from asperity._version import __version__
 from asperity.results.store import whole_file
@@ -138,6 +139,7 @@ def conclude(
     AsperityError
         A campaign is not finished; or the disk refused. An earlier report stays.
     """
+    checks.instance("study", study, Study, 'asperity.studies.named("unloading")')
     folder = Path(directory)
     evidence = Evidence(folder / study.home.inside)
     runs = campaigns.finished(evidence, prepared)
@@ -171,42 +173,6 @@ def conclude(
         with whole_file(folder / name) as part:
             part.write_text(text, encoding="utf-8")
     return Concluded(folder / "report.md", outcome)
-
-
-def run(
-    study: Study,
-    directory: str | Path,
-    *,
-    quick: bool = False,
-    seed: int = 0,
-    workers: int | None = None,
-    command: str = "asperity.studies.run",
-) -> Concluded:
-    """Run what is missing of a study, and write its report.
-
-    Parameters
-    ----------
-    study
-        Such as ``asperity.studies.STUDIES["unloading"]``.
-    directory
-        Its folder; made, or gone on with.
-    quick
-        The smaller effort.
-    seed
-        First seed of every ensemble.
-    workers
-        Worker processes on this machine; by default its cores.
-    command
-        The command, for the report.
-
-    Raises
-    ------
-    AsperityError
-        As `asperity.studies.campaigns.prepared_in`, `run_campaigns` and `conclude`.
-    """
-    with study.prepared_in(directory, quick=quick, seed=seed) as prepared:
-        campaigns.run_campaigns(prepared, workers=workers)
-        return conclude(study, directory, prepared, quick=quick, command=command, seed=seed)
 
 
 def _page() -> jinja2.Template:

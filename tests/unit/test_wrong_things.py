@@ -1,0 +1,69 @@
+"""What is given in place of a dataset, a result or a name is refused in words, whatever it is."""
+
+import inspect
+import itertools
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import asperity as asp
+import asperity.studies as studies
+from asperity.errors import InputError
+from tests.refusals import refuses
+
+CONTACT = asp.press(
+    np.random.default_rng(1).normal(size=(8, 8)), asp.solids.spring_lattice(k0=1.0, k1=3.0), load=8.0
+)
+HISTORY = asp.age(CONTACT, times=[1.0, 10.0], fields_at=[1.0, 10.0])
+WRONG: tuple[Any, ...] = (CONTACT, HISTORY, xr.Dataset(), "nope", None, {}, 3)
+ELSEWHERE = {
+    "html_of",  # that of an object knows its class
+    "observe",  # of a contact too
+    "patch_table",
+    "plot_contact",
+}
+ROOMS: tuple[ModuleType, ...] = (asp.figures, asp.analysis)
+FUNCTIONS = [
+    *(
+        (room.__name__, name)
+        for room in ROOMS
+        for name in room.__all__
+        if not inspect.isclass(getattr(room, name)) and name not in ELSEWHERE
+    ),
+    ("asperity.challenge", "score"),
+    ("asperity.challenge", "score_figure"),
+    ("asperity.challenge", "problem"),
+    ("asperity.challenge", "solve"),
+    ("asperity.friction", "compare_state_laws"),
+    ("asperity.friction", "hold_peaks"),
+    ("asperity.studies", "conclude"),
+    ("asperity.studies", "named"),
+    ("asperity.studies", "run"),
+]
+
+
+@pytest.mark.parametrize(("room", "name"), FUNCTIONS)
+def test_a_wrong_thing_is_refused(room: str, name: str) -> None:
+    function = getattr(getattr(asp, room.removeprefix("asperity.")), name)
+    needed = [one for one in inspect.signature(function).parameters.values() if one.default is one.empty]
+    for wrong in WRONG:
+        words = {one.name: wrong for one in needed}
+        with pytest.raises(InputError) as raised:
+            function(**words)
+        assert "\n" not in str(raised.value)
+
+
+def test_the_problem_is_looked_up_before_the_answer() -> None:
+    for result, name in itertools.product(({}, {"time": [1.0]}), ("nope", "dens")):
+        with refuses("problem"):
+            asp.challenge.score(result, name)
+    with refuses("result"):
+        asp.challenge.score({}, "dense")
+
+
+def test_a_study_goes_by_its_name() -> None:
+    with pytest.raises(InputError, match="got 'unlaoding'; try unloading"):
+        studies.run("unlaoding", "nowhere")
