@@ -6,7 +6,6 @@ is imported inside the commands, so that help and mistakes in the arguments appe
 
 from __future__ import annotations
 
-import inspect
 import logging
 import shlex
 import sys
@@ -21,6 +20,7 @@ from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandErro
 from asperity._version import __version__
 from asperity.cli.flags import Flags, Open, Out, Quiet, Switch, Whole, flags_for, given
 from asperity.cli.opening import open_results
+from asperity.cli.options import Ensembles, FitFlags, FrictionFlags, PredictFlags, Work, paragraphs
 from asperity.cli.terminal import complain, make_streams_safe, silence_output
 from asperity.errors import AsperityError, ConfigError, InputError, Remark
 from asperity.words import closest, has_decimal_comma
@@ -38,6 +38,8 @@ app = App(
 
 
 _P = ParamSpec("_P")
+_PREDICT, _FIT, _FRICTION = PredictFlags(), FitFlags(), FrictionFlags()
+_ENSEMBLES, _WORK = Ensembles(), Work()
 
 
 def _command(
@@ -46,31 +48,13 @@ def _command(
     """Add a command; parameters named after sections of the configuration take the flags of their keys."""
 
     def add(command: Callable[_P, None]) -> Callable[_P, None]:
-        command.__doc__ = _paragraphs(command.__doc__ or "")
+        command.__doc__ = paragraphs(command.__doc__ or "")
         of.command(command, name=name)
         for section in sections:  # words, which are read when the command is used
             command.__annotations__[section] = f"flags_for({section!r}) | None"
         return command
 
     return add
-
-
-def _paragraphs(text: str) -> str:
-    """Join the lines of a paragraph: help breaks them where the terminal ends."""
-    lines: list[str] = []
-    for line in inspect.cleandoc(text).splitlines():
-        before = lines[-1] if lines else ""
-        indents = [len(one) - len(one.lstrip()) for one in (before, line)]
-        if (
-            before
-            and line
-            and indents[0] == indents[1]
-            and "--" not in (before.strip()[:2], line.strip()[:2])
-        ):
-            lines[-1] += f" {line.strip()}"
-        else:
-            lines.append(line)
-    return "\n".join(lines)
 
 
 @_command("surface", "preparation", "solid", "contact", "aging", "friction", "output")
@@ -136,25 +120,7 @@ def predict(
     /,
     *,
     surface: Path,
-    pressure: str | None = None,
-    load: str | None = None,
-    kind: Literal["relaxation", "creep", "dynamic"] | None = None,
-    columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None,
-    noise: float = 0.05,
-    modulus: Literal["young", "shear", "contact"] = "young",
-    poisson: float = 0.35,
-    temperature: str | None = None,
-    reference: str | None = None,
-    activation_energy: str | None = None,
-    wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
-    first: str | None = None,
-    last: str | None = None,
-    per_decade: Whole = 4,
-    branches_per_decade: float = 1.0,
-    shear_strength: str | None = None,
-    pixel: str | None = None,
-    blur: str | None = None,
-    threshold: float | None = None,
+    wanted: PredictFlags = _PREDICT,
     out: Out = Path("prediction"),
     overwrite: Switch = False,
     quiet: Quiet = False,
@@ -173,46 +139,6 @@ def predict(
         frequency; the names of its columns say which, and the units: time_s, E_MPa.
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
-    pressure
-        Load over nominal area, such as 1MPa.
-    load
-        Normal load, such as 10N, in place of the pressure.
-    kind
-        What the table holds, if the names of its columns do not say.
-    columns
-        Names or numbers, from 0, of its columns: time and modulus, time and compliance, or frequency,
-        storage and loss modulus. [default: those that are named so]
-    noise
-        Largest relative change in the wrong direction that is taken for noise of the table.
-    modulus
-        What the table measures: Young's modulus, the shear modulus, or the contact modulus E*.
-    poisson
-        Poisson's ratio, which does not relax.
-    temperature
-        Temperature of the contact, such as 40degC, if it is not that of the table.
-    reference
-        Temperature of the table.
-    activation_energy
-        How relaxation times depend on temperature, by Arrhenius, such as 100kJ/mol.
-    wlf
-        The same by Williams, Landel and Ferry, for the decimal logarithm: C1 C2, C2 in K.
-    first
-        First time, such as 10ms. [default: that of the table]
-    last
-        Last time, such as 10days. [default: that of the table]
-    per_decade
-        Times recorded in each decade.
-    branches_per_decade
-        Relaxation times that the fit has in each decade of the table: more of them for data with few
-        distinct times, fewer for noisy data.
-    shear_strength
-        Shear strength of the contacts, such as 50MPa: gives friction.
-    pixel
-        Pixel of an instrument that looks at the contact, such as 1um.
-    blur
-        Full width at half maximum of its point spread function, such as 0.6um.
-    threshold
-        Part of full contact from which such a pixel counts as contact. [default: 0.5]
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     overwrite
@@ -226,33 +152,9 @@ def predict(
     from asperity.config.reading import file_surface
 
     settings = file_surface(surface, given(scan).get("surface", {}), Scan)
-    from asperity.cli.predict import Wanted
     from asperity.cli.predict import predict as predict_it
 
-    wanted = Wanted(
-        relaxation=relaxation,
-        scan=settings,
-        pressure=pressure,
-        load=load,
-        kind=kind,
-        columns=columns,
-        noise=noise,
-        modulus=modulus,
-        poisson=poisson,
-        temperature=temperature,
-        reference=reference,
-        activation_energy=activation_energy,
-        wlf=wlf,
-        first=first,
-        last=last,
-        per_decade=per_decade,
-        branches_per_decade=branches_per_decade,
-        shear_strength=shear_strength,
-        pixel=pixel,
-        blur=blur,
-        threshold=threshold,
-    )
-    predict_it(wanted, out=out, overwrite=overwrite, quiet=quiet)
+    predict_it(relaxation, settings, wanted, out=out, overwrite=overwrite, quiet=quiet)
     if show:
         open_results(out)
 
@@ -290,16 +192,7 @@ def fit_table(
     file: Path,
     /,
     *,
-    law: Literal["saturation", "logarithm", "both"] = "both",
-    out: Out = Path("fit.png"),
-    json: Path | None = None,
-    overwrite: Switch = False,
-    window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
-    column_time: str | None = None,
-    column_value: str | None = None,
-    column_stderr: str | None = None,
-    quantity: str | None = None,
-    unit_time: str | None = None,
+    wanted: FitFlags = _FIT,
 ) -> None:
     """Fit laws of growth to measured values against hold time: contact area, or static friction.
 
@@ -311,42 +204,10 @@ def fit_table(
     file
         A table: two columns or more, separated by anything; also the aging.csv of a run. Lines
         beginning with #, % or ; are comments.
-    law
-        Law to fit.
-    out
-        Figure to write (.png, .pdf or .svg).
-    json
-        File to write all numbers to (.json).
-    overwrite
-        Replace these files if they exist.
-    window
-        Hold times T1 T2 between which a straight line gives the growth per decade; the laws are fitted
-        to all values. [default: all]
-    column_time
-        Column of the hold times: its name in the header, or a number counted from 0. [default: 0, or 1
-        where column 0 is an index 0, 1, 2, ... without a name, as pandas writes it]
-    column_value
-        Column of the values. [default: the next]
-    column_stderr
-        Column of their standard errors. [default: none are known]
-    quantity
-        What the values are, for the figure. [default: the name in the header]
-    unit_time
-        Unit of the hold times, such as s, for the figure. [default: none]
     """
     from asperity.cli.fit import fit
 
-    fit(
-        file,
-        laws=("saturation", "logarithm") if law == "both" else (law,),
-        out=out,
-        numbers=json,
-        overwrite=overwrite,
-        window=window,
-        columns=(column_time, column_value, column_stderr),
-        quantity=quantity,
-        unit_time=unit_time or "",
-    )
+    fit(file, wanted)
 
 
 @_command()
@@ -354,13 +215,7 @@ def friction(
     records: list[Path],
     /,
     *,
-    law: Literal["best", "aging", "slip"] = "best",
-    a: float | None = None,
-    reference_velocity: str | None = None,
-    events: Literal["all", "holds", "steps"] = "all",
-    shear_strength: str | None = None,
-    columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None,
-    strength_at_rest: Switch = False,
+    wanted: FrictionFlags = _FRICTION,
     out: Out = Path("friction"),
     overwrite: Switch = False,
     quiet: Quiet = False,
@@ -378,20 +233,6 @@ def friction(
         The folder of a run that slid, or a table of time, velocity or displacement, and friction (or shear
         and normal stress or force), with units in its header: time_s, displacement_um, friction. Several are
         surfaces under one protocol; their scatter gives the intervals.
-    law
-        The law whose parameters come first: one, or that of the verdict.
-    a
-        The direct effect, such as 0.01. [default: 0 for runs with a constant shear strength, else fitted]
-    reference_velocity
-        V_0, such as "1 um/s", of which mu_0 is the steady friction. [default: the first of the record]
-    events
-        What to fit: all, the holds, or the velocity steps.
-    shear_strength
-        Shear strength of the contacts, such as 50MPa, for runs that did not state it.
-    columns
-        Names or numbers, from 0, of the columns to read. [default: those whose names are understood]
-    strength_at_rest
-        Friction at rest in a table is the strength, as in a simulation, and not the force held.
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     overwrite
@@ -403,19 +244,7 @@ def friction(
     """
     from asperity.cli.friction import friction as fit_friction
 
-    fit_friction(
-        records,
-        law=law,
-        a=a,
-        reference_velocity=reference_velocity,
-        events=events,
-        shear_strength=shear_strength,
-        columns=columns,
-        strength_at_rest=strength_at_rest,
-        out=out,
-        overwrite=overwrite,
-        quiet=quiet,
-    )
+    fit_friction(records, wanted, out=out, overwrite=overwrite, quiet=quiet)
     if show:
         open_results(out)
 
@@ -426,11 +255,7 @@ def sweep(
     /,
     *,
     out: Out,
-    workers: Whole | None = None,
-    scheduler: str | None = None,
-    dry_run: Switch = False,
-    retry_failed: Switch = False,
-    quiet: Quiet = False,
+    work: Work = _WORK,
 ) -> None:
     """Do a campaign: many runs from one file, in one folder. The same command again does what is missing.
 
@@ -440,29 +265,13 @@ def sweep(
         A TOML file as for a run, with a section [sweep] of lists: load = [200.0, 800.0], seeds = 32, ...
     out
         Folder of the campaign; made, or gone on with.
-    workers
-        Worker processes on this machine. [default: its cores]
-    scheduler
-        Address of a Dask scheduler to use instead, such as tcp://10.0.0.1:8786.
-    dry_run
-        Only say how many runs, how long, and how much disk.
-    retry_failed
-        Try again what failed earlier.
-    quiet
-        Print neither progress nor summary.
     """
-    _check_workers(workers)
+    work.check()
     from asperity.campaign import read_plan
     from asperity.cli import campaign
-    from asperity.runs import cores
 
     settings = read_plan(plan)
-    if dry_run:
-        campaign.dry_run(settings, out, workers=workers or cores())
-    else:
-        campaign.sweep(
-            settings, out, workers=workers, scheduler=scheduler, retry_failed=retry_failed, quiet=quiet
-        )
+    (campaign.dry_run if work.dry_run else campaign.sweep)(settings, out, work)
 
 
 @_command()
@@ -541,13 +350,8 @@ def explore(
 def reproduce(
     *,
     out: Out,
-    quick: Switch = False,
-    seed: Whole = 0,
-    workers: Whole | None = None,
-    scheduler: str | None = None,
-    dry_run: Switch = False,
-    retry_failed: Switch = False,
-    quiet: Quiet = False,
+    ensembles: Ensembles = _ENSEMBLES,
+    work: Work = _WORK,
 ) -> None:
     """Reproduce the paper: every figure and every claim, from simulations of your own, as one report.
 
@@ -558,38 +362,11 @@ def reproduce(
     ----------
     out
         Folder of the reproduction; made, or gone on with.
-    quick
-        Smaller ensembles: a few minutes on a laptop in place of half an hour.
-    seed
-        First seed of every ensemble; another one repeats everything on other surfaces.
-    workers
-        Worker processes on this machine. [default: its cores]
-    scheduler
-        Address of a Dask scheduler to use instead, such as tcp://10.0.0.1:8786.
-    dry_run
-        Only say how many runs, how long, and how much disk.
-    retry_failed
-        Try again what failed earlier.
-    quiet
-        Print neither progress nor summary.
     """
-    _check_workers(workers)
-    from asperity.cli.reproduce import reproduce as reproduce_it
-    from asperity.cli.reproduce import say_what_it_takes
-    from asperity.runs import cores
+    work.check()
+    from asperity.cli import reproduce as reproducing
 
-    if dry_run:
-        say_what_it_takes(out, quick=quick, seed=seed, workers=workers or cores())
-    else:
-        reproduce_it(
-            out,
-            quick=quick,
-            seed=seed,
-            workers=workers,
-            scheduler=scheduler,
-            retry_failed=retry_failed,
-            quiet=quiet,
-        )
+    (reproducing.say_what_it_takes if work.dry_run else reproducing.reproduce)(out, ensembles, work)
 
 
 @_command()
@@ -598,13 +375,8 @@ def study(
     /,
     *,
     out: Out | None = None,
-    quick: Switch = False,
-    seed: Whole = 0,
-    workers: Whole | None = None,
-    scheduler: str | None = None,
-    dry_run: Switch = False,
-    retry_failed: Switch = False,
-    quiet: Quiet = False,
+    ensembles: Ensembles = _ENSEMBLES,
+    work: Work = _WORK,
 ) -> None:
     """Answer an open question from simulations of your own: numbers, a verdict and a figure.
 
@@ -617,43 +389,15 @@ def study(
         Which study.
     out
         Folder of the study; made, or gone on with. [default: asperity-study-NAME]
-    quick
-        Small ensembles: a minute or a few in place of the full effort.
-    seed
-        First seed of every ensemble; another one repeats everything on other surfaces.
-    workers
-        Worker processes on this machine. [default: its cores]
-    scheduler
-        Address of a Dask scheduler to use instead, such as tcp://10.0.0.1:8786.
-    dry_run
-        Only say how many runs, how long, and how much disk.
-    retry_failed
-        Try again what failed earlier.
-    quiet
-        Print neither progress nor summary.
     """
-    _check_workers(workers)
+    work.check()
     from asperity.cli import study as studying
 
     if name is None:
         studying.say_studies()
         return
-    from asperity.runs import cores
-
     folder = out or Path(f"asperity-study-{name}")
-    if dry_run:
-        studying.say_what_it_takes(name, folder, quick=quick, seed=seed, workers=workers or cores())
-    else:
-        studying.study(
-            name,
-            folder,
-            quick=quick,
-            seed=seed,
-            workers=workers,
-            scheduler=scheduler,
-            retry_failed=retry_failed,
-            quiet=quiet,
-        )
+    (studying.say_what_it_takes if work.dry_run else studying.study)(name, folder, ensembles, work)
 
 
 references = App(name="challenge", help="Reference problems with certified answers, for any code.")
@@ -823,11 +567,6 @@ def _show_warning(
         print("remark:", " ".join(str(message).split()), file=sys.stderr)
     else:
         sys.stderr.write(warnings.formatwarning(message, category, filename, lineno))
-
-
-def _check_workers(workers: int | None) -> None:
-    if workers is not None and workers < 1:
-        raise InputError("--workers", expected="1 or more", got=workers)
 
 
 def _complain(status: int, *problems: str) -> int:

@@ -17,6 +17,7 @@ import asperity.campaign as campaign
 from asperity.campaign import Plan, Tally
 from asperity.campaign.gather import with_ends
 from asperity.campaign.plan import Run, name_of
+from asperity.cli.options import Work
 from asperity.cli.output import write_figure
 from asperity.cli.report import aligned
 from asperity.errors import AsperityError, InputError
@@ -32,21 +33,22 @@ _LINE_EVERY = 10.0
 _SHOWN_FAILURES = 10
 
 
-def dry_run(plan: Plan, out: Path, *, workers: int) -> None:
+def dry_run(plan: Plan, out: Path, work: Work) -> None:
     """Say what a campaign would do."""
     judged = campaign.estimate(plan, out)
     rows = [
         ("runs", f"{len({run.identity for run in plan.runs})}, of which {judged.runs} are to do"),
         ("dimensions", _dimensions(plan)),
-        ("time", f"about {duration(judged.wall(workers))} on {workers} workers, judged by {judged.basis}"),
+        (
+            "time",
+            f"about {duration(judged.wall(work.hands))} on {work.hands} workers, judged by {judged.basis}",
+        ),
         ("disk", f"about {data_size(judged.bytes)}"),
     ]
     sys.stdout.write(f"{aligned(rows)}\n")
 
 
-def sweep(
-    plan: Plan, out: Path, *, workers: int | None, scheduler: str | None, retry_failed: bool, quiet: bool
-) -> None:
+def sweep(plan: Plan, out: Path, work: Work) -> None:
     """Do what is missing, and say how it ended.
 
     Raises
@@ -56,20 +58,25 @@ def sweep(
     """
     _check_out(out)
     before = campaign.tally(plan, out)
-    idle = before.done + (0 if retry_failed else before.failed) == before.total
+    idle = before.done + (0 if work.retry_failed else before.failed) == before.total
     try:
-        with tally_shown(quiet=quiet) as show:
+        with tally_shown(quiet=work.quiet) as show:
             end = campaign.sweep(
-                plan, out, workers=workers, scheduler=scheduler, retry_failed=retry_failed, progress=show
+                plan,
+                out,
+                workers=work.workers,
+                scheduler=work.scheduler,
+                retry_failed=work.retry_failed,
+                progress=show,
             )
     except KeyboardInterrupt:
         done = campaign.tally(plan, out).done
         raise KeyboardInterrupt(
             f"interrupted; {done} runs are done and kept, and the same command does the rest"
         ) from None
-    if not quiet:
-        unasked = ("scheduler", f"{scheduler} was not asked: there was nothing to do")
-        told = _tally_told(plan, end, *[unasked] * (idle and scheduler is not None))
+    if not work.quiet:
+        unasked = ("scheduler", f"{work.scheduler} was not asked: there was nothing to do")
+        told = _tally_told(plan, end, *[unasked] * (idle and work.scheduler is not None))
         sys.stdout.write(f"{told}\n")
     if end.failed:
         why = shlex.join(("asperity", "status", str(out)))

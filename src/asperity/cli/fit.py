@@ -6,9 +6,9 @@ import dataclasses
 import json
 import math
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
+from asperity.cli.options import FitFlags
 from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
 from asperity.cli.report import aligned
 from asperity.errors import InputError
@@ -37,57 +37,31 @@ _FORMULAS: dict[Law, tuple[str, tuple[str, ...]]] = {
 }
 
 
-def fit(
-    file: Path,
-    *,
-    laws: Sequence[Law],
-    out: Path,
-    numbers: Path | None,
-    overwrite: bool,
-    window: tuple[float, float] | None,
-    columns: tuple[str | None, str | None, str | None],
-    quantity: str | None,
-    unit_time: str,
-) -> None:
-    """Read, fit, say and draw.
-
-    Parameters
-    ----------
-    file
-        The table.
-    laws
-        Laws to fit.
-    out, numbers
-        The figure; and a JSON file with all numbers, or None.
-    overwrite
-        Whether existing files may be replaced.
-    window
-        Times between which the straight line is fitted, or None for all.
-    columns
-        Time, value and standard error: names or numbers from 0; None for the usual ones, or no error.
-    quantity, unit_time
-        Names for the figure; by default the header's name of the values, and no unit.
+def fit(file: Path, wanted: FitFlags) -> None:
+    """Read a table, fit, say and draw.
 
     Raises
     ------
     AsperityError
         The table cannot be used, or a file not written.
     """
-    check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
-    if numbers is not None:
-        check_new_file("--json", numbers, (".json",), overwrite=overwrite)
+    check_new_file("--out", wanted.out, FIGURE_SUFFIXES, overwrite=wanted.overwrite)
+    if wanted.json is not None:
+        check_new_file("--json", wanted.json, (".json",), overwrite=wanted.overwrite)
+    window, unit_time = wanted.window, wanted.unit_time or ""
     first, last = window or (None, None)
     if window and not 0 <= window[0] < window[1]:
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
-    time, value, stderr = columns
-    data = read_measurements(file, time=time, value=value, stderr=stderr)
-    named = quantity or data.value_name or "value"
+    data = read_measurements(
+        file, time=wanted.column_time, value=wanted.column_value, stderr=wanted.column_stderr
+    )
+    named = wanted.quantity or data.value_name or "value"
     try:
         growth = measured_growth(
             data.time,
             data.value,
             stderr=data.stderr,
-            laws=laws,
+            laws=("saturation", "logarithm") if wanted.law == "both" else (wanted.law,),
             first=first,
             last=last,
             name=data.value_name or "value",
@@ -98,17 +72,17 @@ def fit(
         raise
     figure = fit_figure(
         growth,
-        quantity=quantity or f"{named}  [unit of the table]",
+        quantity=wanted.quantity or f"{named}  [unit of the table]",
         unit_time=unit_time,
         window=window is not None,
     )
-    write_figure(figure, out)
-    written = [f"figure written: {out}"]
-    if numbers is not None:
+    write_figure(figure, wanted.out)
+    written = [f"figure written: {wanted.out}"]
+    if wanted.json is not None:
         facts = {"file": str(file), "quantity": named, "unit_time": unit_time, **_facts(growth)}
-        with whole_file(numbers) as part:
+        with whole_file(wanted.json) as part:
             part.write_text(json.dumps(facts, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        written.append(f"numbers written: {numbers}")
+        written.append(f"numbers written: {wanted.json}")
     blocks = _blocks(growth, source=f"{file}: {named}", unit=f" {unit_time}" if unit_time else "")
     sys.stdout.write("\n\n".join([*map(aligned, blocks), "\n".join(written)]) + "\n")
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Literal
 
 import asperity.units as units
 from asperity.analysis.scan import written
+from asperity.cli.options import FrictionFlags
 from asperity.cli.output import check_free, write_figure
 from asperity.cli.report import aligned
 from asperity.cli.resuming import tell_results
@@ -23,7 +24,6 @@ from asperity.friction import (
     record_of,
     save_parameters,
 )
-from asperity.friction.fitting import Events
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.results.store import whole_folder
 from asperity.words import counted, uncertain
@@ -36,41 +36,9 @@ _NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a
 
 
 def friction(
-    records: Sequence[Path],
-    *,
-    law: Literal["best", "aging", "slip"],
-    a: float | None,
-    reference_velocity: str | None,
-    events: Events,
-    shear_strength: str | None,
-    columns: Sequence[str] | None,
-    strength_at_rest: bool,
-    out: Path,
-    overwrite: bool,
-    quiet: bool,
+    records: Sequence[Path], wanted: FrictionFlags, *, out: Path, overwrite: bool, quiet: bool
 ) -> None:
-    """Read, fit, say, draw and write.
-
-    Parameters
-    ----------
-    records
-        Tables of experiments or folders of runs: one, or one for each surface.
-    law
-        The law to write first: one, or that of the verdict.
-    a, events
-        As in `asperity.friction.rate_and_state`.
-    reference_velocity
-        V_0 there, with a unit or without.
-    shear_strength
-        Of runs without friction.
-    columns
-        Of the tables.
-    strength_at_rest
-        Whether friction at rest is the strength, in tables.
-    out
-        The folder.
-    overwrite, quiet
-        As in the other commands.
+    """Read tables of experiments or folders of runs, one for each surface; fit, say, draw and write.
 
     Raises
     ------
@@ -79,34 +47,31 @@ def friction(
     """
     check_free(out, overwrite=overwrite)
     try:
-        several = [_read(path, shear_strength, columns, strength_at_rest) for path in records]
-        text = reference_velocity
+        several = [_read(path, wanted) for path in records]
+        text = wanted.reference_velocity
         reference = None if text is None else units.quantity(text, "m/s", "--reference-velocity")
-        found = compare_state_laws(several, a=a, V_0=reference, events=events)
+        found = compare_state_laws(several, a=wanted.a, V_0=reference, events=wanted.events)
     except InputError as error:
         raise _of_flags(error) from error
     rows = _report(found, [str(path) for path in records])
     with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
         for kind in ("toml", "csv"):
-            save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
+            save_parameters(
+                found, folder / f"friction.{kind}", law=None if wanted.law == "best" else wanted.law
+            )
         (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         write_figure(rate_and_state_figure(found), folder / "friction.png")
     if not quiet:
         tell_results(rows, out)
 
 
-def _read(
-    path: Path, shear_strength: str | None, columns: Sequence[str] | None, strength_at_rest: bool
-) -> Record:
-    if path.is_dir():
-        strength: str | float | None = shear_strength
-        if shear_strength is not None:
-            try:
-                strength = float(shear_strength)
-            except ValueError:
-                strength = shear_strength
-        return record_of(path, shear_strength=strength)
-    return read_record(path, columns=columns, strength_at_rest=strength_at_rest)
+def _read(path: Path, wanted: FrictionFlags) -> Record:
+    if not path.is_dir():
+        return read_record(path, columns=wanted.columns, strength_at_rest=wanted.strength_at_rest)
+    strength: str | float | None = wanted.shear_strength
+    with suppress(TypeError, ValueError):
+        strength = float(strength or "")
+    return record_of(path, shear_strength=strength)
 
 
 def _of_flags(error: InputError) -> InputError:

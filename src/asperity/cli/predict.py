@@ -7,7 +7,6 @@ import re
 import shlex
 import sys
 import time as clock
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import numpy as np
 import asperity.units as units
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
+from asperity.cli.options import PredictFlags
 from asperity.cli.output import check_free, save_within
 from asperity.cli.progress import progress_shown
 from asperity.cli.report import Row, aligned
@@ -24,12 +24,10 @@ from asperity.config import MeasuredSurface
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.relaxation import arrhenius, wlf
-from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
 from asperity.runs import cores
 from asperity.runs.loops import compile_loops
-from asperity.runs.prediction import Modulus
 from asperity.runs.prediction import predict as predict_it
 from asperity.words import counted as how_many
 
@@ -48,6 +46,9 @@ _UNITS = {
 }
 """Flags that are quantities, and the units in which they go on."""
 
+_AS_WRITTEN = ("kind", "columns", "noise", "modulus", "poisson", "per_decade", "branches_per_decade")
+"""Flags that go on as they are."""
+
 _COLUMNS = {
     "time": "s",
     "contact_area": "m^2",
@@ -62,44 +63,19 @@ _COLUMNS = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class Wanted:
-    """What was written on the command line; texts have units."""
-
-    relaxation: Path
-    scan: MeasuredSurface
-    pressure: str | None
-    load: str | None
-    kind: Kind | None
-    columns: list[str] | None
-    noise: float
-    modulus: Modulus
-    poisson: float
-    temperature: str | None
-    reference: str | None
-    activation_energy: str | None
-    wlf: tuple[float, float] | None
-    first: str | None
-    last: str | None
-    per_decade: int
-    branches_per_decade: float
-    shear_strength: str | None
-    pixel: str | None
-    blur: str | None
-    threshold: float | None
-
-    def quantities(self) -> dict[str, float | None]:
-        """Numbers in SI units; a text without a unit is refused."""
-        return {name: _quantity(name, getattr(self, name), unit) for name, unit in _UNITS.items()}
-
-
-def predict(wanted: Wanted, *, out: Path, overwrite: bool, quiet: bool) -> None:
+def predict(
+    relaxation: Path, scan: MeasuredSurface, wanted: PredictFlags, *, out: Path, overwrite: bool, quiet: bool
+) -> None:
     """Compute, and write the results.
 
     Parameters
     ----------
+    relaxation
+        The table.
+    scan
+        The surface.
     wanted
-        What to predict.
+        The rest.
     out
         Folder of the results. A long run keeps its place in a file beside it.
     overwrite
@@ -113,7 +89,10 @@ def predict(wanted: Wanted, *, out: Path, overwrite: bool, quiet: bool) -> None:
         As `asperity.predict` does; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
-    with place_beside(out, repr(wanted)) as place, progress_shown(quiet=quiet) as progress:
+    with (
+        place_beside(out, repr((relaxation, scan, wanted))) as place,
+        progress_shown(quiet=quiet) as progress,
+    ):
         arguments = _arguments(wanted)
         compile_loops(progress.stage, progress.remark)
         started = clock.perf_counter()
@@ -121,8 +100,8 @@ def predict(wanted: Wanted, *, out: Path, overwrite: bool, quiet: bool) -> None:
             progress.stage(f"going on from {place}")
         try:
             prediction = predict_it(
-                wanted.relaxation,
-                wanted.scan.build(),
+                relaxation,
+                scan.build(),
                 **arguments,
                 progress=progress,
                 checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY),
@@ -137,7 +116,7 @@ def predict(wanted: Wanted, *, out: Path, overwrite: bool, quiet: bool) -> None:
         tell_results(rows, out)
 
 
-def _arguments(wanted: Wanted) -> dict[str, Any]:
+def _arguments(wanted: PredictFlags) -> dict[str, Any]:
     """What `asperity.predict` takes besides table and scan."""
     if (wanted.pressure is None) == (wanted.load is None):
         got = "neither" if wanted.load is None else "both"
@@ -145,7 +124,7 @@ def _arguments(wanted: Wanted) -> dict[str, Any]:
     if wanted.threshold is not None and wanted.pixel is None and wanted.blur is None:
         expected = "a pixel or a blur of the instrument beside it"
         raise InputError("--threshold", expected=expected, got="neither", advice="--pixel 1um")
-    numbers = wanted.quantities()
+    numbers = {name: _quantity(name, getattr(wanted, name), unit) for name, unit in _UNITS.items()}
     temperature, reference = numbers.pop("temperature"), numbers.pop("reference")
     energy, constants = numbers.pop("activation_energy"), wanted.wlf
     shift = 1.0
@@ -166,13 +145,7 @@ def _arguments(wanted: Wanted) -> dict[str, Any]:
         )
     return {
         **numbers,
-        "kind": wanted.kind,
-        "columns": wanted.columns,
-        "noise": wanted.noise,
-        "modulus": wanted.modulus,
-        "poisson": wanted.poisson,
-        "per_decade": wanted.per_decade,
-        "branches_per_decade": wanted.branches_per_decade,
+        **{name: getattr(wanted, name) for name in _AS_WRITTEN},
         **({} if wanted.threshold is None else {"threshold": wanted.threshold}),
         "shift": shift,
     }
@@ -196,17 +169,7 @@ def _flag(name: str) -> str:
 
 def _of_flags(error: InputError) -> InputError:
     """The same error, about the flag."""
-    named = {
-        *_UNITS,
-        "poisson",
-        "modulus",
-        "per_decade",
-        "branches_per_decade",
-        "threshold",
-        "surface",
-        "noise",
-        "columns",
-    }
+    named = {*_UNITS, *_AS_WRITTEN, "threshold", "surface"} - {"kind"}
     name = _flag(error.name) if error.name in named else error.name
     advice = re.sub(r"\b(noise|kind|columns)=\S", lambda found: f"--{found[1]} {found[0][-1]}", error.advice)
     return InputError(name, expected=error.expected, got=error.got, advice=advice)

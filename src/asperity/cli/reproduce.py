@@ -2,41 +2,27 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
-import tempfile
 import time as clock
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+from asperity.cli.options import Ensembles, Work
 from asperity.cli.report import aligned
-from asperity.cli.study import Voice, say_estimate
-from asperity.paper.reproduce import HOME, STUDIES, conclude, prepared_in
+from asperity.cli.study import command_of, say_estimate, worked_through
+from asperity.paper.reproduce import HOME, conclude, prepared_in
 from asperity.paper.studies import FULL, QUICK
-from asperity.runs import cores
-from asperity.studies.campaigns import run_campaigns
 from asperity.studies.ledger import Finding, Verdict
 
 
-def say_what_it_takes(out: Path, *, quick: bool, seed: int, workers: int) -> None:
+def say_what_it_takes(out: Path, ensembles: Ensembles, work: Work) -> None:
     """Say how many runs, how long, and how much disk, without leaving anything behind."""
-    effort = QUICK if quick else FULL
-    HOME.check(out)
-    with tempfile.TemporaryDirectory() as nowhere, prepared_in(nowhere, effort, seed=seed) as prepared:
-        say_estimate(prepared, out / STUDIES, workers=workers)
+    effort = QUICK if ensembles.quick else FULL
+    say_estimate(HOME, out, lambda folder: prepared_in(folder, effort, seed=ensembles.seed), work)
 
 
-def reproduce(
-    out: Path,
-    *,
-    quick: bool,
-    seed: int,
-    workers: int | None,
-    scheduler: str | None,
-    retry_failed: bool,
-    quiet: bool,
-) -> None:
+def reproduce(out: Path, ensembles: Ensembles, work: Work) -> None:
     """Run the studies that are missing, and write the report.
 
     Raises
@@ -44,31 +30,15 @@ def reproduce(
     AsperityError
         The folder cannot be used; the disk or the scheduler refused; some runs failed.
     """
-    effort = QUICK if quick else FULL
-    words = [
-        "asperity",
-        "reproduce",
-        "--out",
-        str(out),
-        *["--quick"] * quick,
-        *(["--seed", str(seed)] if seed else []),
-    ]
-    command = shlex.join(words)
+    effort = QUICK if ensembles.quick else FULL
+    command = command_of(["reproduce"], out, ensembles)
     started = clock.perf_counter()
-    try:
-        with prepared_in(out, effort, seed=seed) as prepared:
-            voice = Voice("study", prepared, workers=workers or cores(), quiet=quiet)
-            run_campaigns(
-                prepared, workers=workers, scheduler=scheduler, retry_failed=retry_failed, watch=voice.watch
-            )
-            voice.say("drawing the figures and judging the claims")
-            seconds = clock.perf_counter() - started
-            done = conclude(out, prepared, effort=effort, command=command, seconds=seconds)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            "interrupted; what is finished is kept, and the same command does the rest"
-        ) from None
-    if not quiet:
+    preparing = prepared_in(out, effort, seed=ensembles.seed)
+    with worked_through("study", preparing, work) as (prepared, voice):
+        voice.say("drawing the figures and judging the claims")
+        seconds = clock.perf_counter() - started
+        done = conclude(out, prepared, effort=effort, command=command, seconds=seconds)
+    if not work.quiet:
         sys.stdout.write(f"{aligned(_verdicts(done.findings))}\n\n{done.report}\n")
 
 

@@ -6,18 +6,22 @@ import shlex
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 
 import asperity.campaign as campaign
 from asperity.campaign import Estimate, Tally
 from asperity.cli.campaign import tally_shown
+from asperity.cli.options import Ensembles, Work
 from asperity.cli.report import aligned
-from asperity.runs import cores
 from asperity.studies import STUDIES, Study, conclude, named
-from asperity.studies.campaigns import Prepared, run_campaigns
+from asperity.studies.campaigns import Home, Prepared, run_campaigns
 from asperity.studies.typeset import interval, plain
 from asperity.words import data_size, duration
+
+Prepare = Callable[[Path], AbstractContextManager[tuple[Prepared, ...]]]
+"""Writes the campaigns into a folder."""
 
 
 def say_studies() -> None:
@@ -26,39 +30,31 @@ def say_studies() -> None:
     sys.stdout.write(f"{aligned(rows)}\n\nasperity study NAME --quick answers one in minutes\n")
 
 
-def say_what_it_takes(name: str, out: Path, *, quick: bool, seed: int, workers: int) -> None:
+def say_what_it_takes(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
     """Say how many runs, how long, and how much disk, without leaving anything behind."""
     one = named(name)
-    one.home.check(out)
-    with (
-        tempfile.TemporaryDirectory() as nowhere,
-        one.prepared_in(nowhere, quick=quick, seed=seed) as prepared,
-    ):
-        say_estimate(prepared, out / one.home.inside, workers=workers)
+    say_estimate(one.home, out, partial(_prepared, one, ensembles), work)
 
 
-def say_estimate(prepared: Sequence[Prepared], folder: Path, *, workers: int) -> None:
+def say_estimate(home: Home, out: Path, prepare: Prepare, work: Work) -> None:
     """Say what each campaign would take, and all, where some of them may be done in a folder."""
-    judged = [campaign.estimate(one.plan, folder / one.campaign.name) for one in prepared]
-    rows = [
-        (one.campaign.name, f"{it.runs} runs", f"about {duration(it.wall(workers))}", one.campaign.purpose)
-        for one, it in zip(prepared, judged, strict=True)
-    ]
-    rows.append(("all", *_total(judged, workers)))
-    sys.stdout.write(f"{aligned(rows)}\n")
+    home.check(out)
+    with tempfile.TemporaryDirectory() as nowhere, prepare(Path(nowhere)) as prepared:
+        judged = [campaign.estimate(one.plan, out / home.inside / one.campaign.name) for one in prepared]
+        rows = [
+            (
+                one.campaign.name,
+                f"{it.runs} runs",
+                f"about {duration(it.wall(work.hands))}",
+                one.campaign.purpose,
+            )
+            for one, it in zip(prepared, judged, strict=True)
+        ]
+        rows.append(("all", *_total(judged, work.hands)))
+        sys.stdout.write(f"{aligned(rows)}\n")
 
 
-def study(
-    name: str,
-    out: Path,
-    *,
-    quick: bool,
-    seed: int,
-    workers: int | None,
-    scheduler: str | None,
-    retry_failed: bool,
-    quiet: bool,
-) -> None:
+def study(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
     """Run the campaigns that are missing, and write the report.
 
     Raises
@@ -68,20 +64,11 @@ def study(
         failed.
     """
     one = named(name)
-    command = command_of(one, out, quick=quick, seed=seed)
-    try:
-        with one.prepared_in(out, quick=quick, seed=seed) as prepared:
-            voice = Voice("campaign", prepared, workers=workers or cores(), quiet=quiet)
-            run_campaigns(
-                prepared, workers=workers, scheduler=scheduler, retry_failed=retry_failed, watch=voice.watch
-            )
-            voice.say("computing the numbers and drawing the figure")
-            done = conclude(one, out, prepared, quick=quick, command=command, seed=seed)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            "interrupted; what is finished is kept, and the same command does the rest"
-        ) from None
-    if quiet:
+    command = command_of(["study", one.name], out, ensembles)
+    with worked_through("campaign", _prepared(one, ensembles, out), work) as (prepared, voice):
+        voice.say("computing the numbers and drawing the figure")
+        done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
+    if work.quiet:
         return
     for finding in done.outcome.findings:
         rows = [("", plain(m.what), plain(str(interval(m.estimate)))) for m in finding.measured]
@@ -89,10 +76,35 @@ def study(
     sys.stdout.write(f"\n{done.report}\n")
 
 
-def command_of(one: Study, out: Path, *, quick: bool, seed: int) -> str:
-    """Return the command line that runs a study."""
-    words = ["asperity", "study", one.name, "--out", str(out)]
-    return shlex.join([*words, *["--quick"] * quick, *(["--seed", str(seed)] if seed else [])])
+def _prepared(one: Study, ensembles: Ensembles, folder: Path) -> AbstractContextManager[tuple[Prepared, ...]]:
+    return one.prepared_in(folder, quick=ensembles.quick, seed=ensembles.seed)
+
+
+def command_of(words: list[str], out: Path, ensembles: Ensembles) -> str:
+    """Return the command line that runs a study or a reproduction."""
+    return shlex.join(["asperity", *words, "--out", str(out), *ensembles.flags])
+
+
+@contextmanager
+def worked_through(
+    what: str, preparing: AbstractContextManager[tuple[Prepared, ...]], work: Work
+) -> Iterator[tuple[tuple[Prepared, ...], Voice]]:
+    """Do what is missing of some campaigns; who interrupts that, or what follows, is told what is kept."""
+    try:
+        with preparing as prepared:
+            voice = Voice(what, prepared, workers=work.hands, quiet=work.quiet)
+            run_campaigns(
+                prepared,
+                workers=work.workers,
+                scheduler=work.scheduler,
+                retry_failed=work.retry_failed,
+                watch=voice.watch,
+            )
+            yield prepared, voice
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            "interrupted; what is finished is kept, and the same command does the rest"
+        ) from None
 
 
 class Voice:
