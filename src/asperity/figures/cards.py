@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import singledispatch
 from html import escape
-from io import BytesIO
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +16,7 @@ from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
 from asperity.contact.state import ACCEPTED_RESIDUAL, Contact
 from asperity.figures import style
-from asperity.figures.page import quantity
+from asperity.figures.page import pixels, quantity
 from asperity.figures.plots import plot_contact, plot_history, plot_surface
 from asperity.figures.prediction import draw_growth
 from asperity.figures.relaxation import draw_moduli
@@ -208,14 +207,10 @@ def _(prediction: Prediction) -> str:
     return _card("Prediction", rows, figure, proof, *prediction.remarks)
 
 
-class _say:  # noqa: N801
-    """Writes a quantity of a contact, with its unit where that is one of SI."""
-
-    def __init__(self, contact: Contact) -> None:
-        self._units, self._si = units_of(contact), contact.si
-
-    def __call__(self, value: float, dimension: str) -> str:
-        return style.spaced(written(value, self._units[dimension] if self._si else "1"))
+def _say(contact: Contact) -> Callable[[float, str], str]:
+    """What writes a quantity of a contact, with its unit where that is one of SI."""
+    units = units_of(contact)
+    return lambda value, dimension: style.spaced(written(value, units[dimension] if contact.si else "1"))
 
 
 def _draw_relaxation(axes: Axes, series: PronySeries) -> None:
@@ -282,6 +277,4 @@ def _data_of(figure: Figure) -> str:
         if (legend := axes.get_legend()) is not None:
             for text in legend.get_texts():
                 text.set_fontsize(6.5)
-    stream = BytesIO()
-    figure.savefig(stream, format="png", dpi=_DPI)
-    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
+    return "data:image/png;base64," + base64.b64encode(pixels(figure, dpi=_DPI)).decode("ascii")

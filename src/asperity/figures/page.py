@@ -8,6 +8,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
+from typing import Any
 
 import jinja2
 import numpy as np
@@ -15,11 +16,10 @@ from matplotlib.figure import Figure
 
 import asperity.checks as checks
 from asperity._version import __version__
-from asperity.analysis.prediction import Prediction, Resolved
+from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
 from asperity.figures import prediction as drawn
 from asperity.figures.relaxation import relaxation_figure
-from asperity.lattice import Field
 from asperity.surfaces import statistics
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -36,23 +36,6 @@ class Picture:
     def data(self) -> str:
         """The pixels as text."""
         return base64.b64encode(self.png).decode("ascii")
-
-
-@dataclass(frozen=True)
-class _Row:
-    """What the page says about one time; SI units."""
-
-    time: float
-    counted: float
-    corrected: float
-    fraction: float
-    mean_pressure: float
-    contact_pressure: float
-    largest_pressure: float
-    gap: float
-    friction: float | None
-    friction_force: float | None
-    resolved: Resolved
 
 
 def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
@@ -97,7 +80,7 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
             drawn.observed_figure(prediction),
             "The contact at the last time, its image in the instrument, and what of it counts as contact.",
         )
-    return {name: Picture(caption, _pixels(figure)) for name, (figure, caption) in captions.items()}
+    return {name: Picture(caption, pixels(figure)) for name, (figure, caption) in captions.items()}
 
 
 def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, command: str = "") -> str:
@@ -125,7 +108,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         lstrip_blocks=True,
     )
     environment.filters["measured"] = quantity
-    dataset, fit, scan = prediction.dataset, prediction.fit, prediction.origin
+    dataset, series, scan = prediction.dataset, prediction.fit.series, prediction.origin
     known = ("file", "sha256", "reader", "channel", "undefined_pixels", "tilt_rule", "periodic_rule")
     shape = dataset["heights"].shape
     rows = _rows(prediction)
@@ -135,6 +118,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         command=command,
         scan={name: scan.get(name) for name in known} | {"file": scan.get("file") or "the surface"},
         measures=statistics(dataset["heights"].values, prediction.spacing),
+        **vars(prediction),
         shape=shape,
         spacing=prediction.spacing,
         sides=[n * side for n, side in zip(shape, prediction.spacing, strict=True)],
@@ -143,20 +127,10 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         residual_power=-math.ceil(math.log10(max(float(dataset["residual"].max()), 1e-16))),
         nominal=prediction.nominal_area,
         load=float(dataset["load"][0]),
-        modulus=prediction.modulus,
-        late_modulus=prediction.modulus * float(fit.series.modulus_at(rows[-1].time)) / fit.series.modulus,
-        series_modulus=fit.series.modulus,
-        branches=fit.series.branches,
-        span=fit.series.span,
-        decades=fit.decades,
-        rms=fit.rms,
-        error=fit.series.error,
+        late_modulus=prediction.modulus * float(series.modulus_at(rows[-1]["time"])) / series.modulus,
+        series=series,
         assumed=prediction.assumed,
-        shear_strength=prediction.shear_strength,
-        growth=prediction.growth,
         rows=rows,
-        observed=prediction.observed,
-        remarks=prediction.remarks,
         pictures=list(pictures.values()),
     )
 
@@ -171,38 +145,35 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
     return f"{number.removeprefix('1 × ')} {name.replace('^2', '²').replace('u', 'µ')}"
 
 
-def _rows(prediction: Prediction) -> list[_Row]:
-    """What is known at the times of the maps."""
+def _rows(prediction: Prediction) -> list[dict[str, Any]]:
+    """What is known at the times of the maps; SI units."""
     dataset = prediction.dataset
     force, friction = prediction.friction_force, prediction.friction
-
-    def at(values: Field | None, place: int) -> float | None:
-        return None if values is None else float(values[place])
-
     rows = []
     for moment, resolved in zip(np.asarray(dataset["field_time"]), prediction.resolved, strict=True):
         place = int(np.flatnonzero(prediction.time == moment)[0])
         here = dataset.isel(time=place + 1)
         corrected = float(here["contact_area_corrected"])
         rows.append(
-            _Row(
-                time=float(moment),
-                counted=float(here["contact_area"]),
-                corrected=corrected,
-                fraction=corrected / prediction.nominal_area,
-                mean_pressure=float(here["load"]) / prediction.nominal_area,
-                contact_pressure=float(here["mean_contact_pressure"]),
-                largest_pressure=float(here["largest_pressure"]),
-                gap=float(here["mean_gap"]),
-                friction=at(friction, place),
-                friction_force=at(force, place),
-                resolved=resolved,
-            )
+            {
+                "time": float(moment),
+                "counted": float(here["contact_area"]),
+                "corrected": corrected,
+                "fraction": corrected / prediction.nominal_area,
+                "mean_pressure": float(here["load"]) / prediction.nominal_area,
+                "contact_pressure": float(here["mean_contact_pressure"]),
+                "largest_pressure": float(here["largest_pressure"]),
+                "gap": float(here["mean_gap"]),
+                "friction": None if friction is None else float(friction[place]),
+                "friction_force": None if force is None else float(force[place]),
+                "resolved": resolved,
+            }
         )
     return rows
 
 
-def _pixels(figure: Figure) -> bytes:
+def pixels(figure: Figure, **options: Any) -> bytes:
+    """Draw a figure as PNG, with options of its ``savefig``."""
     stream = BytesIO()
-    figure.savefig(stream, format="png")
+    figure.savefig(stream, format="png", **options)
     return stream.getvalue()

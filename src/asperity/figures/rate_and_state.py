@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import asperity.checks as checks
+from asperity.analysis.scan import readable
 from asperity.figures import style
 from asperity.friction import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw
@@ -39,27 +40,21 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     upper = figure.add_subplot(grid[0, 0])
     lower = figure.add_subplot(grid[1, 0], sharex=upper)
     upper.tick_params(labelbottom=False)
-    slip, unit = _in_unit(found.record.displacement, si=found.record.si)
+    slip, unit, factor = found.record.displacement, "", 1.0
+    if found.record.si:
+        unit, factor = readable("m", float(slip.max()))
+        slip = factor * slip
     _draw_record(upper, found, slip)
     _draw_residuals(lower, found, slip)
     upper.set_ylabel(r"friction coefficient $\mu$")
     lower.set_ylabel(r"$\mu$ − law")
-    lower.set_xlabel(f"slip [{unit}]" if unit else "slip [length of the record]")
+    lower.set_xlabel(style.with_unit("slip", unit) if unit else "slip [length of the record]")
     upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), fontsize=8, frameon=False)
     if holds:
         _draw_peaks(figure.add_subplot(grid[:, 1]), found)
     for axes in figure.axes:
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
     return figure
-
-
-def _in_unit(slip: np.ndarray, *, si: bool) -> tuple[np.ndarray, str]:
-    """Slip in the unit that suits it."""
-    if not si:
-        return slip, ""
-    units = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
-    size, unit = next((one for one in units if slip.max() >= one[0]), units[-1])
-    return slip / size, unit
 
 
 def _draw_record(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
@@ -83,11 +78,14 @@ def _draw_record(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
 
 
 def _legend(found: StateLaws, law: StateLaw) -> str:
-    estimates, record = found.estimates[law], found.record
-    D_c, unit = _in_unit(np.array([float(estimates["D_c"].value)]), si=record.si)
-    scale = float(D_c[0]) / float(estimates["D_c"].value)
+    estimates = found.estimates[law]
+    unit, scale = readable("m", float(estimates["D_c"].value)) if found.record.si else ("", 1.0)
     numbers = []
-    for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", scale, f" {unit}" if unit else "")):
+    for name, factor, end in (
+        ("a", 1.0, ""),
+        ("b", 1.0, ""),
+        ("D_c", scale, f" {style.spelled(unit)}".rstrip()),
+    ):
         value, stderr = float(estimates[name].value), float(estimates[name].stderr)
         if (name == "D_c" and not found.fits[law].determined) or stderr > 100 * abs(value):
             numbers.append(f"${name}$ not determined")

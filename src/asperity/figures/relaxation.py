@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import asperity.checks as checks
+from asperity.analysis.scan import readable, written
 from asperity.figures import style
 from asperity.relaxation import Creep, Dynamic, Fit
 
 _COLORS = (style.BLUE, style.VERMILION)
 _MARKERS = ("o", "s")
-_UNITS = {1.0: "Pa", 1e3: "kPa", 1e6: "MPa", 1e9: "GPa"}
 
 
 def relaxation_figure(fit: Fit) -> Figure:
@@ -92,7 +92,7 @@ def _draw_branches(axes: Axes, fit: Fit) -> None:
     axes.text(
         0.015,
         0.93,
-        f"permanent share {100 * fit.series.permanent:.3g} % of {_modulus(fit.series.modulus)}",
+        f"permanent share {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}",
         transform=axes.transAxes,
         va="top",
         fontsize=8,
@@ -102,11 +102,5 @@ def _draw_branches(axes: Axes, fit: Fit) -> None:
 
 def _unit(fit: Fit) -> tuple[float, str]:
     """By what the values are multiplied to be drawn, and their unit then."""
-    modulus = fit.series.modulus
-    factor = max((known for known in _UNITS if known <= modulus), default=1.0)
-    return (factor, f"1/{_UNITS[factor]}") if isinstance(fit.data, Creep) else (1 / factor, _UNITS[factor])
-
-
-def _modulus(value: float) -> str:
-    factor = max((known for known in _UNITS if known <= value), default=1.0)
-    return f"{value / factor:.3g} {_UNITS[factor]}"
+    name, factor = readable("Pa", fit.series.modulus)
+    return (1 / factor, f"1/{name}") if isinstance(fit.data, Creep) else (factor, name)
