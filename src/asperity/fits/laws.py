@@ -31,7 +31,7 @@ order, any number of values at a time.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, TypedDict
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -213,41 +213,25 @@ def logarithm(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None)
     return LogarithmFit(**_shared(best))
 
 
-class _Shared(TypedDict):
-    C: float
-    C_stderr: float
-    t0: float
-    t0_stderr: float
-    initial_area: float
-    initial_area_stderr: float
-    slope: float
-    slope_stderr: float
-    points: int
-    degrees_of_freedom: float
-    rms_residual: float
-    r_squared: float
-    reduced_chi_squared: float | None
-
-
-def _shared(best: Optimum) -> _Shared:
+def _shared(best: Optimum) -> dict[str, Any]:
     """Fields of both laws, in the units of what was given."""
     time_unit, area_unit = best.curve.time_unit, best.curve.area_unit
     t0, slope = float(np.exp(best.theta[1])) * time_unit, best.C * best.initial * area_unit
-    return _Shared(
-        C=best.C,
-        C_stderr=best.C * best.log_stderr(1),
-        t0=t0,
-        t0_stderr=t0 * best.log_stderr(0, 1),
-        initial_area=best.initial * area_unit,
-        initial_area_stderr=best.initial_stderr * area_unit,
-        slope=slope,
-        slope_stderr=slope * best.log_stderr(1, per_initial=False),
-        points=best.curve.points.x.size,
-        degrees_of_freedom=best.degrees_of_freedom,
-        rms_residual=best.rms_residual,
-        r_squared=best.r_squared,
-        reduced_chi_squared=best.reduced_chi_squared,
-    )
+    return {
+        "C": best.C,
+        "C_stderr": best.C * best.log_stderr(1),
+        "t0": t0,
+        "t0_stderr": t0 * best.log_stderr(0, 1),
+        "initial_area": best.initial * area_unit,
+        "initial_area_stderr": best.initial_stderr * area_unit,
+        "slope": slope,
+        "slope_stderr": slope * best.log_stderr(1, per_initial=False),
+        "points": best.curve.points.x.size,
+        "degrees_of_freedom": best.degrees_of_freedom,
+        "rms_residual": best.rms_residual,
+        "r_squared": best.r_squared,
+        "reduced_chi_squared": best.reduced_chi_squared,
+    }
 
 
 def _saturating(theta: Floats, time: Floats) -> tuple[Floats, Floats]:
