@@ -96,27 +96,9 @@ class History(views.InNotebooks):
         label: str = "",
         color: str = "#0072B2",
     ) -> Axes:
-        """Draw how a quantity changed with time; see `asperity.figures.plot_history`.
+        """Draw how a quantity changed with time.
 
-        Parameters
-        ----------
-        ax
-            Where to draw; by default a new figure.
-        quantity
-            Any series of the dataset, such as ``"area"``, ``"load"`` or ``"separation"``.
-        limit
-            The relaxed state, from `asperity.relax`, to be drawn too.
-        label, color
-            Name of the curve in the legend, and its color, where several histories share axes.
-
-        Returns
-        -------
-        Axes
-
-        Raises
-        ------
-        InputError
-            There is no such series, or no time above 0.
+        Arguments, result and errors are those of `asperity.figures.plot_history`.
         """
         return views.plot_history(self.dataset, ax, quantity=quantity, limit=limit, label=label, color=color)
 
@@ -128,30 +110,9 @@ class History(views.InNotebooks):
         frames_per_second: float = 4.0,
         overwrite: bool = False,
     ) -> Film:
-        """Animate the contact at the times of ``fields_at``; see `asperity.figures.animate_history`.
+        """Animate the contact at the times of ``fields_at``.
 
-        Parameters
-        ----------
-        path
-            File to write: ``"aging.gif"``, or ``"aging.mp4"`` where ffmpeg is installed. By default none.
-        quantity
-            The series that is drawn beside the map.
-        frames_per_second
-            Maps shown in a second.
-        overwrite
-            Whether a file that exists is replaced.
-
-        Returns
-        -------
-        Film
-            An animation of matplotlib; a notebook shows it with a player.
-
-        Raises
-        ------
-        InputError
-            The history kept no fields, has no such series, or the file's name ends in something else.
-        OutputError
-            The file exists, or could not be written.
+        Arguments, result and errors are those of `asperity.figures.animate_history`.
         """
         return views.animate_history(
             self.dataset, path, quantity=quantity, frames_per_second=frames_per_second, overwrite=overwrite

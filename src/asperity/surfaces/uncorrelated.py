@@ -43,25 +43,8 @@ def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -
 def exponential(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
     """Draw independent heights of the density ``P(xi) = exp(-xi / rms) / rms`` for ``xi >= 0``.
 
-    Their standard deviation is `rms`, and so is their mean: the mean is not removed.
-
-    Parameters
-    ----------
-    shape
-        Sites along each axis: ``(n, m)``, or ``n`` or ``(n,)`` for a profile.
-    rms
-        Standard deviation of the heights, in the unit that the heights shall have.
-    seed
-        Seed of the random numbers; the same seed gives the same surface.
-
-    Returns
-    -------
-    ndarray of float64, of the given shape
-
-    Raises
-    ------
-    InputError
-        As for `gaussian`.
+    Their standard deviation is `rms`, and so is their mean: the mean is not removed. Arguments, result and
+    errors are those of `gaussian`.
     """
     lengths, width = checks.lattice_shape(shape), checks.number("rms", rms, above=0)
     return np.random.default_rng(checks.seed(seed)).exponential(scale=width, size=lengths)

@@ -100,22 +100,8 @@ def compliance_asymptote(
 def compliance_asymptote_paper(x2: ArrayLike) -> Floats:
     """Return 0.04 ln x2 + 0.3: the dotted line in the paper's figure of G, a0 and a1 rounded as printed.
 
-    Only for comparison with the paper; `compliance_asymptote` has 1/(8 pi) = 0.03979 and 0.29876.
-
-    Parameters
-    ----------
-    x2
-        k0 R t, above 0.
-
-    Returns
-    -------
-    ndarray
-        Shape of x2; a NumPy float for a scalar.
-
-    Raises
-    ------
-    InputError
-        For an x2 out of range.
+    Only for comparison with the paper; `compliance_asymptote` has 1/(8 pi) = 0.03979 and 0.29876. Argument,
+    result and errors are those of `compliance_asymptote`.
     """
     return np.asarray(_PAPER_SLOPE * np.log(positive("x2", x2)) + _PAPER_INTERCEPT)[()]
 
@@ -159,21 +145,6 @@ def late_slope_paper(x1: ArrayLike) -> Floats:
     """Return 0.04 k1/k0, the slope in the paper's Eq. (ndet2), with its a0 as printed.
 
     Only for comparison with the paper. It takes k1 for the stiffness of a contact: too small by the factor
-    x1 / site_stiffness(x1), see `late_slope`.
-
-    Parameters
-    ----------
-    x1
-        k1/k0, above 0.
-
-    Returns
-    -------
-    ndarray
-        Shape of x1; a NumPy float for a scalar.
-
-    Raises
-    ------
-    InputError
-        For an x1 out of range.
+    x1 / site_stiffness(x1), see `late_slope`, of which argument, result and errors are those.
     """
     return np.asarray(_PAPER_SLOPE * positive("x1", x1))[()]

@@ -73,22 +73,10 @@ def winkler_area(load_per_site: ArrayLike, k1: ArrayLike, heights: HeightLaw) ->
 
     Parameters
     ----------
-    load_per_site
-        F/N0 (force), above 0.
     k1
-        Stiffness of a spring (force per length), above 0.
-    heights
-        Law of the heights.
+        Stiffness of a spring (force per length), above 0; broadcast against the load.
 
-    Returns
-    -------
-    ndarray
-        Shape of load and k1 broadcast; a NumPy float if both are scalars.
-
-    Raises
-    ------
-    InputError
-        As `dilute_area`.
+    Other arguments, result and errors are those of `dilute_area`.
     """
     return dilute_area(load_per_site, 1 / positive("k1", k1), heights)
 

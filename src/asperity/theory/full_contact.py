@@ -48,22 +48,8 @@ def full_contact_load(heights: ArrayLike, *, k0: float, k1: float) -> float:
 def full_contact_load_relaxed(heights: ArrayLike, *, k0: float) -> float:
     """Smallest load F with every site in contact after all creep (R_tilde = 0): N k0 max Lap xi.
 
-    Parameters
-    ----------
-    heights
-        Surface xi (length), shape (n,) or (n, m), periodic.
-    k0
-        Stiffness between neighbors (force per length), not below 0.
-
-    Returns
-    -------
-    float
-        Load (force); 0 for a flat surface, and for k0 = 0, where creep makes every load enough.
-
-    Raises
-    ------
-    InputError
-        For heights that are not a finite array of one or two dimensions, or a stiffness out of range.
+    Arguments, result (0 also for k0 = 0, where creep makes every load enough) and errors are those of
+    `full_contact_load`.
     """
     xi = checks.heights("heights", heights)
     return xi.size * checks.number("k0", k0, least=0) * float(np.max(_laplacian(xi)))
