@@ -36,7 +36,7 @@ from asperity.figures import (
     style,
     surface_figure,
 )
-from asperity.figures.surface import surface_view
+from asperity.figures.surface import SurfaceView
 from asperity.fits import measured_growth
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
 from asperity.solids import half_space, spring_lattice
@@ -305,6 +305,7 @@ def long_history(*, repeats: int) -> xr.Dataset:
     return age(contact, np.geomspace(0.01, end, 30), protocol=[Repeat(legs, repeats)], rtol=1e-2).dataset
 
 
+@pytest.fixture(scope="module")
 def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
     """Every kind of figure, with the longest words that it may meet."""
     many = contact_maps(separated)
@@ -332,8 +333,8 @@ def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
     }
 
 
-def test_everything_is_on_the_canvas(aged: xr.Dataset, separated: xr.Dataset) -> None:
-    for name, figure in all_figures(aged, separated).items():
+def test_everything_is_on_the_canvas(all_figures: dict[str, Figure]) -> None:
+    for name, figure in all_figures.items():
         figure.draw_without_rendering()
         box = figure.get_tightbbox()
         width, height = figure.get_size_inches()
@@ -341,8 +342,8 @@ def test_everything_is_on_the_canvas(aged: xr.Dataset, separated: xr.Dataset) ->
         assert (box.x1 < width, box.y1 < height) == (True, True), name
 
 
-def test_text_in_pdf_is_not_of_type_3(aged: xr.Dataset, separated: xr.Dataset) -> None:
-    for name, figure in all_figures(aged, separated).items():
+def test_text_in_pdf_is_not_of_type_3(all_figures: dict[str, Figure]) -> None:
+    for name, figure in all_figures.items():
         file = io.BytesIO()
         figure.savefig(file, format="pdf")
         assert b"/Subtype /Type0" in file.getvalue(), name
@@ -416,21 +417,24 @@ def test_a_view_shows_the_measured_part_in_readable_units() -> None:
         "m",
         {"original_shape": [30, 20], "periodic_rule": "mirror"},
     )
-    view = surface_view(surface)
+    view = SurfaceView(surface)
     assert (view.unit, view.length_unit) == ("nm", "um")
     np.testing.assert_allclose(view.heights, measured * 1e9)
     assert view.pixel_size == pytest.approx((0.1, 0.2))
-    np.testing.assert_array_equal(view.profile, view.heights[15])
-    assert view.middle == pytest.approx(15.5 * 0.1)
-    assert float(np.sum(view.density * np.diff(view.bin_edges))) == pytest.approx(1.0)
-    np.testing.assert_allclose(view.profile_position[:2], [0.1, 0.3])
+    position, profile = view.profile()
+    np.testing.assert_array_equal(profile, view.heights[15])
+    np.testing.assert_allclose(position[:2], [0.1, 0.3])
+    assert view.along(0, 15) == pytest.approx(15.5 * 0.1)
+    edges, density, _ = view.histogram()
+    assert float(np.sum(density * np.diff(edges))) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("shape", [(128, 96), (512,)])
 def test_a_spectrum_is_shown_in_readable_units(shape: tuple[int, ...]) -> None:
     size = (2e-7, 1e-7)[: len(shape)]
     heights = spectral(shape, spacing=size, cutoff=4e-7, rms_height=3e-9, seed=2)
-    shown = surface_view(Surface(heights, "m", size, "m")).spectrum
+    surface = Surface(heights, "m", size, "m")
+    shown = SurfaceView(surface).in_units(power_spectrum(surface))
     same = power_spectrum(Surface(1e9 * heights, "nm", tuple(1e6 * d for d in size), "um"))
     assert (shown.unit, shown.length_unit) == ("nm", "um")
     np.testing.assert_allclose(shown.wave_number, same.wave_number)
@@ -443,16 +447,18 @@ def test_a_spectrum_is_shown_in_readable_units(shape: tuple[int, ...]) -> None:
 
 
 def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
-    view = surface_view(Surface(gaussian((6, 9), seed=1)))
+    surface = Surface(gaussian((6, 9), seed=1))
+    view = SurfaceView(surface)
     assert (view.unit, view.length_unit) == ("1", "pixel")
-    np.testing.assert_array_equal(view.profile, view.heights[3])
-    np.testing.assert_array_equal(view.spectrum.power, power_spectrum(gaussian((6, 9), seed=1)).power)
-    small = surface_view(Surface(1e-6 * gaussian((6, 9), seed=1)))
+    np.testing.assert_array_equal(view.profile()[1], view.heights[3])
+    measured = power_spectrum(surface)
+    np.testing.assert_array_equal(view.in_units(measured).power, measured.power)
+    small = SurfaceView(Surface(1e-6 * gaussian((6, 9), seed=1)))
     assert small.unit == "1e-06"
     np.testing.assert_allclose(small.heights, view.heights)
-    line = surface_view(Surface(np.zeros(5)))
-    assert line.profile.size == 5
-    assert np.isnan(line.normal_density).all()
+    line = SurfaceView(Surface(np.zeros(5)))
+    assert line.profile()[1].size == 5
+    assert np.isnan(line.histogram()[2]).all()
 
 
 def gathered(loads: int, moduli: int, seeds: int) -> xr.Dataset:

@@ -62,7 +62,7 @@ class ContactMaps(views.Brief):
         First site and site after the last of the stretch of a profile that has most contacts and is
         short enough to draw; the whole first axis for a surface.
     unit
-        Unit of all heights, chosen to be readable; as in `SurfaceView`.
+        Unit of all heights, chosen to be readable; as in `asperity.figures.surface.SurfaceView`.
     copies
         1; of a mirrored scan the number of copies that the surface is made of, of which one is here.
     pixel_size, length_unit

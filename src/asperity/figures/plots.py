@@ -30,7 +30,7 @@ from asperity.figures.contacts import (
 )
 from asperity.figures.history import draw_legs, shown_series
 from asperity.figures.marks import COLORS
-from asperity.figures.surface import draw_map, draw_spectrum, height_view
+from asperity.figures.surface import SurfaceView, draw_map, draw_spectrum
 from asperity.lattice import Field
 from asperity.results.history import check_dataset
 from asperity.surfaces import PowerSpectrum, Surface
@@ -208,13 +208,12 @@ def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
         It is no `Surface`.
     """
     checks.instance("surface", surface, Surface, "asperity.surfaces.Surface(heights)")
-    view = height_view(surface)
+    view = SurfaceView(surface)
     axes = axes_for(ax)
     if view.heights.ndim == 2:
         draw_map(axes, view)
     else:
-        here = (np.arange(view.heights.size) + 0.5) * view.pixel_size[0]
-        axes.plot(here, view.heights, color=style.INK, linewidth=0.8)
+        axes.plot(*view.profile(), color=style.INK, linewidth=0.8)
         axes.set_xlabel(style.with_unit("position", view.length_unit))
         axes.set_ylabel(style.with_unit("height", view.unit))
         axes.margins(x=0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,14 +25,13 @@ _ROUNDING = 1e-18
 """Part of the largest power below which nothing is drawn."""
 
 
-@dataclass(frozen=True, eq=False)
-class HeightView:
-    """The heights of a surface as they are shown.
+class SurfaceView:
+    """A surface as it is shown: the measured part of it, not its mirror images, in readable units.
 
     Attributes
     ----------
     heights
-        The measured part of the surface: not its mirror images. Shape ``(n,)`` or ``(n, m)``.
+        Shape ``(n,)`` or ``(n, m)``.
     unit, length_unit
         Units of the heights ("1" or a power of ten, such as "1e-06", if unknown) and of the axes ("pixel" if
         unknown). Lengths are given in the unit that makes the numbers readable, which need not be the
@@ -44,40 +42,62 @@ class HeightView:
         As in `asperity.analysis.ContactMaps`.
     """
 
-    heights: Field
-    unit: str
-    length_unit: str
-    pixel_size: tuple[float, ...]
-    height_range: tuple[float, float]
+    def __init__(self, surface: Surface) -> None:
+        heights = surface.scan.heights
+        self.unit, self._factor = readable(surface.unit, float(np.ptp(heights)))
+        self.heights = heights * self._factor
+        self.height_range = color_range(self.heights)
+        self.length_unit, self._across = "pixel", 1.0
+        self.pixel_size = (1.0,) * heights.ndim
+        if surface.pixel_size is not None:
+            longest = max(n * s for n, s in zip(heights.shape, surface.pixel_size, strict=True))
+            self.length_unit, self._across = readable(surface.length_unit or "unit of the file", longest)
+            self.pixel_size = tuple(s * self._across for s in surface.pixel_size)
 
+    def along(self, axis: int, site: float | Field) -> Field:
+        """Where sites along an axis are, in `length_unit`."""
+        return np.asarray((np.asarray(site) + 0.5) * self.pixel_size[axis])
 
-@dataclass(frozen=True, eq=False)
-class SurfaceView(HeightView):
-    """A surface as it is shown: besides its heights a histogram, a profile and its power spectrum.
+    def profile(self) -> tuple[Field, Field]:
+        """Positions and heights along the horizontal middle line of the picture."""
+        heights = self.heights if self.heights.ndim == 1 else self.heights[self.heights.shape[0] // 2]
+        return self.along(-1, np.arange(heights.size)), heights
 
-    Attributes
-    ----------
-    heights, unit, length_unit, pixel_size, height_range
-        As in `HeightView`.
-    bin_edges, density
-        Histogram of the heights: edges, shape ``(k + 1,)``, and probability per unit height, ``(k,)``.
-    normal_density
-        The Gaussian of the same mean and rms, at the middles of the bins.
-    profile_position, profile
-        The heights along the horizontal middle line of the picture.
-    middle
-        Where this line is, along the other axis; 0 for a profile.
-    spectrum
-        The power spectrum, in `unit` where that is a length, else in the surface's, and in `length_unit`.
-    """
+    def histogram(self) -> tuple[Field, Field, Field]:
+        """Edges of bins, shape ``(k + 1,)``, and in each the probability per unit height, ``(k,)``.
 
-    bin_edges: Field
-    density: Field
-    normal_density: Field
-    profile_position: Field
-    profile: Field
-    middle: float
-    spectrum: PowerSpectrum
+        At the middle of each the Gaussian of the same mean and rms too; NaN for a flat surface.
+        """
+        heights = self.heights
+        # At most 80 bins, and about 20 heights a bin for short profiles; one bin for a flat surface.
+        bins = int(np.clip(heights.size // 20, 1, 80)) if heights.min() < heights.max() else 1
+        density, edges = np.histogram(heights, bins=bins, density=True)
+        if bins == 1:
+            return edges, density, np.full(1, np.nan)
+        middles, rms = (edges[:-1] + edges[1:]) / 2, float(heights.std())
+        normal = np.exp(-0.5 * ((middles - heights.mean()) / rms) ** 2) / (rms * np.sqrt(2 * np.pi))
+        return edges, density, normal
+
+    def in_units(self, spectrum: PowerSpectrum) -> PowerSpectrum:
+        """The spectrum of the surface in `unit`, where that is a length, and in `length_unit`."""
+        unit, up = (self.unit, self._factor) if is_length(self.unit) else (spectrum.unit, 1.0)
+        across, axes, fit = self._across, len(spectrum.along), spectrum.fit
+        if fit is not None:
+            fit = dataclasses.replace(
+                fit,
+                longest=fit.longest * across,
+                shortest=fit.shortest * across,
+                middle=(fit.middle[0] / across, fit.middle[1] * up**2 * across**axes),
+            )
+        return dataclasses.replace(
+            spectrum,
+            wave_number=spectrum.wave_number / across,
+            power=spectrum.power * up**2 * across**axes,
+            along=tuple((q / across, power * up**2 * across) for q, power in spectrum.along),
+            fit=fit,
+            unit=unit,
+            length_unit=self.length_unit,
+        )
 
 
 def surface_figure(
@@ -106,7 +126,7 @@ def surface_figure(
         It is no `Surface`.
     """
     checks.instance("surface", surface, Surface, "asperity.surfaces.Surface(heights)")
-    view = surface_view(surface, spectrum)
+    view = SurfaceView(surface)
     flat = view.heights.ndim == 2
     figure = style.Drawing(figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout="constrained")
     engine = figure.get_layout_engine()
@@ -116,7 +136,9 @@ def surface_figure(
         grid = figure.add_gridspec(2, 2, width_ratios=(1.2, 1), height_ratios=(1.5, 1))
         upper_left = figure.add_subplot(grid[0, 0])
         draw_map(upper_left, view)
-        upper_left.axhline(view.middle, color="white", linestyle="--", linewidth=1.0)
+        upper_left.axhline(
+            float(view.along(0, view.heights.shape[0] // 2)), color="white", linestyle="--", linewidth=1.0
+        )
         waves, profile, histogram = (figure.add_subplot(grid[i, j]) for i, j in ((0, 1), (1, 0), (1, 1)))
         profile.set_title("profile along the dashed line", fontsize=9)
     else:
@@ -124,95 +146,19 @@ def surface_figure(
         profile, histogram = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[1, 0])
         waves = figure.add_subplot(grid[1, 1])
         profile.set_title("profile", fontsize=9)
-    profile.plot(view.profile_position, view.profile, color=style.INK, linewidth=0.8)
+    profile.plot(*view.profile(), color=style.INK, linewidth=0.8)
     profile.set_xlabel(style.with_unit("position", view.length_unit))
     profile.set_ylabel(style.with_unit("height", view.unit))
     profile.margins(x=0)
     _draw_histogram(histogram, view)
-    draw_spectrum(waves, view.spectrum)
+    draw_spectrum(waves, view.in_units(power_spectrum(surface) if spectrum is None else spectrum))
     about = [title, *(style.lines(note.split(", "), figure.room).split("\n") if note else [])]
     about[0] = style.lines([title], figure.room)
     figure.suptitle("\n".join(about), fontsize=10)
     return figure
 
 
-def height_view(surface: Surface) -> HeightView:
-    """Prepare the heights of a surface for drawing."""
-    heights = surface.scan.heights
-    unit, factor = readable(surface.unit, float(np.ptp(heights)))
-    size, length_unit, _ = _axes(surface, heights.shape)
-    heights = heights * factor
-    return HeightView(heights, unit, length_unit, size, color_range(heights))
-
-
-def surface_view(surface: Surface, spectrum: PowerSpectrum | None = None) -> SurfaceView:
-    """Prepare a surface for drawing."""
-    measured = power_spectrum(surface) if spectrum is None else spectrum
-    shown = height_view(surface)
-    heights, unit, size = shown.heights, shown.unit, shown.pixel_size
-    _, factor = readable(surface.unit, float(np.ptp(surface.scan.heights)))
-    _, length_unit, across = _axes(surface, heights.shape)
-    middle = heights.shape[0] // 2
-    profile = heights if heights.ndim == 1 else heights[middle]
-    # At most 80 bins, and about 20 heights a bin for short profiles; one bin for a flat surface.
-    bins = int(np.clip(heights.size // 20, 1, 80)) if heights.min() < heights.max() else 1
-    density, edges = np.histogram(heights, bins=bins, density=True)
-    middles = (edges[:-1] + edges[1:]) / 2
-    rms = float(heights.std())
-    normal = (
-        np.exp(-0.5 * ((middles - heights.mean()) / rms) ** 2) / (rms * np.sqrt(2 * np.pi))
-        if bins > 1
-        else np.full(1, np.nan)
-    )
-    return SurfaceView(
-        **vars(shown),
-        bin_edges=edges,
-        density=density,
-        normal_density=normal,
-        profile_position=(np.arange(profile.size) + 0.5) * size[-1],
-        profile=profile,
-        middle=(middle + 0.5) * size[0] if heights.ndim == 2 else 0.0,
-        spectrum=_in_units(measured, (unit, factor) if is_length(unit) else None, (length_unit, across)),
-    )
-
-
-def _in_units(
-    spectrum: PowerSpectrum, height: tuple[str, float] | None, length: tuple[str, float]
-) -> PowerSpectrum:
-    """A spectrum in other units, each with the factor to it; heights may keep theirs."""
-    unit, up = height or (spectrum.unit, 1.0)
-    length_unit, across = length
-    axes = len(spectrum.along)
-    fit = spectrum.fit
-    if fit is not None:
-        fit = dataclasses.replace(
-            fit,
-            longest=fit.longest * across,
-            shortest=fit.shortest * across,
-            middle=(fit.middle[0] / across, fit.middle[1] * up**2 * across**axes),
-        )
-    return dataclasses.replace(
-        spectrum,
-        wave_number=spectrum.wave_number / across,
-        power=spectrum.power * up**2 * across**axes,
-        along=tuple((q / across, power * up**2 * across) for q, power in spectrum.along),
-        fit=fit,
-        unit=unit,
-        length_unit=length_unit,
-    )
-
-
-def _axes(surface: Surface, shape: tuple[int, ...]) -> tuple[tuple[float, ...], str, float]:
-    """Pixel size, its unit, and the factor to it."""
-    if surface.pixel_size is None:
-        return (1.0,) * len(shape), "pixel", 1.0
-    unit = surface.length_unit or "unit of the file"
-    longest = max(n * s for n, s in zip(shape, surface.pixel_size, strict=True))
-    shown, factor = readable(unit, longest)
-    return tuple(s * factor for s in surface.pixel_size), shown, factor
-
-
-def draw_map(axes: Axes, view: HeightView) -> None:
+def draw_map(axes: Axes, view: SurfaceView) -> None:
     """Draw the heights of a surface, with axes in its unit of length."""
     rows, columns = view.heights.shape
     image = axes.imshow(
@@ -232,12 +178,11 @@ def draw_map(axes: Axes, view: HeightView) -> None:
 
 
 def _draw_histogram(axes: Axes, view: SurfaceView) -> None:
-    axes.stairs(view.density, view.bin_edges, fill=True, color=style.SKY, label="pixels")
-    if np.isfinite(view.normal_density).all():
-        middles = (view.bin_edges[:-1] + view.bin_edges[1:]) / 2
-        axes.plot(
-            middles, view.normal_density, "--", color=style.INK, linewidth=1.2, label="Gaussian, same rms"
-        )
+    edges, density, normal = view.histogram()
+    axes.stairs(density, edges, fill=True, color=style.SKY, label="pixels")
+    if np.isfinite(normal).all():
+        middles = (edges[:-1] + edges[1:]) / 2
+        axes.plot(middles, normal, "--", color=style.INK, linewidth=1.2, label="Gaussian, same rms")
         axes.margins(y=0.45)  # room for the legend
         axes.legend(fontsize=7, loc="upper left", framealpha=0.9)
     unit = style.spelled(view.unit)
