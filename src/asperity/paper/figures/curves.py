@@ -140,24 +140,9 @@ def points(
     label: str | None = None,
     size: float = 3.5,
 ) -> None:
-    """Draw values of a table with their intervals, as symbols with error bars.
+    """Draw the columns x and y of a table, and ``_low`` and ``_high`` of y, as symbols with error bars.
 
-    Parameters
-    ----------
-    axes
-        Where.
-    table
-        With the columns `x` and `y`, and ``_low`` and ``_high`` of `y`.
-    x, y
-        Columns.
-    look
-        Color and marker.
-    filled
-        Whether symbols are full or open.
-    label
-        For the legend.
-    size
-        Of the symbols, points.
+    Symbols are filled or open, of this size in points.
     """
     value, low, high = (table[f"{y}{end}"].to_numpy(np.float64) for end in ("", "_low", "_high"))
     below = np.minimum(value - low, value * (1 - _NEAR_ZERO))
@@ -185,14 +170,9 @@ def band(
     filled: bool = True,
     label: str | None = None,
 ) -> None:
-    """Draw a curve of a table as a band, its interval, with some symbols, about two for each decade of `x`.
+    """Draw a curve as a band, its interval, with some symbols, about two for each decade of `x`.
 
-    Parameters
-    ----------
-    axes, table, look, filled, label
-        As for `points`.
-    x, y
-        Columns; `x` above 0.
+    Arguments are those of `points`; `x` is above 0.
     """
     place = table[x].to_numpy(np.float64)
     low, high = (table[f"{y}{end}"].to_numpy(np.float64) for end in ("_low", "_high"))

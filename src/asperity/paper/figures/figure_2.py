@@ -24,15 +24,8 @@ _DILUTE = 0.1
 def figure_2(evidence: Evidence) -> PaperFigure:
     """Draw A(F_N) for several stiffness ratios, and of the relaxed state.
 
-    Parameters
-    ----------
-    evidence
-        With the study ``load``.
-
-    Returns
-    -------
-    PaperFigure
-        Tables ``instantaneous``, ``relaxed`` (for every k1, though all are the same) and ``dilute``.
+    Tables ``instantaneous``, ``relaxed`` (for every k1, though all are the same) and ``dilute``, of the
+    study ``load``.
     """
     sites = evidence.sites("load")
     tables = {

@@ -23,15 +23,7 @@ _SLOPE = 0.5
 def figure_3(evidence: Evidence) -> PaperFigure:
     """Draw A(t)/A(0) for several loads and stiffness ratios with fits of Eq. (a), and their exponents q.
 
-    Parameters
-    ----------
-    evidence
-        With the study ``aging``.
-
-    Returns
-    -------
-    PaperFigure
-        Tables ``growth`` (with the fitted law at the same times) and ``fits``.
+    Tables ``growth`` (with the fitted law at the same times) and ``fits``, of the study ``aging``.
     """
     sites = evidence.sites("aging")
     growth = curves.over_seeds(
@@ -51,12 +43,8 @@ def figure_3(evidence: Evidence) -> PaperFigure:
 
 _PARAMETERS = ("a", "q", "t0", "C")
 _FITTED = [
-    *(
-        "k1",
-        "load",
-        "load_per_site",
-        *(f"{name}{end}" for name in _PARAMETERS for end in ("", "_low", "_high")),
-    ),
+    *("k1", "load", "load_per_site"),
+    *(f"{name}{end}" for name in _PARAMETERS for end in ("", "_low", "_high")),
     *("rms_misfit", "seeds"),
 ]
 

@@ -24,15 +24,7 @@ _PARTIAL = 0.1
 def figure_5(evidence: Evidence) -> PaperFigure:
     """Draw A(F_N) of self-affine surfaces, in sites.
 
-    Parameters
-    ----------
-    evidence
-        With the study ``self_affine_load``.
-
-    Returns
-    -------
-    PaperFigure
-        Tables ``instantaneous`` and ``relaxed``.
+    Tables ``instantaneous`` and ``relaxed``, of the study ``self_affine_load``.
     """
     tables = {
         state: curves.over_seeds(evidence, "self_affine_load", area, called="area")

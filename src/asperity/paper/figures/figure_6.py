@@ -24,15 +24,7 @@ _LAST = 1e4
 def figure_6(evidence: Evidence) -> PaperFigure:
     """Draw A(t), and A(t)/A(0), for several loads and sizes, with fits of Eq. (log).
 
-    Parameters
-    ----------
-    evidence
-        With the study ``self_affine_aging``.
-
-    Returns
-    -------
-    PaperFigure
-        Tables ``area``, ``growth``, ``fits`` and ``fitted``.
+    Tables ``area``, ``growth``, ``fits`` and ``fitted``, of the study ``self_affine_aging``.
     """
     growth = curves.over_seeds(
         evidence, "self_affine_aging", "area", called="area_ratio", statistic=curves.growth

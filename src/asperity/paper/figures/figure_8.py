@@ -31,15 +31,7 @@ _LATE = 1e-2
 def figure_8(evidence: Evidence) -> PaperFigure:
     """Draw G(x1, x2), its late form, and a simulated indentation; below, how far these are apart.
 
-    Parameters
-    ----------
-    evidence
-        With the study ``point``.
-
-    Returns
-    -------
-    PaperFigure
-        Tables ``theory``, ``asymptotes`` and ``simulated``.
+    Tables ``theory``, ``asymptotes`` and ``simulated``, of the study ``point``.
     """
     simulated = indentation(evidence).query("R_viscous == 0")
     theory = pd.concat(
@@ -66,11 +58,6 @@ def indentation(evidence: Evidence) -> pd.DataFrame:
 
     The body comes down by the depth at time 0 and by its rigid approach since; with viscous creep the mean
     of u0, which flows through the body, does not tell how far.
-
-    Parameters
-    ----------
-    evidence
-        With the study ``point``.
 
     Returns
     -------

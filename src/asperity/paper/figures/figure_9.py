@@ -26,16 +26,8 @@ _TIMES = np.geomspace(1e-3, 1e8, 177)
 def figure_9(evidence: Evidence) -> PaperFigure:
     """Draw the depth under a constant force for several ratios of the mobilities.
 
-    Parameters
-    ----------
-    evidence
-        With the study ``point``.
-
-    Returns
-    -------
-    PaperFigure
-        Tables ``theory`` and ``simulated``; the latter has all times, also those at which
-        the lattice is too small to be ``drawn``.
+    Tables ``theory`` and ``simulated``, of the study ``point``; the latter has all times, also those at
+    which the lattice is too small to be ``drawn``.
     """
     simulated = indentation(evidence).query("k1 == @_STIFFNESS_RATIO").reset_index(drop=True)
     theory = pd.concat(
