@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import asperity as asp
 from tests.cli.conftest import Asperity
@@ -86,8 +87,55 @@ def test_a_run_that_slid(asperity: Asperity) -> None:
     assert found["units"]["D_c"] == "length of the record"
 
 
+CAMPAIGN = """
+[surface]
+shape = [64]
+[contact]
+load = 8.0
+[aging]
+per_decade = 2
+[[protocol]]
+kind = "slide"
+distance = 8
+velocity = 1.0
+[[protocol]]
+kind = "hold"
+duration = 30.0
+[[protocol]]
+kind = "slide"
+distance = 8
+velocity = 1.0
+[sweep]
+seeds = 3
+solid.k1 = [3.0]
+"""
+
+
+def test_the_surfaces_of_a_campaign(asperity: Asperity, monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("one.toml").write_text(CAMPAIGN)
+    assert asperity("sweep", "one.toml", "--out", "one", "--workers", "1", "--quiet")[0] == 0
+    status, text, error = asperity("friction", "one", "--shear-strength", "0.5")
+    assert (status, error) == (0, "")
+    assert "3 surfaces: one, ..." in text
+    found = tomllib.loads(Path("friction/friction.toml").read_text())
+    runs = asp.campaign.open("one")
+    friction = (0.5 * runs["area"] / runs["load"]).mean("seed").values[0]
+    record = F.Record.of_displacement(
+        runs["time"], runs["displacement"][0, 0], friction, a=0.0, strength_at_rest=True
+    )
+    fit = F.rate_and_state(record, law=found["parameters"]["law"])
+    assert fit.b == pytest.approx(found["parameters"]["b"], rel=1e-6)
+    several = xr.concat([runs, runs.assign_coords(k1=[1.0])], "k1")
+    monkeypatch.setattr(asp.campaign, "open", lambda _: several)
+    status, text, error = asperity("friction", "one", "--shear-strength", "0.5", "--out", "none")
+    assert (status, text) == (2, "")
+    assert "one: expected a campaign over seeds alone, got one over k1" in error
+
+
 def test_mistakes(asperity: Asperity) -> None:
     write("holds.csv", F.synthetic_record(HOLDS, LAW))
+    Path("bare.csv").write_text(Path("holds.csv").read_text().replace("_s,", ",").replace("_um", ""))
+    Path("empty").mkdir()
     Path("bad.csv").write_text("time_s,displacement_um,friction\n0,0,0.6\n1,2,0.6\n2,1,0.6\n")
     for words, said in (
         (("holds.csv",), "--a: expected a number, as all slip is at one velocity"),
@@ -96,6 +144,8 @@ def test_mistakes(asperity: Asperity) -> None:
         (("bad.csv",), "bad.csv, displacement: expected a displacement that never falls"),
         (("none.csv",), "no such file"),
         (("holds.csv", "--a", "0.01", "--reference-velocity", "1 m"), "--reference-velocity: expected"),
+        (("bare.csv", "--a", "0.01", "--reference-velocity", "1 um/s"), "the record has no units"),
+        (("empty",), "empty, which holds no history"),
     ):
         status, text, error = asperity("friction", *words)
         assert (status, text) == (2, "")

@@ -46,6 +46,14 @@ def test_a_contact_that_has_not_crept_moves_as_it_is(contact):
     assert moved.load == contact.load
 
 
+def test_an_elastic_body_slides_and_changes_nothing():
+    contact = pressed(correlated(16)[:12], asp.solids.half_space(modulus=2.0), load=8.0, spacing=(1.5, 0.5))
+    slide = P.Slide(distance=4.0, velocity=2.0)
+    series = asp.age(contact, times=[1.0, 2.0], protocol=[slide, P.Hold(1.0)]).dataset
+    assert (series["displacement"].values[-1], series["area"].values.min()) == (4.0, contact.area)
+    assert (series["area"] == contact.area).all()
+
+
 def test_without_a_shift_nothing_changes(contact):
     assert asp.slide(contact, 0) is contact
     assert asp.slide(contact, [0.0] * contact.heights.ndim) is contact

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import asperity.views as views
-from asperity.analysis.scan import readable
+from asperity.analysis.scan import lateral_unit, readable
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
@@ -277,7 +277,7 @@ def _maps_of(
         unit=unit,
         copies=copies // heights.size,
         pixel_size=None if size is None else float(size[-1]),
-        length_unit=lateral or "unit of the file",
+        length_unit=lateral_unit(lateral, origin),
         time_unit="" if spacing is None else "s",
         aspect=1.0 if size is None else float(size[0] / size[-1]),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from asperity.surfaces.prepare import is_length, length_factor
 
@@ -12,6 +13,10 @@ _DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")
 _PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _PREFIXED = {
     "m^2": ("p", "n", "u", "m", ""),
+    "m^3": ("n", "u", "m", ""),
+    "m/s": ("p", "n", "u", "m", ""),
+    "eV": ("m", "", "k"),
+    "K": ("m", ""),
     "N": ("p", "n", "u", "m", "", "k", "M"),
     "N/m": ("n", "u", "m", "", "k", "M", "G"),
     "J": ("p", "n", "u", "m", "", "k", "M"),
@@ -23,6 +28,9 @@ _PREFIXED = {
 
 _PLAIN = (1e-2, 1e5)
 """Range of numbers without a unit that are written as they are."""
+
+_SMALLEST = 1e-3
+"""The smallest number that is written with the smallest prefix; one below it is written without."""
 
 
 def readable(unit: str, span: float) -> tuple[str, float]:
@@ -36,7 +44,7 @@ def readable(unit: str, span: float) -> tuple[str, float]:
             if 1 <= span * factor < 1000:
                 return name, factor
     if unit in _PREFIXED and math.isfinite(span):
-        power = 2 if unit == "m^2" else 1
+        power = {"m^2": 2, "m^3": 3}.get(unit, 1)
         factors = {f"{prefix}{unit}": _PREFIXES[prefix] ** -power for prefix in _PREFIXED[unit]}
         fitting = [name for name, factor in factors.items() if abs(span) * factor >= 1 - 1e-9]
         name = fitting[-1] if fitting else unit if span == 0 else next(iter(factors))
@@ -47,9 +55,16 @@ def readable(unit: str, span: float) -> tuple[str, float]:
     return unit, 1.0
 
 
+def lateral_unit(unit: str, origin: Mapping[str, object]) -> str:
+    """Name the unit of the pixels of a surface; a file may not state it, and a made surface may have none."""
+    return unit or ("unit of the file" if "file" in origin else "length unit")
+
+
 def written(value: float, unit: str, digits: int = 4) -> str:
     """Write a quantity: in SI with a prefix, of a user's own units the number alone."""
     if not (unit in _PREFIXED or is_length(unit)) or not math.isfinite(value):
         return f"{value:.{digits}g}"
     name, factor = readable(unit, abs(value))
+    if value and abs(value) * factor < _SMALLEST:
+        name, factor = unit, 1.0
     return f"{value * factor:.{digits}g} {name}"

@@ -230,9 +230,9 @@ def friction(
     Parameters
     ----------
     records
-        The folder of a run that slid, or a table of time, velocity or displacement, and friction (or shear
-        and normal stress or force), with units in its header: time_s, displacement_um, friction. Several are
-        surfaces under one protocol; their scatter gives the intervals.
+        The folder of a run that slid, or of a campaign over seeds; or a table of time, velocity or
+        displacement, and friction (or shear and normal stress or force), with units in its header: time_s,
+        displacement_um, friction. Several are surfaces under one protocol; their scatter gives the intervals.
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     overwrite

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-import asperity.units as units
+import xarray as xr
+
+import asperity.campaign as campaign
 from asperity.analysis.scan import written
 from asperity.cli.options import FrictionFlags
 from asperity.cli.output import check_free, write_figure
@@ -28,7 +30,9 @@ from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.results.store import whole_folder
 from asperity.words import counted, uncertain
 
-_FLAGS = ("a", "events", "shear_strength", "columns", "records")
+_FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | {
+    name: f"--{name}" for name in ("a", "events", "columns")
+}
 _OPEN = 100.0
 """Relative standard error above which a parameter is not determined."""
 
@@ -47,13 +51,11 @@ def friction(
     """
     check_free(out, overwrite=overwrite)
     try:
-        several = [_read(path, wanted) for path in records]
-        text = wanted.reference_velocity
-        reference = None if text is None else units.quantity(text, "m/s", "--reference-velocity")
-        found = compare_state_laws(several, a=wanted.a, V_0=reference, events=wanted.events)
+        several = [record for path in records for record in _read(path, wanted)]
+        found = compare_state_laws(several, a=wanted.a, V_0=wanted.reference_velocity, events=wanted.events)
     except InputError as error:
         raise _of_flags(error) from error
-    rows = _report(found, [str(path) for path in records])
+    rows = _report(found, str(records[0]))
     with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
         for kind in ("toml", "csv"):
             save_parameters(
@@ -65,22 +67,31 @@ def friction(
         tell_results(rows, out)
 
 
-def _read(path: Path, wanted: FrictionFlags) -> Record:
+def _read(path: Path, wanted: FrictionFlags) -> list[Record]:
     if not path.is_dir():
-        return read_record(path, columns=wanted.columns, strength_at_rest=wanted.strength_at_rest)
+        return [read_record(path, columns=wanted.columns, strength_at_rest=wanted.strength_at_rest)]
     strength: str | float | None = wanted.shear_strength
     with suppress(TypeError, ValueError):
         strength = float(strength or "")
-    return record_of(path, shear_strength=strength)
+    histories = _surfaces(path) if (path / "plan.json").exists() else [path]
+    return [record_of(history, shear_strength=strength) for history in histories]
+
+
+def _surfaces(path: Path) -> list[xr.Dataset]:
+    """The finished runs of a campaign in which nothing but the surfaces differs."""
+    dataset = campaign.open(path)
+    swept = {str(dim): n for dim, n in dataset["load"].sizes.items() if dim not in ("seed", "time", "entry")}
+    if several := [dim for dim, n in swept.items() if n > 1]:
+        expected, got = "a campaign over seeds alone", f"one over {' and '.join(several)}"
+        raise InputError(str(path), expected=expected, got=got, advice="a campaign for each of their values")
+    runs = dataset.isel(dict.fromkeys(swept, 0))
+    every = [runs.isel(seed=n) for n in range(runs.sizes["seed"])] if "seed" in runs.dims else [runs]
+    return [run for run in every if run["load"].notnull().any()]
 
 
 def _of_flags(error: InputError) -> InputError:
     """The same error, about the flag."""
-    name = (
-        f"--{error.name.replace('_', '-')}"
-        if error.name in _FLAGS and error.name != "records"
-        else error.name
-    )
+    name = _FLAGS.get(error.name, error.name)
     advice = re.sub(r"\b(shear_strength|columns|a)=(\S)", _flag, error.advice)
     return InputError(name, expected=error.expected, got=error.got, advice=advice)
 
@@ -89,13 +100,13 @@ def _flag(found: re.Match[str]) -> str:
     return f"--{found[1].replace('_', '-')} {found[2]}"
 
 
-def _report(found: StateLaws, sources: Sequence[str]) -> list[tuple[str, str]]:
+def _report(found: StateLaws, first: str) -> list[tuple[str, str]]:
     """Say what was fitted and what came out."""
     record, kinds = found.record, found.peaks()
     slip = written(float(record.displacement[-1]), "m" if record.si else "1", 3)
     fit = found.fits[found.preferred]
     rows = [
-        ("record", sources[0] if len(sources) == 1 else f"{len(sources)} surfaces: {sources[0]}, ..."),
+        ("record", first if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
         (
             "",
             f"{counted(fit.points, 'value')} fitted of {record.time.size}, slip {slip}, "

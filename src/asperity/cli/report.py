@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from asperity.analysis.scan import written
+from asperity.results.quantities import PARAMETERS, Units, units_named
 from asperity.words import printable
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 Row = tuple[str, str]
 
+_ELECTRONVOLT = 1.602176634e-19
 _MOST_LEGS = 20
 """Legs of a history that a summary lists."""
 
@@ -76,12 +78,8 @@ def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
     described = config.solid.model_dump(exclude_none=True)
     kind, parts = described.pop("kind"), []
     si = bool(dataset.attrs["si"])
-    units = (
-        {"modulus": "Pa", "base_modulus": "Pa", "young": "Pa", "thickness": "m", "apparatus": "N/m"}
-        | {"creep_rate": "m/s", "creep_stress": "Pa", "creep_energy": "J", "creep_volume": "m^3"}
-        | {"creep_prefactor": "m/s", "temperature": "K"}
-        if si
-        else {}
+    units = units_named(
+        {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
     )
     relaxing = {f"{of}relaxing": described.pop(f"{of}branches", []) for of in ("", "base_")}
     for name, value in described.items():
@@ -91,11 +89,18 @@ def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
             parts.append(f"{name} = {value}")
         else:
             values = value if isinstance(value, list | tuple) else [value]
-            parts.append(f"{name} = " + " and ".join(written(one, units.get(name, "1")) for one in values))
+            parts.append(f"{name} = " + " and ".join(_of(name, one, units) for one in values))
     for name, branches in relaxing.items():
         times = [f"{share:.3g} in {written(time, 's' if si else '1')}" for share, time in branches]
         parts += [f"{name}: {', '.join(times)}"] * bool(times)
     return ", ".join(parts) if kind == "spring_lattice" else f"{kind}: {', '.join(parts)}"
+
+
+def _of(name: str, value: float, units: Units) -> str:
+    """Write a parameter of a solid; an energy of activation in electronvolts."""
+    dimension = PARAMETERS.get(name, ("", "1"))[1]
+    unit = units.get(dimension, dimension)
+    return written(value / _ELECTRONVOLT, "eV") if unit == "J" else written(value, unit)
 
 
 def _at(dataset: xr.Dataset, time: float) -> str:

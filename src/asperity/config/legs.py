@@ -8,7 +8,10 @@ from collections.abc import Iterable
 from asperity.errors import ConfigError
 from asperity.words import number
 
-_EXAMPLES = "'hold 10', 'ramp 5 load=400', 'step load=160', or 'repeat 3' for the legs so far, 3 times in all"
+_EXAMPLES = (
+    "'hold 10', 'ramp 5 load=400', 'step load=160', 'slide distance=20 velocity=0.1', or 'repeat 3' for the "
+    "legs so far, 3 times in all"
+)
 _BEFORE_A_UNIT = re.compile(r"(?<=[\d.])\s+(?=[^\W\d][^\s=]*(\s|$))")
 """Between a number and its unit."""
 

@@ -232,8 +232,7 @@ class Contact(views.InNotebooks):
     @property
     def has_not_crept(self) -> bool:
         """Whether the anchors are flat, to their last digits."""
-        levels = self.anchors.reshape(len(self.anchors), -1)
-        return all(float(np.ptp(v)) <= 4 * float(np.spacing(np.abs(v).max())) for v in levels)
+        return all(float(np.ptp(v)) <= 4 * float(np.spacing(np.abs(v).max())) for v in self.anchors)
 
     def moved(self, sites: Sequence[int]) -> Contact:
         """Return the contact as a whole, crept shape and all, moved by sites along each axis of its lattice.

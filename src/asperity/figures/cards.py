@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.analysis.prediction import Prediction
-from asperity.analysis.scan import written
+from asperity.analysis.scan import lateral_unit, written
 from asperity.contact.state import ACCEPTED_RESIDUAL, Contact
 from asperity.figures import style
 from asperity.figures.page import pixels, quantity
@@ -116,7 +116,7 @@ def _(history: History) -> str:
 @html_of.register
 def _(surface: Surface) -> str:
     measured = surface.describe()
-    lengths = "pixel" if surface.pixel_size is None else surface.length_unit or "unit of the file"
+    lengths = "pixel" if surface.pixel_size is None else lateral_unit(surface.length_unit, surface.provenance)
     rows = [("sites", " × ".join(map(str, surface.shape)))]
     if surface.pixel_size is not None:
         rows.append(("pixels", " × ".join(_of(side, lengths) for side in surface.pixel_size)))

@@ -22,6 +22,10 @@ _GAINS = (
 _LOSSES = (("lost_by_shrinkage", "shrinkage", style.GRAY), ("lost_by_deaths", "patches gone", "#C8C8C8"))
 
 
+_LEGEND = 0.2
+"""Room for a legend, of the height of an axis."""
+
+
 def patch_figure(dataset: xr.Dataset) -> Figure:
     """Draw number and sizes of the patches, sites gained and lost since the first map, and contact ages.
 
@@ -57,9 +61,15 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     sizes = (("largest", style.VERMILION), ("mean", style.BLUE), ("median", style.GRAY))
     for name, color in sizes:
         _draw(size, time, dataset[f"{name}_patch_size"].values, color, name)
-    size.set_yscale("log")
     size.set_ylabel("size of a patch [sites]")
-    size.set_ylim(top=6 * size.get_ylim()[1])
+    low, high = size.get_ylim()
+    drawn = np.concatenate([dataset[f"{name}_patch_size"].values for name, _ in sizes])
+    if drawn.max() >= 10 * drawn[drawn > 0].min(initial=1.0):
+        size.set_yscale("log")
+        low, high = size.get_ylim()
+        size.set_ylim(top=high * (high / low) ** _LEGEND)
+    else:
+        size.set_ylim(0.0, high * (1 + _LEGEND))
     size.legend(fontsize=8, framealpha=0.95, loc="upper center", ncols=3)
     for parts, sign in ((_GAINS, 1), (_LOSSES, -1)):
         sums = [sign * np.cumsum(dataset[name].values) for name, _, _ in parts]

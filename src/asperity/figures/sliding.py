@@ -16,6 +16,10 @@ from asperity.results.history import check_dataset
 
 _COLORS = (style.BLUE, style.VERMILION, style.GRAY)
 
+_SHADE = "from just after a shift (shade) to\njust before the next (line)"
+_NARROWEST = 1e-3
+"""Least height of the axis, of the largest value."""
+
 
 def sliding_figure(dataset: xr.Dataset) -> Figure:
     """Draw friction against displacement; without a shear strength, the contact area.
@@ -50,6 +54,7 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     figure = style.Drawing(figsize=(6.4, 4.2), layout="constrained")
     axes = figure.subplots()
     numbers = numbers_of(dataset)
+    shaded = False
     speeds: dict[float, str] = {}
     resting: str | None = "at rest"
     for row in leg_table(dataset):
@@ -69,6 +74,12 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
             factor * place, before, "o-", color=color, markersize=3, markerfacecolor="white", label=label
         )
         axes.fill_between(factor * place, after, before, color=color, alpha=0.2, linewidth=0)
+        shaded |= bool((after != before).any())
+    if shaded:
+        axes.fill_between([], [], [], color=style.GRAY, alpha=0.3, linewidth=0, label=_SHADE)
+    low, high = axes.get_ylim()
+    if high - low < _NARROWEST * high:
+        axes.set_ylim(0.0, 1.2 * high)
     axes.set_xlabel(style.with_unit("displacement", unit))
     axes.set_ylabel("friction coefficient" if name == "friction" else quantity)
     if name == "area":

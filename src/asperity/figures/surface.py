@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 import asperity.checks as checks
 from asperity.analysis.maps import color_range
-from asperity.analysis.scan import readable
+from asperity.analysis.scan import lateral_unit, readable
 from asperity.figures import style
 from asperity.lattice import Field
 from asperity.surfaces import PowerSpectrum, Surface, power_spectrum
@@ -51,7 +51,8 @@ class SurfaceView:
         self.pixel_size = (1.0,) * heights.ndim
         if surface.pixel_size is not None:
             longest = max(n * s for n, s in zip(heights.shape, surface.pixel_size, strict=True))
-            self.length_unit, self._across = readable(surface.length_unit or "unit of the file", longest)
+            unit = lateral_unit(surface.length_unit, surface.provenance)
+            self.length_unit, self._across = readable(unit, longest)
             self.pixel_size = tuple(s * self._across for s in surface.pixel_size)
 
     def along(self, axis: int, site: float | Field) -> Field:

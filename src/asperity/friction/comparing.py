@@ -90,7 +90,7 @@ def compare_state_laws(
     records: Record | Sequence[Record],
     *,
     a: float | Literal["fitted"] | None = None,
-    V_0: float | None = None,
+    V_0: float | str | None = None,
     events: Events = "all",
 ) -> StateLaws:
     """Fit the aging and the slip law, and say which the data prefer.

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import asperity.checks as checks
+import asperity.units as units
 from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import FitResult
@@ -38,6 +39,7 @@ from asperity.friction.laws import (
     state_law,
 )
 from asperity.friction.records import HOLD, RUN_IN, STEP, STEPPED, Record
+from asperity.words import has_unit
 
 Events = Literal["all", "holds", "steps"]
 _EVENTS: dict[str, tuple[int, ...]] = {
@@ -134,7 +136,7 @@ def rate_and_state(
     *,
     law: StateLaw = "aging",
     a: float | Literal["fitted"] | None = None,
-    V_0: float | None = None,
+    V_0: float | str | None = None,
     events: Events = "all",
 ) -> RateAndStateFit:
     """Fit rate-and-state friction to a record.
@@ -149,8 +151,8 @@ def rate_and_state(
         The direct effect; or ``"fitted"`` where velocities differ. By default that of the record, which is 0
         for simulated contacts of constant shear strength, and fitted where the record does not know it.
     V_0
-        Reference velocity (length/time), of which mu_0 is the steady friction; by default the first
-        velocity of the record.
+        Reference velocity (length/time; for a record in SI also ``"1 um/s"``), of which mu_0 is the steady
+        friction; by default the first velocity of the record.
     events
         What of the record to fit besides the run-in: ``"holds"``, which are rests and the slip after them
         until the velocity steps, ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is
@@ -170,6 +172,14 @@ def rate_and_state(
 
 
 _MADE = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
+
+
+def _velocity(given: float | str, *, si: bool) -> float:
+    """A reference velocity in the unit of the record."""
+    if not si and has_unit(given):
+        expected, advice = "a plain number, as the record has no units", "a header with units: time_s"
+        raise InputError("V_0", expected=expected, got=repr(given), advice=advice)
+    return units.quantity(given, "m/s", "V_0")
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,11 +203,12 @@ class _Problem:
     given_a: float | None
 
     @classmethod
-    def of(cls, record: Record, law: StateLaw, a: object, V_0: float | None, events: str) -> _Problem:
+    def of(cls, record: Record, law: StateLaw, a: object, V_0: float | str | None, events: str) -> _Problem:
         if events not in _EVENTS:
             raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
         reference = first_velocity(record.velocity)
-        reference = reference if V_0 is None else checks.number("V_0", V_0, above=0.0)
+        if V_0 is not None:
+            reference = checks.number("V_0", _velocity(V_0, si=record.si), above=0.0)
         kinds = record.events
         rests = bool((record.velocity[1:] == 0).any())
         wanted = {"all": rests or (kinds == STEPPED).any(), "holds": rests, "steps": (kinds == STEPPED).any()}

@@ -255,9 +255,7 @@ def record_of(
     if "friction" not in dataset:
         expected = "the shear strength of the contacts, as the history has no series 'friction'"
         raise InputError("shear_strength", expected=expected, got="none", advice="shear_strength=1.0")
-    spacing = json.loads(dataset.attrs.get("spacing", "[1.0]"))
-    nominal = dataset["heights"].size * math.prod(spacing)
-    si = bool(dataset.attrs.get("si", 0))
+    si = dataset["load"].attrs.get("units") in ("N", "N/m")
     finite = np.isfinite(dataset["time"].values)  # not the relaxed state
     return Record.of_displacement(
         dataset["time"].values[finite],
@@ -266,7 +264,7 @@ def record_of(
         strength_at_rest=True,
         a=None if dataset.attrs.get("rate_coefficient") else 0.0,
         si=si,
-        normal_stress=float(dataset["load"].mean()) / nominal if si else None,
+        normal_stress=float(dataset["load"].mean()) / _nominal_area(dataset) if si else None,
         source=source,
     )
 
@@ -390,6 +388,13 @@ def read_record(
         raise InputError(
             f"{table.name}, {error.name}", expected=error.expected, got=error.got, advice=error.advice
         ) from error
+
+
+def _nominal_area(dataset: xr.Dataset) -> float:
+    """In m^2; of a run of a campaign, which keeps no heights, from the contact."""
+    if "heights" in dataset:
+        return float(dataset["heights"].size * math.prod(json.loads(dataset.attrs["spacing"])))
+    return float((dataset["contact_area"] / dataset["contact_fraction"]).max())
 
 
 def _dataset(history: object) -> tuple[xr.Dataset, str]:

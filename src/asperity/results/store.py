@@ -91,6 +91,11 @@ def load(path: str | Path) -> xr.Dataset:
         folder = folder / "history.zarr"
     if not folder.exists():
         raise InputError("path", expected="a folder that asperity wrote", got=f"{path}, which does not exist")
+    if folder.is_dir() and folder.suffix != ".zarr" and not (folder / "zarr.json").exists():
+        is_campaign = (folder / "plan.json").exists()
+        got = f"{path}, that of a campaign" if is_campaign else f"{path}, which holds no history"
+        advice = "asperity.campaign.open(path)" if is_campaign else "the folder of a run"
+        raise InputError("path", expected="a folder that asperity wrote", got=got, advice=advice)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # about files of others in the folder
