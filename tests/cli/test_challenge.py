@@ -19,6 +19,7 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_list_names_every_problem(asperity: Asperity) -> None:
     status, text, _ = asperity("challenge")
     assert status == 0
+    assert asperity("challenge", "list") == (0, text, "")
     assert all(f"\n{name} " in text for name in asp.challenge.NAMES)
 
 
@@ -50,8 +51,8 @@ def test_an_answer_that_is_off_is_no_failure(asperity: Asperity) -> None:
 def test_mistakes_are_told(asperity: Asperity) -> None:
     Path("empty.csv").write_text("# problem: dilute\ntime,area\n")
     Path("other.csv").write_text("# problem: dilluted\ntime,area\n0,1\n")
-    Path("kept").mkdir()
-    Path("kept/precious").touch()
+    Path("kept/dense").mkdir(parents=True)
+    Path("kept/dense/precious").touch()
     for words, said in {
         ("challenge", "score", "nowhere.csv"): "no such file",
         ("challenge", "score", "empty.csv"): "empty.csv",
@@ -66,7 +67,8 @@ def test_mistakes_are_told(asperity: Asperity) -> None:
         assert status == 2, words
         assert said in error, words
         assert "Traceback" not in error
-    assert Path("kept/precious").exists()
+    assert Path("kept/dense/precious").exists()
+    assert not Path("kept/dilute").exists()
     assert not Path("new").exists()
 
 
@@ -74,3 +76,11 @@ def test_inputs_are_replaced_when_asked(asperity: Asperity) -> None:
     for flags, expected in (((), 0), ((), 2), (("--overwrite",), 0)):
         assert asperity("challenge", "write", "new", "--problem", "dense", *flags)[0] == expected
     assert np.load("new/dense/heights.npy").shape == (128, 128)
+
+
+def test_inputs_are_written_beside_what_a_folder_holds(asperity: Asperity) -> None:
+    Path("mine").mkdir()
+    Path("mine/notes.txt").write_text("kept")
+    for problem in ("dense", "dilute"):
+        assert asperity("challenge", "write", "mine", "--problem", problem)[0] == 0
+    assert sorted(path.name for path in Path("mine").iterdir()) == ["dense", "dilute", "notes.txt"]

@@ -8,6 +8,7 @@ import pytest
 
 import asperity as asp
 from asperity.cli.flags import flags_for, given
+from asperity.config import config_from
 from asperity.config.models import RunConfig
 from asperity.config.reading import from_tables, read_config, to_tables, to_toml
 from asperity.config.solids import HalfSpace, Layer, SpringLattice
@@ -223,3 +224,26 @@ def test_a_zero_with_a_unit_has_a_unit(tmp_path):
     assert (found, found.written) == (0.0, "0 s")
     with refuses("units"):
         execute(config, Silent())
+
+
+@pytest.mark.parametrize(
+    ("flags", "left"),
+    [
+        ({"creep": "none"}, {}),
+        (
+            {"creep_rate": 2.0, "creep_stress": 3.0},
+            {"creep": "eyring", "creep_rate": 2.0, "creep_stress": 3.0},
+        ),
+        (
+            {"creep": "norton", "creep_rate": 2.0, "creep_stress": 3.0, "creep_exponent": 4.0},
+            {"creep": "norton", "creep_rate": 2.0, "creep_stress": 3.0, "creep_exponent": 4.0},
+        ),
+    ],
+)
+def test_a_flag_switches_the_creep_of_a_file_off_or_to_another(
+    flags: dict[str, object], left: dict[str, object]
+) -> None:
+    solid = {"kind": "half_space", "modulus": 4e9, "creep": "eyring", "temperature": 300.0}
+    solid |= {"creep_energy": 2e-19, "creep_volume": 5e-28, "creep_prefactor": 1.0}
+    found = config_from({"solid": solid}, {"solid": flags}, None).solid.model_dump(exclude_none=True)
+    assert {key: value for key, value in found.items() if "creep" in key or key == "temperature"} == left

@@ -55,7 +55,7 @@ def readable(unit: str, span: float) -> tuple[str, float]:
     return unit, 1.0
 
 
-def lateral_unit(unit: str, origin: Mapping[str, object]) -> str:
+def lateral_unit(unit: str | None, origin: Mapping[str, object]) -> str:
     """Name the unit of the pixels of a surface; a file may not state it, and a made surface may have none."""
     return unit or ("unit of the file" if "file" in origin else "length unit")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from asperity.challenge.posing import NAMES, Column, Problem, problem
+from asperity.errors import InputError
 from asperity.results.store import whole_folder
 from asperity.surfaces import Surface
 from asperity.words import tables_to_toml
@@ -21,6 +22,7 @@ _RULES = {
     "scan": "The file {file}, SHA-256 {sha256}; {source}.",
 }
 _STATED = " The rule is that of asperity.challenge.heights, whose documentation states it for any language."
+_OURS = {"problem.txt", "answer.csv", "heights.npy", "heights.csv", "run.toml"}
 _FILES = """\
 heights.npy   the heights, rows by columns, in NumPy's format
 heights.csv   the same as text, commas between columns
@@ -42,13 +44,13 @@ def write(
     Parameters
     ----------
     directory
-        The folder, which appears when all is written.
+        The folder, in which those of the problems appear when they are written, beside what it holds.
     names
         Which problems.
     scan
         The file of the measured problem; without it, that folder says where the file is to be had.
     overwrite
-        Whether to replace the folder.
+        Whether to replace folders of problems that were written before.
 
     Returns
     -------
@@ -58,9 +60,9 @@ def write(
     Raises
     ------
     InputError
-        There is no such problem, or the scan is another file.
+        There is no such problem, the scan is another file, or a problem's folder exists and is to be kept.
     OutputError
-        The folder exists and is to be kept, or the disk refused.
+        The disk refused.
     """
     chosen = [problem(name) for name in names]
     remarks = []
@@ -72,10 +74,17 @@ def write(
             remarks.append(
                 f"{one.name} has no heights: they need the file {one.heights['file']}, --scan FILE"
             )
-    with whole_folder(Path(directory), overwrite=overwrite) as folder:
-        for one in chosen:
-            (folder / one.name).mkdir()
-            _write(one, surfaces[one.name], folder / one.name)
+    for one in chosen:
+        place = Path(directory, one.name)
+        if place.exists():
+            ours = place.is_dir() and {path.name for path in place.iterdir()} <= _OURS
+            if not (ours and overwrite):
+                advice = f"another folder{', or overwrite=True' if ours else ''}"
+                expected, got = f"a folder without {one.name}", f"{place}, which is kept"
+                raise InputError("directory", expected=expected, got=got, advice=advice)
+    for one in chosen:
+        with whole_folder(Path(directory, one.name), overwrite=overwrite) as folder:
+            _write(one, surfaces[one.name], folder)
     return tuple(remarks)
 
 

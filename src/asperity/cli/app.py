@@ -404,6 +404,7 @@ references = App(name="challenge", help="Reference problems with certified answe
 app.command(references)
 
 
+@_command(name="list", of=references)
 @references.default
 def list_references() -> None:
     """List the reference problems: what each asks, and how closely its answer is known."""
@@ -426,13 +427,13 @@ def write_references(
     Parameters
     ----------
     directory
-        Folder for them, one in it for each problem; it must not exist yet.
+        Folder for them; each problem has one in it.
     problem
         Names of problems. [default: all]
     scan
         The file of the measured problem, which does not come with this package.
     overwrite
-        Replace the folder.
+        Replace problems that were written there before.
     """
     from asperity.cli.challenge import write_inputs
 

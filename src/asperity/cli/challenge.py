@@ -14,7 +14,7 @@ from asperity.cli.report import aligned
 from asperity.errors import InputError
 from asperity.words import counted
 
-_FLAGS = {"problem": "--problem", "scan": "--scan"}
+_FLAGS = {"problem": "--problem", "scan": "--scan", "directory": "folder"}
 
 
 def list_problems() -> None:
@@ -37,10 +37,8 @@ def write_inputs(folder: Path, names: Sequence[str], *, scan: Path | None, overw
     AsperityError
         There is no such problem, the scan is another file, or the disk refused.
     """
-    if folder.exists() and not (overwrite and _is_ours(folder)):
-        got = f"{folder}, which is kept"
-        advice = "another name" + (", or --overwrite" if _is_ours(folder) else "")
-        raise InputError("folder", expected="a new folder", got=got, advice=advice)
+    if folder.exists() and not folder.is_dir():
+        raise InputError("folder", expected="a folder", got=f"{folder}, which is a file")
     chosen = tuple(dict.fromkeys(names)) or NAMES
     try:
         remarks = write(folder, chosen, scan=scan, overwrite=overwrite)
@@ -48,13 +46,6 @@ def write_inputs(folder: Path, names: Sequence[str], *, scan: Path | None, overw
         raise _of_flags(error) from error
     lines = [f"{counted(len(chosen), 'problem')} written: {folder}", *(f"remark: {one}" for one in remarks)]
     sys.stdout.write("\n".join(lines) + "\n")
-
-
-def _is_ours(folder: Path) -> bool:
-    """Whether a folder holds nothing but what this command writes."""
-    return folder.is_dir() and all(
-        one.name in NAMES and (one / "problem.txt").is_file() for one in folder.iterdir()
-    )
 
 
 def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite: bool) -> None:
@@ -107,7 +98,7 @@ def _blocks(found: Score) -> list[list[tuple[str, ...]]]:
 def _of_flags(error: InputError) -> InputError:
     """The same error, about the flag."""
     name = _FLAGS.get(error.name, error.name)
-    advice = error.advice
+    advice = error.advice.replace("overwrite=True", "--overwrite")
     if name == "--problem" and advice:
         advice = f"--problem {advice}"
     return InputError(name, expected=error.expected, got=error.got, advice=advice)

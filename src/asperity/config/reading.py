@@ -11,11 +11,12 @@ from pydantic import BaseModel, ValidationError
 
 from asperity.config.mistakes import Sections, is_unknown, spelled, unknown_names
 from asperity.config.models import KINDS, MeasuredSurface, RunConfig
+from asperity.config.solids import ACTIVATION, OF_LAWS
 from asperity.errors import ConfigError
 from asperity.words import number, tables_to_toml
 
-# A flag replaces the keys that say the same thing in another way.
-_RIVALS = {
+# A flag, or one of its choices, replaces the keys that say the same thing otherwise or mean nothing then.
+_RIVALS: dict[tuple[str, ...], tuple[str, ...]] = {
     ("contact", "load"): ("separation", "pressure"),
     ("contact", "pressure"): ("load", "separation"),
     ("contact", "separation"): ("load", "pressure"),
@@ -24,6 +25,11 @@ _RIVALS = {
     ("solid", "branches"): ("relaxation", "flow"),
     ("solid", "relaxation"): ("branches", "flow"),
     ("solid", "flow"): ("branches", "relaxation"),
+    **{("solid", key): ("creep_rate", "creep_stress") for key in ACTIVATION},
+    **{("solid", key): tuple(ACTIVATION) for key in ("creep_rate", "creep_stress")},
+    ("solid", "creep", "eyring"): ("creep_exponent",),
+    ("solid", "creep", "norton"): tuple(ACTIVATION),
+    ("solid", "creep", "none"): tuple(OF_LAWS),
     ("surface", "rms_height"): ("rms_slope", "rms_curvature"),
     ("surface", "rms_slope"): ("rms_height", "rms_curvature"),
     ("surface", "rms_curvature"): ("rms_height", "rms_slope"),
@@ -159,7 +165,7 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
         if not isinstance(table, dict):  # a mistake of the file; it is reported
             continue
         for key in keys:
-            for rival in _RIVALS.get((section, key), ()):
+            for rival in (*_RIVALS.get((section, key), ()), *_RIVALS.get((section, key, str(keys[key])), ())):
                 if rival not in keys:
                     table.pop(rival, None)
         table.update(keys)

@@ -35,8 +35,8 @@ _APPARATUS = "Stiffness of the apparatus that holds it, which may be inf; with i
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
 
-_ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
-_OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | _ACTIVATION
+ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
+OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | ACTIVATION
 """Keys of local laws of creep."""
 
 _BEYOND = 10.0
@@ -73,10 +73,15 @@ class SolidSection(Section):
         raise NotImplementedError
 
 
+def _given(word: str | None) -> str | None:
+    """A choice, or nothing for the word none."""
+    return None if word == "none" else word
+
+
 class Creeping(SolidSection):
     """A solid that may creep by a local law."""
 
-    creep: Literal["eyring", "norton"] | None = Field(
+    creep: Annotated[Literal["eyring", "norton", "none"] | None, AfterValidator(_given)] = Field(
         default=None,
         description="Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure, "
         "or on the lattice of springs the force of a spring to the bulk.",
@@ -89,10 +94,10 @@ class Creeping(SolidSection):
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
-        given = {name for name in _OF_LAWS if getattr(self, name, None) is not None}
+        given = {name for name in OF_LAWS if getattr(self, name, None) is not None}
         needed = [{"creep_rate", "creep_stress"}]
         if isinstance(self, HalfSpace):
-            needed.append(_ACTIVATION)
+            needed.append(ACTIVATION)
         if self.creep == "norton":
             needed = [{"creep_rate", "creep_stress", "creep_exponent"}]
         if self.creep is None:
