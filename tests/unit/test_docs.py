@@ -195,3 +195,11 @@ def test_tests_that_the_table_of_validation_names_are_there():
         places = [ROOT / "tests" / "physics" / file, ROOT / "tests" / file, ROOT / file]
         text = next(place for place in places if place.is_file()).read_text()
         assert f"def {test}(" in text or not test, (file, test)
+
+
+def test_the_glossary_is_in_alphabetical_order():
+    terms = re.findall(
+        r"^(\S.*)\n    ", (ROOT / "docs" / "glossary.md").read_text("utf-8"), flags=re.MULTILINE
+    )
+    assert len(terms) > 40
+    assert terms == sorted(terms, key=str.casefold)
