@@ -1,0 +1,709 @@
+r"""Study: how the growth rate of the contact area depends on mobilities, stiffness, load, roughness and size.
+
+The solid is the paper's lattice of springs (E. A. Jagla, *Towards a modeling of the time dependence of
+contact area between solid bodies*). Under a constant load, and between two reduced times x2 = k0 R t,
+
+    B = d(A/A(0))/d ln t,        relative rate = d ln A/d ln t,
+
+both by straight lines in ln t through the mean over surfaces. While contacts are too far apart to feel each
+other, the dilute theory (`theory.dilute_area`) gives A(t) from the heights alone,
+
+    N0 E[(xi - d)+] = F G(x1, x2)/k0,      A = N0 Prob(xi > d),
+
+so that B has a closed form: the same line through that A at the same times. For exponential heights it tends
+to k_eff/(8 pi k0), and to twice that with R_viscous; the paper has 0.04 k1/k0.
+
+Few contacts are much noise, but the closed form can be computed with the heights of the same surfaces. So on
+independent heights B is that of the simulations, over that of the closed form with these heights, times that
+of the closed form on a surface without end (a ratio estimator). B of waves is that of the simulations.
+
+(k0, k1, F, 1/R) times a number leave A(t) alone, and so do (heights, F) times a number. So k0 = R = 1 here,
+and a larger rms height is a smaller load.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity import theory
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits import GrowthRate, growth_rate
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.lattice import Field
+from asperity.studies.campaigns import Campaign
+from asperity.studies.evidence import Evidence
+from asperity.studies.ledger import Finding, Measurement
+from asperity.studies.study import Outcome, Study
+from asperity.surfaces import exponential, gaussian
+
+WINDOW = (10.0, 1e3)
+"""Reduced times k0 R t between which B is measured."""
+
+HEIGHTS: Mapping[str, tuple[Callable[..., Field], Callable[[float], theory.HeightLaw]]] = {
+    "gaussian": (gaussian, theory.GaussianHeights),
+    "exponential": (exponential, theory.ExponentialHeights),
+}
+"""Surfaces that have a closed form, and their laws of heights, by kind."""
+
+_MIDDLE, _LAST = 100.0, 1e6
+"""Where its halves meet, and the end of the runs in which the end of the closed form is looked for."""
+
+SIDE = 512
+RATIO = 3.0
+"""k1/k0 where it is not varied."""
+
+LIGHT, LIGHTEST = 1e-3, 1e-4
+"""Loads a site, over k0 and the rms height, of contacts far apart."""
+
+LOADS = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
+RATIOS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
+VISCOUS = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)
+_RMS = 4.0
+
+SIZES = (128, 256, 512)
+_SIZE_LOAD = 1e-2
+
+HURST, CUTOFFS = (0.2, 0.5, 0.8), (2.0, 4.0, 8.0)
+_WAVE_SIDE, _WAVE_SIZES = 256, (128, 512)
+
+ENDING = (1e-3, 3e-3, 1e-2, 3e-2)
+"""Loads a site at which the end of the closed form is looked for."""
+
+END = 0.9
+"""Area over that of the closed form at which this has come to its end."""
+
+NEAR = (0.9, 1.1)
+"""Ratios that bear out that two rates are the same."""
+
+FLAT = (-0.05, 0.05)
+"""Exponents that bear out that one quantity does not depend on another."""
+
+
+Number = Callable[[Floats, Field], float]
+"""What is computed from times and areas, shapes (n,) and (runs, n)."""
+
+Key = tuple[str, str, float]
+"""What is varied, on which surfaces or under which load, and its value."""
+
+
+def _campaign(
+    name: str,
+    purpose: str,
+    sweep: Mapping[str, object],
+    *,
+    side: int = SIDE,
+    load: float = LIGHT,
+    surface: Mapping[str, object] | None = None,
+    last: float = WINDOW[1],
+) -> Campaign:
+    return Campaign(
+        name,
+        purpose,
+        {
+            "surface": {"kind": "gaussian", "shape": [side, side], **(surface or {})},
+            "solid": {"k0": 1.0, "k1": RATIO, "R": 1.0},
+            "contact": {"load": load * side**2},
+            "aging": {"first": 0.1, "last": last, "per_decade": 4},
+            "output": {"maps_at": []},
+            "sweep": dict(sweep),
+        },
+    )
+
+
+def campaigns(*, seeds: int) -> tuple[Campaign, ...]:
+    """Return the campaigns, with so many surfaces each."""
+    return tuple(_campaigns(seeds))
+
+
+def _campaigns(seeds: int) -> Iterator[Campaign]:
+    sites = SIDE**2
+    yield _campaign(
+        "viscous",
+        "Growth for several R_viscous/R, under two loads",
+        {"load": [LIGHTEST * sites, LIGHT * sites], "R_viscous": list(VISCOUS), "seeds": seeds},
+    )
+    yield _campaign("ratio", "Growth for several k1/k0", {"k1": list(RATIOS), "seeds": seeds})
+    yield _campaign(
+        "load",
+        "Growth under several loads",
+        {"load": [load * sites for load in LOADS], "seeds": seeds},
+        last=_LAST,
+    )
+    yield _campaign(
+        "rms",
+        "Growth on higher heights under a load as much higher",
+        {"seeds": seeds},
+        load=_RMS * LIGHT,
+        surface={"rms": _RMS},
+    )
+    yield _campaign(
+        "exponential", "Growth on exponential heights", {"seeds": seeds}, surface={"kind": "exponential"}
+    )
+    wave = {"kind": "spectral", "hurst": 0.8, "roll_off": 32.0, "cutoff": 4.0, "rms_height": 1.0}
+    yield _campaign(
+        "waves",
+        "Growth on surfaces of several Hurst exponents and shortest wavelengths",
+        {"hurst": list(HURST), "cutoff": list(CUTOFFS), "seeds": seeds},
+        side=_WAVE_SIDE,
+        load=_SIZE_LOAD,
+        surface=wave,
+    )
+    for side in SIZES:
+        if side != SIDE:
+            purpose = f"Growth on independent heights, {side} along a side"
+            yield _campaign(f"side_{side}", purpose, {"seeds": seeds}, side=side, load=_SIZE_LOAD)
+    for side in _WAVE_SIZES:
+        purpose = f"Growth on surfaces with waves, {side} sites along a side"
+        yield _campaign(f"waves_{side}", purpose, {"seeds": seeds}, side=side, load=_SIZE_LOAD, surface=wave)
+
+
+def fitted(time: Floats, area: Field, first: float = WINDOW[0], last: float = WINDOW[1]) -> GrowthRate:
+    """Fit the mean over surfaces between two times, which are both included in spite of rounding.
+
+    Parameters
+    ----------
+    time
+        Shape (n,), the first of which is 0.
+    area
+        Shape (runs, n).
+    first, last
+        The window.
+    """
+    return growth_rate(time, area.mean(axis=0), first * (1 - 1e-9), last * (1 + 1e-9))
+
+
+def rate(time: Floats, area: Field) -> float:
+    """B in the window; arguments as for `fitted`."""
+    return fitted(time, area).B
+
+
+def relative_rate(time: Floats, area: Field) -> float:
+    """Return d ln A/d ln t in the window."""
+    return fitted(time, area).relative
+
+
+def straightness(time: Floats, area: Field) -> float:
+    """B in the second half of the window over that in the first half; 1 for a logarithm."""
+    return fitted(time, area, _MIDDLE).B / fitted(time, area, last=_MIDDLE).B
+
+
+def end(time: Floats, area: Field, closed: Field) -> tuple[float, float]:
+    """Time at which the mean area falls to `END` of that of the closed form for good, and the area then.
+
+    Parameters
+    ----------
+    time
+        Shape (n,).
+    area, closed
+        Shape (runs, n).
+
+    Returns
+    -------
+    float, float
+        NaN where it does not fall so far.
+    """
+    mean, over = area.mean(axis=0), area.mean(axis=0) / closed.mean(axis=0)
+    above = np.flatnonzero(over >= END)
+    last = int(above[-1]) if above.size else 0
+    if last + 1 == len(time) or last == 0:
+        return math.nan, math.nan
+    part = (over[last] - END) / (over[last] - over[last + 1])
+    at = math.log(time[last]) + part * math.log(time[last + 1] / time[last])
+    return math.exp(at), float(mean[last] + part * (mean[last + 1] - mean[last]))
+
+
+def closed_area(heights: theory.HeightLaw, load: float, time: Floats, x1: float, viscous: float) -> Floats:
+    """Part of the sites in contact by the dilute theory, with k0 = 1.
+
+    Parameters
+    ----------
+    heights
+        Their law.
+    load
+        A site, over k0.
+    time
+        Reduced times, shape (n,).
+    x1, viscous
+        k1/k0 and R_viscous/R.
+    """
+    return theory.dilute_area(load, theory.compliance(x1, time, viscous), heights)
+
+
+@dataclass(frozen=True)
+class Grown:
+    """Areas of several surfaces against time, and those of the closed form.
+
+    Attributes
+    ----------
+    load
+        Load a site.
+    sites
+        Of the surface.
+    time
+        Reduced times k0 R t, the first of which is 0, shape (n,).
+    area
+        Shape (runs, n), as a part of all sites.
+    closed
+        The same by the dilute theory with the heights of each surface; NaN where it has none.
+    endless
+        The same on a surface without end, shape (n,).
+    """
+
+    load: float
+    sites: int
+    time: Floats
+    area: Field
+    closed: Field
+    endless: Floats
+
+    @property
+    def limit(self) -> float:
+        """B of the closed form on a surface without end; NaN where there is no closed form."""
+        return math.nan if np.isnan(self.endless).any() else rate(self.time, self.endless[None])
+
+    def number(self, of: Number, area: Field, closed: Field) -> float:
+        """Return a number of some of the surfaces; where there is a closed form, by the ratio estimator."""
+        found = of(self.time, area)
+        if np.isnan(closed).any():
+            return found
+        with np.errstate(divide="ignore", invalid="ignore"):  # a closed form that does not grow: no number
+            return float(np.divide(found, of(self.time, closed)) * of(self.time, self.endless[None]))
+
+
+class _Reading:
+    """Reads campaigns, and computes the closed form for the surfaces of each."""
+
+    def __init__(self, evidence: Evidence) -> None:
+        self._evidence = evidence
+        self._tables = {one.name: one.tables for one in campaigns(seeds=1)}
+        self._laws: dict[tuple[object, ...], theory.HeightLaw] = {}
+
+    def grown(self, name: str, **at: float) -> Grown:
+        """Return what grew at some values of the swept parameters; a load is that of a site."""
+        surface, contact = (self._tables[name][section] for section in ("surface", "contact"))
+        plotted = math.prod(surface["shape"])
+        load = at.get("load", contact["load"] / plotted)
+        dataset = self._evidence[name].sel(at | ({"load": load * plotted} if "load" in at else {}))
+        sites = int(dataset["sites"].max())
+        time = np.asarray(dataset["time"].values, dtype=np.float64)
+        area = dataset["area"].transpose("seed", "time").values.astype(np.float64) / sites
+        closed, endless = np.full_like(area, np.nan), np.full_like(time, np.nan)
+        if surface["kind"] in HEIGHTS:
+            numbers = at.get("k1", RATIO), at.get("R_viscous", 0.0)
+            law = HEIGHTS[surface["kind"]][1](surface.get("rms", 1.0))
+            endless = closed_area(law, load, time, *numbers)
+            for row, seed in enumerate(dataset["seed"].values.tolist()):
+                closed[row] = closed_area(self._law(surface, sites, seed), load, time, *numbers)
+        return Grown(load, sites, time, area, closed, endless)
+
+    def _law(self, surface: Mapping[str, Any], sites: int, seed: int) -> theory.HeightLaw:
+        key = (surface["kind"], sites, surface.get("rms", 1.0), seed)
+        if key not in self._laws:
+            heights = HEIGHTS[key[0]][0]((math.isqrt(sites),) * 2, rms=key[2], seed=seed)
+            self._laws[key] = theory.EmpiricalHeights(heights)
+        return self._laws[key]
+
+
+_GAUSSIAN, _EXPONENTIAL = "independent heights", "exponential heights"
+
+
+def _by_load(load: float) -> str:
+    return f"load {load:g}"
+
+
+def _by_hurst(hurst: float) -> str:
+    return f"Hurst exponent {hurst:g}"
+
+
+def _sets(reading: _Reading) -> dict[Key, Grown]:
+    grown = reading.grown
+    sets: dict[Key, Grown] = {("k1/k0", _GAUSSIAN, x1): grown("ratio", k1=x1) for x1 in RATIOS}
+    sets |= {("load", _GAUSSIAN, load): grown("load", load=load) for load in LOADS}
+    for load in (LIGHTEST, LIGHT):
+        for r in VISCOUS:
+            sets["R_viscous/R", _by_load(load), r] = grown("viscous", load=load, R_viscous=r)
+    for hurst in HURST:
+        for cutoff in CUTOFFS:
+            sets["cutoff", _by_hurst(hurst), cutoff] = grown("waves", hurst=hurst, cutoff=cutoff)
+    for side in SIZES:
+        sets["side", _GAUSSIAN, side] = (
+            sets["load", _GAUSSIAN, _SIZE_LOAD] if side == SIDE else grown(f"side_{side}")
+        )
+        sets["side", _by_hurst(0.8), side] = (
+            sets["cutoff", _by_hurst(0.8), 4.0] if side == _WAVE_SIDE else grown(f"waves_{side}")
+        )
+    sets["rms", _GAUSSIAN, _RMS] = grown("rms")
+    sets["law", _EXPONENTIAL, 1.0] = grown("exponential")
+    return sets
+
+
+def _estimate(combine: Callable[[Floats], float], *sets: Grown, of: Number = rate) -> Estimate:
+    """Combine a number of some sets, of as many surfaces each; with its interval."""
+
+    def statistic(*arrays: Field) -> float:
+        pairs = zip(sets, arrays[::2], arrays[1::2], strict=True)
+        return combine(np.array([one.number(of, area, closed) for one, area, closed in pairs]))
+
+    return jackknife(statistic, tuple(array for one in sets for array in (one.area, one.closed)))
+
+
+def _only(numbers: Floats) -> float:
+    return float(numbers[0])
+
+
+def _over(one: Grown, other: Grown) -> Estimate:
+    """B of one set over that of another."""
+    return _estimate(lambda rates: float(rates[0] / rates[1]), one, other)
+
+
+def _over_limit(found: Grown) -> Estimate:
+    """B over that of the closed form; the same whether both are of these surfaces or of those without end."""
+    return _estimate(lambda rates: float(rates[0] / found.limit), found)
+
+
+def _exponent(sets: Mapping[float, Grown], of: Number = rate) -> Estimate:
+    """Slope of the logarithm of a rate against that of what is varied; NaN for an area that does not grow."""
+
+    def slope(rates: Floats) -> float:
+        known = (rates > 0).all()
+        return float(np.polyfit(np.log(list(sets)), np.log(rates), 1)[0]) if known else math.nan
+
+    return _estimate(slope, *sets.values(), of=of)
+
+
+def _row(key: Key, found: Grown) -> dict[str, Any]:
+    """Everything that is said of one set of parameters."""
+    numbers = {
+        "B": _estimate(_only, found),
+        "over_closed": _over_limit(found),
+        "relative": _estimate(_only, found, of=relative_rate),
+        "straightness": _estimate(_only, found, of=straightness),
+    }
+    ends = {
+        name + which: float(number)
+        for name, one in numbers.items()
+        for which, number in (("", one.value), ("_low", one.low), ("_high", one.high))
+    }
+    return {
+        **dict(zip(("of", "surfaces", "at"), key, strict=True)),
+        "load": found.load,
+        "sites": found.sites,
+        "area_at_first": found.area[:, 0].mean(),
+        "area_at_last": found.area[:, found.time <= WINDOW[1] * (1 + 1e-9)][:, -1].mean(),
+        **ends,
+        "closed": found.limit,
+        "runs": len(found.area),
+    }
+
+
+def _exponent_of_end(sets: Iterable[Grown]) -> Estimate:
+    """Slope of the logarithm of the time at which the closed form ends against that of the area then."""
+    chosen = list(sets)
+
+    def slope(*arrays: Field) -> float:
+        pairs = zip(chosen, arrays[::2], arrays[1::2], strict=True)
+        at, area = np.log([end(one.time, simulated, closed) for one, simulated, closed in pairs]).T
+        return float(np.polyfit(area, at, 1)[0])
+
+    return jackknife(slope, tuple(array for one in chosen for array in (one.area, one.closed)))
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Find B for all parameters, and compare it with the closed forms."""
+    sets = _sets(_Reading(evidence))
+    courses = [
+        pd.DataFrame(
+            {
+                "load": load,
+                "time": one.time[1:],
+                "area": one.area.mean(axis=0)[1:],
+                "over_closed": (one.area.mean(axis=0) / one.closed.mean(axis=0))[1:],
+            }
+        )
+        for (of, _, load), one in sets.items()
+        if of == "load"
+    ]
+    tables = {
+        "points": pd.DataFrame([_row(key, found) for key, found in sets.items()]),
+        "lines": _lines(),
+        "courses": pd.concat(courses, ignore_index=True),
+    }
+    return Outcome(tuple(_findings(sets)), tables)
+
+
+_DILUTE = "dilute theory"
+_B, _K = "<i>B</i>", "<i>k</i><sub>1</sub>/<i>k</i><sub>0</sub>"
+_OVER = f"{_B} over that of the closed form"
+
+
+def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
+    """Judge all claims."""
+
+    def chosen(of: str, surfaces: str = _GAUSSIAN) -> dict[float, Grown]:
+        return {at: found for (what, kind, at), found in sets.items() if (what, kind) == (of, surfaces)}
+
+    def part(some: Mapping[float, Grown], low: float, high: float = math.inf) -> dict[float, Grown]:
+        return {at: found for at, found in some.items() if low <= at <= high}
+
+    def near(words: str, some: Mapping[float, Grown]) -> list[Measurement]:
+        return [Measurement(f"{_OVER}: {words} {at:g}", _over_limit(one), *NEAR) for at, one in some.items()]
+
+    def claim(key: str, place: str, words: str, measured: Iterable[Measurement]) -> Finding:
+        return Finding(key, place, words, tuple(measured))
+
+    ratios, loads, sides = chosen("k1/k0"), chosen("load"), chosen("side")
+    yield claim("ratio", _DILUTE, "Under a light load B is that of the closed form", near(f"{_K}", ratios))
+    up_to, above = part(ratios, 0, 1.0), part(ratios, 3.0)
+    yield claim(
+        "proportional",
+        "Jagla, Eq. (ndet2)",
+        "B is in proportion to k1/k0",
+        (
+            Measurement(f"d ln {_B}/d ln({_K}), {_K} up to 1", _exponent(up_to), *NEAR),
+            Measurement(f"d ln {_B}/d ln({_K}), {_K} from 3 on", _exponent(above), *NEAR),
+        ),
+    )
+    of_relative = _exponent(part(ratios, 1.0), relative_rate)
+    words = f"d ln(d ln <i>A</i>/d ln <i>t</i>)/d ln({_K}), {_K} from 1 on"
+    yield claim(
+        "relative",
+        _DILUTE,
+        "d ln A/d ln t does not depend on k1/k0",
+        [Measurement(words, of_relative, *FLAT)],
+    )
+    viscous = {load: chosen("R_viscous/R", _by_load(load)) for load in (LIGHTEST, LIGHT)}
+    for load, some in viscous.items():
+        yield claim(
+            f"viscous_{_by_load(load)}".replace(" ", "_"),
+            _DILUTE,
+            f"B is that of the closed form at all R_viscous/R, under the load {load:g} a site",
+            near("R_viscous/R", some),
+        )
+    yield claim(
+        "doubles",
+        "Jagla, Fig. 9",
+        "B doubles from R_viscous = 0 to large R_viscous/R",
+        (
+            Measurement(
+                f"{_B} at R_viscous/R = {r:g} over that at 0, load a site {load:g}",
+                _over(one, some[0.0]),
+                1.8,
+                2.2,
+            )
+            for load, some in viscous.items()
+            for r, one in part(some, 1.0).items()
+        ),
+    )
+    yield claim("load", _DILUTE, "B is that of the closed form at all loads", near("load a site", loads))
+    yield claim(
+        "load_free",
+        "Jagla, after Eq. (ndet2)",
+        "B does not depend on load",
+        (
+            Measurement(
+                f"d ln {_B}/d ln <i>F</i>, load a site from {low:g} to {high:g}",
+                _exponent(part(loads, low, high)),
+                *FLAT,
+            )
+            for low, high in ((LIGHTEST, LIGHT), (_SIZE_LOAD, 0.3))
+        ),
+    )
+    waves = {hurst: chosen("cutoff", _by_hurst(hurst)) for hurst in HURST}
+    for key, surfaces, straight in (
+        ("logarithm", "independent heights", {f"load a site {load:g}": one for load, one in loads.items()}),
+        ("logarithm_waves", "waves", {_by_hurst(hurst): some[4.0] for hurst, some in waves.items()}),
+    ):
+        yield claim(
+            key,
+            "Jagla, Eq. (log)",
+            f"On {surfaces} the area grows like the logarithm of time in the window",
+            (
+                Measurement(
+                    f"{_B} in the second decade over that in the first: {words}",
+                    _estimate(_only, one, of=straightness),
+                    *NEAR,
+                )
+                for words, one in straight.items()
+            ),
+        )
+    words = "d ln (time at which the area is 0.9 of that of the closed form)/d ln (contact fraction then)"
+    ended = _exponent_of_end(loads[load] for load in ENDING)
+    yield claim(
+        "end",
+        "dilute horizon",
+        "The closed form ends at a time in proportion to (contact fraction)^-2, when dips meet",
+        [Measurement(words, ended, -2.2, -1.8)],
+    )
+    high = _over(sets["rms", _GAUSSIAN, _RMS], loads[LIGHT])
+    yield claim(
+        "rms",
+        "scaling",
+        "Heights and load times a number leave B alone",
+        [Measurement(f"{_B} at heights and load times {_RMS:g} over that before", high, 0.999, 1.001)],
+    )
+    law, late = sets["law", _EXPONENTIAL, 1.0], float(theory.late_slope(RATIO))
+    limit = f"{_B} over <i>k</i><sub>eff</sub>/(8 pi <i>k</i><sub>0</sub>)"
+    yield claim(
+        "law",
+        _DILUTE,
+        "On exponential heights B is k_eff/(8 pi k0)",
+        (
+            Measurement(limit, _estimate(lambda rates: float(rates[0] / late), law), *NEAR),
+            Measurement(f"{_OVER} of the same heights", _over_limit(law), *NEAR),
+        ),
+    )
+    of_hurst = _over(waves[HURST[-1]][4.0], waves[HURST[0]][4.0])
+    yield claim(
+        "waves",
+        "this study",
+        "Of the roughness B knows the rms height only",
+        [
+            Measurement(
+                f"d ln {_B}/d ln (shortest wavelength): Hurst exponent {hurst:g}", _exponent(some), *FLAT
+            )
+            for hurst, some in waves.items()
+        ]
+        + [
+            Measurement(
+                f"{_B} at the Hurst exponent 0.8 over that at 0.2, waves from 4 sites", of_hurst, *NEAR
+            )
+        ],
+    )
+    yield claim(
+        "size",
+        "this study",
+        "B does not depend on the size of the surface",
+        (
+            Measurement(
+                f"{_B} at {side} sites along a side over that at {SIDE}: {words}",
+                _over(some[side], some[SIDE]),
+                *NEAR,
+            )
+            for words, some in ((_GAUSSIAN, sides), ("waves from 4 sites", chosen("side", _by_hurst(0.8))))
+            for side in SIZES[:-1]
+        ),
+    )
+
+
+def _lines() -> pd.DataFrame:
+    """Closed forms on surfaces without end."""
+    time = np.append(0.0, np.geomspace(*WINDOW, 9))
+    law = theory.GaussianHeights(1.0)
+
+    def closed(load: float, x1: float, r: float) -> float:
+        return rate(time, closed_area(law, load, time, x1, r)[None])
+
+    rows = []
+    for load in (LIGHTEST, LIGHT):
+        for r in (0.0, *np.geomspace(1e-3, 1e2, 31).tolist()):
+            own = {"of": "R_viscous/R", "line": f"closed form, {load:g}", "at": r}
+            rows.append(own | {"B": closed(load, RATIO, r)})
+    for x1 in np.geomspace(RATIOS[0], RATIOS[-1], 25).tolist():
+        rows += [
+            {"of": "k1/k0", "line": "closed form", "at": x1, "B": closed(LIGHT, x1, 0.0)},
+            {"of": "k1/k0", "line": "late, exponential", "at": x1, "B": float(theory.late_slope(x1))},
+            {"of": "k1/k0", "line": "paper", "at": x1, "B": float(theory.late_slope_paper(x1))},
+        ]
+    for load in np.geomspace(LOADS[0], LOADS[-1], 25).tolist():
+        rows.append({"of": "load", "line": "closed form", "at": load, "B": closed(load, RATIO, 0.0)})
+    rows.append({"of": "side", "line": "closed form", "at": math.nan, "B": closed(_SIZE_LOAD, RATIO, 0.0)})
+    return pd.DataFrame(rows)
+
+
+_TICKS = (0.1, 0.2, 0.5, 1.0, 2.0)
+_ZERO = 1e-3
+"""Where R_viscous = 0 is drawn."""
+
+
+def _points(ax: Axes, points: pd.DataFrame, look: str, color: str, label: str) -> None:
+    at = points["at"].where(points["at"] > 0, _ZERO)
+    error = (points["B"] - points["B_low"], points["B_high"] - points["B"])
+    ax.errorbar(at, points["B"], yerr=error, fmt=look, color=color, markersize=4, linewidth=0.8, label=label)
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw B against everything, with the closed forms, and where they end."""
+    figure = style.Drawing(figsize=(8.6, 5.6), layout="constrained")
+    (viscous, ratio, load), (wave, side, over) = figure.subplots(2, 3)
+    points, lines = tables["points"], tables["lines"]
+
+    def chosen(of: str) -> pd.DataFrame:
+        return points[points["of"] == of]
+
+    def line(ax: Axes, of: str, name: str, look: str, color: str, label: str) -> None:
+        own = lines[(lines["of"] == of) & (lines["line"] == name) & (lines["at"] > 0)]
+        ax.plot(own["at"], own["B"], look, color=color, linewidth=0.9, label=label)
+
+    for value, look, color in ((LIGHTEST, "o", style.BLUE), (LIGHT, "s", style.INK)):
+        own = chosen("R_viscous/R")
+        _points(viscous, own[own["surfaces"] == _by_load(value)], look, color, f"load {value:g}")
+        line(viscous, "R_viscous/R", f"closed form, {value:g}", "-", color, f"closed form, {value:g}")
+    viscous.set(xscale="log", xlabel=r"$\tilde R/R$ (at the left: 0)", ylabel=r"$B$")
+    _points(ratio, chosen("k1/k0"), "s", style.INK, "load 0.001")
+    line(ratio, "k1/k0", "closed form", "-", style.INK, "closed form")
+    line(ratio, "k1/k0", "late, exponential", "--", style.BLUE, r"$k_\mathrm{eff}/(8\pi k_0)$")
+    line(ratio, "k1/k0", "paper", ":", style.VERMILION, r"$0.04\,k_1/k_0$")
+    ratio.set(xscale="log", yscale="log", xlabel=r"$k_1/k_0$")
+    _points(load, chosen("load"), "s", style.INK, _GAUSSIAN)
+    line(load, "load", "closed form", "-", style.INK, "closed form")
+    load.set(xscale="log", yscale="log", xlabel=r"load a site$\,/(k_0\,$rms height$)$")
+    own = chosen("cutoff")
+    for (name, part), look, color in zip(
+        own.groupby("surfaces"), "o^D", (style.SKY, style.BLUE, style.INK), strict=True
+    ):
+        _points(wave, part, f"{look}-", color, str(name))
+    wave.set(xscale="log", xlabel="shortest wavelength (sites)", ylabel=r"$B$")
+    wave.set_xticks(CUTOFFS, [f"{cutoff:g}" for cutoff in CUTOFFS])
+    for ax in (wave, side):
+        ax.set_yscale("log")
+        ax.set_yticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
+        ax.tick_params(axis="y", which="minor", labelleft=False)
+    own = chosen("side")
+    for (name, part), look, color in zip(own.groupby("surfaces"), "Ds", (style.BLUE, style.INK), strict=True):
+        _points(side, part, f"{look}-", color, str(name))
+    side.axhline(
+        float(lines[lines["of"] == "side"]["B"].iloc[0]), color=style.INK, linewidth=0.9, label="closed form"
+    )
+    side.set(xscale="log", ylim=(0.1, 2.0), xlabel="sites along a side")
+    side.set_xticks(SIZES, [f"{size}" for size in SIZES])
+    ends = tables["courses"]
+    for value, color in zip(ENDING, (style.SKY, style.BLUE, style.VERMILION, style.INK), strict=True):
+        part = ends[ends["load"] == value]
+        over.plot(part["time"] * part["area"] ** 2, part["over_closed"], "-", color=color, label=f"{value:g}")
+    over.axhline(END, color="0.7", linewidth=0.8)
+    over.set(
+        xscale="log",
+        xlim=(1e-7, 1e3),
+        ylim=(0.6, 1.03),
+        xlabel=r"$k_0 R t\,(A/N_0)^2$",
+        ylabel="area over closed form",
+    )
+    over.legend(title="load a site", fontsize=7, title_fontsize=7)
+    for ax in (viscous, ratio, load, wave, side):
+        ax.legend(fontsize=7)
+        ax.tick_params(axis="x", which="minor", labelbottom=False)
+    return figure
+
+
+GROWTH_RATE = Study(
+    name="growth-rate",
+    question="How does the growth rate B depend on R_viscous/R, k1/k0, load, roughness and size?",
+    quick=campaigns(seeds=3),
+    full=campaigns(seeds=8),
+    analyse=analyse,
+    draw=draw,
+    caption="<i>B</i> = d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> for <i>k</i><sub>0</sub><i>Rt</i> from 10 to "
+    "1000, with 95 % intervals, on independent Gaussian heights, where nothing else is said. Lines: the "
+    "dilute theory, without free parameter. Last: area over that of the dilute theory with the heights of "
+    "the same surfaces, against time in units of that at which dips meet.",
+    page="docs/studies/growth_rate.md",
+)
