@@ -6,7 +6,9 @@ from pathlib import Path
 
 import asperity.checks as checks
 from asperity.errors import InputError
+from asperity.studies.activated_creep import ACTIVATED_CREEP
 from asperity.studies.campaigns import run_campaigns
+from asperity.studies.growth_rate import GROWTH_RATE
 from asperity.studies.logarithm import LOGARITHM
 from asperity.studies.patch_sizes import PATCH_SIZES
 from asperity.studies.release import RELEASE
@@ -15,7 +17,7 @@ from asperity.studies.study import Concluded, Outcome, Study, conclude
 from asperity.studies.unloading import UNLOADING
 from asperity.words import closest
 
-_ALL = (UNLOADING, LOGARITHM, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES)
+_ALL = (UNLOADING, LOGARITHM, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES, ACTIVATED_CREEP)
 STUDIES = {study.name: study for study in _ALL}
 """All studies by name, in the order of the list."""
 
