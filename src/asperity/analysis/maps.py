@@ -228,10 +228,7 @@ def _last(axes: Sequence[str]) -> tuple[int, ...]:
 def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
     """Compare a contact with an earlier one, by default with itself; the times are unknown (NaN).
 
-    Raises
-    ------
-    InputError
-        The earlier one is of another surface.
+    `InputError` if the earlier one is of another surface.
     """
     both = (contact if since is None else since, contact)
     if both[0].heights is not contact.heights and not np.array_equal(both[0].heights, contact.heights):

@@ -193,18 +193,8 @@ class Prediction(views.InNotebooks):
 def growth_of(dataset: xr.Dataset, found: Fit, *, seed: int = 0) -> Growth:
     """Measure the growth of a history, and how sure it is; see the module.
 
-    Parameters
-    ----------
-    dataset
-        Of a separable solid with the branches of the fit under a constant load, with maps.
-    found
-        The fit of its relaxation table.
-    seed
-        Of the draws.
-
-    Returns
-    -------
-    Growth
+    The history, with maps, is of a separable solid with the branches of the fit under a constant load;
+    the seed is that of the draws.
     """
     time, area = (np.asarray(dataset[name])[1:] for name in ("time", "contact_area_corrected"))
     line = growth_rate(time, area, initial=float(area[0]))

@@ -26,23 +26,9 @@ def run_task(
 ) -> Report:
     """Do one run, unless it is done already or another process is at it.
 
-    Parameters
-    ----------
-    directory
-        Folder of the campaign.
-    identity
-        Name of the run.
-    config
-        Its configuration, as JSON.
-    content
-        Checksum of its surface file, which must not have changed since; empty if it has none.
-    version
-        The version that planned it, which must be the worker's.
-
-    Returns
-    -------
-    Report
-        ``failed`` runs are recorded in the store; ``disk`` means that nothing could be recorded.
+    The configuration is JSON; the content, if any, the checksum of the surface file, which must not have
+    changed since it was planned; the version, of what planned it, must be the worker's. ``failed`` runs
+    are recorded in the store; ``disk`` means that nothing could be recorded.
     """
     if version != __version__:
         return identity, "version", f"a worker runs asperity {__version__}, the campaign {version}"

@@ -92,13 +92,7 @@ def status(out: Path) -> None:
 
 
 def gather(out: Path, *, to: Path | None, overwrite: bool) -> None:
-    """Write a campaign's Dataset, a table of its runs, and a figure of their growth.
-
-    Raises
-    ------
-    AsperityError
-        There is nothing to gather, or it cannot be written.
-    """
+    """Write a campaign's Dataset, a table of its runs, and a figure of their growth; else `AsperityError`."""
     dataset = campaign.open(out)
     target = out / "gathered.zarr" if to is None else to
     if target.suffix not in (".zarr", ".nc"):

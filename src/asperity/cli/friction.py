@@ -44,10 +44,7 @@ def friction(
 ) -> None:
     """Read tables of experiments or folders of runs, one for each surface; fit, say, draw and write.
 
-    Raises
-    ------
-    AsperityError
-        A record cannot be used, or the folder not written.
+    `AsperityError` if a record cannot be used, or the folder not written.
     """
     check_free(out, overwrite=overwrite)
     try:

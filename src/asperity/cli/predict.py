@@ -66,27 +66,9 @@ _COLUMNS = {
 def predict(
     relaxation: Path, scan: MeasuredSurface, wanted: PredictFlags, *, out: Path, overwrite: bool, quiet: bool
 ) -> None:
-    """Compute, and write the results.
+    """Compute, and write the results to a folder; a long run keeps its place in a file beside it.
 
-    Parameters
-    ----------
-    relaxation
-        The table.
-    scan
-        The surface.
-    wanted
-        The rest.
-    out
-        Folder of the results. A long run keeps its place in a file beside it.
-    overwrite
-        Whether an earlier folder may be replaced.
-    quiet
-        Whether to say nothing.
-
-    Raises
-    ------
-    AsperityError
-        As `asperity.predict` does; or the folder cannot be written. No results are left then.
+    `AsperityError` as `asperity.predict`; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
     with (

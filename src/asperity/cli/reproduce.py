@@ -25,10 +25,7 @@ def say_what_it_takes(out: Path, ensembles: Ensembles, work: Work) -> None:
 def reproduce(out: Path, ensembles: Ensembles, work: Work) -> None:
     """Run the studies that are missing, and write the report.
 
-    Raises
-    ------
-    AsperityError
-        The folder cannot be used; the disk or the scheduler refused; some runs failed.
+    `AsperityError` if the folder cannot be used, the disk or the scheduler refused, or some runs failed.
     """
     effort = QUICK if ensembles.quick else FULL
     command = command_of(["reproduce"], out, ensembles)

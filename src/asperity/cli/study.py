@@ -57,11 +57,8 @@ def say_estimate(home: Home, out: Path, prepare: Prepare, work: Work) -> None:
 def study(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
     """Run the campaigns that are missing, and write the report.
 
-    Raises
-    ------
-    AsperityError
-        There is no such study; the folder cannot be used; the disk or the scheduler refused; some runs
-        failed.
+    `AsperityError` if there is no such study, the folder cannot be used, the disk or the scheduler
+    refused, or some runs failed.
     """
     one = named(name)
     command = command_of(["study", one.name], out, ensembles)

@@ -29,15 +29,7 @@ def page_files() -> dict[str, bytes]:
 
 
 def exported_page(messages: Iterable[bytes], *, title: str) -> str:
-    """Write the page with everything in it.
-
-    Parameters
-    ----------
-    messages
-        What a server would have sent; without any, the element stays empty.
-    title
-        Title of the page.
-    """
+    """Write the page with everything in it: what a server would have sent, if anything, and a title."""
     stream = b"".join(len(message).to_bytes(8, "little") + message for message in messages)
     packed = base64.b64encode(gzip.compress(stream, mtime=0)).decode("ascii") if stream else ""
     recording = f'<script type="application/octet-stream" id="recording">{packed}</script>'

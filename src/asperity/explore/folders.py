@@ -33,13 +33,7 @@ _MOST_CURVES = 500
 
 
 def inside(root: Path, name: str) -> Path:
-    """The place of a name in a folder, links followed.
-
-    Raises
-    ------
-    InputError
-        It lies outside, or is no name.
-    """
+    """The place of a name in a folder, links followed; `InputError` if it lies outside, or is no name."""
     pure = PurePosixPath(name)
     if "\0" not in name and "\\" not in name and not pure.is_absolute() and ".." not in pure.parts:
         found = (root / pure).resolve()
@@ -87,10 +81,7 @@ class Opened:
 def open_entry(root: Path, name: str) -> Opened:
     """Open a run, a prediction, a campaign (its curves and its first run), or one run of a campaign.
 
-    Raises
-    ------
-    InputError
-        There is no such thing, or it is damaged.
+    `InputError` if there is no such thing, or it is damaged.
     """
     try:
         return _opened(root, name)

@@ -73,10 +73,7 @@ class Places:
     def find(self, name: str) -> Path:
         """The file of a name: in the folder, among the dropped ones, or of a run that was opened.
 
-        Raises
-        ------
-        InputError
-            It lies elsewhere.
+        `InputError` if it lies elsewhere.
         """
         path, homes = Path(name), [home for home in (self.root, self.uploads) if home is not None]
         if path.is_absolute():
@@ -94,10 +91,7 @@ class Places:
 def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
     """Check a configuration that a page sent; null stands for a key that is not given.
 
-    Raises
-    ------
-    ConfigError
-        With one line for each mistake.
+    `ConfigError` with one line for each mistake.
     """
     if not isinstance(tables, dict):
         raise ConfigError(["expected the sections of a configuration"])
@@ -406,13 +400,7 @@ async def _turn_away(scope: Scope, receive: Receive, send: Send) -> None:
 
 
 def free_socket(port: int | None) -> socket.socket:
-    """Take a port of this machine: that one, or the next free one after the usual.
-
-    Raises
-    ------
-    InputError
-        The port is taken, or none is free.
-    """
+    """Take a port of this machine: that one, or the next free one after the usual; else `InputError`."""
     for number in [port] if port is not None else [*range(USUAL_PORT, USUAL_PORT + _PORTS), 0]:
         taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -429,18 +417,9 @@ def free_socket(port: int | None) -> socket.socket:
 
 
 def serve(root: Path | None, *, port: int | None, told: Callable[[str], None], browser: bool) -> None:
-    """Serve the page until the process is interrupted.
+    """Serve the page, with a folder if any, until the process is interrupted.
 
-    Parameters
-    ----------
-    root
-        Folder to show, if any.
-    port
-        Port to listen on; by default a free one.
-    told
-        Told the address.
-    browser
-        Whether to open it in a browser.
+    The port is a free one by default; the address is told, and opened in a browser if wanted.
     """
     listening = free_socket(port)
     number = listening.getsockname()[1]

@@ -25,17 +25,7 @@ def show_lattice(axes: Axes, shape: tuple[int, ...]) -> None:
 
 
 def draw_marks(axes: Axes, states: NDArray[np.int8], side: float) -> None:
-    """Put a square mark on each site that is, or was, in contact.
-
-    Parameters
-    ----------
-    axes
-        Where to draw; as `show_lattice` leaves it.
-    states
-        `SiteState` of each site, shape ``(n, m)``.
-    side
-        Side of a mark, points.
-    """
+    """Put a square mark, its side in points, on each site that is, or was, in contact."""
     # Marks that only just meet leave light seams between them: below, the sites themselves, without any.
     palette = np.zeros((len(SiteState), 4))
     for state, color in COLORS.items():
@@ -59,20 +49,7 @@ def draw_marks(axes: Axes, states: NDArray[np.int8], side: float) -> None:
 
 
 def site_side(axes: Axes, sites: int) -> float:
-    """Find how large a site is drawn, once the figure is laid out.
-
-    Parameters
-    ----------
-    axes
-        With its final limits.
-    sites
-        Sites along its horizontal axis.
-
-    Returns
-    -------
-    float
-        Side of a site, points.
-    """
+    """Side of a site, points, in a figure that is laid out, of so many sites along the horizontal axis."""
     figure = axes.get_figure(root=True)
     assert figure is not None  # a map without a figure has no size
     figure.draw_without_rendering()

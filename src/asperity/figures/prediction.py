@@ -21,17 +21,7 @@ _BINS = 60
 
 
 def growth_figure(prediction: Prediction) -> Figure:
-    """Draw the area against the logarithm of time, its growth per decade with its band, and friction.
-
-    Parameters
-    ----------
-    prediction
-        From `asperity.predict`.
-
-    Returns
-    -------
-    Figure
-    """
+    """Draw the area against the logarithm of time, its growth per decade with its band, and friction."""
     friction = prediction.friction
     panels = 2 if friction is None else 3
     figure = style.Drawing(figsize=(6.8, 3.2 + 2.1 * (panels - 1)), layout="constrained")

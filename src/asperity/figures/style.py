@@ -63,14 +63,7 @@ class Drawing(Figure):
 def fitted(text: str, width: float, size: float = 10) -> str:
     """Reduce a text from outside to what can be drawn: glyphs that the font has, and as many as fit.
 
-    Parameters
-    ----------
-    text
-        As it was found. Write the result with `verbatim`.
-    width
-        Points (1/72 inch).
-    size
-        Font size, points.
+    Width and font size are in points. Write the result with `verbatim`.
     """
     font = font_manager.get_font(font_manager.findfont(font_manager.FontProperties()))
     known = "".join(c if font.get_char_index(ord(c)) else "?" for c in " ".join(text.split()))
@@ -142,12 +135,7 @@ def over_time(dataset: xr.Dataset, what: str) -> str:
 def count_nominal_area(axes: Axes, percent: float) -> None:
     """Add a right axis in percent of the nominal area, and end both where all of it touches.
 
-    Parameters
-    ----------
-    axes
-        Axes of the contact area.
-    percent
-        Nominal area in percent that one unit of the left axis is.
+    One unit of the left axis, of the contact area, is so many percent.
     """
 
     def to_percent(area: ArrayLike) -> Field:

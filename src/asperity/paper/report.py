@@ -75,31 +75,14 @@ class _Picture:
 def write_report(
     folder: Path, figures: Sequence[PaperFigure], findings: Sequence[Finding], about: About
 ) -> Path:
-    """Write the figures, the numbers behind them, the ledger, and the page that explains them.
+    """Write figures, the numbers behind them, the ledger, and the page that explains them; return the page.
 
-    Parameters
-    ----------
-    folder
-        Where to: ``figures/figure-N.svg``, ``.pdf`` and ``.png``, ``data/figure-N-TABLE.csv``,
-        ``ledger.csv``, ``ledger.md`` (the verdicts as one table) and, last, ``report.html``. What is there
-        under these names is replaced.
-    figures, findings
-        In any order; the page has them in the paper's, and findings of one section as they come.
-    about
-        Where all this comes from.
-
-    Returns
-    -------
-    Path
-        The page.
-
-    Raises
-    ------
-    InputError
-        Two figures, two findings or two tables of a figure go by one name, or a text has a tag that is not
-        closed. Nothing is written.
-    OutputError
-        The disk refused. Every file that stands is whole.
+    ``figures/figure-N.svg``, ``.pdf`` and ``.png``, ``data/figure-N-TABLE.csv``, ``ledger.csv``,
+    ``ledger.md`` (the verdicts as one table) and, last, ``report.html``; what is there under these names
+    is replaced. Figures and findings come in any order; the page has them in the paper's, and findings of
+    one section as they come. `InputError` if two figures, two findings or two tables of a figure go by
+    one name, or a text has a tag that is not closed; nothing is written. `OutputError` if the disk
+    refused; every file that stands is whole.
     """
     _check(figures, findings)
     pictures = [_write_figure(folder, figure) for figure in sorted(figures, key=lambda one: one.number)]

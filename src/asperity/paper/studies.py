@@ -91,20 +91,7 @@ FULL = Effort(
 
 
 def studies(effort: Effort, *, seed: int = 0) -> tuple[Campaign, ...]:
-    """Return all campaigns of the reproduction.
-
-    Parameters
-    ----------
-    effort
-        How much to compute.
-    seed
-        First seed of every ensemble; other ensembles have other seeds.
-
-    Raises
-    ------
-    InputError
-        For a negative seed.
-    """
+    """Return all campaigns of the reproduction; a first seed below 0 of every ensemble is an `InputError`."""
     every = (*_uncorrelated(effort), *_self_affine(effort), *_points())
     return tuple(one.seeded(seed) for one in every)
 

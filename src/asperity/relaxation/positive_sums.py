@@ -13,19 +13,9 @@ _NOTHING = 1e-10
 
 
 def positive_weights(columns: Floats, values: Floats, scale: Floats) -> Floats:
-    """Weights w >= 0 that make the sum of squares of (columns @ w - values) / scale least.
+    """Weights w >= 0, shape (m,), that make the sum of squares of (columns @ w - values) / scale least.
 
-    Parameters
-    ----------
-    columns
-        Shape (n, m).
-    values, scale
-        Shape (n,).
-
-    Returns
-    -------
-    ndarray
-        Shape (m,).
+    The columns have the shape (n, m), values and scale (n,).
     """
     matrix = columns / scale[:, None]
     # Columns of equal norm: the answer does not depend on their units.

@@ -30,23 +30,12 @@ _SPELLINGS = {"\u00b5m": "um", "\u03bcm": "um", "\u00c5": "angstrom", "\u212b": 
 
 
 def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
-    """Read one channel of heights.
+    """Read one channel of heights of a file that SurfaceTopography knows by its content.
 
-    Parameters
-    ----------
-    path
-        The file, in any format that SurfaceTopography knows by its content.
-    channel
-        Name of the channel (of several channels of one name, the first; the library tells them apart
-        as ``Height#1``, ``Height#2``), or its number from 0; None for the file's default.
-
-    Raises
-    ------
-    MissingExtraError
-        If SurfaceTopography is not installed.
-    SurfaceFileError
-        If the file is of no known kind, damaged or truncated in any channel, not a regular grid, or has
-        no such channel of heights.
+    The channel is a name (of several channels of one name the first; the library tells them apart as
+    ``Height#1``, ``Height#2``), a number from 0, or None for the file's default. `MissingExtraError` if
+    the library is not installed; `SurfaceFileError` if the file is of no known kind, damaged or truncated
+    in any channel, not a regular grid, or has no such channel of heights.
     """
     with _quiet() as remarks:
         with checks.extra("instruments", f"{path}: reading an instrument's file"):

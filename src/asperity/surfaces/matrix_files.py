@@ -32,11 +32,8 @@ _LABELS = 5
 def read_npy(path: Path) -> RawSurface:
     """Read a ``.npy`` file of real numbers; pickled objects are refused, not loaded.
 
-    Raises
-    ------
-    SurfaceFileError
-        If the file is of another kind, truncated, or holds anything but real numbers in one or two
-        dimensions.
+    `SurfaceFileError` if the file is of another kind, truncated, or holds anything but real numbers in
+    one or two dimensions.
     """
     with _one_error(path, ".npy", npy.MAGIC_PREFIX), path.open("rb") as file:
         if fault := _fault(file, path.stat().st_size):
@@ -50,18 +47,9 @@ def read_npy(path: Path) -> RawSurface:
 def read_npz(path: Path, channel: str | int | None) -> RawSurface:
     """Read one array of a ``.npz`` file like a ``.npy`` file.
 
-    Parameters
-    ----------
-    path
-        The file.
-    channel
-        Name, or number from 0, of one of its arrays of real numbers in one or two dimensions; may be None
-        where there is a single one.
-
-    Raises
-    ------
-    SurfaceFileError
-        As `read_npy`; or if there is no such array, or several and no channel.
+    The channel is the name, or number from 0, of one of its arrays of real numbers in one or two
+    dimensions; it may be None where there is a single one. `SurfaceFileError` as `read_npy`; or if there
+    is no such array, or several and no channel.
     """
     with _one_error(path, ".npz", b"PK"), zipfile.ZipFile(path) as archive:
         members = {}
@@ -107,10 +95,7 @@ def _one_error(path: Path, kind: str, magic: bytes) -> Iterator[None]:
 def _fault(file: IO[bytes], size: int) -> str:
     """Say what is wrong with an array of which nothing but the header is read; "" if it may be heights.
 
-    Raises
-    ------
-    ValueError
-        If the header is damaged, or promises more than the `size` bytes of the file.
+    `ValueError` if the header is damaged, or promises more than the `size` bytes of the file.
     """
     try:
         header = npy.read_array_header_1_0 if npy.read_magic(file) == (1, 0) else npy.read_array_header_2_0
@@ -134,16 +119,12 @@ def _heights(array: NDArray[np.generic]) -> Field:
 def read_text(path: Path) -> RawSurface:
     """Read a matrix of heights from text.
 
-    Numbers are separated by semicolons, tabs, commas or blanks; they may have decimal commas where no comma
-    separates. ``#`` starts a comment; empty lines are skipped; ``NaN`` and, between delimiters, nothing
-    at all stand for an undefined pixel. The numbers 0, 1, 2, ... of lines and columns that pandas writes
-    are left out. One row or one column is a profile.
-
-    Raises
-    ------
-    SurfaceFileError
-        If a line holds anything but numbers or has another count of them than the first, with the
-        number of that line; if there is no number; or if the columns look like coordinates.
+    Numbers are separated by semicolons, tabs, commas or blanks; they may have decimal commas where no
+    comma separates. ``#`` starts a comment; empty lines are skipped; ``NaN`` and, between delimiters,
+    nothing at all stand for an undefined pixel. The numbers 0, 1, 2, ... of lines and columns that pandas
+    writes are left out. One row or one column is a profile. `SurfaceFileError`, with the number of the
+    line, if it holds anything but numbers or has another count of them than the first; if there is no
+    number; or if the columns look like coordinates.
     """
     matrix = read_table(path, matrix=True, failure=SurfaceFileError).values
     matrix, remarks = _without_labels(matrix)

@@ -54,23 +54,11 @@ def part_of(
     pixel_size: tuple[float, ...] | None,
     length_unit: str | None,
 ) -> tuple[slice, ...]:
-    """Find the pixels of a part.
+    """Find the pixels of a part of a surface of this shape.
 
-    Parameters
-    ----------
-    shape
-        Pixels along each axis.
-    bounds
-        Begin and end along each axis, one axis after the other, counted from the first pixel.
-    unit
-        Their unit: "pixel", or a unit of length.
-    pixel_size, length_unit
-        Distance between pixels and its unit, or None if unknown.
-
-    Raises
-    ------
-    InputError
-        If the bounds are not those of a part, or lengths are given and the pixels have none.
+    The bounds are begin and end along each axis, one axis after the other, counted from the first pixel,
+    in "pixel" or a unit of length. `InputError` if they are not those of a part, or are lengths and the
+    pixels have no size (None) or unit.
     """
     scale = [1.0] * len(shape)
     if unit != "pixel":
@@ -119,17 +107,9 @@ def band(
 ) -> Field:
     """Leave out the waves that are longer than the first limit or shorter than the second; the mean stays.
 
-    Parameters
-    ----------
-    heights
-        Finite heights, shape ``(n,)`` or ``(n, m)``.
-    pixel_size
-        Distance between pixels along each axis; None for 1.
-    limits
-        Wavelengths in the unit of the pixel size; None for no limit.
-    reflecting
-        Whether the waves are cosines with their crests at the edges, as a scan has together with its mirror
-        images; else those of a periodic surface.
+    Limits are wavelengths in the unit of the pixel size (None: 1 along each axis); None for no limit.
+    Waves are those of a periodic surface, or of one with reflecting edges: cosines with their crests at
+    the edges, as a scan has together with its mirror images.
     """
     longest, shortest = limits
     if longest is None and shortest is None:
@@ -154,18 +134,7 @@ def band(
 
 
 def fill(heights: Field) -> Field:
-    """Fill undefined pixels with the discrete harmonic function.
-
-    Parameters
-    ----------
-    heights
-        Shape ``(n,)`` or ``(n, m)``; NaN where undefined; at least one pixel defined.
-
-    Returns
-    -------
-    ndarray of the same shape
-        The defined pixels are returned as they are.
-    """
+    """Fill undefined pixels, NaN, with the discrete harmonic function; at least one pixel is defined."""
     flat = heights.ravel()
     missing = np.isnan(flat)
     unknowns = int(missing.sum())
@@ -214,21 +183,10 @@ def _clipped(
 
 
 def remove_tilt(heights: Field, defined: Mask, rule: str) -> tuple[Field, list[float]]:
-    """Remove the tilt, found from the defined pixels alone.
+    """Remove the tilt, found from the defined pixels alone; also return what was removed.
 
-    Parameters
-    ----------
-    heights
-        Finite heights, shape ``(n,)`` or ``(n, m)``.
-    defined
-        Which pixels were measured; same shape.
-    rule
-        "plane" (the least-squares plane; a line for a profile), "mean" (a level plane) or "none".
-
-    Returns
-    -------
-    heights, coefficients
-        The heights left, and what was removed: the height at pixel 0 and the slope along each axis, a pixel.
+    That is the height at pixel 0 and the slope along each axis, a pixel. The rule is "plane" (the
+    least-squares plane; a line for a profile), "mean" (a level plane) or "none".
     """
     if rule == "none":
         return heights, [0.0] * (1 + heights.ndim)
@@ -259,24 +217,9 @@ def is_square(pixel_size: tuple[float, ...]) -> bool:
 def square(heights: Field, pixel_size: tuple[float, ...] | None) -> tuple[Field, tuple[float, ...] | None]:
     """Average heights along the axis of the shorter spacing, so that the pixels become square.
 
-    Parameters
-    ----------
-    heights
-        Finite heights, shape ``(n,)`` or ``(n, m)``.
-    pixel_size
-        Distance between pixels along each axis, or None if unknown.
-
-    Returns
-    -------
-    heights, pixel_size
-        Each new height is the mean of the old ones over the larger spacing, of which the pixels at both
-        ends may give parts; what is left at the end of the axis is dropped. Square pixels, and unknown
-        ones, stay as they are.
-
-    Raises
-    ------
-    InputError
-        If the axis is shorter than two of the new pixels.
+    Each new height is the mean of the old ones over the larger spacing, of which the pixels at both ends
+    may give parts; what is left at the end of the axis is dropped. Square pixels, and those of unknown
+    size (None), stay as they are. `InputError` if the axis is shorter than two of the new pixels.
     """
     if pixel_size is None or is_square(pixel_size):
         return heights, pixel_size
@@ -296,21 +239,11 @@ def square(heights: Field, pixel_size: tuple[float, ...] | None) -> tuple[Field,
 
 
 def scale_factor(heights: Field, unit: str, target: str | None, *, largest: float) -> tuple[float, str]:
-    """Find the factor to the wanted unit, and that unit's name.
+    """Find the factor from a unit ("1" for none) to the wanted one, and that unit's name.
 
-    Parameters
-    ----------
-    heights
-        The heights, in `unit`, with their tilt removed.
-    unit, target
-        The unit they have ("1" for none) and the wanted one: None keeps it, "rms" divides by the rms height.
-    largest
-        Largest height in magnitude before the tilt was removed: the measure of its rounding.
-
-    Raises
-    ------
-    InputError
-        If the heights have no unit to convert from, or are flat and shall be divided by their rms.
+    None keeps the unit, "rms" divides by the rms of the heights, of which the tilt is removed; `largest`,
+    in magnitude before that, measures its rounding. `InputError` if there is no unit to convert from, or
+    the heights are flat and shall be divided by their rms.
     """
     if target is None or target == unit:
         return 1.0, unit
@@ -335,17 +268,11 @@ def scale_factor(heights: Field, unit: str, target: str | None, *, largest: floa
 def make_periodic(heights: Field, rule: str, *, border: float) -> Field:
     """Make a surface periodic.
 
-    Parameters
-    ----------
-    heights
-        Finite heights, shape ``(n,)`` or ``(n, m)``.
-    rule
-        "mirror" appends the mirror image along each axis, which doubles it; all seams join equal heights
-        and no measured value is altered. "taper" lowers the deviation from the mean to zero over a border
-        of each axis, by half a period of a cosine. "wrap" leaves all as it is, with steps at the seams, and
-        so does "reflect", for edges beyond which the solver sees the mirror image.
-    border
-        Width of the border on either side, as a part of the axis, for "taper".
+    "mirror" appends the mirror image along each axis, which doubles it; all seams join equal heights and
+    no measured value is altered. "taper" lowers the deviation from the mean to zero over a border on
+    either side of each axis, by half a period of a cosine; its width is a part of the axis. "wrap" leaves
+    all as it is, with steps at the seams, and so does "reflect", for edges beyond which the solver sees
+    the mirror image.
     """
     if rule == "mirror":
         for axis in range(heights.ndim):

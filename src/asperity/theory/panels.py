@@ -53,27 +53,12 @@ class Panel:
 
 
 def mean_nodes(dispersion: Dispersion, dimension: int, log_scale: float) -> tuple[Floats, Floats]:
-    """Values of lam and weights: ``sum(weight * f(lam))`` is the mean of f over the zone.
+    """Values of lam and weights, shape (n,) each: ``sum(weight * f(lam))`` is the mean of f over the zone.
 
-    Parameters
-    ----------
-    dispersion
-        ``"lattice"``: that of `zone`; ``"continuum"``: lam = q^2; or a function.
-    dimension
-        1 (line) or 2 (square zone).
-    log_scale
-        Logarithm of the lam below which f is that of lam = 0.
-
-    Returns
-    -------
-    lam, weight
-        Shape (n,) each.
-
-    Raises
-    ------
-    InputError
-        For another name, and for a function that does not return finite numbers above 0 of the shape of its
-        arguments, is not even in each component or does not vanish at q = 0.
+    For f that is that of lam = 0 below exp(log_scale), in 1 (line) or 2 dimensions (square zone).
+    `InputError` for another dispersion than ``"lattice"`` (that of `zone`), ``"continuum"`` (lam = q^2)
+    or a function, and for one that does not return finite numbers above 0 of the shape of its arguments,
+    is not even in each component or does not vanish at q = 0.
     """
     if dispersion == "lattice":
         return zone_nodes(dimension, log_scale)

@@ -31,21 +31,10 @@ _ROUNDING = 7e-18
 
 
 def zone_nodes(dimension: int, log_scale: float, error: float = _ROUNDING) -> tuple[Floats, Floats]:
-    """Nodes and weights of the mean over the Brillouin zone.
+    """Nodes and weights, shape (n,) each: ``sum(weight * f(lam))`` is the mean of f over the Brillouin zone.
 
-    Parameters
-    ----------
-    dimension
-        1 (line) or 2 (square lattice).
-    log_scale
-        Logarithm of the lam below which the integrand is that of lam = 0, times at most lam^0.
-    error
-        Of the mean, relative; their number grows as ln(error)^2.
-
-    Returns
-    -------
-    lam, weight
-        Shape (n,) each; ``sum(weight * f(lam))`` is the mean of f over the zone.
+    In 1 (line) or 2 dimensions (square lattice). Below exp(log_scale) f is that of lam = 0, times at most
+    lam^0. The error is that of the mean, relative; the number of nodes grows as ln(error)^2.
     """
     step = math.pi**2 / (-2 * math.log(error))
     # On the line the density of states is lam^(-1/2): the tails are twice as long.
@@ -64,15 +53,7 @@ def zone_nodes(dimension: int, log_scale: float, error: float = _ROUNDING) -> tu
 def torus_modes(shape: tuple[int, ...]) -> tuple[Floats, Floats]:
     """Eigenvalues lam of a finite periodic lattice, without lam = 0, and how many modes share each.
 
-    Parameters
-    ----------
-    shape
-        One or two positive lengths.
-
-    Returns
-    -------
-    lam, count
-        Shape (n,) each; the counts sum to the number of sites less one.
+    Shape (n,) each; the counts sum to the number of sites less one.
     """
     lam, count = np.zeros(1), np.ones(1)
     for length in shape:

@@ -85,27 +85,12 @@ def over_seeds(
     called: str,
     statistic: Callable[[Field], Field] = mean,
 ) -> pd.DataFrame:
-    """Estimate a statistic of the surfaces for every value of the swept parameters.
+    """Estimate a statistic of the surfaces for every value of the swept parameters of a study.
 
-    Parameters
-    ----------
-    evidence
-        The simulations.
-    study
-        Which of them.
-    name
-        The quantity, a variable of the Dataset with the dimension ``seed``.
-    called
-        Name of the statistic in the table.
-    statistic
-        As in `asperity.fits.jackknife`; it keeps the time, where there is one.
-
-    Returns
-    -------
-    DataFrame
-        One row for each value of the swept parameters, and time: these, the statistic, the ends ``_low`` and
-        ``_high`` of its 95 % interval (NaN for one surface), and ``seeds``, the number of surfaces. Values
-        without a finished run have no row.
+    Of a variable with the dimension ``seed``; the statistic, as in `asperity.fits.jackknife`, keeps the
+    time, where there is one. The table has a row for each value of the swept parameters, and time: these,
+    the statistic as it is called, the ends ``_low`` and ``_high`` of its 95 % interval (NaN for one
+    surface), and ``seeds``, the number of surfaces. Values without a finished run have no row.
     """
     values = evidence[study][name]
     swept = [str(dim) for dim in values.dims if dim not in ("seed", "time")]
@@ -228,12 +213,7 @@ def legend(
 ) -> None:
     """Add a legend of what is labeled in a panel.
 
-    Parameters
-    ----------
-    axes, where, title
-        The panel, the corner, and what stands above.
-    together
-        Further entries, below the others: symbols that stand side by side for one label.
+    Below the others stand symbols that go `together`, side by side for one label.
     """
     handles, labels = axes.get_legend_handles_labels()
     several = {label: tuple(symbols) for label, symbols in (together or {}).items() if symbols}
