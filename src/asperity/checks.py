@@ -152,6 +152,11 @@ def positive(name: str, value: object) -> Floats:
     return array
 
 
+def positives(**values: object) -> dict[str, Floats]:
+    """`positive` of each, by name, for `broadcast`."""
+    return {name: positive(name, value) for name, value in values.items()}
+
+
 def not_negative(name: str, value: object, *, infinity: str = "") -> Floats:
     """Numbers not below 0; infinity is refused with this advice, or welcome where it is ``"welcome"``."""
     array = floats(name, value)

@@ -187,9 +187,8 @@ class Store:
         InputError
             It is not there, or damaged.
         """
+        group, facts = self._opened(identity)
         try:
-            group = zarr.open_group(self.runs / identity, mode="r")
-            facts: dict[str, Any] = dict(group.attrs)
             series = np.asarray(group["series"])
             scalars = {name: float(value) for name, value in facts["scalars"].items()}
             sound = facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS
@@ -199,8 +198,6 @@ class Store:
             finished = Finished(
                 completed, scalars, str(facts["config"]), described, facts.get("lattice", {}), maps
             )
-        except FileNotFoundError as error:
-            raise self._unreadable(identity, error) from error
         except Exception as error:  # a damaged byte of a description leads anywhere
             raise self._damaged(identity) from error
         if not sound:
@@ -215,14 +212,8 @@ class Store:
         InputError
             The run is not there, kept none, or is damaged.
         """
-        try:
-            group = zarr.open_group(self.runs / identity, mode="r")
-            facts: dict[str, Any] = dict(group.attrs)
-            kept, lattice = facts.get("fields_checksum"), facts.get("lattice", {})
-        except FileNotFoundError as error:
-            raise self._unreadable(identity, error) from error
-        except Exception as error:
-            raise self._damaged(identity) from error
+        group, facts = self._opened(identity)
+        kept, lattice = facts.get("fields_checksum"), facts.get("lattice", {})
         if kept is None:
             raise InputError(
                 "campaign",
@@ -254,8 +245,16 @@ class Store:
         )
         return fields if of_patches is None else fields.assign(of_patches)
 
-    def _unreadable(self, identity: str, error: Exception) -> InputError:
-        return InputError("campaign", expected=f"a finished run in {self.runs}", got=f"{identity}: {error}")
+    def _opened(self, identity: str) -> tuple[zarr.Group, dict[str, Any]]:
+        """The group of a finished run, and its attributes."""
+        try:
+            group = zarr.open_group(self.runs / identity, mode="r")
+            return group, dict(group.attrs)
+        except FileNotFoundError as error:
+            expected, got = f"a finished run in {self.runs}", f"{identity}: {error}"
+            raise InputError("campaign", expected=expected, got=got) from error
+        except Exception as error:  # a damaged byte of a description leads anywhere
+            raise self._damaged(identity) from error
 
     def _damaged(self, identity: str) -> InputError:
         return _damage(self.runs / identity, "that folder")

@@ -40,12 +40,8 @@ _MOST_MAPS = 24
 def check_free(out: Path, *, overwrite: bool) -> None:
     """Make sure, before anything is computed, that the results can be written.
 
-    Raises
-    ------
-    InputError
-        The folder exists and is not to be replaced, or is no earlier run's.
-    OutputError
-        Nothing can be written there.
+    `InputError` if the folder exists and is not to be replaced, or is no earlier run's; `OutputError` if
+    nothing can be written there.
     """
     folder = out.resolve()
     if folder == Path.cwd() or folder in Path.cwd().parents:
@@ -98,28 +94,10 @@ def _is_ours(name: str) -> bool:
 
 
 def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:
-    """Write every file of a run.
+    """Write every file of a run to a folder, with the summary; return remarks on figures that were not drawn.
 
-    Parameters
-    ----------
-    outcome
-        What the run found.
-    out
-        The folder.
-    text
-        The summary, as text.
-    overwrite
-        Whether an earlier run may be replaced; an empty folder always may.
-
-    Returns
-    -------
-    tuple of str
-        Remarks: figures that could not be drawn.
-
-    Raises
-    ------
-    OutputError
-        The disk refused; nothing is left.
+    An earlier run is replaced only if it may be, an empty folder always. `OutputError` if the disk
+    refused; nothing is left.
     """
     check_free(out, overwrite=overwrite)  # again: hours may have passed
     with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
@@ -146,12 +124,8 @@ def save_within(dataset: xr.Dataset, folder: Path) -> None:
 def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:
     """Make sure, before anything is computed, that a flag names a file that can be written.
 
-    Raises
-    ------
-    InputError
-        It has another suffix, its folder does not exist, or it exists and is not to be replaced.
-    OutputError
-        Nothing can be written there.
+    `InputError` if it has another suffix, its folder does not exist, or it exists and is not to be
+    replaced; `OutputError` if nothing can be written there.
     """
     if target.suffix.lower() not in suffixes:
         raise InputError(flag, expected=f"a name that ends in {', '.join(suffixes)}", got=target)
@@ -164,13 +138,7 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
 
 
 def write_figure(figure: Figure, path: Path) -> None:
-    """Write a figure that is complete under its name or not there.
-
-    Raises
-    ------
-    OutputError
-        The disk refused.
-    """
+    """Write a figure that is complete under its name or not there; `OutputError` if the disk refused."""
     with whole_file(path) as part:
         figure.savefig(part, dpi=RESOLUTION)
 

@@ -15,21 +15,9 @@ from asperity.surfaces.prepare import is_square
 
 
 def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> None:
-    """Read, describe and draw a surface.
+    """Read, describe and draw a surface; the figure is named after the file by default.
 
-    Parameters
-    ----------
-    settings
-        The file and how to prepare it.
-    out
-        The figure, or None to name it after the file.
-    overwrite
-        Whether an existing figure may be replaced.
-
-    Raises
-    ------
-    AsperityError
-        The file cannot be used, or the figure not written.
+    `AsperityError` if the file cannot be used, or the figure not written.
     """
     file = Path(settings.path)
     target = Path(f"{file.stem}.png") if out is None else out

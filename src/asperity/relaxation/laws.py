@@ -110,20 +110,8 @@ def fractional_zener(
         n, above 0 and at most 1.
     time
         Relaxation time, above 0.
-    first, last
-        Times between which the series stands for the law.
-    accuracy
-        Largest relative error of G between them, from 1e-6 to 0.5.
 
-    Returns
-    -------
-    PronySeries
-        With the error that it has, and the times as its `span`.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range, or the times are in the wrong order.
+    Other arguments, result and errors are those of `power_law`.
     """
     modulus = checks.number(
         "instantaneous", instantaneous, least=1 / LARGEST, expected="a finite modulus > 0"

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, zeta
 
-from asperity.checks import Floats, broadcast, not_negative, number, positive
+from asperity.checks import Floats, broadcast, not_negative, number, positives
 
 
 def _beta(s: float) -> float:
@@ -95,11 +95,7 @@ def hertz(load: ArrayLike, *, modulus: ArrayLike, radius: ArrayLike, period: flo
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), Eqs. (4.22) to (4.24), (3.36), DOI
     10.1017/CBO9781139171731. The array: see `asperity.theory.continua`.
     """
-    F, E, R = broadcast(
-        load=not_negative("load", load),
-        modulus=positive("modulus", modulus),
-        radius=positive("radius", radius),
-    )
+    F, E, R = broadcast(load=not_negative("load", load), **positives(modulus=modulus, radius=radius))
     L = math.inf if period is None else number("period", period, above=0)
     others = F / (np.pi * E)
     R = 1 / (1 / R + 2 * _CURVATURE * others / L**3)
@@ -143,9 +139,7 @@ def westergaard_area(
     """
     p, E, height, length = broadcast(
         pressure=not_negative("pressure", pressure),
-        modulus=positive("modulus", modulus),
-        amplitude=positive("amplitude", amplitude),
-        wavelength=positive("wavelength", wavelength),
+        **positives(modulus=modulus, amplitude=amplitude, wavelength=wavelength),
     )
     full = np.pi * E * height / length
     return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full, 1.0))))[()]
@@ -183,8 +177,6 @@ def persson_area(pressure: ArrayLike, *, modulus: ArrayLike, slope: ArrayLike) -
     (2001), DOI 10.1103/PhysRevLett.87.116101.
     """
     p, E, gradient = broadcast(
-        pressure=not_negative("pressure", pressure),
-        modulus=positive("modulus", modulus),
-        slope=positive("slope", slope),
+        pressure=not_negative("pressure", pressure), **positives(modulus=modulus, slope=slope)
     )
     return np.asarray(erf(math.sqrt(2) * p / (E * gradient)))[()]

@@ -29,7 +29,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.checks import Floats, broadcast, line_or_plane, positive
+from asperity.checks import Floats, broadcast, line_or_plane, positive, positives
 from asperity.errors import InputError
 from asperity.theory.heights import HeightLaw
 from asperity.theory.indentation import compliance, site_stiffness
@@ -58,10 +58,7 @@ def dilute_area(load_per_site: ArrayLike, compliance: ArrayLike, heights: Height
     InputError
         For numbers that are not above 0 and finite, and for shapes that do not broadcast.
     """
-    load, soft = broadcast(
-        load_per_site=positive("load_per_site", load_per_site),
-        compliance=positive("compliance", compliance),
-    )
+    load, soft = broadcast(**positives(load_per_site=load_per_site, compliance=compliance))
     return heights.exceedance(heights.separation_for(load * soft))
 
 
@@ -141,7 +138,7 @@ def contacts_at_start(
     InputError
         For a number out of range, and for shapes that do not broadcast.
     """
-    force, length, first, lateral = _start_numbers(load, rms, x1, k0)
+    force, length, first, lateral = broadcast(**positives(load=load, rms=rms, x1=x1, k0=k0))
     return np.asarray(force / (length * lateral * site_stiffness(first, dimension)))[()]
 
 
@@ -153,7 +150,7 @@ def contacts_at_start_paper(load: ArrayLike, rms: ArrayLike, x1: ArrayLike, *, k
 
     Arguments, result and errors are those of `contacts_at_start`.
     """
-    force, length, first, lateral = _start_numbers(load, rms, x1, k0)
+    force, length, first, lateral = broadcast(**positives(load=load, rms=rms, x1=x1, k0=k0))
     return np.asarray(force / (length * lateral * first))[()]
 
 
@@ -180,9 +177,3 @@ def exponential_growth_paper(
     """
     grown = compliance(x1, x2, viscous, dimension) - 1 / site_stiffness(x1, dimension)
     return np.asarray(1 + positive("x1", x1) * grown)[()]
-
-
-def _start_numbers(load: ArrayLike, rms: ArrayLike, x1: ArrayLike, k0: ArrayLike) -> list[Floats]:
-    return broadcast(
-        load=positive("load", load), rms=positive("rms", rms), x1=positive("x1", x1), k0=positive("k0", k0)
-    )
