@@ -56,10 +56,7 @@ def solve(problem: Problem, tolerance: float) -> Answer:
     with Watch() as watch:
         snes.solve(None, u)
     result = u.getArray().reshape(shape).copy()
-    note = {
-        "newton": float(snes.getIterationNumber()),
-        "converged": str(snes.getConvergedReason()),
-    }
+    note = {"newton": float(snes.getIterationNumber()), "converged": str(snes.getConvergedReason())}
     return Answer(
         result, result <= heights, snes.getLinearSolveIterations(), watch.seconds, watch.cpu_seconds, note
     )

@@ -194,10 +194,7 @@ def test_logarithms_are_even_and_powers_are_not(evidence):
     altered = Altered(evidence, "aging", area=logarithm)
     assert numbers(judged("logarithm", altered).measured) == pytest.approx([1, 1], rel=1e-3)
     assert numbers(judged("b-load", altered).measured) == pytest.approx([0, 0], abs=1e-12)
-    for claim, study in (
-        ("slope-load", "self_affine_aging"),
-        ("hurst", "hurst"),
-    ):
+    for claim, study in (("slope-load", "self_affine_aging"), ("hurst", "hurst")):
         late_over_early = numbers(judged(claim, Altered(evidence, study, area=logarithm)).measured)[1::2]
         assert late_over_early == pytest.approx([1] * len(late_over_early), rel=1e-3)
         power = Altered(evidence, study, area=lambda d: 10 * (1 + d["time"] ** 0.25))
@@ -211,8 +208,7 @@ def growing(d, slope):
 
 
 @pytest.mark.parametrize(
-    ("claim", "study"),
-    [("slope-stiffness", "self_affine_aging"), ("b-stiffness", "aging")],
+    ("claim", "study"), [("slope-stiffness", "self_affine_aging"), ("b-stiffness", "aging")]
 )
 def test_slopes_against_stiffness(evidence, claim, study):
     k1 = evidence.values(study, "k1")

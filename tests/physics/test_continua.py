@@ -94,10 +94,7 @@ def wave(sites, share, offset):
     x = length * (np.arange(sites) + offset) / sites
     heights = amplitude * np.cos(2 * np.pi * x / length)
     contact = pressed(
-        heights,
-        asp.solids.half_space(modulus=E),
-        load=share * full * length,
-        spacing=(length / sites,),
+        heights, asp.solids.half_space(modulus=E), load=share * full * length, spacing=(length / sites,)
     )
     return x / length, full, contact
 

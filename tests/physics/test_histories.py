@@ -100,10 +100,7 @@ def test_a_line_of_four_sites_loses_a_contact_after_unloading():
     heights = np.array([1.0, 3.0, 4.0, 5.0]) / 9
     contact = asp.press(heights, springs(), load=2.4)
     history = asp.age(
-        contact,
-        [10.170, 10.172, 20.0],
-        protocol=[P.Hold(10.0), P.Step(load=0.48), P.Hold(10.0)],
-        rtol=1e-5,
+        contact, [10.170, 10.172, 20.0], protocol=[P.Hold(10.0), P.Step(load=0.48), P.Hold(10.0)], rtol=1e-5
     )
     assert history.dataset["area"].values.tolist() == [3, 3, 3, 3, 2, 2]
 

@@ -278,22 +278,13 @@ def test_stiffer_along_one_axis_is_allowed() -> None:
 @pytest.mark.parametrize(
     ("call", "name"),
     [
-        (
-            lambda: compliance(1.0, 1.0, dispersion=cast(Any, "cubic")),
-            "dispersion",
-        ),
+        (lambda: compliance(1.0, 1.0, dispersion=cast(Any, "cubic")), "dispersion"),
         (
             lambda: compliance(1.0, 1e14, dispersion=lambda qx, qy: 4 - 2 * np.cos(qx) - 2 * np.cos(qy)),
             "dispersion",
         ),
-        (
-            lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: qx**2 + qy**2 + qx * qy),
-            "dispersion",
-        ),
-        (
-            lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: 1 + qx**2 + qy**2),
-            "dispersion",
-        ),
+        (lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: qx**2 + qy**2 + qx * qy), "dispersion"),
+        (lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: 1 + qx**2 + qy**2), "dispersion"),
         (lambda: compliance(1.0, 1.0, dispersion=lambda *_: 1.0), "dispersion"),
         (lambda: compliance(0.0, 1.0), "x1"),
         (lambda: compliance(1.0, -1.0), "x2"),
@@ -307,10 +298,7 @@ def test_stiffer_along_one_axis_is_allowed() -> None:
         (lambda: site_stiffness([1.0, -2.0]), "x1"),
         (lambda: torus_compliance(1.0, 1.0, (4, 4, 4)), "shape"),
         (lambda: torus_compliance(1.0, 1.0, (4, 0)), "shape"),
-        (
-            lambda: torus_compliance(1.0, 1.0, cast(Any, (4.5,))),
-            "shape",
-        ),
+        (lambda: torus_compliance(1.0, 1.0, cast(Any, (4.5,))), "shape"),
     ],
 )
 def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:

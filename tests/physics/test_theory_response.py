@@ -131,10 +131,7 @@ def test_one_time_alone_is_the_elastic_answer() -> None:
         (lambda: response([0, 2, 1], [0, 1, 2], 1.0), "x2"),
         (lambda: response([0, np.inf], [0, 1], 1.0), "x2"),
         (lambda: response([0, 1], [0, np.nan], 1.0), "force"),
-        (
-            lambda: response([0, 1], [0, 1], cast(Any, [1.0, 2.0])),
-            "x1",
-        ),
+        (lambda: response([0, 1], [0, 1], cast(Any, [1.0, 2.0])), "x1"),
         (lambda: response([0, 1], [0, 1], 0.0), "x1"),
         (lambda: response_rate([0, 1], [0, 1], 1.0, -1.0), "viscous"),
         (lambda: response_rate([0, 1], [0, 1], 1.0, dimension=3), "dimension"),

@@ -15,10 +15,7 @@ from asperity.config import to_tables
 from asperity.studies import unloading
 from tests.refusals import refuses
 
-TINY = dataclasses.replace(
-    studies.STUDIES["unloading"],
-    quick=unloading.campaigns(surfaces=2, side=8),
-)
+TINY = dataclasses.replace(studies.STUDIES["unloading"], quick=unloading.campaigns(surfaces=2, side=8))
 
 
 def do_here(prepared):

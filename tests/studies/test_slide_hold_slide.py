@@ -11,11 +11,7 @@ P = asp.protocols
 def test_areas_before_shifts_are_those_of_a_slide_by_hand():
     heights = asp.surfaces.spectral((16, 16), hurst=0.8, roll_off=8.0, cutoff=4.0, rms_height=1.0, seed=1)
     contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=20.0)
-    protocol: list[P.Slide | P.Hold] = [
-        P.Slide(3.0, velocity=0.5),
-        P.Hold(10.0),
-        P.Slide(2.0, velocity=0.5),
-    ]
+    protocol: list[P.Slide | P.Hold] = [P.Slide(3.0, velocity=0.5), P.Hold(10.0), P.Slide(2.0, velocity=0.5)]
     dataset = asp.age(contact, [1.0], protocol=protocol).dataset
     areas, now = [], contact
     for leg in protocol:

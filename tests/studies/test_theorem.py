@@ -9,10 +9,7 @@ import asperity as asp
 from tests.studies.levels import frontier
 
 P = asp.protocols
-BRANCHES = {
-    "one time": [(0.7, 10.0)],
-    "three times": [(0.25, 1.0), (0.25, 10.0), (0.25, 100.0)],
-}
+BRANCHES = {"one time": [(0.7, 10.0)], "three times": [(0.25, 1.0), (0.25, 10.0), (0.25, 100.0)]}
 
 
 @pytest.fixture(params=BRANCHES)

@@ -9,13 +9,7 @@ import pytest
 import xarray as xr
 
 from asperity import age, press, relax
-from asperity.analysis import (
-    ContactMaps,
-    SiteState,
-    aging_summary,
-    contact_maps,
-    with_limit,
-)
+from asperity.analysis import ContactMaps, SiteState, aging_summary, contact_maps, with_limit
 from asperity.analysis.aging import FAR_APART
 from asperity.fits import measured_growth
 from asperity.solids import spring_lattice

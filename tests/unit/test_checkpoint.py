@@ -42,11 +42,7 @@ def test_stopped_and_resumed(tmp_path, stops):
             asp.age(CONTACT, TIMES, fields_at=KEEP, checkpoint=checkpoint, progress=stop_at(stop))
     seen = []
     resumed = asp.age(
-        CONTACT,
-        TIMES,
-        fields_at=KEEP,
-        checkpoint=checkpoint,
-        progress=lambda frame: seen.append(frame.time),
+        CONTACT, TIMES, fields_at=KEEP, checkpoint=checkpoint, progress=lambda frame: seen.append(frame.time)
     )
     assert seen[0] == stops[-1]
     xr.testing.assert_identical(resumed.dataset, UNDISTURBED.dataset)

@@ -124,10 +124,7 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
             "[sweep]: makes this the file of a campaign, not of a run; try asperity sweep",
         ),
         ("[surface]\nfile = 'a.npy'", "[surface] file: no such key; try path"),
-        (
-            "[contact]\npressure = 1.0\nload = 1.0",
-            "[contact] expected load or pressure, got both",
-        ),
+        ("[contact]\npressure = 1.0\nload = 1.0", "[contact] expected load or pressure, got both"),
         ("[solid]\nE = 1.0", "[solid] E: no such key; there are kind, creep, creep_rate, creep_stress, "),
         ("[contact]\nload = '0,5'", "[contact] load: expected a number, got '0,5'; try 0.5"),
         ("[aging]\ntimes = ['0,5']", "expected a number, got '0,5'; try 0.5, or 0 5 for two values"),

@@ -201,37 +201,21 @@ GROWING = np.linspace(1.0, 2.0, 8)
     ("time", "area", "name"),
     [
         (np.arange(8), np.ones(8), "area"),
-        (
-            np.arange(8),
-            GROWING[::-1],
-            "area",
-        ),
+        (np.arange(8), GROWING[::-1], "area"),
         (np.arange(8), GROWING[:7], "area"),
         (np.arange(8), GROWING - 1, "area"),
-        (
-            np.arange(8),
-            np.where(GROWING > 1.5, np.nan, GROWING),
-            "area",
-        ),
+        (np.arange(8), np.where(GROWING > 1.5, np.nan, GROWING), "area"),
         (np.append(np.arange(7), np.inf), GROWING, "time"),
         (np.arange(8)[::-1], GROWING, "area"),
         (np.arange(8) - 1, GROWING, "time"),
         (np.zeros(8), GROWING, "time"),
         (np.repeat([1, 2], 4), GROWING, "time"),
         ([], [], "time"),
-        (
-            np.arange(8).reshape(2, 4),
-            GROWING,
-            "time",
-        ),
+        (np.arange(8).reshape(2, 4), GROWING, "time"),
         ("late", GROWING, "time"),
         (np.arange(3), GROWING[:3], "time"),
         (np.arange(1, 4), GROWING[:3], "time"),
-        (
-            np.arange(8),
-            [1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 1.1],
-            "area",
-        ),
+        (np.arange(8), [1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 1.1], "area"),
     ],
 )
 def test_bad_data_are_named(law: Callable[..., Any], time: ArrayLike, area: ArrayLike, name: str) -> None:

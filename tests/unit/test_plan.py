@@ -72,8 +72,7 @@ def test_adding_values_keeps_the_identities_of_the_rest(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "change",
-    ["[solid]\nR = 2.0", "[solid]\nk0 = 1.5", "[contact]\nload = 3.0", "[output]\nmaps_at = [1.0]"],
+    "change", ["[solid]\nR = 2.0", "[solid]\nk0 = 1.5", "[contact]\nload = 3.0", "[output]\nmaps_at = [1.0]"]
 )
 def test_any_parameter_changes_the_identity(tmp_path, change):
     before = plan_of(tmp_path, "k1 = [1.0]").runs[0].identity

@@ -141,10 +141,7 @@ def test_a_history_is_drawn_over_the_logarithm_of_time(aged: History, quantity: 
 
 def test_the_limit_is_drawn_where_it_is_known(pressed: Contact, aged: History) -> None:
     limit = relax(pressed)
-    for ax in (
-        aged.plot(axes(), limit=limit),
-        plot_history(with_limit(aged.dataset, limit), axes()),
-    ):
+    for ax in (aged.plot(axes(), limit=limit), plot_history(with_limit(aged.dataset, limit), axes())):
         (dotted,) = (line for line in ax.lines if line.get_linestyle() == ":")
         np.testing.assert_array_equal(dotted.get_ydata(), [limit.area] * 2)
     with refuses("limit"):

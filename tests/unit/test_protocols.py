@@ -7,18 +7,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.protocols import (
-    Hold,
-    Ramp,
-    Repeat,
-    Schedule,
-    Slide,
-    Step,
-    described,
-    in_words,
-    leg_of,
-    legs_of,
-)
+from asperity.protocols import Hold, Ramp, Repeat, Schedule, Slide, Step, described, in_words, leg_of, legs_of
 from tests.refusals import refuses
 from tests.surfaces import uncorrelated
 
@@ -81,16 +70,8 @@ MIRRORED = asp.press(asp.surfaces.Surface(uncorrelated(16), edges="reflecting"),
         (CONTACT, {"times": [1.0], "protocol": [Hold(1.0)], "hold": "load"}, "hold"),
         (HALF_SPACE, {"times": [1.0], "protocol": [Hold(1.0), Step(separation=0.0)]}, "separation"),
         (HALF_SPACE, {"times": [1.0], "protocol": [Hold(1.0, hold="separation")]}, "separation"),
-        (
-            LIFTED,
-            {"times": [1.0], "protocol": [Hold(1.0, hold="area")]},
-            "hold",
-        ),
-        (
-            LIFTED,
-            {"times": [1.0], "protocol": [Ramp(1.0, load=3.0)]},
-            "hold",
-        ),
+        (LIFTED, {"times": [1.0], "protocol": [Hold(1.0, hold="area")]}, "hold"),
+        (LIFTED, {"times": [1.0], "protocol": [Ramp(1.0, load=3.0)]}, "hold"),
         (CONTACT, {"times": [1.0], "protocol": [Slide(0.3, velocity=0.1)]}, "distance"),
         (CONTACT, {"times": [1.0], "protocol": [Slide(3.0, velocity=0.1, direction=(1,))]}, "direction"),
         (CONTACT, {"times": [1.0], "protocol": [Slide("3 um", velocity=0.1)]}, "units"),  # type: ignore[arg-type]

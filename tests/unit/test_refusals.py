@@ -89,10 +89,7 @@ def test_quantities_are_no_arrays():
         asp.press(Quantity(3.0), SOLID, load=1.0)
 
 
-@pytest.mark.parametrize(
-    "solid",
-    [None, {}, ROUGH, asp.solids.Solid],
-)
+@pytest.mark.parametrize("solid", [None, {}, ROUGH, asp.solids.Solid])
 def test_solids_that_are_none(solid):
     with refuses("solid"):
         asp.press(ROUGH, solid, load=1.0)

@@ -8,14 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from asperity.errors import InputError
-from asperity.relaxation import (
-    PronySeries,
-    arrhenius,
-    check_branches,
-    combined,
-    from_retardation,
-    wlf,
-)
+from asperity.relaxation import PronySeries, arrhenius, check_branches, combined, from_retardation, wlf
 
 
 def series(count: int, permanent: float, decades: float = 8.0) -> PronySeries:

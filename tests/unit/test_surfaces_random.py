@@ -25,8 +25,7 @@ def test_uncorrelated_shape_and_type(make: Any, shape: Any, expected: Any) -> No
 
 
 @pytest.mark.parametrize(
-    ("make", "law"),
-    [(gaussian, scipy.stats.norm(scale=2.5)), (exponential, scipy.stats.expon(scale=2.5))],
+    ("make", "law"), [(gaussian, scipy.stats.norm(scale=2.5)), (exponential, scipy.stats.expon(scale=2.5))]
 )
 def test_uncorrelated_heights_follow_their_law(make: Any, law: Any) -> None:
     heights = make((300, 300), rms=2.5, seed=11)

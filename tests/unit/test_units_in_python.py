@@ -17,14 +17,8 @@ BARE = gaussian((16, 16))
 HALF_SPACE = half_space(modulus=3e9, branches=[(0.3, 1e-2), (0.2, 60.0)])
 PAIRS: list[tuple[Solid, Solid]] = [
     (HALF_SPACE, half_space(modulus="3 GPa", branches=[(0.3, "10 ms"), (0.2, "1 min")])),
-    (
-        half_space(modulus=3e9, apparatus=1e6),
-        half_space(modulus="3000 MPa", apparatus="1 MN/m"),
-    ),
-    (
-        layer(modulus=3e9, poisson=0.3, thickness=4e-6),
-        layer(modulus="3 GPa", poisson=0.3, thickness="4 um"),
-    ),
+    (half_space(modulus=3e9, apparatus=1e6), half_space(modulus="3000 MPa", apparatus="1 MN/m")),
+    (layer(modulus=3e9, poisson=0.3, thickness=4e-6), layer(modulus="3 GPa", poisson=0.3, thickness="4 um")),
     (
         coated_half_space(modulus=3e9, poisson=0.3, thickness=4e-6, base_modulus=1e10, base_poisson=0.2),
         coated_half_space(

@@ -22,9 +22,7 @@ body = asp.press(rough, polymer, load=20.0)
 fig, axes = plt.subplots(1, 3, figsize=(8.6, 3.5), layout="constrained")
 lost = []
 for ax, (name, contact, time) in zip(
-    axes,
-    [("springs", springs, 100.0), ("springs", springs, 1e4), ("half-space", body, 1e4)],
-    strict=True,
+    axes, [("springs", springs, 100.0), ("springs", springs, 1e4), ("half-space", body, 1e4)], strict=True
 ):
     aged = asp.age(contact, [time]).final
     lost.append(int((contact.in_contact & ~aged.in_contact).sum()))

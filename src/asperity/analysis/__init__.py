@@ -8,15 +8,7 @@ from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
 from asperity.analysis.prediction import Growth, Prediction, Resolved
 from asperity.analysis.tracks import PatchTracks, contact_ages, patch_table, patch_tracks
-from asperity.patches import (
-    Links,
-    Patches,
-    Turnover,
-    clustering,
-    link_patches,
-    patches,
-    turnover,
-)
+from asperity.patches import Links, Patches, Turnover, clustering, link_patches, patches, turnover
 
 __all__ = [
     "AgingSummary",

@@ -199,7 +199,7 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
             "growth",
             f"{100 * growth.per_decade:.3g} % of the first area per decade, "
             f"95 % band {low:.3g} to {high:.3g} %",
-        ),
+        )
     ]
     if several:
         rows.append(("", f"{100 * first:.3g} % in the first decade, {100 * last:.3g} % in the last"))

@@ -242,13 +242,7 @@ def started(frame: Frame, config: RunConfig) -> xr.Dataset:
     """Describe a run by its first moment, as `recorded` does by the whole."""
     contact = frame.contact
     return dataset_of(
-        contact,
-        contact.control,
-        config.legs or None,
-        False,
-        [row_of(frame)],
-        [],
-        rtol=config.aging.rtol,
+        contact, contact.control, config.legs or None, False, [row_of(frame)], [], rtol=config.aging.rtol
     )
 
 

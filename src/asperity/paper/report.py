@@ -155,12 +155,7 @@ def _templates() -> jinja2.Environment:
         "duration": duration,
         "file_name": lambda path: Path(path).name,
     }
-    environment.globals |= {
-        "bounds": bounds,
-        "numbers": _numbers,
-        "Verdict": Verdict,
-        "SECTIONS": SECTIONS,
-    }
+    environment.globals |= {"bounds": bounds, "numbers": _numbers, "Verdict": Verdict, "SECTIONS": SECTIONS}
     return environment
 
 

@@ -216,11 +216,7 @@ def _self_affine(effort: Effort) -> tuple[Campaign, ...]:
             {
                 "surface": {"kind": "self_affine", "size": effort.aging_sizes[0], "delta": DELTA},
                 "solid": stiff,
-                "sweep": {
-                    "hurst": [0.3, 0.5, 0.8],
-                    "load": [5.0, 20.0, 80.0],
-                    "seeds": effort.seeds,
-                },
+                "sweep": {"hurst": [0.3, 0.5, 0.8], "load": [5.0, 20.0, 80.0], "seeds": effort.seeds},
             },
         ),
         Campaign(

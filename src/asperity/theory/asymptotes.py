@@ -75,9 +75,7 @@ def compliance_asymptote(
     dimension = line_or_plane(dimension)
     first = np.asarray(1.0) if x1 is None else positive("x1", x1)
     first, time, r = broadcast(
-        x1=first,
-        x2=positive("x2", x2),
-        viscous=not_negative("viscous", viscous, infinity="a large number"),
+        x1=first, x2=positive("x2", x2), viscous=not_negative("viscous", viscous, infinity="a large number")
     )
     s = np.where(r > 0, r * time, 1.0)  # 1: not read where r = 0
     per_r = 1 / np.where(r > 0, r, 1.0)

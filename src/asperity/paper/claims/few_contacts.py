@@ -131,15 +131,10 @@ CLAIMS = (
     Claim("compliance-engine", compliance_in_the_engine, {"worst": (-math.inf, 5e-3)}),
     Claim("n-start", number_at_start, {"printed": WITHIN, "true": WITHIN}, each="exponential.k1"),
     Claim(
-        "n-growth",
-        growth_of_contacts,
-        {"printed": (0.85, 1.15), "true": (0.85, 1.15)},
-        each="exponential.k1",
+        "n-growth", growth_of_contacts, {"printed": (0.85, 1.15), "true": (0.85, 1.15)}, each="exponential.k1"
     ),
     Claim("n-slope", late_slope_of_area, {"printed": WITHIN, "true": WITHIN}, each="exponential.k1"),
     Claim(
-        "gaussian-exponential",
-        gaussian_like_exponential,
-        {"closed": (0.9, 1.1), "simulated": (0.85, 1.15)},
+        "gaussian-exponential", gaussian_like_exponential, {"closed": (0.9, 1.1), "simulated": (0.85, 1.15)}
     ),
 )

@@ -78,12 +78,7 @@ def growth(areas: Field) -> Field:
 
 
 def over_seeds(
-    evidence: Evidence,
-    study: str,
-    name: str,
-    *,
-    called: str,
-    statistic: Callable[[Field], Field] = mean,
+    evidence: Evidence, study: str, name: str, *, called: str, statistic: Callable[[Field], Field] = mean
 ) -> pd.DataFrame:
     """Estimate a statistic of the surfaces for every value of the swept parameters of a study.
 
@@ -184,13 +179,7 @@ def line(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look, at: int, label: str
 def symbols(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look) -> Line2D:
     """Draw computed points on a line, without error bars: open, so that the line is seen around them."""
     [drawn] = axes.plot(
-        x,
-        y,
-        look.marker,
-        color=look.color,
-        markerfacecolor="white",
-        markersize=3,
-        markeredgewidth=0.7,
+        x, y, look.marker, color=look.color, markerfacecolor="white", markersize=3, markeredgewidth=0.7
     )
     return drawn
 
