@@ -167,15 +167,7 @@ class PronySeries:
     def compliance_at(self, time: ArrayLike) -> Floats:
         """Creep compliance J(t): strain over a stress that was imposed at time 0. Exact, see the module.
 
-        Parameters
-        ----------
-        time
-            Times, not below 0; any shape.
-
-        Returns
-        -------
-        ndarray
-            In the inverse of the modulus' unit; the shape of `time`.
+        In the inverse of the modulus' unit; times and shape are as for `modulus_at`.
         """
         t = checks.not_negative("time", time)
         strengths, times, fluidity = self.retardation

@@ -48,15 +48,7 @@ def wlf(c1: float, c2: float, temperature: float, reference: float) -> float:
     temperature, reference
         T and T_ref, above 0, K; T above T_ref - c2, where relaxation would take forever.
 
-    Returns
-    -------
-    float
-        Relaxation times at T over those at T_ref; below 1 where it is warmer.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range, T is not above T_ref - c2, or the factor beyond 1e100.
+    Result and errors are those of `arrhenius`; and T not above T_ref - c2 is refused.
 
     References
     ----------

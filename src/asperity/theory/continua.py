@@ -154,22 +154,10 @@ def persson_area(pressure: ArrayLike, *, modulus: ArrayLike, slope: ArrayLike) -
 
     Parameters
     ----------
-    pressure
-        Load over nominal area (force / length^2), not below 0.
-    modulus
-        Contact modulus E* (force / length^2), above 0.
     slope
         Rms slope of the surface: root of the mean square gradient, above 0.
 
-    Returns
-    -------
-    ndarray
-        From 0 to 1, shape of the broadcast arguments; a NumPy float if all are scalars.
-
-    Raises
-    ------
-    InputError
-        For a number out of range, and for shapes that do not broadcast.
+    Other arguments, result and errors are those of `westergaard_area`.
 
     References
     ----------

@@ -33,14 +33,8 @@ def displacement(
     offset
         Integers: sites from the load, shape (..., dimension), each at most 2000; on the line also one
         integer.
-    x1
-        k1/k0, above 0.
-    x2
-        k0 R t, not below 0.
-    viscous
-        R_tilde/R (Eq. dosrs), not below 0.
-    dimension
-        2 (square lattice) or 1 (line).
+    x1, x2, viscous, dimension
+        As for `compliance`.
 
     Returns
     -------

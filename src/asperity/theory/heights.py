@@ -45,12 +45,7 @@ class GaussianHeights:
     Parameters
     ----------
     rms
-        Standard deviation (length), above 0.
-
-    Raises
-    ------
-    InputError
-        For an `rms` that is not a number above 0.
+        Standard deviation (length), above 0; else `InputError`.
     """
 
     rms: float = 1.0
@@ -88,12 +83,7 @@ class ExponentialHeights:
     Parameters
     ----------
     rms
-        Standard deviation about the mean, which is `rms` too (length), above 0.
-
-    Raises
-    ------
-    InputError
-        For an `rms` that is not a number above 0.
+        Standard deviation about the mean, which is `rms` too (length), above 0; else `InputError`.
     """
 
     rms: float = 1.0

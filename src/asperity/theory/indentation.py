@@ -96,14 +96,10 @@ def torus_compliance(
 
     Parameters
     ----------
-    x1
-        k1/k0, above 0.
-    x2
-        k0 R t, not below 0; infinity gives the relaxed state.
+    x1, x2, viscous
+        As for `compliance`; x2 infinite gives the relaxed state.
     shape
         Sites along each axis: ``(n,)`` or ``(n, m)``.
-    viscous
-        R_tilde/R, not below 0.
 
     Returns
     -------

@@ -60,14 +60,10 @@ def dilute_history(
         F/N0 (force) at these times, not below 0, linear in between: shape (n,).
     k0
         Stiffness between neighbors (force per length), above 0.
-    x1
-        k1/k0, above 0.
     heights
         Law of the heights (length).
-    viscous
-        R_tilde/R (Eq. dosrs), not below 0.
-    dimension
-        2 (square lattice) or 1 (line).
+    x1, viscous, dimension
+        As for `response`.
 
     Returns
     -------
