@@ -25,21 +25,10 @@ def available() -> int:
 
 
 def require(needed: float, shape: Sequence[int], *, power_of_two: bool = False) -> None:
-    """Refuse a lattice for which there is not enough memory.
+    """Refuse a lattice of this shape for which there is not enough memory, at so many bytes a site.
 
-    Parameters
-    ----------
-    needed
-        Bytes a site.
-    shape
-        Sites along each axis.
-    power_of_two
-        Whether only powers of two are of use as an advice.
-
-    Raises
-    ------
-    TooLargeError
-        It says what is needed, what there is, and the largest lattice with equal sides that would fit.
+    `TooLargeError` says what is needed, what there is, and the largest lattice with equal sides that
+    would fit, of a power of two where only those are of use.
     """
     there = available()
     total = needed * math.prod(shape)

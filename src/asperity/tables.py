@@ -72,24 +72,15 @@ class Table:
 
 
 def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = InputError) -> Table:
-    """Read a table of numbers.
+    """Read a table of numbers: text in UTF-8, in UTF-16 with its mark, or in Latin-1.
 
-    Parameters
-    ----------
-    path
-        Text in UTF-8, in UTF-16 with its mark, or in Latin-1.
-    matrix
-        If true, each line but comments, which begin with # or %, is a row of as many numbers as the first
-        has; an empty cell, NaN or NA is a missing one. If false, there are two columns or more; lines
-        beginning with ; are comments too; lines before the first with a number are headers; cells may
-        hold words; the last cells of a row may be left out; rows of empty cells are skipped.
-    failure
-        What to raise.
+    Of a `matrix`, each line but comments, which begin with # or %, is a row of as many numbers as the
+    first has; an empty cell, NaN or NA is a missing one. Else there are two columns or more; lines
+    beginning with ; are comments too; lines before the first with a number are headers; cells may hold
+    words; the last cells of a row may be left out; rows of empty cells are skipped.
 
-    Raises
-    ------
-    InputError
-        There is no such file, or it holds no such table; with the number of the line that is wrong.
+    Raises the `failure`, with the number of the line that is wrong, if there is no such file or no such
+    table.
     """
     fail = functools.partial(failure, str(path))
     everything = _text(path, fail).split("\n")

@@ -42,15 +42,8 @@ _EXAMPLES = {
 def number(name: str, value: object, unit: str, **bounds: Any) -> float:
     """Take a number as `checks.number` does, or a text with a unit, such as ``"5 MPa"``.
 
-    Returns
-    -------
-    float
-        A text gives `InUnits`: whoever uses it asks `check_units` whether there are units at all.
-
-    Raises
-    ------
-    InputError
-        As `checks.number` does; or the text has no unit of this kind.
+    A text gives `InUnits`: whoever uses it asks `check_units` whether there are units at all.
+    `InputError` as `checks.number`; or the text has no unit of this kind.
     """
     if not (unit and has_unit(value)):
         return checks.number(name, value, **bounds)
@@ -76,21 +69,10 @@ def numbers(name: str, values: object, unit: str) -> object:
 
 
 def check_units(*tables: object, si: bool, line: bool = False) -> None:
-    """Refuse numbers that were written with a unit where nothing else has any.
+    """Refuse numbers in tables that were written with a unit where nothing else has any; `InputError`.
 
-    Parameters
-    ----------
-    *tables
-        Numbers, or what holds them.
-    si
-        Whether lengths are in metres and forces in newtons.
-    line
-        Whether the contact is that of a profile, whose forces are for each metre of its length.
-
-    Raises
-    ------
-    InputError
-        There is such a number.
+    With `si`, lengths are in metres and forces in newtons; those of a line contact for each metre of its
+    length.
     """
     for found in written_with_units(tables):
         if not si:
@@ -106,25 +88,10 @@ def check_units(*tables: object, si: bool, line: bool = False) -> None:
 
 
 def quantity(value: object, unit: str, name: str = "quantity") -> float:
-    """Convert a text or a number to a number in a unit.
+    """Convert a text such as ``"1 MPa"`` to a number in a unit; a number alone is in that unit already.
 
-    Parameters
-    ----------
-    value
-        A number with a unit, such as ``"1 MPa"``; or a number alone, as text or not, in `unit` already.
-    unit
-        The unit of the result, in Pint's spelling: ``"Pa"``, ``"N"``, ``"J/mol"``.
-    name
-        What it is, for the message.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InputError
-        It is no number, or its unit is unknown or of another kind.
+    The unit is in Pint's spelling: ``"Pa"``, ``"N"``, ``"J/mol"``. `InputError`, about the name, if it is
+    no number, or its unit is unknown or of another kind.
     """
     if not isinstance(value, str):
         return checks.number(name, value)

@@ -59,18 +59,9 @@ def hold_times(*, first: float, last: float, per_decade: int) -> Field:
 def map_times(times: Sequence[float], count: int = USUAL_MAPS) -> tuple[float, ...]:
     """Pick times at which a history is worth a map: 0, the last, and others spread between.
 
-    Parameters
-    ----------
-    times
-        The recorded hold times, increasing.
-    count
-        How many to pick at most; at least 2.
-
-    Returns
-    -------
-    tuple of float
-        Members of ``times``, after 0: of powers of ten and the last, every one, or every second, and so on,
-        back from the last. Where these are too few, times are spread evenly by index.
+    At most so many (2 or more) of the recorded hold times, which increase: after 0, of powers of ten and
+    the last, every one, or every second, and so on, back from the last. Where these are too few, times
+    are spread evenly by index.
     """
     later = [float(t) for t in times if t > 0]
     round_ones = [t for t in later if _is_power_of_ten(t) or t == later[-1]]

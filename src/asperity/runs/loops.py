@@ -18,12 +18,8 @@ from asperity.surfaces import self_affine
 def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], None] = warn) -> None:
     """Compile all loops and keep their machine code on disk, unless that has been done.
 
-    Parameters
-    ----------
-    tell
-        Told what takes so long, before it begins, if anything has to be compiled. By default a `Remark`.
-    remark
-        Told where the machine code is kept, if that is an unusual place. By default a `Remark`.
+    What takes so long is told before it begins, if anything has to be compiled; where the machine code is
+    kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
     stamp = stamp_of(
         loops.wrap, stencils.combine, asperities.overlap_by_rows, line_sites.substitute, pair_loops.laplacian
