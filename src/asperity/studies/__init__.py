@@ -17,7 +17,7 @@ from asperity.studies.study import Concluded, Outcome, Study, conclude
 from asperity.studies.unloading import UNLOADING
 from asperity.words import closest
 
-_ALL = (UNLOADING, LOGARITHM, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES, ACTIVATED_CREEP)
+_ALL = (UNLOADING, LOGARITHM, GROWTH_RATE, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES, ACTIVATED_CREEP)
 STUDIES = {study.name: study for study in _ALL}
 """All studies by name, in the order of the list."""
 
