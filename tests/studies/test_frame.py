@@ -2,15 +2,17 @@
 
 import dataclasses
 import json
+from types import SimpleNamespace
 
 import pytest
 
 from asperity import studies
 from asperity.campaign import read_plan
 from asperity.campaign.store import Store
-from asperity.campaign.sweeping import plan_to_json
+from asperity.campaign.sweeping import Tally, plan_to_json
 from asperity.campaign.worker import run_task
 from asperity.cli import main
+from asperity.cli.campaign import tally_shown
 from asperity.config import to_tables
 from asperity.studies import unloading
 from tests.refusals import refuses
@@ -129,3 +131,15 @@ def test_campaigns_are_sound_and_the_full_ones_hold_the_quick(study, tmp_path):
         with study.prepared_in(folder, quick=effort == "quick") as prepared:
             runs[effort] = {run.identity for one in prepared for run in one.plan.runs}
     assert runs["quick"] <= runs["full"]
+
+
+def test_the_time_left_leaves_out_the_start_of_the_workers(monkeypatch, capsys):
+    """The first run ends after 100 s, the others every 20 s: four runs take 80 s."""
+    clock = SimpleNamespace(now=0.0)
+    monkeypatch.setattr("asperity.cli.campaign.clock", SimpleNamespace(monotonic=lambda: clock.now))
+    with tally_shown(quiet=False) as show:
+        for done, clock.now in ((0, 0.0), (1, 100.0), (2, 120.0)):
+            show(Tally(6, done, 0, 1, {}))
+    first, second, third = capsys.readouterr().err.splitlines()
+    assert (first, second) == ("runs: 0 of 6", "runs: 1 of 6")
+    assert third == "runs: 2 of 6, about 80 seconds left"

@@ -191,19 +191,22 @@ def tally_shown(*, quiet: bool) -> Iterator[Callable[[Tally], None]]:
 
 
 class _Lines:
-    """A line at the start, one every few seconds, one at the end."""
+    """A line at the start, one every few seconds, one at the end.
+
+    The time left is that of the runs after the first one to end: before that workers start and loops compile.
+    """
 
     def __init__(self) -> None:
-        self.begin = self.last = clock.monotonic()
-        self.over_at_begin: int | None = None
+        self.last = clock.monotonic()
+        self.begin = self.over_at_begin = 0.0
+        self.calls = 0
 
     def say(self, now: Tally) -> None:
-        over = now.done + now.failed
-        first = self.over_at_begin is None
-        if self.over_at_begin is None:
-            self.over_at_begin = over
-        moment = clock.monotonic()
-        if first or over == now.total or moment - self.last >= _LINE_EVERY:
+        over, moment = now.done + now.failed, clock.monotonic()
+        self.calls += 1
+        if self.calls <= 2:
+            self.begin, self.over_at_begin = moment, over
+        if self.calls == 1 or over == now.total or moment - self.last >= _LINE_EVERY:
             self.last = moment
             fresh = over - self.over_at_begin
             left = (now.total - over) * (moment - self.begin) / fresh if fresh else None
