@@ -81,10 +81,10 @@ def test_contacts_of_the_closed_form_are_found_to_be_that(outcome):
 def test_the_verdicts_on_them(outcome):
     found = {finding.key: finding for finding in outcome.findings}
     assert found["ratio"].verdict is Verdict.AGREES
-    assert found["viscous_load_0.0001"].verdict is Verdict.AGREES
+    assert found["viscous_0.0001"].verdict is Verdict.AGREES
     assert found["proportional"].verdict is Verdict.DIFFERS
     assert found["waves"].verdict is Verdict.DIFFERS
-    exponents = [float(one.estimate.value) for one in found["waves"].measured[:3]]
+    exponents = [float(one.estimate.value) for one in found["waves"].measured]
     np.testing.assert_allclose(exponents, 0.5, atol=1e-9)
     for key in ("rms", "size"):
         np.testing.assert_allclose([one.estimate.value for one in found[key].measured], 1.0, rtol=1e-9)

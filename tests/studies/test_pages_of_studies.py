@@ -10,7 +10,7 @@ import pytest
 from asperity.studies import STUDIES
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ("release", "slide_hold_slide", "patch_sizes")
+PAGES = ("release", "slide_hold_slide", "patch_sizes", "growth_rate")
 
 
 def release_rows(data):
@@ -49,7 +49,23 @@ def patch_sizes_rows(data):
         yield f"| {row.of}, {row.hurst:g}, {row.pressure:g} | {found} | {size} |"
 
 
-ROWS = {"release": release_rows, "slide_hold_slide": slide_hold_slide_rows, "patch_sizes": patch_sizes_rows}
+def growth_rate_rows(data):
+    for row in pd.read_csv(data / "ledger.csv").itertuples():
+        yield f"**{row.claim}** ({row.place}): **{row.verdict}**"
+        yield f"| {row.what} | {row.value:.3f} [{row.low:.3f}, {row.high:.3f}] | {row.runs} |"
+    points: Any = pd.read_csv(data / "points.csv")
+    for row in points.itertuples():
+        found = f"{row.B:.4f} [{row.B_low:.4f}, {row.B_high:.4f}]"
+        closed = f"{row.closed:.4f}" if row.closed == row.closed else "–"
+        yield f"| {row.of}, {row.surfaces} | {row.at:g} | {found} | {closed} | {row.relative:.4f} |"
+
+
+ROWS = {
+    "release": release_rows,
+    "slide_hold_slide": slide_hold_slide_rows,
+    "patch_sizes": patch_sizes_rows,
+    "growth_rate": growth_rate_rows,
+}
 
 
 @pytest.mark.parametrize("name", [name for name in PAGES if (DOCS / "studies" / f"{name}.md").exists()])

@@ -84,6 +84,9 @@ END = 0.9
 NEAR = (0.9, 1.1)
 """Ratios that bear out that two rates are the same."""
 
+TWICE = (1.8, 2.2)
+"""Ratios that bear out that one rate is twice another."""
+
 FLAT = (-0.05, 0.05)
 """Exponents that bear out that one quantity does not depend on another."""
 
@@ -119,19 +122,19 @@ def _campaign(
     )
 
 
-def campaigns(*, seeds: int) -> tuple[Campaign, ...]:
-    """Return the campaigns, with so many surfaces each."""
-    return tuple(_campaigns(seeds))
+def campaigns(*, seeds: int, light: int | None = None) -> tuple[Campaign, ...]:
+    """Return the campaigns, with so many surfaces each; where all loads are light, another number."""
+    return tuple(_campaigns(seeds, light or seeds))
 
 
-def _campaigns(seeds: int) -> Iterator[Campaign]:
+def _campaigns(seeds: int, light: int) -> Iterator[Campaign]:
     sites = SIDE**2
     yield _campaign(
         "viscous",
         "Growth for several R_viscous/R, under two loads",
-        {"load": [LIGHTEST * sites, LIGHT * sites], "R_viscous": list(VISCOUS), "seeds": seeds},
+        {"load": [LIGHTEST * sites, LIGHT * sites], "R_viscous": list(VISCOUS), "seeds": light},
     )
-    yield _campaign("ratio", "Growth for several k1/k0", {"k1": list(RATIOS), "seeds": seeds})
+    yield _campaign("ratio", "Growth for several k1/k0", {"k1": list(RATIOS), "seeds": light})
     yield _campaign(
         "load",
         "Growth under several loads",
@@ -440,9 +443,11 @@ def analyse(evidence: Evidence) -> Outcome:
     return Outcome(tuple(_findings(sets)), tables)
 
 
-_DILUTE = "dilute theory"
+_DILUTE, _HERE, _PAPER = "dilute theory", "this study", "Jagla, Eq. (log)"
 _B, _K = "<i>B</i>", "<i>k</i><sub>1</sub>/<i>k</i><sub>0</sub>"
-_OVER = f"{_B} over that of the closed form"
+_BEND = f"{_B} in the second decade over that in the first"
+_RELATIVE = "d ln <i>A</i>/d ln <i>t</i>"
+_ENDED = f"d ln (time at which the area is {END:g} of that of the closed form)/d ln (contact fraction then)"
 
 
 def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
@@ -454,144 +459,95 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
     def part(some: Mapping[float, Grown], low: float, high: float = math.inf) -> dict[float, Grown]:
         return {at: found for at, found in some.items() if low <= at <= high}
 
-    def near(words: str, some: Mapping[float, Grown]) -> list[Measurement]:
-        return [Measurement(f"{_OVER}: {words} {at:g}", _over_limit(one), *NEAR) for at, one in some.items()]
+    def claim(
+        key: str, place: str, words: str, numbers: Mapping[str, Estimate], ends: tuple[float, float] = NEAR
+    ) -> Finding:
+        return Finding(
+            key, place, words, tuple(Measurement(what, one, *ends) for what, one in numbers.items())
+        )
 
-    def claim(key: str, place: str, words: str, measured: Iterable[Measurement]) -> Finding:
-        return Finding(key, place, words, tuple(measured))
+    def closed(words: str, some: Mapping[float, Grown]) -> dict[str, Estimate]:
+        return {
+            f"{_B} over that of the closed form: {words} {at:g}": _over_limit(one) for at, one in some.items()
+        }
 
-    ratios, loads, sides = chosen("k1/k0"), chosen("load"), chosen("side")
-    yield claim("ratio", _DILUTE, "Under a light load B is that of the closed form", near(f"{_K}", ratios))
-    up_to, above = part(ratios, 0, 1.0), part(ratios, 3.0)
-    yield claim(
-        "proportional",
-        "Jagla, Eq. (ndet2)",
-        "B is in proportion to k1/k0",
-        (
-            Measurement(f"d ln {_B}/d ln({_K}), {_K} up to 1", _exponent(up_to), *NEAR),
-            Measurement(f"d ln {_B}/d ln({_K}), {_K} from 3 on", _exponent(above), *NEAR),
-        ),
-    )
-    of_relative = _exponent(part(ratios, 1.0), relative_rate)
-    words = f"d ln(d ln <i>A</i>/d ln <i>t</i>)/d ln({_K}), {_K} from 1 on"
-    yield claim(
-        "relative",
-        _DILUTE,
-        "d ln A/d ln t does not depend on k1/k0",
-        [Measurement(words, of_relative, *FLAT)],
-    )
+    ratios, loads = chosen("k1/k0"), chosen("load")
     viscous = {load: chosen("R_viscous/R", _by_load(load)) for load in (LIGHTEST, LIGHT)}
-    for load, some in viscous.items():
-        yield claim(
-            f"viscous_{_by_load(load)}".replace(" ", "_"),
-            _DILUTE,
-            f"B is that of the closed form at all R_viscous/R, under the load {load:g} a site",
-            near("R_viscous/R", some),
-        )
-    yield claim(
-        "doubles",
-        "Jagla, Fig. 9",
-        "B doubles from R_viscous = 0 to large R_viscous/R",
-        (
-            Measurement(
-                f"{_B} at R_viscous/R = {r:g} over that at 0, load a site {load:g}",
-                _over(one, some[0.0]),
-                1.8,
-                2.2,
-            )
-            for load, some in viscous.items()
-            for r, one in part(some, 1.0).items()
-        ),
-    )
-    yield claim("load", _DILUTE, "B is that of the closed form at all loads", near("load a site", loads))
-    yield claim(
-        "load_free",
-        "Jagla, after Eq. (ndet2)",
-        "B does not depend on load",
-        (
-            Measurement(
-                f"d ln {_B}/d ln <i>F</i>, load a site from {low:g} to {high:g}",
-                _exponent(part(loads, low, high)),
-                *FLAT,
-            )
-            for low, high in ((LIGHTEST, LIGHT), (_SIZE_LOAD, 0.3))
-        ),
-    )
     waves = {hurst: chosen("cutoff", _by_hurst(hurst)) for hurst in HURST}
-    for key, surfaces, straight in (
-        ("logarithm", "independent heights", {f"load a site {load:g}": one for load, one in loads.items()}),
-        ("logarithm_waves", "waves", {_by_hurst(hurst): some[4.0] for hurst, some in waves.items()}),
-    ):
-        yield claim(
-            key,
-            "Jagla, Eq. (log)",
-            f"On {surfaces} the area grows like the logarithm of time in the window",
-            (
-                Measurement(
-                    f"{_B} in the second decade over that in the first: {words}",
-                    _estimate(_only, one, of=straightness),
-                    *NEAR,
-                )
-                for words, one in straight.items()
-            ),
+    law = sets["law", _EXPONENTIAL, 1.0]
+    yield claim("ratio", _DILUTE, "Under a light load B is that of the closed form", closed(_K, ratios))
+    numbers = {
+        f"d ln {_B}/d ln({_K}), {_K} up to 1": _exponent(part(ratios, 0, 1.0)),
+        f"d ln {_B}/d ln({_K}), {_K} from 3 on": _exponent(part(ratios, 3.0)),
+    }
+    yield claim("proportional", "Jagla, Eq. (ndet2)", "B is in proportion to k1/k0", numbers)
+    numbers = {f"d ln({_RELATIVE})/d ln({_K}), {_K} from 1 on": _exponent(part(ratios, 1.0), relative_rate)}
+    yield claim("relative", _DILUTE, "d ln A/d ln t does not depend on k1/k0", numbers, FLAT)
+    for load, some in viscous.items():
+        words = f"Under the load {load:g} a site B is that of the closed form at all R_viscous/R"
+        yield claim(f"viscous_{load:g}", _DILUTE, words, closed("R_viscous/R", some))
+    numbers = {
+        f"{_B} at R_viscous/R {r:g} over that at 0, load a site {load:g}": _over(one, some[0.0])
+        for load, some in viscous.items()
+        for r, one in part(some, 1.0).items()
+    }
+    yield claim(
+        "doubles", "Jagla, Fig. 9", "B doubles from R_viscous = 0 to large R_viscous/R", numbers, TWICE
+    )
+    yield claim("load", _DILUTE, "B is that of the closed form at all loads", closed("load a site", loads))
+    numbers = {
+        f"d ln {_B}/d ln <i>F</i>, load a site from {low:g} to {high:g}": _exponent(part(loads, low, high))
+        for low, high in ((LIGHTEST, LIGHT), (_SIZE_LOAD, 0.3))
+    }
+    yield claim("load_free", "Jagla, after Eq. (ndet2)", "B does not depend on load", numbers, FLAT)
+    numbers = {
+        f"{_BEND}: load a site {load:g}": _estimate(_only, one, of=straightness)
+        for load, one in loads.items()
+    }
+    yield claim("logarithm", _PAPER, "On independent heights the area grows like ln t in the window", numbers)
+    numbers = {
+        f"{_BEND}: {_by_hurst(hurst)}": _estimate(_only, some[4.0], of=straightness)
+        for hurst, some in waves.items()
+    }
+    yield claim("logarithm_waves", _PAPER, "On waves the area grows like ln t in the window", numbers)
+    words = "The closed form ends at a time in proportion to (contact fraction)^-2, when dips meet"
+    numbers = {_ENDED: _exponent_of_end(loads[load] for load in ENDING)}
+    yield claim("end", "dilute horizon", words, numbers, (-2.2, -1.8))
+    numbers = {
+        f"{_B} at heights and load times {_RMS:g} over that before": _over(
+            sets["rms", _GAUSSIAN, _RMS], loads[LIGHT]
         )
-    words = "d ln (time at which the area is 0.9 of that of the closed form)/d ln (contact fraction then)"
-    ended = _exponent_of_end(loads[load] for load in ENDING)
-    yield claim(
-        "end",
-        "dilute horizon",
-        "The closed form ends at a time in proportion to (contact fraction)^-2, when dips meet",
-        [Measurement(words, ended, -2.2, -1.8)],
-    )
-    high = _over(sets["rms", _GAUSSIAN, _RMS], loads[LIGHT])
-    yield claim(
-        "rms",
-        "scaling",
-        "Heights and load times a number leave B alone",
-        [Measurement(f"{_B} at heights and load times {_RMS:g} over that before", high, 0.999, 1.001)],
-    )
-    law, late = sets["law", _EXPONENTIAL, 1.0], float(theory.late_slope(RATIO))
-    limit = f"{_B} over <i>k</i><sub>eff</sub>/(8 pi <i>k</i><sub>0</sub>)"
-    yield claim(
-        "law",
-        _DILUTE,
-        "On exponential heights B is k_eff/(8 pi k0)",
-        (
-            Measurement(limit, _estimate(lambda rates: float(rates[0] / late), law), *NEAR),
-            Measurement(f"{_OVER} of the same heights", _over_limit(law), *NEAR),
+    }
+    yield claim("rms", "scaling", "Heights and load times a number leave B alone", numbers, (0.999, 1.001))
+    late = float(theory.late_slope(RATIO))
+    numbers = {
+        f"{_B} over <i>k</i><sub>eff</sub>/(8 pi <i>k</i><sub>0</sub>)": _estimate(
+            lambda rates: float(rates[0] / late), law
         ),
-    )
-    of_hurst = _over(waves[HURST[-1]][4.0], waves[HURST[0]][4.0])
-    yield claim(
-        "waves",
-        "this study",
-        "Of the roughness B knows the rms height only",
-        [
-            Measurement(
-                f"d ln {_B}/d ln (shortest wavelength): Hurst exponent {hurst:g}", _exponent(some), *FLAT
-            )
-            for hurst, some in waves.items()
-        ]
-        + [
-            Measurement(
-                f"{_B} at the Hurst exponent 0.8 over that at 0.2, waves from 4 sites", of_hurst, *NEAR
-            )
-        ],
-    )
-    yield claim(
-        "size",
-        "this study",
-        "B does not depend on the size of the surface",
-        (
-            Measurement(
-                f"{_B} at {side} sites along a side over that at {SIDE}: {words}",
-                _over(some[side], some[SIDE]),
-                *NEAR,
-            )
-            for words, some in ((_GAUSSIAN, sides), ("waves from 4 sites", chosen("side", _by_hurst(0.8))))
-            for side in SIZES[:-1]
-        ),
-    )
+        **closed("exponential heights, rms", {1.0: law}),
+    }
+    yield claim("law", _DILUTE, "On exponential heights B is k_eff/(8 pi k0)", numbers)
+    numbers = {
+        f"d ln {_B}/d ln (shortest wavelength): {_by_hurst(hurst)}": _exponent(some)
+        for hurst, some in waves.items()
+    }
+    yield claim("waves", _HERE, "B does not depend on the shortest wavelength", numbers, FLAT)
+    numbers = {
+        f"{_B} at the Hurst exponent 0.8 over that at 0.2, waves from {cutoff:g} sites": _over(
+            waves[0.8][cutoff], waves[0.2][cutoff]
+        )
+        for cutoff in CUTOFFS
+    }
+    yield claim("hurst", _HERE, "B does not depend on the Hurst exponent", numbers)
+    numbers = {
+        f"{_B} at {side} sites along a side over that at {SIDE}: {words}": _over(some[side], some[SIDE])
+        for words, some in (
+            (_GAUSSIAN, chosen("side")),
+            ("waves from 4 sites", chosen("side", _by_hurst(0.8))),
+        )
+        for side in SIZES[:-1]
+    }
+    yield claim("size", _HERE, "B does not depend on the size of the surface", numbers)
 
 
 def _lines() -> pd.DataFrame:
@@ -599,24 +555,27 @@ def _lines() -> pd.DataFrame:
     time = np.append(0.0, np.geomspace(*WINDOW, 9))
     law = theory.GaussianHeights(1.0)
 
-    def closed(load: float, x1: float, r: float) -> float:
+    def closed(load: float, x1: float = RATIO, r: float = 0.0) -> float:
         return rate(time, closed_area(law, load, time, x1, r)[None])
 
-    rows = []
-    for load in (LIGHTEST, LIGHT):
-        for r in (0.0, *np.geomspace(1e-3, 1e2, 31).tolist()):
-            own = {"of": "R_viscous/R", "line": f"closed form, {load:g}", "at": r}
-            rows.append(own | {"B": closed(load, RATIO, r)})
-    for x1 in np.geomspace(RATIOS[0], RATIOS[-1], 25).tolist():
-        rows += [
-            {"of": "k1/k0", "line": "closed form", "at": x1, "B": closed(LIGHT, x1, 0.0)},
-            {"of": "k1/k0", "line": "late, exponential", "at": x1, "B": float(theory.late_slope(x1))},
-            {"of": "k1/k0", "line": "paper", "at": x1, "B": float(theory.late_slope_paper(x1))},
-        ]
-    for load in np.geomspace(LOADS[0], LOADS[-1], 25).tolist():
-        rows.append({"of": "load", "line": "closed form", "at": load, "B": closed(load, RATIO, 0.0)})
-    rows.append({"of": "side", "line": "closed form", "at": math.nan, "B": closed(_SIZE_LOAD, RATIO, 0.0)})
-    return pd.DataFrame(rows)
+    ratios = np.geomspace(RATIOS[0], RATIOS[-1], 25).tolist()
+    loads = np.geomspace(LOADS[0], LOADS[-1], 25).tolist()
+    viscous = np.geomspace(_ZERO, VISCOUS[-1], 31).tolist()
+    lines: dict[tuple[str, str], tuple[list[float], list[float]]] = {
+        ("k1/k0", "closed form"): (ratios, [closed(LIGHT, x1) for x1 in ratios]),
+        ("k1/k0", "late, exponential"): (ratios, theory.late_slope(ratios).tolist()),
+        ("k1/k0", "paper"): (ratios, theory.late_slope_paper(ratios).tolist()),
+        ("load", "closed form"): (loads, [closed(load) for load in loads]),
+        **{
+            ("R_viscous/R", _by_load(load)): (viscous, [closed(load, r=r) for r in viscous])
+            for load in (LIGHTEST, LIGHT)
+        },
+        ("side", "closed form"): (list(SIZES), [closed(_SIZE_LOAD)] * len(SIZES)),
+    }
+    return pd.concat(
+        [pd.DataFrame({"of": of, "line": line, "at": at, "B": B}) for (of, line), (at, B) in lines.items()],
+        ignore_index=True,
+    )
 
 
 _TICKS = (0.1, 0.2, 0.5, 1.0, 2.0)
@@ -640,13 +599,13 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         return points[points["of"] == of]
 
     def line(ax: Axes, of: str, name: str, look: str, color: str, label: str) -> None:
-        own = lines[(lines["of"] == of) & (lines["line"] == name) & (lines["at"] > 0)]
+        own = lines[(lines["of"] == of) & (lines["line"] == name)]
         ax.plot(own["at"], own["B"], look, color=color, linewidth=0.9, label=label)
 
     for value, look, color in ((LIGHTEST, "o", style.BLUE), (LIGHT, "s", style.INK)):
         own = chosen("R_viscous/R")
         _points(viscous, own[own["surfaces"] == _by_load(value)], look, color, f"load {value:g}")
-        line(viscous, "R_viscous/R", f"closed form, {value:g}", "-", color, f"closed form, {value:g}")
+        line(viscous, "R_viscous/R", _by_load(value), "-", color, f"closed form, {value:g}")
     viscous.set(xscale="log", xlabel=r"$\tilde R/R$ (at the left: 0)", ylabel=r"$B$")
     _points(ratio, chosen("k1/k0"), "s", style.INK, "load 0.001")
     line(ratio, "k1/k0", "closed form", "-", style.INK, "closed form")
@@ -669,10 +628,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         ax.tick_params(axis="y", which="minor", labelleft=False)
     own = chosen("side")
     for (name, part), look, color in zip(own.groupby("surfaces"), "Ds", (style.BLUE, style.INK), strict=True):
-        _points(side, part, f"{look}-", color, str(name))
-    side.axhline(
-        float(lines[lines["of"] == "side"]["B"].iloc[0]), color=style.INK, linewidth=0.9, label="closed form"
-    )
+        _points(side, part, look + "--", color, str(name))
+    line(side, "side", "closed form", "-", style.INK, "closed form")
     side.set(xscale="log", ylim=(0.1, 2.0), xlabel="sites along a side")
     side.set_xticks(SIZES, [f"{size}" for size in SIZES])
     ends = tables["courses"]
@@ -698,7 +655,7 @@ GROWTH_RATE = Study(
     name="growth-rate",
     question="How does the growth rate B depend on R_viscous/R, k1/k0, load, roughness and size?",
     quick=campaigns(seeds=3),
-    full=campaigns(seeds=8),
+    full=campaigns(seeds=5, light=8),
     analyse=analyse,
     draw=draw,
     caption="<i>B</i> = d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> for <i>k</i><sub>0</sub><i>Rt</i> from 10 to "
