@@ -181,3 +181,37 @@ def test_one_site_has_no_waves_and_keeps_its_load(apparatus):
     final = asp.age(asp.press([1.0], solid, load=2.0), [1.0, 10.0]).final
     assert final.area == 1
     assert final.load == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("apparatus", [None, 2.0])
+def test_anchors_balance_a_surface_that_is_only_almost_in_equilibrium(apparatus):
+    rng = np.random.default_rng(0)
+    heights = rough()
+    solid = asp.solids.half_space(modulus=1.0, branches=THREE, apparatus=apparatus)
+    contact = asp.age(asp.press(heights, solid, load=100.0), [3.0]).final
+    system, mechanics = contact.system(), contact.system().mechanics.spectral
+    lattice, held = contact.lattice, system.held(contact.separation - system.datum)
+    u = contact.u - system.datum
+    free = ~contact.in_contact
+    u[free] += 1e-4 * np.std(u) * rng.random(np.count_nonzero(free))
+    stretch = lattice.forward(contact.u - contact.anchors)
+    load = mechanics.force(u, lattice.backward(stretch), held).sum()
+    balanced = mechanics.balanced_modes(lattice.forward(u), stretch, contact.in_contact, held)
+    force = mechanics.force(u, lattice.backward(balanced), held)
+    assert np.abs(force[free]).max() < 1e-12 * contact.force.max()
+    assert force[contact.in_contact].min() > -1e-12 * contact.force.max()
+    assert force.sum() == pytest.approx(load, rel=1e-9)
+    change = lattice.backward(balanced - stretch)
+    assert 0 < np.std(change[0]) < 1e-3 * np.std(u)
+
+
+@pytest.mark.parametrize(("branches", "exact"), [([(0.7, 1.0)], False), (TWELVE, True)])
+def test_a_history_takes_few_iterations_and_keeps_its_areas(branches, exact):
+    # 22 for each contact problem when guesses lost contacts to rounding, and stages were solved to 1e-6.
+    contact = asp.press(rough(), asp.solids.half_space(modulus=1.0, branches=branches), load=100.0)
+    times = np.geomspace(1e-2, 1e2, 6)
+    usual, strict = (asp.age(contact, times, exact=exact, rtol=rtol).dataset for rtol in (2e-3, 2e-4))
+    problems = int((usual["steps"] + usual["rejected"]).sum()) * (1 if exact else 2)
+    assert int(usual["iterations"][1:].sum()) < 9 * problems
+    assert float(usual["residual"][1:].max()) < 1e-13
+    np.testing.assert_allclose(usual["area"], strict["area"], rtol=5e-3, atol=1)

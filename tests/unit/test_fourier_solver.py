@@ -135,3 +135,23 @@ def test_array_libraries_are_checked():
         ActiveSet(arrays="nowhere").solve(problem, None, TOLERANCE)
     with refuses("arrays"):
         ActiveSet(arrays="json").solve(problem, None, TOLERANCE)
+
+
+@pytest.mark.parametrize("size", [96, 160])  # in double precision, and in single
+def test_a_solution_errs_no_more_than_it_may_and_takes_less(size):
+    heights = correlated(size, hurst=0.8)
+    slope = np.sqrt(2) * np.std(np.roll(heights, 1, 0) - heights)
+    problem, near = (half_space_problem(heights, share * 0.02 * slope) for share in (1.0, 0.98))
+    exact, guess = (ActiveSet().solve(each, None, TOLERANCE) for each in (problem, near))
+    iterations = [exact.iterations]
+    for allowed in np.std(exact.u) * np.array([1e-6, 1e-5, 1e-4]):
+        for settled in (True, False):
+            found = ActiveSet().solve(problem, Guess(guess.u), TOLERANCE, float(allowed), settled=settled)
+            assert np.std(found.u - exact.u) < 4 * allowed
+            assert np.mean(found.u - exact.u) ** 2 < (4 * allowed) ** 2
+            assert (found.u >= problem.heights).all()
+            if settled:
+                assert np.count_nonzero(found.in_contact ^ exact.in_contact) <= 2
+                iterations.append(found.iterations)
+    assert iterations == sorted(iterations, reverse=True)
+    assert iterations[-1] < 0.5 * iterations[0]

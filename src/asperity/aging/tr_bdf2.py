@@ -38,10 +38,9 @@ from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.free_sites import FreeSites
 from asperity.contact.line_sites import LineSites
-from asperity.contact.mechanics import ImplicitStep, SpectralStep
+from asperity.contact.mechanics import ImplicitStep, SpectralMechanics, SpectralStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
-from asperity.contact.stencils import combined
 from asperity.contact.system import System
 from asperity.lattice import Field, Mask, Modes
 
@@ -121,6 +120,7 @@ def take_step(
     earlier: Past | None,
     *,
     tolerances: tuple[float, float],
+    allowed_errors: tuple[float, float] = (0.0, 0.0),
 ) -> Step:
     """Take one time step from ``start``.
 
@@ -138,6 +138,8 @@ def take_step(
         position=start.position,
         known=(earlier, start),
         tolerance=tolerances[0],
+        allowed_error=allowed_errors[0],
+        settled=False,
     )
     f1 = middle.rate(system)
     end, spent_again = _stage(
@@ -149,13 +151,32 @@ def take_step(
         position=start.position,
         known=(Past.of(start), middle),
         tolerance=tolerances[1],
+        allowed_error=allowed_errors[1],
     )
     defect = ERROR_WEIGHTS[0] * f0 + ERROR_WEIGHTS[1] * f1 + ERROR_WEIGHTS[2] * end.rate(system)
     mechanics = system.mechanics.spectral
-    defect, more = _filtered(defect, system, implicit.spectral, end.u <= system.heights)
+    in_contact, more = end.u <= system.heights, 0
+    if any(allowed_errors):
+        defect = _damped(defect, system, implicit.spectral, np.count_nonzero(in_contact) / system.sites)
+    else:
+        defect, more = _filtered(defect, system, implicit.spectral, in_contact)
     if system.control.load_controlled:  # the load decides the mean
         defect[system.mechanics.lattice.mean] = 0.0
     return Step(end, duration * mechanics.rms(defect), spent + spent_again + more)
+
+
+def _damped(error: Modes, system: System, step: SpectralStep, touching: float) -> Modes:
+    """About what an implicit step leaves of an error of the anchors, at no cost of transforms.
+
+    A part of it, the fraction of the sites in contact, decays as where u = 0, the rest as on a free surface,
+    S u = sum of C_b D_b e_b. Beside `_filtered` it is too large by up to a half, seldom by more than 2 %.
+    """
+    pull, stiffness = np.einsum("b...,b...->...", step.damped_stiffness, error), step.stiffness
+    if system.control.load_controlled:  # the load decides the mean
+        stiffness = step.load_controlled_stiffness
+    u = np.divide(pull, stiffness, out=np.zeros_like(pull), where=stiffness > 0)
+    u *= 1.0 - touching
+    return np.asarray(u - step.damping * (u - error))
 
 
 def _filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask) -> tuple[Modes, int]:
@@ -207,6 +228,8 @@ def _stage(
     position: float,
     known: tuple[Past | None, Point],
     tolerance: float,
+    allowed_error: float,
+    settled: bool = True,
 ) -> tuple[Point, int]:
     """Solve one implicit stage that ends at ``time``; its end and the iterations spent.
 
@@ -216,7 +239,11 @@ def _stage(
         before[system.mechanics.lattice.mean] += implicit.tau * system.drift * system.sites
     held = system.at(time).held(position)
     problem = implicit.problem_of_modes(system.heights, before, held)
-    solution = solver.solve(problem, _extrapolate(time, *known), tolerance)
+    guess = _extrapolate(time, *known)
+    if isinstance(solver, ActiveSet):
+        solution = solver.solve(problem, guess, tolerance, allowed_error, settled=settled)
+    else:
+        solution = solver.solve(problem, guess, tolerance)
     modes = system.mechanics.lattice.forward(solution.u)
     stretch, position = implicit.spectral.stretch_modes(modes, before, held)
     return Point(time, solution.u, modes, stretch, position), solution.iterations
@@ -227,7 +254,7 @@ def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
     if earlier is None:
         return Guess(latest.u)
     factor = ahead(earlier.time, latest.time, time)
-    u = combined(1.0 + factor, latest.u, -factor, earlier.u)
+    u = latest.u + factor * (latest.u - earlier.u)  # contacts stay where they are, to the last digit
     return Guess(u, disposable=True)
 
 
@@ -310,6 +337,10 @@ class FieldSteps:
         if "earlier" in arrays:
             self.earlier = Past(float(arrays["earlier"]), arrays["earlier_u"])
         self.end = self.point
+        # Whether contact problems are solved no better than a step needs: what that leaves off contact is
+        # balanced where a state is published.
+        mechanics = system.mechanics
+        self.eager = isinstance(mechanics, SpectralMechanics) and mechanics.anchors_can_balance
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> FieldSteps:
@@ -336,8 +367,12 @@ class FieldSteps:
 
     def state(self) -> tuple[Field, Field, float]:
         """See `Steps`."""
-        point = self.point
-        return point.u, self.system.mechanics.lattice.backward(point.stretch), point.position
+        point, mechanics, stretch = self.point, self.system.mechanics, self.point.stretch
+        if self.eager:
+            held = self.system.at(point.time).held(point.position)
+            touching = point.u <= self.system.heights
+            stretch = mechanics.spectral.balanced_modes(point.modes, stretch, touching, held)
+        return point.u, mechanics.lattice.backward(stretch), point.position
 
     def extent(self) -> Extent:
         """How large the deformation is."""
@@ -351,9 +386,16 @@ class FieldSteps:
     def attempt(
         self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
     ) -> Attempt:
-        """Try a time step; the contact problems are solved to their tolerances, whatever error is allowed."""
-        del allowed_errors
-        step = take_step(self.system, self.solver, duration, self.point, self.earlier, tolerances=tolerances)
+        """Try a time step; `ActiveSet` solves the contact problems to the errors allowed."""
+        step = take_step(
+            self.system,
+            self.solver,
+            duration,
+            self.point,
+            self.earlier,
+            tolerances=tolerances,
+            allowed_errors=allowed_errors if self.eager else (0.0, 0.0),
+        )
         self.end = step.end
         return Attempt(step.error, step.iterations)
 

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import asperity.checks as checks
-from asperity.contact.arrays import largest, library, to_numpy
+from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.free_sites import FreeSites
 from asperity.contact.line_sites import LineSites
@@ -54,6 +54,9 @@ _MOST_DIRECT = 500
 
 _REDUCTION_PER_CHANGE = 4.0
 """After a revision that moved the fraction x of the contacts, the residual is reduced to this times x."""
+
+_SPREADING = 3.0
+"""How much more u changes, rms over the sites, than at a site that changes sides."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +96,19 @@ class ActiveSet:
             object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=0))
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
-    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+    def solve(
+        self,
+        problem: ContactProblem,
+        guess: Guess | None,
+        tolerance: float,
+        allowed_error: float = 0.0,
+        *,
+        settled: bool = True,
+    ) -> Solution:
         """Solve the problem from a guess, or without one through coarser lattices.
+
+        A step of creep may stop earlier: when u is off by no more than ``allowed_error``, rms over the sites,
+        and, where the contacts are to be ``settled``, no site is on the wrong side.
 
         Raises
         ------
@@ -104,11 +118,15 @@ class ActiveSet:
             The array library is not installed.
         """
         modes = problem.spectral()
-        run = _Run(self, modes, guess or cold_start(modes, self), tolerance)
+        if modes.springs is not None:  # solved directly
+            allowed_error = 0.0
+        run = _Run(self, modes, guess or cold_start(modes, self), tolerance, allowed_error)
         while True:
             run.reduce_residual()
             wrong = run.wrong_sites()
             if bool(run.xp.any(wrong)):
+                if not settled and run.unimportant(wrong):
+                    return run.solution()
                 run.exchange(wrong)
             elif run.converged():
                 return run.solution()
@@ -117,10 +135,18 @@ class ActiveSet:
 class _Run:
     """The state of one solve. Fields are arrays of the library; so are S, b and the heights."""
 
-    def __init__(self, method: ActiveSet, problem: SpectralProblem, guess: Guess, tolerance: float) -> None:
+    def __init__(
+        self,
+        method: ActiveSet,
+        problem: SpectralProblem,
+        guess: Guess,
+        tolerance: float,
+        allowed_error: float,
+    ) -> None:
         self.method = method
         self.problem = problem
         self.tolerance = tolerance
+        self.allowed_error = allowed_error
         self.xp = xp = library(method.arrays)
         self.stiffness, self.rhs, self.heights = map(
             xp.asarray, (problem.stiffness, problem.rhs, problem.heights)
@@ -136,7 +162,9 @@ class _Run:
         self.patience = method.patience
         self.reduction = method.reduction
         self.single = problem.lattice.sites > _SMALL
+        self.begun = False
         self.start(xp.asarray(guess.u))
+        self.begun = True
 
     def start(self, u: Field) -> None:
         """Begin on the present set of contacts."""
@@ -151,15 +179,37 @@ class _Run:
                 u = xp.asarray(_free_surface(self.problem))
         self.u = xp.where(self.in_contact, self.heights, u)
         self.free_sites: FreeSites | LineSites | None = None
-        self.evaluate_force()
+        self.left_over = math.inf
+        if self.begun and self.allowed_error and self.single:
+            self.update_force(self.u - u)
+        else:
+            self.evaluate_force()
+
+    def update_force(self, change: Field) -> None:
+        """Add what a small change of the surface does to the force, in single precision."""
+        xp = self.xp
+        scale = largest(change, xp)
+        if scale > 0 and self.working_stiffness.size:
+            change = xp.astype(change / scale, self.working_stiffness.dtype)
+            change = self.problem.lattice.apply(self.working_stiffness, change)
+            self.force += (scale * self.stiffest) * xp.astype(change, self.force.dtype)
+        elif scale > 0:
+            self.evaluate_force()
+            return
+        self.measure_force()
 
     def evaluate_force(self) -> None:
         """Evaluate the force afresh, in double precision."""
-        xp, lattice = self.xp, self.problem.lattice
+        lattice = self.problem.lattice
         modes = lattice.forward(self.u)
         modes *= self.stiffness
         modes -= self.rhs
-        self.force = lattice.backward(modes, overwrite=True)
+        self.force: Field = lattice.backward(modes, overwrite=True)
+        self.measure_force()
+
+    def measure_force(self) -> None:
+        """Measure the force off contact."""
+        xp = self.xp
         off_contact = xp.where(self.in_contact, xp.asarray(0.0), self.force)
         self.worst = largest(off_contact, xp)
         if not math.isfinite(self.worst):
@@ -179,6 +229,8 @@ class _Run:
         while self.worst > target and not self.within_tolerance():
             before = self.worst
             displacement = self.correct(target)
+            if self.left_over <= self.allowed_error:
+                return
             if self.worst > target and not self.within_tolerance():
                 self.evaluate_force()
                 if self.single and self.worst > 0.5 * before:
@@ -211,7 +263,9 @@ class _Run:
             imbalance=imbalance,
             most=left,
             patience=_STALLED if self.single else left,
+            allowed_error=self.allowed_error,
         )
+        self.left_over = correction.left_over
         self.u += correction.displacement
         self.force, self.worst, self.imbalance = correction.force, correction.worst, correction.imbalance
         self.iterations += max(1, correction.iterations)
@@ -263,6 +317,16 @@ class _Run:
         """Whether so many revisions have been made that something may be going round in circles."""
         return self.set_changes > self.method.careful_after
 
+    def unimportant(self, wrong: Mask) -> bool:
+        """Whether u is as accurate as it is to be, although some sites are on the wrong side."""
+        if self.left_over > self.allowed_error:
+            return False
+        xp, lattice = self.xp, self.problem.lattice
+        yields = _SPREADING / lattice.mean_over_modes(self.problem.stiffness)
+        wrong_by = xp.where(self.in_contact, self.force * yields, (self.u - self.heights) * _SPREADING)
+        wrong_by = xp.where(wrong, wrong_by, xp.asarray(0.0))
+        return math.sqrt(inner(wrong_by, wrong_by, xp) / lattice.sites) <= self.allowed_error
+
     def exchange(self, wrong: Mask) -> None:
         """Move wrong sites to the other side, all at once or, to break a cycle, only the last."""
         xp = self.xp
@@ -291,15 +355,21 @@ class _Run:
         self.start(self.u)
 
     def converged(self) -> bool:
-        """Whether the force, evaluated afresh, is within tolerance and has the right sign."""
+        """Whether the force, evaluated afresh, is within tolerance and has the right sign.
+
+        Or whether u is as accurate as it is to be.
+        """
         self.reduction = _DIGITS  # the contacts have settled: if not yet within tolerance, go all the way
+        if self.left_over <= self.allowed_error:
+            return True
         if not self.within_tolerance():
             return False
         self.evaluate_force()
         return self.within_tolerance() and not bool(self.xp.any(self.wrong_sites()))
 
     def solution(self) -> Solution:
-        return Solution(to_numpy(self.u), to_numpy(self.in_contact), self.iterations, self.set_changes)
+        u = self.xp.maximum(self.u, self.heights) if self.allowed_error else self.u
+        return Solution(to_numpy(u), to_numpy(self.in_contact), self.iterations, self.set_changes)
 
 
 def _free_surface(problem: SpectralProblem) -> Field:

@@ -14,6 +14,7 @@ shortest wave that level k + 1 holds down to sigma, so that each bracket and wit
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,12 +45,16 @@ _DENSITY_WIDTH = 0.5
 _EXTRA = 5
 """Iterations that the sum of the forces off contact may cost beyond the largest of them."""
 
+_USUAL_RATE = 0.5
+"""What an iteration leaves of an error, more often than not less (measured: 0.43)."""
+
 
 @dataclass(frozen=True, eq=False)
 class Correction:
     """A displacement of the free sites and the forces that it should leave.
 
-    ``worst`` is the largest of those off contact, ``imbalance`` the magnitude of their sum.
+    ``worst`` is the largest of those off contact, ``imbalance`` the magnitude of their sum; ``left_over``
+    estimates how far the displacement is still off, rms over the sites.
     """
 
     displacement: Field
@@ -57,6 +62,7 @@ class Correction:
     worst: float
     imbalance: float
     iterations: int
+    left_over: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,13 +152,22 @@ class FreeSites:
         return displacement
 
     def correct(
-        self, force: Field, worst: float, *, goal: float, imbalance: float, most: int, patience: int
+        self,
+        force: Field,
+        worst: float,
+        *,
+        goal: float,
+        imbalance: float,
+        most: int,
+        patience: int,
+        allowed_error: float = 0.0,
     ) -> Correction:
         """Displace the free sites until no force on them exceeds ``goal`` times the ``worst``.
 
         ``force`` is the contact force at every site and ``worst`` the largest off contact. A few iterations
         more may bring the sum of the forces off contact down to ``imbalance`` times ``worst``. Ends earlier
-        after ``most`` iterations, or after ``patience`` of them without a record.
+        after ``most`` iterations, after ``patience`` of them without a record, or when the displacement is
+        off by no more than ``allowed_error``, rms over the sites.
         """
         xp, lattice = self.xp, self.lattice
         residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
@@ -161,51 +176,64 @@ class FreeSites:
         total = xp.zeros_like(residual)
         direction, slope, iterations = None, 1.0, 0
         best, best_at, extra = 1.0, 0, 0
+        unit, left_over = worst / self.unit, math.inf
         while iterations < most and iterations - best_at < patience:
             estimate = self.precondition(defect)
             previous, slope = slope, inner(residual, estimate, xp)
+            found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
             if direction is None:
                 direction = estimate
             else:
                 direction *= slope / previous
                 direction += estimate
+            del estimate
             change = lattice.apply(self.stiffness, direction)
             curvature = inner(direction, change, xp)
             if not (slope > 0 and curvature > 0):
                 break
             length = slope / curvature
-            total += direction * length
+            part = direction * length
+            total += part
+            if allowed_error > 0:
+                found = max(found, inner(part, part, xp))
             change *= length
             residual -= change
+            del part, change  # memory for the transforms
             defect[...] = residual
             defect *= self.free
             left = largest(defect, xp)
             iterations += 1
+            if allowed_error > 0:
+                left_over = unit * _USUAL_RATE * math.sqrt(found / lattice.sites)
+                if left_over <= allowed_error:
+                    break
             if left <= goal:
                 extra += 1
                 if extra > _EXTRA or abs(float(xp.sum(defect, dtype=xp.float64))) <= imbalance:
                     break
             if left < best:
                 best, best_at = left, iterations
-        return self._correction(force, worst, total, residual, iterations)
+        del direction, defect
+        return self._correction(force, worst, total, residual, iterations, left_over)
 
     def _correction(
-        self, force: Field, scale: float, total: Field, residual: Field, iterations: int
+        self, force: Field, scale: float, total: Field, residual: Field, iterations: int, left_over: float
     ) -> Correction:
         """The outcome, in units of force; off contact the residual is the force, in contact its change."""
         xp = self.xp
-        off_contact = residual * self.free
         predicted = xp.astype(residual, force.dtype)
         predicted *= -scale
-        predicted = xp.where(self.in_contact, force + predicted, predicted)
+        predicted += xp.where(self.in_contact, force, xp.asarray(0.0))
+        residual *= self.free
         displacement = xp.astype(total, force.dtype)
         displacement *= scale / self.unit
         return Correction(
             displacement=displacement,
             force=predicted,
-            worst=scale * largest(off_contact, xp),
-            imbalance=scale * abs(float(xp.sum(off_contact, dtype=xp.float64))),
+            worst=scale * largest(residual, xp),
+            imbalance=scale * abs(float(xp.sum(residual, dtype=xp.float64))),
             iterations=iterations,
+            left_over=left_over,
         )
 
 

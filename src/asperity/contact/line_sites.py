@@ -65,10 +65,18 @@ class LineSites:
             self.even = self._solved(free, nothing) if self.relaxed else self._solved(nothing, nothing + 1.0)
 
     def correct(
-        self, force: Field, worst: float, *, goal: float, imbalance: float, most: int, patience: int
+        self,
+        force: Field,
+        worst: float,
+        *,
+        goal: float,
+        imbalance: float,
+        most: int,
+        patience: int,
+        allowed_error: float = 0.0,
     ) -> Correction:
         """Displace the free sites until no force is left on them; see `FreeSites.correct`."""
-        del goal, imbalance, most, patience
+        del goal, imbalance, most, patience, allowed_error
         scale = worst * self.unit
         d, z = self._solved(np.where(self.in_contact, 0.0, -force / scale), np.zeros(force.size))
         g = 0.0

@@ -34,8 +34,11 @@ from numpy.typing import NDArray
 
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
-from asperity.lattice import Field, Lattice, Modes, Spectrum
+from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
+
+_LEAST_CREEPING_SHARE = 1e-2
+"""Least share of creeping branches in the stiffness with which anchors take up forces."""
 
 
 @dataclass(frozen=True)
@@ -148,6 +151,10 @@ class Mechanics(ABC):
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """Elastic energy 1/2 sum_q [ H |u|^2 + sum of C_b |w_b|^2 ]."""
 
+    def force_and_energy(self, u: Field, stretch: Field, held: Prescribed) -> tuple[Field, float]:
+        """Both at once."""
+        return self.force(u, stretch, held), self.energy(u, stretch, held)
+
     @abstractmethod
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is.
@@ -207,14 +214,28 @@ class SpectralMechanics(Mechanics):
 
     def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
         """See `Mechanics`."""
+        return self.force_and_energy(u, stretch, held)[0]
+
+    def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
+        """See `Mechanics`."""
+        return self.force_and_energy(u, stretch, held)[1]
+
+    def force_and_energy(self, u: Field, stretch: Field, held: Prescribed) -> tuple[Field, float]:
+        """See `Mechanics`; both need the same transforms, one for each branch."""
         lattice, spectra = self.lattice, self.spectra
-        modes = spectra.permanent * lattice.forward(u)
-        modes.flat[0] -= self.hanging[0] * lattice.sites * held.position
+        modes = lattice.forward(u)
+        force = spectra.permanent * modes
+        force.flat[0] -= self.hanging[0] * lattice.sites * held.position
+        modes.flat[0] -= lattice.sites * held.position
+        density = spectra.permanent * np.abs(modes) ** 2
         for stiffness, w in zip(spectra.creeping, stretch, strict=True):
-            modes += stiffness * lattice.forward(w)
+            modes = lattice.forward(w)
+            density += stiffness * np.abs(modes) ** 2
+            modes *= stiffness
+            force += modes
         if self.mean_stiffness == 0 and held.load is not None:
-            modes.flat[0] = held.load
-        return lattice.backward(modes)
+            force.flat[0] = held.load
+        return lattice.backward(force, overwrite=True), lattice.mean_over_modes(density) / 2
 
     def creeping_force(self, stretch: Field, load: float | None) -> Field:
         """See `Mechanics`."""
@@ -230,20 +251,50 @@ class SpectralMechanics(Mechanics):
         creeping = float(self.spectra.creeping[0].flat[-1])
         return creeping / (creeping + float(self.spectra.permanent.flat[-1]))
 
-    def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
-        """See `Mechanics`."""
-        lattice, spectra = self.lattice, self.spectra
-        modes = lattice.forward(u)
-        modes.flat[0] -= lattice.sites * held.position
-        density = spectra.permanent * np.abs(modes) ** 2
-        for stiffness, w in zip(spectra.creeping, stretch, strict=True):
-            density += stiffness * np.abs(lattice.forward(w)) ** 2
-        return lattice.mean_over_modes(density) / 2
-
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
         """Return the stretches as they are: forces are not local, and need no balance."""
         del u, heights, total
         return stretch
+
+    @cached_property
+    def anchors_can_balance(self) -> bool:
+        """Whether a small change of the anchors balances any small force, at every wave vector but 0."""
+        creeping = self.spectra.creeping.sum(axis=0)
+        own = creeping >= _LEAST_CREEPING_SHARE * (creeping + self.spectra.permanent)
+        return self.law is None and self.solid.springs is None and bool(own.flat[1:].all())
+
+    def balanced_modes(self, u: Modes, stretch: Modes, in_contact: Mask, held: Prescribed) -> Modes:
+        """Stretches with which a surface is in exact equilibrium, near some with which it almost is.
+
+        All anchors move alike, such that no force is left off contact and no tension in contact; all other
+        forces are scaled, which keeps their sum.
+
+        Parameters
+        ----------
+        u, stretch
+            Fourier modes of the surface and of w_b.
+        in_contact
+            The contacts.
+        held
+            What is prescribed.
+        """
+        lattice, spectra = self.lattice, self.spectra
+        modes = spectra.permanent * u + np.einsum("b...,b...->...", spectra.creeping, stretch)
+        modes.flat[0] -= self.hanging[0] * lattice.sites * held.position
+        if self.mean_stiffness == 0 and held.load is not None:
+            modes.flat[0] = held.load
+        force = lattice.backward(modes, overwrite=True)
+        balanced = np.where(in_contact, np.maximum(force, 0.0), 0.0)
+        load, kept = float(force.sum()), float(balanced.sum())
+        if not (load > 0 and kept > 0):
+            return stretch
+        balanced *= load / kept
+        balanced -= force
+        change = lattice.forward(balanced)
+        creeping = spectra.creeping.sum(axis=0)
+        np.divide(change, creeping, out=change, where=creeping > 0)
+        change.flat[0] = 0.0
+        return stretch + change
 
     def rms(self, modes: Modes) -> float:
         """Rms over the sites of fields, one a branch, which count by the stiffness of the branches."""
@@ -288,6 +339,8 @@ class SpectralStep(ImplicitStep):
     @cached_property
     def stiffness(self) -> Spectrum:
         """S."""
+        if self.mechanics.branches == 0:
+            return self.mechanics.spectra.permanent
         return np.asarray(self.mechanics.spectra.permanent + self.damped_stiffness.sum(axis=0))
 
     @cached_property

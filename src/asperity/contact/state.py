@@ -311,7 +311,7 @@ def contact_from(
     published = _rounded(anchors, solution.u, u, datum, system.mechanics.branches)
     relative, stretch = u - datum, u - published
     position = system.position(relative, published - datum, position)
-    force = system.force(relative, stretch, position)
+    force, energy = system.force_and_energy(relative, stretch, position)
     vanishing = load_may_vanish and system.load is None
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
     left = residual(force, in_contact, floor)
@@ -336,7 +336,7 @@ def contact_from(
         force=force,
         in_contact=in_contact,
         separation=datum + position,
-        energy=system.energy(relative, stretch, position),
+        energy=energy,
         residual=left,
         residual_scale=max(mean_force, floor),
         iterations=solution.iterations,
