@@ -347,4 +347,4 @@ def test_a_mistake_of_any_length_is_a_line(tmp_path):
         read_config(tmp_path / "run.toml", {})
     assert len(raised.value.problems) == 2
     assert all(len(problem) < 500 for problem in raised.value.problems)
-    assert raised.value.problems[0].endswith("R_viscous")
+    assert raised.value.problems[0].endswith("hardness")

@@ -103,10 +103,11 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
         asp.ActiveSet,
         {"reduction": 0.5, "max_iterations": 9, "patience": 2, "careful_after": 3, "max_revisions": 4},
     ),
-    (asp.solids.spring_lattice, {"k0": 1.0, "k1": 3.0, "R": 2.0, "R_viscous": 0.5}),
+    (asp.solids.spring_lattice, {"k0": 1.0, "k1": 3.0, "R": 2.0, "R_viscous": 0.5, "hardness": 2.0}),
     (asp.solids.Eyring, {"rate": 2.0, "stress": 0.5}),
     (asp.solids.Norton, {"rate": 2.0, "stress": 0.5, "exponent": 2.0}),
-    (asp.solids.half_space, {"modulus": 2.0, "branches": [[0.5, 4.0], [0.25, 8.0]]}),
+    (asp.solids.half_space, {"modulus": 2.0, "branches": [[0.5, 4.0], [0.25, 8.0]], "hardness": 0.5}),
+    (LATTICE.with_hardness, {"hardness": 0.5}),
     (asp.solids.layer, {"modulus": 2.0, "poisson": 0.25, "thickness": 4.0, "branches": [[0.5, 4.0]]}),
     (
         asp.solids.coated_half_space,

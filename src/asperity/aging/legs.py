@@ -20,7 +20,7 @@ from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
-from asperity.protocols import Hold, Ramp, Schedule, Slide, Step, sites_along
+from asperity.protocols import Change, Hold, Ramp, Schedule, Slide, Step, sites_along
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +196,10 @@ class _Way:
 
     def shifted(self, shift: tuple[Fraction, ...], by: tuple[Fraction, ...]) -> Contact:
         """The contact when the heights have come to a place, by a last shift."""
-        return slid(self.now.contact, self.lattice.shifted(self.heights, shift), by, self.solver)
+        contact = self.now.contact
+        if contact.solid.yields:  # by whole sites, which is exact
+            return slid(contact, self.lattice.shifted(contact.heights, by), by, self.solver)
+        return slid(contact, self.lattice.shifted(self.heights, shift), by, self.solver)
 
     def at_once(self, contact: Contact, place: Frame) -> Frame:
         """What the contact becomes at once, at a place."""
@@ -295,8 +298,13 @@ def _control(now: Frame, leg: Hold | Ramp | Slide, lasting: float) -> Control:
     return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))
 
 
+def load_of(leg: Change, contact: Contact) -> float | None:
+    """The load to which a leg leads, if it is given."""
+    return leg.load if leg.pressure is None else leg.pressure * contact.nominal_area
+
+
 def _target(now: Frame, leg: Ramp | Step) -> Control:
-    load = leg.load if leg.pressure is None else leg.pressure * now.contact.nominal_area
+    load = load_of(leg, now.contact)
     if leg.approach is not None:  # under viscous creep the mean of u0 is not where the body was put
         return control_from(None, now.contact.separation + now.approach - leg.approach)
     return control_from(load, leg.separation)

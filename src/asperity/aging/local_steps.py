@@ -204,3 +204,5 @@ class LocalSteps:
             self.shape -= mean
             self.crept += mean
         self.moments = [_Moment(time, end), *self.moments][:_KEPT]
+        self.system = self.system.lowered(end.u)
+        self.solver.heights = self.system.heights.reshape(self.solver.heights.shape)

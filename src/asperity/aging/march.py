@@ -202,7 +202,12 @@ def creep(
     """
     stops, tolerance = checks.times("times", times), check_rtol(rtol)
     stops = stops[stops > 0]
-    system = contact.system(control)
+    if midway is not None and "heights" in midway.resume_state:
+        arrays = midway.resume_state
+        contact = contact.resting_on(arrays["heights"], arrays["indentation"])
+        system = contact.system(control).lowered(arrays["obstacle"])
+    else:
+        system = contact.system(control)
     _check_pace(system, stops)
     if keep_area and contact.area < FEWEST_SITES and midway is None:
         raise InputError(
@@ -306,7 +311,7 @@ class _March:
         midway: Midway | None,
         after_step: Callable[[Midway], None] | None,
     ) -> None:
-        self.system, self.after_step, self.streak = system, after_step, 0
+        self.start, self.system, self.after_step, self.streak = start, system, after_step, 0
         self.tolerance = (STEP_TOLERANCE * rtol) ** 1.5
         self.passing = max(TOLERANCE, rtol / 2000)
         self.reset_counts()
@@ -334,6 +339,9 @@ class _March:
         """State from which a new march resumes."""
         counts = (self.steps, self.rejected, self.iterations)
         start, arrays = (self.separation, self.impulse), self.now.resume_state()
+        if self.system.yields:
+            heights, indentation = self.start.heights, self.start.permanent_indentation
+            arrays |= {"heights": heights, "indentation": indentation, "obstacle": self.system.heights}
         return Midway(self.now.time, *start, arrays, self.deformation, self.length, *counts)
 
     def frame(self, start: Contact) -> Frame:
@@ -430,6 +438,7 @@ class _March:
         """Accept the step that ends at a time."""
         before, control = self.now.time, self.system.control
         self.now.accept(time)
+        self.system = self.now.system
         if control.load_controlled:
             self.impulse += control.at((before + time) / 2).value * (time - before)
 

@@ -403,6 +403,7 @@ class FieldSteps:
         """Make the end of the time step that was tried the state at a time."""
         self.earlier = Past.of(self.point)
         self.point = replace(self.end, time=time)
+        self.system = self.system.lowered(self.end.u)
 
     def resume_state(self) -> dict[str, NDArray[Any]]:
         """See `Steps`."""

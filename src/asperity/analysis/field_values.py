@@ -66,7 +66,10 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
     for number, time in enumerate(dataset["field_time"].values.tolist()):
         here = dataset.isel(field_time=number)
         touching = np.asarray(here["in_contact"], dtype=bool)
-        gap = np.asarray(here["u"] - here["heights"])[~touching]
+        rough = here["heights"]
+        if "permanent_indentation" in here:
+            rough = rough - here["permanent_indentation"]
+        gap = np.asarray(here["u"] - rough)[~touching]
         pressure = np.sort(np.asarray(here["pressure"])[touching]) if "pressure" in here else None
         sizes = patches(touching, edges=dataset.attrs.get("edges", "periodic")).sizes
         found.append(

@@ -32,20 +32,30 @@ from asperity.patches import QUANTILES
 from asperity.results.quantities import (
     FIELDS,
     FIELDS_OF_CONTINUA,
+    FIELDS_OF_YIELDING,
     OF_CONTINUA,
     OF_FRICTION,
     OF_MAPS,
     OF_SLIDING,
+    OF_YIELDING,
     SERIES,
 )
 from asperity.results.store import flush, flush_folder, whole_file
 from asperity.runs import Outcome
 
-QUANTITIES = ("time", *(SERIES | OF_CONTINUA | OF_SLIDING | OF_FRICTION), "leg")
+QUANTITIES = ("time", *(SERIES | OF_CONTINUA | OF_YIELDING | OF_SLIDING | OF_FRICTION), "leg")
 FITTED = ("a", "q", "t0", "C")
 _ALWAYS = {"sites", "initial_area", "seconds"}
 """Scalars that every finished run has."""
-KEPT_FIELDS = ("heights", *FIELDS, *FIELDS_OF_CONTINUA, "in_contact_relaxed", "u_relaxed", "area_observed")
+KEPT_FIELDS = (
+    "heights",
+    *FIELDS,
+    *FIELDS_OF_CONTINUA,
+    *FIELDS_OF_YIELDING,
+    "in_contact_relaxed",
+    "u_relaxed",
+    "area_observed",
+)
 """Fields of a run that asked for maps."""
 
 _OF_MAPS = "of_maps"

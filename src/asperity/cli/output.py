@@ -16,7 +16,7 @@ from asperity.errors import InputError, OutputError
 from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
-from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_MAPS, OF_SLIDING
+from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_MAPS, OF_SLIDING, OF_YIELDING
 from asperity.results.store import whole_file, whole_folder
 from asperity.tables import with_unit
 
@@ -178,7 +178,7 @@ def _write_table(outcome: Outcome, path: Path) -> None:
     dataset = outcome.dataset
     dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
     continuum = [name for name in OF_CONTINUA if name in dataset and name not in _COLUMNS]
-    sliding = [name for name in OF_SLIDING | OF_FRICTION if name in dataset]
+    sliding = [name for name in OF_YIELDING | OF_SLIDING | OF_FRICTION if name in dataset]
     chosen = [*_COLUMNS, *continuum, *sliding, *(["leg"] if "leg" in dataset.coords else [])]
     _write_columns(dataset, [(name, dataset[name]) for name in chosen], path)
 

@@ -96,9 +96,10 @@ def _surface(config: RunConfig) -> str:
 
 def _solid(config: RunConfig) -> str:
     solid = config.solid.resolved()
+    hardness = {} if solid.hardness is None else {"hardness": solid.hardness}
     if isinstance(solid, SpringLattice):
         springs = {name: getattr(solid, name) for name in ("k0", "k1", "R", "R_viscous")}
-        return _call("asp.solids.spring_lattice", **springs, **_creep(solid))
+        return _call("asp.solids.spring_lattice", **springs, **_creep(solid), **hardness)
     facts: dict[str, Any] = {"modulus": solid.contact_modulus}
     if solid.maxwell:
         facts["branches"] = solid.maxwell
@@ -113,7 +114,7 @@ def _solid(config: RunConfig) -> str:
         facts |= {"base_branches": solid.base_branches or None}
     facts["flow"] = getattr(solid, "flow", None)
     given = {name: value for name, value in facts.items() if value is not None}
-    return _call(f"asp.solids.{solid.kind}", **given, **_creep(solid))
+    return _call(f"asp.solids.{solid.kind}", **given, **_creep(solid), **hardness)
 
 
 def _creep(solid: SolidSection) -> dict[str, LocalCreep]:

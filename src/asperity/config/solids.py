@@ -32,6 +32,7 @@ if TYPE_CHECKING:  # these need numpy, for which the help does not wait
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
 OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
 _APPARATUS = "Stiffness of the apparatus that holds it, which may be inf; with it a separation can be held."
+_HARDNESS = "Pressure under which the rough surface yields; on the lattice of springs, force of a site."
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
 
@@ -131,12 +132,15 @@ class SpringLattice(Creeping):
     )
     R: Constant = Field(default=1.0, description="Mobility of creep that conserves the mean.")
     R_viscous: Constant = Field(default=0.0, description="Mobility of viscous creep.")
+    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
     def build(self) -> Solid:
         """Make the lattice."""
         from asperity.solids import spring_lattice
 
-        return spring_lattice(k0=self.k0, k1=self.k1, R=self.R, R_viscous=self.R_viscous, creep=self.law)
+        return spring_lattice(
+            k0=self.k0, k1=self.k1, R=self.R, R_viscous=self.R_viscous, creep=self.law, hardness=self.hardness
+        )
 
 
 class Continuum(SolidSection):
@@ -271,6 +275,7 @@ class HalfSpace(Creeping, Continuum):
         default=None, description="Temperature of thermally activated creep."
     )
     apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
+    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
     @property
     def law(self) -> LocalCreep | None:
@@ -305,6 +310,7 @@ class HalfSpace(Creeping, Continuum):
             flow=self.flow,
             apparatus=self.apparatus,
             creep=self.law,
+            hardness=self.hardness,
         )
 
 
@@ -317,6 +323,7 @@ class Layer(Continuum):
     frictionless: bool = Field(
         default=False, description="The layer slides on its base without friction; else it is bonded to it."
     )
+    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
     def build(self) -> Solid:
         """Make the layer."""
@@ -328,6 +335,7 @@ class Layer(Continuum):
             thickness=self.thickness,
             branches=self.maxwell,
             bonded=not self.frictionless,
+            hardness=self.hardness,
         )
 
 
@@ -343,6 +351,7 @@ class CoatedHalfSpace(Continuum):
         default=[], description="A share of the modulus of the base and its relaxation time."
     )
     apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
+    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
     @property
     def times(self) -> list[float]:
@@ -362,6 +371,7 @@ class CoatedHalfSpace(Continuum):
             base_poisson=self.base_poisson,
             base_branches=self.base_branches,
             apparatus=self.apparatus,
+            hardness=self.hardness,
         )
 
 

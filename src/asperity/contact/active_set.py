@@ -13,6 +13,9 @@ Exchanging all wrong sites at once is fast but may cycle. After `patience` excha
 record for the number of wrong sites, one site (the last) is exchanged at a time until one does; in exact
 arithmetic this ends for every positive definite S (J. J. Judice, F. M. Pires, Comput. Oper. Res. 21, 587
 (1994), DOI 10.1016/0305-0548(94)90106-6), and sites whose sign is decided by rounding are left unchanged.
+
+Where the forces have an upper bound, contacts that exceed it yield: they are free under the bound as an
+external force, until the surface comes back to the heights: the same method with three kinds of sites.
 """
 
 from __future__ import annotations
@@ -155,6 +158,13 @@ class _Run:
         self.stiffest = float(problem.stiffness.max())
         touching = guess.u <= problem.heights if guess.in_contact is None else guess.in_contact
         self.in_contact = xp.asarray(touching, copy=True)
+        self.bound = problem.bound
+        self.yielding: Mask | None = None
+        if math.isfinite(self.bound):
+            none = np.zeros(problem.lattice.shape, dtype=bool)
+            self.yielding = xp.asarray(none if guess.yielding is None else guess.yielding, copy=True)
+            self.in_contact &= ~self.yielding
+            self.allowed_error = 0.0  # which sites yield is decided by accurate forces
         self.iterations = 0
         self.set_changes = 0
         self.record = self.fewest = problem.lattice.sites + 1
@@ -171,12 +181,20 @@ class _Run:
         xp = self.xp
         self.contacts = int(xp.count_nonzero(self.in_contact))
         if self.contacts == 0:
-            if self.problem.load_controlled:  # something must carry the load: the deepest site
+            if self.problem.load_controlled and self.yielding is not None:
+                # The surface sinks as it is, until the sites that it then yields on carry the load.
+                whole = min(int(-float(self.problem.rhs.flat[0].real) / self.bound), u.size - 1)
+                gap = u - self.heights
+                level = xp.sort(xp.reshape(gap, (-1,)))[whole]
+                u = u - level
+                self.yielding, self.in_contact = gap < level, gap == level
+                self.contacts = int(xp.count_nonzero(self.in_contact))
+            elif self.problem.load_controlled:  # something must carry the load: the deepest site
                 deepest = np.unravel_index(int(xp.argmax(self.heights - u)), self.problem.lattice.shape)
                 self.in_contact[tuple(map(int, deepest))] = True
                 self.contacts = 1
             else:
-                u = xp.asarray(_free_surface(self.problem))
+                u = xp.asarray(_free_surface(self.problem, self.yielding))
         self.u = xp.where(self.in_contact, self.heights, u)
         self.free_sites: FreeSites | LineSites | None = None
         self.left_over = math.inf
@@ -205,11 +223,16 @@ class _Run:
         modes *= self.stiffness
         modes -= self.rhs
         self.force: Field = lattice.backward(modes, overwrite=True)
+        if self.yielding is not None:
+            self.force -= self.bound * self.xp.astype(self.yielding, self.force.dtype)
         self.measure_force()
 
     def measure_force(self) -> None:
         """Measure the force off contact."""
-        xp = self.xp
+        xp, borne, self.touching = self.xp, 0.0, self.contacts
+        if self.yielding is not None:
+            yielding = int(xp.count_nonzero(self.yielding))
+            borne, self.touching = self.bound * yielding, self.contacts + yielding
         off_contact = xp.where(self.in_contact, xp.asarray(0.0), self.force)
         self.worst = largest(off_contact, xp)
         if not math.isfinite(self.worst):
@@ -219,7 +242,7 @@ class _Run:
             )
         imbalance = float(xp.sum(off_contact))
         self.imbalance = abs(imbalance)
-        self.load = abs(float(xp.sum(self.force)) - imbalance)
+        self.load = abs(float(xp.sum(self.force)) - imbalance) + borne
         indentation = largest(self.u, xp)
         self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
 
@@ -249,7 +272,7 @@ class _Run:
                 f"{self.iterations} iterations, expected {self.tolerance:.1e}; "
                 "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
             )
-        acceptable = max(self.tolerance * self.load / self.contacts, self.rounding)
+        acceptable = max(self.tolerance * self.load / self.touching, self.rounding)
         goal, imbalance = target / self.worst, np.inf
         if target < 0.5 * acceptable:
             goal = min(0.3, 0.5 * acceptable / self.worst)
@@ -297,7 +320,7 @@ class _Run:
         """Whether the linear problem on the present set of contacts is solved."""
         if self.contacts in (0, self.problem.lattice.sites):  # solved exactly by `start`
             return True
-        if self.worst > max(self.tolerance * self.load / self.contacts, self.rounding):
+        if self.worst > max(self.tolerance * self.load / self.touching, self.rounding):
             return False
         # Forces off contact are small one by one and, zeroed together, leave the load unchanged.
         return self.imbalance <= max(
@@ -305,12 +328,19 @@ class _Run:
         )
 
     def wrong_sites(self) -> Mask:
-        """Contacts in tension and free sites that penetrate."""
+        """Contacts in tension or above the bound, free sites that penetrate, yielding ones that do not."""
         tension = penetration = 0.0
         if self.is_careful():  # rounding decides their sign: exchanged, they might come back for ever
             tension = self.rounding
             penetration = self.rounding / self.stiffest
-        wrong: Mask = (self.in_contact & (self.force < -tension)) | (self.u - self.heights < -penetration)
+        gap = self.u - self.heights
+        if self.yielding is None:
+            wrong: Mask = (self.in_contact & (self.force < -tension)) | (gap < -penetration)
+            return wrong
+        if self.is_careful():  # under the load of a whole number of yielding sites one bears what is left
+            tension += self.tolerance * self.load * (1 / self.touching + 2 * _SUM_TOLERANCE)
+        wrong = self.xp.where(self.yielding, gap > penetration, gap < -penetration)
+        wrong |= self.in_contact & ((self.force < -tension) | (self.force > self.bound + tension))
         return wrong
 
     def is_careful(self) -> bool:
@@ -332,9 +362,10 @@ class _Run:
         xp = self.xp
         self.set_changes += 1
         if self.set_changes > self.method.max_revisions:
+            advice = "a slightly different load" if self.yielding is None else "a greater hardness"
             raise ConvergenceError(
                 f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
-                "try a slightly different load"
+                f"try {advice}"
             )
         count = int(xp.count_nonzero(wrong))
         self.fruitless = 0 if count < self.fewest else self.fruitless + 1
@@ -351,6 +382,9 @@ class _Run:
                 last = int(xp.max(xp.nonzero(flat)[0]))
                 flat = xp.arange(wrong.size) == last
                 wrong = xp.reshape(flat, wrong.shape)
+        if self.yielding is not None:
+            above = self.in_contact & (self.force > self.bound)
+            self.yielding = xp.where(wrong, above, self.yielding)
         self.in_contact ^= wrong
         self.start(self.u)
 
@@ -369,12 +403,16 @@ class _Run:
 
     def solution(self) -> Solution:
         u = self.xp.maximum(self.u, self.heights) if self.allowed_error else self.u
-        return Solution(to_numpy(u), to_numpy(self.in_contact), self.iterations, self.set_changes)
+        touching = self.in_contact if self.yielding is None else self.in_contact | self.yielding
+        return Solution(to_numpy(u), to_numpy(touching), self.iterations, self.set_changes)
 
 
-def _free_surface(problem: SpectralProblem) -> Field:
+def _free_surface(problem: SpectralProblem, yielding: Mask | None) -> Field:
     """Surface without contact, u = b / S; exactly constant where b is nothing but wave vector 0."""
-    modes = problem.rhs / problem.stiffness
+    rhs = problem.rhs
+    if yielding is not None and (borne := to_numpy(yielding)).any():
+        rhs = rhs + problem.lattice.forward(problem.bound * borne)
+    modes = rhs / problem.stiffness
     if not modes.flat[1:].any():
         return np.full(problem.lattice.shape, modes.flat[0].real / problem.lattice.sites)
     return problem.lattice.backward(modes)

@@ -22,6 +22,7 @@ class Bodies:
     solid: Solid
     surface: Mapping[str, object]
     si: bool
+    permanent_indentation: Field | float = 0.0
 
 
 def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:

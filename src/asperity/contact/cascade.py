@@ -31,7 +31,11 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
     except ConvergenceError:  # a bad start costs time, not accuracy
         return independent_asperities(problem)
     u = interpolated(start.u)
-    return Guess(u, u <= problem.heights)
+    touching = u <= problem.heights
+    if problem.bound == np.inf:
+        return Guess(u, touching)
+    yielding = touching & (interpolated((start.u < coarser.heights).astype(float)) > 0.5)
+    return Guess(u, touching, yielding=yielding)
 
 
 def independent_asperities(problem: SpectralProblem) -> Guess:
@@ -57,6 +61,7 @@ def _coarsen(problem: SpectralProblem) -> SpectralProblem:
         stiffness=fine.long_waves(problem.stiffness, coarse),
         rhs=rhs,
         load_controlled=problem.load_controlled,
+        bound=problem.bound,
     )
 
 

@@ -24,7 +24,7 @@ def local_solver(system: System) -> LocalCreepSolver:
     law, springs = mechanics.law, mechanics.spectral.solid.springs
     assert law is not None
     if springs is not None:
-        return LatticeCreep(springs, law, mechanics.lattice, system.heights)
+        return LatticeCreep(springs, law, mechanics.lattice, system.heights, mechanics.bound)
     spectra = mechanics.spectral.spectra
     if spectra.permanent.any() or spectra.rate.any():
         raise InputError(
@@ -32,7 +32,8 @@ def local_solver(system: System) -> LocalCreepSolver:
             expected="a lattice of springs, or a solid all of whose stiffness is in series with a local law",
             got="permanent stiffness, or other creep, beside it",
         )
-    return SeriesCreep(spectra.creeping[0], law, mechanics.stressed_area, mechanics.lattice, system.heights)
+    of_site = mechanics.stressed_area, mechanics.lattice, system.heights, mechanics.bound
+    return SeriesCreep(spectra.creeping[0], law, *of_site)
 
 
 def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:

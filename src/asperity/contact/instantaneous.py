@@ -58,6 +58,17 @@ def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | Non
     return _anew(contact, contact, system, (contact.u, contact.in_contact), place, solver)
 
 
+def check_whole(by: Sequence[Fraction]) -> None:
+    """Refuse to slide what has yielded by parts of sites: its indentation has steps from site to site."""
+    if any(sites.denominator > 1 for sites in by):
+        raise InputError(
+            "slide",
+            expected="whole sites, for a rough surface that yields is not smooth between them",
+            got=", ".join(map(str, by)),
+            advice="substeps=1, a shift by whole sites, or a solid without hardness",
+        )
+
+
 def slid(
     contact: Contact, heights: Field, by: Sequence[Fraction], solver: ContactSolver | None = None
 ) -> Contact:
@@ -79,11 +90,14 @@ def slid(
     ConvergenceError
         The solver did not reach its tolerance.
     """
+    if contact.solid.yields:
+        check_whole(by)
     near, axes = [round(sites) for sites in by], tuple(range(heights.ndim))
     if contact.has_not_crept and np.array_equal(heights, np.roll(contact.heights, near, axis=axes)):
         return contact.moved(near)
     u, in_contact = np.roll(contact.u, near, axis=axes), np.roll(contact.in_contact, near, axis=axes)
-    bodies = Bodies(heights, contact.lattice, contact.solid, contact.surface, contact.si)
+    indentation = np.roll(contact.permanent_indentation, near, axis=axes)
+    bodies = Bodies(heights, contact.lattice, contact.solid, contact.surface, contact.si, indentation)
     system = contact.system().above(heights)
     return _anew(contact, bodies, system, (u, in_contact), contact.separation, solver)
 

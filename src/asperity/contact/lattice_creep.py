@@ -14,7 +14,7 @@ while relaxing: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).)
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,9 @@ _COARSEST = 24
 
 _SOLVED = 1e-2
 """Change of the stretch, relative to how far the law bends in it, below which a site counts as solved."""
+
+_MOST_REVISIONS = 40
+"""Revisions of the set of sites that yield after which a step is given up."""
 
 _MOST_CYCLES = 60
 """Cycles after which a step is given up."""
@@ -73,8 +76,15 @@ class _Grid:
 class LatticeCreep:
     """Steps on one lattice."""
 
-    def __init__(self, springs: SpringConstants, law: LocalCreep, lattice: Lattice, heights: Field) -> None:
-        self.springs, self.law, self.lattice = springs, law, lattice
+    def __init__(
+        self,
+        springs: SpringConstants,
+        law: LocalCreep,
+        lattice: Lattice,
+        heights: Field,
+        bound: float = math.inf,
+    ) -> None:
+        self.springs, self.law, self.lattice, self.bound = springs, law, lattice, bound
         self.shape = heights.shape
         self.heights = np.atleast_2d(heights)
         ny, nx = self.heights.shape
@@ -117,16 +127,42 @@ class LatticeCreep:
     def balanced(self, state: LocalState, load: float | None) -> Field:
         """See `LocalCreepSolver`."""
         u, s = np.atleast_2d(state.u), self.springs
-        off_contact = u > self.heights
-        force = np.where(off_contact, -s.k0 * self.laplacian(u), np.atleast_2d(state.force))
-        if load is not None and not off_contact.all():
-            rest = load - float(force[off_contact].sum())
-            force *= np.where(off_contact, 1.0, rest / float(force[~off_contact].sum()))
-        return (force / s.k1).reshape(state.u.shape)
+        given = u > self.heights
+        free = -s.k0 * self.laplacian(u)
+        force = np.where(given, free, np.atleast_2d(state.force))
+        while True:
+            if load is not None and not given.all():
+                rest = load - float(force[given].sum())
+                force *= np.where(given, 1.0, rest / float(force[~given].sum()))
+            above = ~given & (force - free > self.bound)
+            if not above.any():
+                return (force / s.k1).reshape(state.u.shape)
+            force[above] = free[above] + self.bound
+            given |= above
 
-    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """See `LocalCreepSolver`."""
+        end, cycles = self.under(stage, guess, allowed_error)
+        if self.bound == math.inf:
+            return end, cycles
+        yielding = np.zeros(self.heights.shape, dtype=bool)
+        for _ in range(_MOST_REVISIONS):
+            u = np.atleast_2d(end.u)
+            force = self.springs.k0 * self.laplacian(u) + np.atleast_2d(end.force)
+            found = np.where(yielding, u < self.heights, (u <= self.heights) & (force > self.bound))
+            if (found == yielding).all():
+                return end, cycles
+            yielding = found
+            end, more = self.under(replace(stage, yielding=yielding), end, allowed_error)
+            cycles += more
+        raise ConvergenceError(
+            f"creep: {_MOST_REVISIONS} revisions of the sites that yield did not settle them; "
+            "try a larger rtol"
+        )
+
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
+    def under(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
+        """Solve a step whose yielding sites are known."""
         run = _Run(self, stage, guess)
         size, change = math.inf, math.inf
         for cycle in range(_MOST_CYCLES):
@@ -157,7 +193,12 @@ class _Run:
 
     def __init__(self, solver: LatticeCreep, stage: Stage, guess: LocalState) -> None:
         self.solver, self.stage, self.springs = solver, stage, solver.springs
-        self.u = np.maximum(np.atleast_2d(guess.u), solver.heights)
+        self.heights = solver.heights
+        self.given: Any = None
+        if stage.yielding is not None:
+            self.heights = np.where(stage.yielding, -np.inf, solver.heights)
+            self.given = stage.yielding * (solver.bound / self.springs.k1)
+        self.u = np.maximum(np.atleast_2d(guess.u), self.heights)
         self.w = np.atleast_2d(guess.force) / self.springs.k1
         self.before = np.atleast_2d(stage.before)
         self.position = stage.position if stage.load is None else guess.position
@@ -188,13 +229,15 @@ class _Run:
         solver = self.solver
         b = self.w + float(solver.kappa) * solver.laplacian(self.u)
         np.negative(b, out=b)
+        if self.given is not None:
+            b += self.given
         if self.stage.load is not None:
             self.total = self.stage.load / self.springs.k1
             self.missing = self.total - float(self.w.sum())
-        e, f, shift = self.correction(b, self.flow(), solver.heights - self.u, self.missing)
+        e, f, shift = self.correction(b, self.flow(), self.heights - self.u, self.missing)
         u = self.u + e
-        np.copyto(u, solver.heights, where=self.touching)
-        np.maximum(u, solver.heights, out=u)
+        np.copyto(u, self.heights, where=self.touching)
+        np.maximum(u, self.heights, out=u)
         before = self.w
         self.u, self.w, self.position = u, before + f, self.position - shift
         self.find_stretch()
@@ -276,7 +319,7 @@ class _Run:
         scale = largest(error, np)
         if not 0 < scale < math.inf:
             return error
-        free = self.u > self.solver.heights
+        free = self.u > self.heights
         missing = None if self.stage.load is None else 0.0
         least, pressed = np.where(free, -np.inf, 0.0), np.where(free, 0.0, -_HEAVY)
         e, f, shift = self.correction(pressed, error / -scale, least, missing, unit=1.0)

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from asperity.lattice import Field
+from asperity.lattice import Field, Mask
 from asperity.solids.creep_laws import LocalCreep
 
 _EXACTLY = 1e-5
@@ -41,12 +41,14 @@ class Stage:
     """An implicit step of duration ``tau`` from the creeping shape ``before``.
 
     Under load control ``load`` is the normal load; else it is None and ``position`` that of the rigid body.
+    At sites that are ``yielding`` the contact force is given, and the surface is not held up.
     """
 
     tau: float
     before: Field
     load: float | None
     position: float
+    yielding: Mask | None = None
 
 
 def stretches_of(
@@ -74,7 +76,15 @@ def stretches_of(
 
 
 class LocalCreepSolver(Protocol):
-    """Solves implicit steps of one solid above one rough surface."""
+    """Solves implicit steps of one solid above one rough surface.
+
+    Attributes
+    ----------
+    heights
+        The rough surface, which may yield between steps.
+    """
+
+    heights: Field
 
     def stretch(self, force: Field) -> Field:
         """Stretch of the creeping springs under their force."""

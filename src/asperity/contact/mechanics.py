@@ -24,6 +24,7 @@ a small part of a transform. Fields of anchors and stretches have the branches a
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
@@ -104,6 +105,8 @@ class Mechanics(ABC):
         Largest H + sum of C_b.
     fastest_creep
         Largest M_b C_b, the rate at which the fastest mode creeps at a given u.
+    bound
+        Upper bound on the force of a site, from the hardness of the solid.
     """
 
     lattice: Lattice
@@ -114,6 +117,7 @@ class Mechanics(ABC):
     stressed_area: float
     greatest_stiffness: float
     fastest_creep: float
+    bound: float
 
     @property
     def mean_stiffness(self) -> float:
@@ -170,6 +174,7 @@ class SpectralMechanics(Mechanics):
     def __init__(self, solid: Solid, lattice: Lattice) -> None:
         self.solid, self.lattice, self.branches = solid, lattice, len(solid.branches)
         self.law, self.stressed_area = solid.creep, lattice.cell if solid.in_lengths else 1.0
+        self.bound = solid.hardness * self.stressed_area
 
     @property
     def spectral(self) -> SpectralMechanics:
@@ -365,7 +370,8 @@ class SpectralStep(ImplicitStep):
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
         springs = self.springs(float(stiffness.flat[0])) if lattice.dimension == 1 else None
-        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, springs)
+        bound = mechanics.bound
+        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, springs, bound)
 
     def springs(self, mean: float) -> SpringLaw | None:
         """S in terms of neighbors, on the lattice of springs; ``mean`` is S at wave vector 0."""
@@ -424,7 +430,7 @@ class SpringMechanics(Mechanics):
     def __init__(self, springs: SpringConstants, spectral: SpectralMechanics) -> None:
         self.springs, self._spectral, self.lattice = springs, spectral, spectral.lattice
         self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.R_viscous
-        self.law, self.stressed_area = spectral.law, spectral.stressed_area
+        self.law, self.stressed_area, self.bound = spectral.law, spectral.stressed_area, math.inf
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
         self.fastest_creep = springs.k1 * (8 * springs.R + springs.R_viscous)
 
@@ -512,8 +518,11 @@ class NeighborStep(ImplicitStep):
 
 
 def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:
-    """Mechanics of a solid on a lattice: in terms of neighbors where there is such a form."""
+    """Mechanics of a solid on a lattice: in terms of neighbors where there is such a form.
+
+    Forces that have a bound are found in Fourier modes: multigrid knows none.
+    """
     spectral, springs = SpectralMechanics(solid, lattice), solid.springs
-    if springs is None or lattice.dimension != 2 or not (springs.k0 > 0 and springs.k1 > 0):
+    if springs is None or lattice.dimension != 2 or not (springs.k0 > 0 and springs.k1 > 0) or solid.yields:
         return spectral
     return SpringMechanics(springs, spectral)

@@ -7,6 +7,9 @@ Given a stiffness S >= 0, a right-hand side b and an obstacle xi, find the surfa
 which minimizes 1/2 u.S u - b.u over u >= xi. r is the contact force, site by site. Where
 S vanishes at wave vector 0 the sum of r is fixed by the right-hand side: load control without feedback.
 
+Where the forces have an upper bound p, sites that reach it yield: r = p and u <= xi there. That minimizes the
+energy plus p times the sum of (xi - u) over the sites where it is positive, which is convex too.
+
 A problem comes in one of two forms: `SpectralProblem`, in Fourier modes, for any solid; `SpringProblem`,
 in terms of neighbors, for the lattice of springs. The second can be turned into the first.
 """
@@ -60,6 +63,8 @@ class SpectralProblem:
         Whether the sum of the forces is prescribed.
     springs
         S in terms of neighbors, on a line of springs, where the linear problems can be solved directly.
+    bound
+        Upper bound on the force of a site.
     """
 
     lattice: Lattice
@@ -68,6 +73,7 @@ class SpectralProblem:
     rhs: Modes
     load_controlled: bool
     springs: SpringLaw | None = None
+    bound: float = math.inf
 
     def spectral(self) -> SpectralProblem:
         """Return the problem itself."""
@@ -140,19 +146,21 @@ class Guess:
     """Where a solver starts: a surface and the sites assumed in contact.
 
     If no sites are named, those that the surface does not clear. A solver may write into the surface of
-    a guess that is disposable.
+    a guess that is disposable. Contacts that may be ``yielding`` are those where the surface is to be found.
     """
 
     u: Field
     in_contact: Mask | None = None
     disposable: bool = False
+    yielding: Mask | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
     """A solved contact problem.
 
-    ``u`` equals the heights on ``in_contact`` and exceeds them elsewhere; ``iterations`` counts
+    ``u`` equals the heights on ``in_contact``, or is below where they yield, and exceeds them elsewhere;
+    ``iterations`` counts
     conjugate-gradient iterations or multigrid cycles, and ``set_changes`` the times the set of
     contacts was revised. ``stretch`` is u - u0 after the step, from solvers that find it on the way.
     """

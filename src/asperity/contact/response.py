@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def normal_stiffness(system: System, in_contact: Mask) -> float:
         return 0.0
     flat = np.where(in_contact, 0.0, _DEEP)
     step = system.mechanics.spectral.implicit_step(0.0)
-    problem = step.problem(flat, 0.0, Prescribed(1.0, 0.0))
+    problem = replace(step.problem(flat, 0.0, Prescribed(1.0, 0.0)), bound=math.inf)
     guess = Guess(np.zeros_like(flat), in_contact)
     u = ActiveSet().solve(problem, guess, TOLERANCE).u
     _, position = step.stretch(u, 0.0, Prescribed(1.0, 0.0))

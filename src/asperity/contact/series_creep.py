@@ -9,9 +9,10 @@ that the sum of p is the load. These are the conditions for the minimum, over p 
 
     p C^-1 p / 2 + sum of tau V(p) - p (xi - v0),      V' = v,
 
-which is convex. Newton's method linearizes v; the contacts are revised as in `asperity.contact.active_set`,
-and the forces on them follow by conjugate gradients, preconditioned by (C^-1 + d)^-1 in Fourier modes between
-weights ((t + d) / (t + D))^(1/2), where D is tau v' / a at each site, d its mean in the logarithm, and t the
+which is convex. Where the forces have an upper bound, p is that bound where the surface is below xi.
+Newton's method linearizes v; the contacts are revised as in `asperity.contact.active_set`, and the forces on
+them follow by conjugate gradients, preconditioned by (C^-1 + d)^-1 in Fourier modes between weights
+((t + d) / (t + D))^(1/2), where D is tau v' / a at each site, d its mean in the logarithm, and t the
 compliance of the shortest wave.
 """
 
@@ -59,9 +60,15 @@ class SeriesCreep:
     """Steps above one rough surface."""
 
     def __init__(
-        self, stiffness: Spectrum, law: LocalCreep, area: float, lattice: Lattice, heights: Field
+        self,
+        stiffness: Spectrum,
+        law: LocalCreep,
+        area: float,
+        lattice: Lattice,
+        heights: Field,
+        bound: float = math.inf,
     ) -> None:
-        self.law, self.area, self.lattice, self.heights = law, area, lattice, heights
+        self.law, self.area, self.lattice, self.heights, self.bound = law, area, lattice, heights, bound
         self.compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         self.site_compliance = lattice.mean_over_modes(self.compliance)
 
@@ -81,18 +88,9 @@ class SeriesCreep:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """See `LocalCreepSolver`."""
-        touching = guess.u <= self.heights
-        p = np.where(touching, np.maximum(guess.force, 0.0), 0.0)
+        p, touching = self.begun(stage, guess)
+        yielding = np.zeros_like(touching)
         position = guess.position if stage.load is not None else stage.position
-        if stage.load is not None:
-            if not touching.any():
-                touching.flat[int(np.argmax(self.heights - guess.u))] = True
-            total = float(p.sum())
-            p = (
-                p * (stage.load / total)
-                if total > 0
-                else touching * (stage.load / np.count_nonzero(touching))
-            )
         wanted = self.heights - stage.before
         size, spent = math.inf, 0
         rounding = _ROUNDING * max(largest(self.heights, np), largest(stage.before, np))
@@ -100,9 +98,13 @@ class SeriesCreep:
             value, slope = self.law.velocity(p / self.area)
             stretch = self.stretch(p)
             lacking = wanted - position - stretch
-            p, lacking, slope = self.tamed(p, lacking, stage.tau, value, slope)
-            entering = ~touching & (lacking > rounding)
+            p, lacking, slope = self.tamed(p, lacking, stage.tau, value, slope, yielding)
+            entering = np.where(yielding, lacking < -rounding, ~touching & (lacking > rounding))
             touching |= entering
+            yielding &= ~entering
+            if stage.load is not None and not touching.any() and yielding.any():  # one bears the rest
+                least = int(np.argmin(np.where(yielding, lacking, np.inf)))
+                touching.flat[least], yielding.flat[least] = True, False
             drag = (stage.tau / self.area) * slope
             missing = None if stage.load is None else stage.load - float(p.sum())
             dp, moved, more = self.newton(lacking, drag, touching, missing)
@@ -112,11 +114,12 @@ class SeriesCreep:
                 self.law.bend(p / self.area), 0.1 * largest(p, np) / self.area
             )
             rise = np.where(drag > _FAINT * drag.max(), self.area * believed, math.inf)
-            new = np.where(touching, p + np.minimum(dp, rise), 0.0)
-            leaving = new < 0
-            new[leaving] = 0.0
-            touching &= ~leaving
-            if stage.load is not None and not touching.any():
+            new = np.where(touching, p + np.minimum(dp, rise), np.where(yielding, p, 0.0))
+            leaving, above = new < 0, touching & (new > self.bound)
+            new[leaving], new[above] = 0.0, self.bound
+            touching &= ~(leaving | above)
+            yielding |= above
+            if stage.load is not None and not (touching.any() or yielding.any()):
                 raise ConvergenceError("creep: no contact is left to carry the load; try a larger rtol")
             change = -self.stretch(new - p) - moved
             change[~touching] = 0.0
@@ -126,22 +129,36 @@ class SeriesCreep:
                 break
             rate = min(max(size / before, 0.1), 0.9) if 0 < before < math.inf else _USUAL_RATE
             allowed = max(allowed_error, rounding)
-            settled = not (entering.any() or leaving.any()) or size <= _UNNOTICED * allowed
+            settled = not (entering.any() or leaving.any() or above.any()) or size <= _UNNOTICED * allowed
             if settled and rate * size <= allowed:
                 u = np.where(touching, self.heights, stage.before + position + self.stretch(p))
-                return LocalState(np.maximum(u, self.heights), p, position), spent
+                np.maximum(u, self.heights, out=u, where=~yielding)
+                if yielding.any():
+                    u[yielding] += stage.tau * self.law.velocity(p[yielding] / self.area)[0]
+                return LocalState(u, p, position), spent
         raise ConvergenceError(
             f"creep: a step of {stage.tau:.1e} changes by {size:.1e} after {_MOST_REVISIONS} revisions, "
             f"expected {allowed_error:.1e}; try a larger rtol"
         )
 
+    def begun(self, stage: Stage, guess: LocalState) -> tuple[Field, Mask]:
+        """Forces that carry the load, near those of a guess, and their contacts."""
+        touching = guess.u <= self.heights
+        p = np.where(touching, np.maximum(guess.force, 0.0), 0.0)
+        if stage.load is not None:
+            if not touching.any():
+                touching.flat[int(np.argmax(self.heights - guess.u))] = True
+            total, contacts = float(p.sum()), np.count_nonzero(touching)
+            p = p * (stage.load / total) if total > 0 else touching * (stage.load / contacts)
+        return np.minimum(p, self.bound), touching
+
     def tamed(
-        self, p: Field, lacking: Field, tau: float, value: Field, slope: Field
+        self, p: Field, lacking: Field, tau: float, value: Field, slope: Field, yielding: Mask
     ) -> tuple[Field, Field, Field]:
         """Forces where the law overshoots, each for itself; what then lacks, and the derivatives."""
         own = self.site_compliance
         wanted = np.maximum(lacking + own * p, 0.0)
-        wild = tau * value > _WILD * wanted
+        wild = (tau * value > _WILD * wanted) & ~yielding
         if wild.any():
             calm = p.copy()
             calm[wild] = stretches_of(self.law, own, tau, 1 / self.area, wanted[wild], p[wild])
@@ -213,7 +230,7 @@ class SeriesCreep:
 
     def damped(self, error: Field, stage: Stage, end: LocalState) -> Field:
         """See `LocalCreepSolver`."""
-        touching = end.force > 0
+        touching = (end.force > 0) & (end.force < self.bound)
         _, slope = self.law.velocity(end.force / self.area)
         drag = (stage.tau / self.area) * slope
         missing = None if stage.load is None else 0.0

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 _BLOCK = 2**20
 """Sites taken at a time where memory is spared."""
 
+_AT_THE_BOUND = 1e-6
+"""How far, relatively, a force may be from the hardness that still counts as it."""
+
 ACCEPTED_RESIDUAL = 1e-8
 """No state is returned whose residual, evaluated on the very fields it carries, is larger."""
 
@@ -40,7 +43,8 @@ class Contact(views.InNotebooks):
     Attributes
     ----------
     heights
-        The rigid rough surface, length; an array over the sites, like all fields below.
+        The rigid rough surface, length; an array over the sites, like all fields below. It is lower where it
+        has yielded.
     lattice
         The sites: shape, spacing, edges.
     solid
@@ -51,6 +55,8 @@ class Contact(views.InNotebooks):
         Height of the elastic surface, length; equal to `heights` in contact, above it elsewhere.
     anchors
         The creeping shapes u_b of the branches, length; shape ``(branches, *heights.shape)``.
+    permanent_indentation
+        By how much the rough surface is lower than it was before it yielded, length.
     force
         Contact force, >= 0; zero off contact.
     in_contact
@@ -61,7 +67,8 @@ class Contact(views.InNotebooks):
     energy
         Elastic energy, force times length (Jagla, Eq. e).
     residual
-        Largest force off contact (or tension in contact) that the fields above leave, relative to the
+        Largest force off contact (or tension in contact, or excess over the hardness) that the fields above
+        leave, relative to the
         mean contact force; evaluated from `u` and `anchors` as they are, rounding included. Where the
         separation is held and the load has died out, relative to the smallest force that double
         precision can resolve to as many digits.
@@ -81,6 +88,7 @@ class Contact(views.InNotebooks):
     control: Control
     u: Field
     anchors: Field
+    permanent_indentation: Field
     force: Field
     in_contact: Mask
     separation: float
@@ -110,7 +118,8 @@ class Contact(views.InNotebooks):
         self._close()
 
     def _close(self) -> None:
-        for field in (self.heights, self.u, self.anchors, self.force, self.in_contact):
+        indentation = self.permanent_indentation
+        for field in (self.heights, self.u, self.anchors, indentation, self.force, self.in_contact):
             field.flags.writeable = False  # the residual vouches for exactly these numbers
 
     def __repr__(self) -> str:
@@ -135,6 +144,12 @@ class Contact(views.InNotebooks):
     def load(self) -> float:
         """Normal load: the sum of the contact forces."""
         return float(self.force.sum())
+
+    @cached_property
+    def yielding_area(self) -> int:
+        """Number of sites in contact whose pressure is the hardness."""
+        bound = self.solid.hardness * (self.lattice.cell if self.solid.in_lengths else 1.0)
+        return int(np.count_nonzero(self.force >= (1 - _AT_THE_BOUND) * bound))
 
     @property
     def contact_fraction(self) -> float:
@@ -240,9 +255,13 @@ class Contact(views.InNotebooks):
         Nothing in the equations tells sites apart, so the residual is that of the same numbers.
         """
         axes = tuple(range(-self.lattice.dimension, 0))
-        names = ("heights", "u", "anchors", "force", "in_contact")
+        names = ("heights", "u", "anchors", "permanent_indentation", "force", "in_contact")
         fields = {name: np.roll(getattr(self, name), sites, axis=axes) for name in names}
         return Contact._judged(**(vars(self) | fields))
+
+    def resting_on(self, heights: Field, indentation: Field) -> Contact:
+        """Return a contact of the same bodies from which a march resumes; only its heights are of use."""
+        return Contact._judged(**(vars(self) | {"heights": heights, "permanent_indentation": indentation}))
 
     def become(self, system: System, solution: Solution, anchors: Field, position: float) -> Contact:
         """Publish what the same bodies have become; see `contact_from`. The load may have died out."""
@@ -303,7 +322,8 @@ def contact_from(
     ConvergenceError
         In double precision the heights cannot resolve a load this small.
     """
-    heights, datum = bodies.heights, system.datum
+    heights, indentation = _lowered(system, solution.u, bodies)
+    datum = system.datum
     u = solution.u + datum
     np.maximum(u, heights, out=u)
     np.copyto(u, heights, where=solution.in_contact)
@@ -315,6 +335,8 @@ def contact_from(
     vanishing = load_may_vanish and system.load is None
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
     left = residual(force, in_contact, floor)
+    if system.yields:
+        left = max(left, _excess(force, in_contact, solution.u < system.heights, system.mechanics.bound))
     carried = system.carried(relative, stretch, position)
     if system.load is not None and carried is not None:
         left = max(left, abs(carried / system.load - 1))
@@ -323,7 +345,7 @@ def contact_from(
             f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too "
             "small for these heights in double precision; try heights without a large offset, or more load"
         )
-    np.maximum(force, 0.0, out=force)
+    np.clip(force, 0.0, system.mechanics.bound, out=force)
     force *= in_contact
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
     return Contact._judged(
@@ -333,6 +355,7 @@ def contact_from(
         control=system.control,
         u=u,
         anchors=published,
+        permanent_indentation=indentation,
         force=force,
         in_contact=in_contact,
         separation=datum + position,
@@ -343,6 +366,24 @@ def contact_from(
         surface=bodies.surface,
         si=bodies.si,
     )
+
+
+def _lowered(system: System, u: Field, bodies: Bodies | Contact) -> tuple[Field, Field]:
+    """Heights of the rough surface, lower where it has yielded under a surface, and by how much in all."""
+    before = np.broadcast_to(bodies.permanent_indentation, u.shape)
+    if not system.yields:
+        return bodies.heights, before
+    obstacle = np.minimum(system.heights, u)
+    lower = obstacle < bodies.heights - system.datum
+    heights = np.where(lower, obstacle + system.datum, bodies.heights)
+    return heights, before + (bodies.heights - heights)
+
+
+def _excess(force: Field, in_contact: Mask, yielding: Mask, bound: float) -> float:
+    """How far forces are from a bound, above it or where the surface yields, over their mean in contact."""
+    wrong = np.where(yielding, np.abs(force - bound), force - bound)
+    mean = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
+    return max(float(wrong.max()), 0.0) / mean if mean > 0 else 0.0
 
 
 def _smallest_force(system: System, u: Field) -> float:

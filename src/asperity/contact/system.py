@@ -16,6 +16,9 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 
+_MOST_OF_ALL = 0.999
+"""Largest load, over that under which all sites yield."""
+
 
 @dataclass(frozen=True, eq=False)
 class System:
@@ -69,9 +72,32 @@ class System:
         """The normal load, where it is prescribed."""
         return self.control.value if self.control.load_controlled else None
 
+    @property
+    def yields(self) -> bool:
+        """Whether forces have a bound, above which the rough surface yields."""
+        return math.isfinite(self.mechanics.bound)
+
+    def lowered(self, u: Field) -> System:
+        """Return the system above the rough surface as a surface that may be below it leaves it."""
+        return replace(self, heights=np.minimum(self.heights, u)) if self.yields else self
+
     def held(self, position: float = 0.0) -> Prescribed:
-        """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
+        """What is prescribed; ``position`` is that of the rigid body before, where the load moves it.
+
+        Raises
+        ------
+        InputError
+            The load is more than the whole surface can bear.
+        """
         if self.load is not None:
+            most = self.mechanics.bound * self.sites
+            if self.load > _MOST_OF_ALL * most:
+                raise InputError(
+                    "load",
+                    expected=f"less than {most:g}, the hardness times the nominal area",
+                    got=f"{self.load:g}",
+                    advice="less load, or a greater hardness",
+                )
             return Prescribed(self.load, position)
         return Prescribed(None, self.control.value - self.datum)
 

@@ -147,6 +147,8 @@ def fingerprint_of(
     )
     if solid.creep is not None:
         facts = (*facts, fingerprint_of_law(solid.creep))
+    if solid.yields:
+        facts = (*facts, solid.hardness, start.permanent_indentation.sum())
     digest = hashlib.sha256(repr(facts).encode())
     for array in (
         start.heights,

@@ -96,7 +96,9 @@ def dataset_of(
         data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series},
         coords={"time": [row["time"] for row in rows]} | dict(zip(sites, _places(start), strict=True)),
     )
-    dataset["heights"] = (sites, start.heights)
+    # As they were before anything yielded.
+    rough = start.heights + start.permanent_indentation if start.solid.yields else start.heights
+    dataset["heights"] = (sites, rough)
     if protocol is not None:
         dataset = dataset.assign_coords(leg=("time", [int(row["leg"]) for row in rows]))
     if snapshots:

@@ -35,6 +35,11 @@ OF_CONTINUA: dict[str, tuple[str, str]] = {
 }
 """The same of those that continua, whose sites have an area, have besides or call otherwise."""
 
+OF_YIELDING: dict[str, tuple[str, str]] = {
+    "yielding_area": ("number of sites in contact whose pressure is the hardness", "sites"),
+}
+"""The same of those that solids with a hardness have besides."""
+
 OF_SLIDING: dict[str, tuple[str, str]] = {
     "displacement": ("length that the rough surface has slid since the start", "place"),
     "velocity": ("sliding velocity", "place / time"),
@@ -51,6 +56,9 @@ FIELDS: dict[str, tuple[str, str]] = {
     "u": ("height of the elastic surface", "length"),
     "u0": ("creeping shape of the elastic surface", "length"),
     "in_contact": ("whether the site is in contact", "1"),
+}
+FIELDS_OF_YIELDING: dict[str, tuple[str, str]] = {
+    "permanent_indentation": ("by how much the rough surface is lower where it has yielded", "length"),
 }
 FIELDS_OF_CONTINUA: dict[str, tuple[str, str]] = {"pressure": ("contact pressure", "pressure")}
 
@@ -132,6 +140,7 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "creep_volume": ("volume of activation", "m^3"),
     "creep_prefactor": ("velocity of creep at infinite temperature", "velocity"),
     "temperature": ("temperature", "K"),
+    "hardness": ("pressure under which the rough surface yields", "pressure"),
     "modulus": ("contact modulus", "pressure"),
     "young": ("Young's modulus", "pressure"),
     "poisson": ("Poisson's ratio", "1"),
@@ -240,12 +249,15 @@ def units_of(contact: Contact) -> Units:
 def series_of(contact: Contact, *, slides: bool = False) -> dict[str, tuple[str, str]]:
     """Time series that a history of this contact has: long names and dimensions."""
     series = SERIES | OF_CONTINUA if contact.solid.in_lengths else SERIES
+    if contact.solid.yields:
+        series = series | OF_YIELDING
     return series | OF_SLIDING if slides else series
 
 
 def fields_of(contact: Contact) -> dict[str, tuple[str, str]]:
     """Fields that it keeps: long names and dimensions."""
-    return FIELDS | FIELDS_OF_CONTINUA if contact.solid.in_lengths else FIELDS
+    fields = FIELDS | FIELDS_OF_CONTINUA if contact.solid.in_lengths else FIELDS
+    return fields | FIELDS_OF_YIELDING if contact.solid.yields else fields
 
 
 def units_named(named: Mapping[str, str]) -> Units:
@@ -253,7 +265,7 @@ def units_named(named: Mapping[str, str]) -> Units:
     known = {
         name: dimension
         for name, (_, dimension) in (
-            SERIES | OF_CONTINUA | OF_SLIDING | OF_FRICTION | OF_MAPS | COORDINATES
+            SERIES | OF_CONTINUA | OF_YIELDING | OF_SLIDING | OF_FRICTION | OF_MAPS | COORDINATES
         ).items()
     }
     found = {known[name]: unit for name, unit in named.items() if name in known}

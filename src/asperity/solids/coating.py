@@ -147,6 +147,7 @@ def coated_half_space(
     branches: Branches = (),
     base_branches: Branches = (),
     apparatus: float | None = None,
+    hardness: float | str | None = None,
 ) -> Solid:
     r"""Build a film bonded to a half-space of another material; each is elastic or viscoelastic.
 
@@ -160,7 +161,7 @@ def coated_half_space(
         The same of the base.
     branches, base_branches
         Pairs (share of the modulus, relaxation time) of the film and of the base; see `half_space`.
-    apparatus
+    apparatus, hardness
         As in `half_space`.
 
     Returns
@@ -213,7 +214,7 @@ def coated_half_space(
         loaded_from_afar=True,
         in_lengths=True,
         kind="coated_half_space",
-    )
+    ).with_hardness(hardness)
 
 
 def _material(prefix: str, modulus: float | str, poisson: float, branches: Branches) -> Material:

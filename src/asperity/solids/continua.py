@@ -66,6 +66,7 @@ def half_space(
     flow: tuple[float, float] | None = None,
     apparatus: float | str | None = None,
     creep: LocalCreep | None = None,
+    hardness: float | str | None = None,
 ) -> Solid:
     r"""Build a half-space that is elastic, viscoelastic, or creeps by a mechanism of its surface.
 
@@ -94,11 +95,13 @@ def half_space(
     creep
         Instead of branches: a local law of creep in series with all of the stiffness, such as `Eyring`. Each
         site yields with the velocity v(p) under its own pressure p.
+    hardness
+        Pressure under which the rough surface yields; see `asperity.Solid.with_hardness`.
 
     Returns
     -------
     Solid
-        It is separable unless it has ``flow`` or ``creep``.
+        It is separable unless it has ``flow``, ``creep`` or a hardness.
 
     Raises
     ------
@@ -129,9 +132,10 @@ def half_space(
             in_lengths=True,
             creep=creep,
             kind="half_space",
-        )
+        ).with_hardness(hardness)
     if flow is None:
-        return _solid("half_space", law, parameters, branches, apparatus, loaded_from_afar=True)
+        solid = _solid("half_space", law, parameters, branches, apparatus, loaded_from_afar=True)
+        return solid.with_hardness(hardness)
     if others := check_branches(branches):
         raise InputError("flow", expected="no branches beside it", got=f"{len(others)} branches")
     law_of_flow = checks.line("flow", flow).tolist()
@@ -146,7 +150,7 @@ def half_space(
         loaded_from_afar=True,
         in_lengths=True,
         kind="half_space",
-    )
+    ).with_hardness(hardness)
 
 
 def layer(
@@ -156,6 +160,7 @@ def layer(
     thickness: float | str,
     branches: Branches = (),
     bonded: bool = True,
+    hardness: float | str | None = None,
 ) -> Solid:
     r"""Build an elastic or viscoelastic layer on a rigid base; see `asperity.solids.laws.LayerSpectrum`.
 
@@ -171,6 +176,8 @@ def layer(
         As in `half_space`.
     bonded
         Whether the layer is bonded to the base; else it slides on it without friction.
+    hardness
+        Pressure under which the rough surface yields; see `asperity.Solid.with_hardness`.
 
     Returns
     -------
@@ -187,7 +194,7 @@ def layer(
     thickness = units.number("thickness", thickness, "m", above=0)
     law = LayerSpectrum(modulus, poisson, thickness, bonded)
     parameters = {"modulus": modulus, "poisson": poisson, "thickness": thickness, "bonded": float(bonded)}
-    return _solid("layer", law, parameters, branches)
+    return _solid("layer", law, parameters, branches).with_hardness(hardness)
 
 
 def _solid(

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 import asperity.checks as checks
+import asperity.units as units
 import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
@@ -99,6 +100,9 @@ class Solid(views.InNotebooks):
         in metres. Else the solid is defined on sites, whose spacing is 1.
     creep
         A local law of creep of the only branch, beside its mobility; see `asperity.solids.creep_laws`.
+    hardness
+        Pressure that contacts do not exceed, for they yield under it; on a solid that is defined on sites,
+        the force of a site. See `Solid.with_hardness`.
     kind
         Name of the function that built it.
     """
@@ -109,6 +113,7 @@ class Solid(views.InNotebooks):
     loaded_from_afar: bool = False
     in_lengths: bool = False
     creep: LocalCreep | None = None
+    hardness: float = math.inf
     kind: str = field(default="of own spectra", compare=False)
 
     def __post_init__(self) -> None:
@@ -117,9 +122,45 @@ class Solid(views.InNotebooks):
         if self.creep is not None and len(self.branches) != 1:
             raise InputError("creep", expected="a solid of one branch", got=f"{len(self.branches)} branches")
 
+    def with_hardness(self, hardness: float | str | None = None) -> Solid:
+        """Return the solid that yields plastically under a pressure.
+
+        Where the pressure reaches the hardness the rough surface is lowered for good, each site for itself:
+        matter is neither piled up beside it nor kept.
+
+        Parameters
+        ----------
+        hardness
+            A pressure > 0, in Pa or with a unit under a surface with units: ``"0.3 GPa"``; on the lattice of
+            springs the force of a site. None returns the solid as it is.
+
+        Returns
+        -------
+        Solid
+
+        Raises
+        ------
+        InputError
+            It is not positive and finite.
+
+        References
+        ----------
+        A. Almqvist, F. Sahlin, R. Larsson, S. Glavatskih, Tribol. Int. 40, 574 (2007),
+        DOI 10.1016/j.triboint.2005.11.008.
+        """
+        if hardness is None:
+            return self
+        hardness = units.number("hardness", hardness, "Pa", above=0)
+        return replace(self, hardness=hardness, parameters={**self.parameters, "hardness": hardness})
+
     def __repr__(self) -> str:
         parameters = ", ".join(_shown(name, value) for name, value in self.parameters.items())
         return f"<Solid: {self.kind}{', ' * bool(parameters)}{parameters}>"
+
+    @property
+    def yields(self) -> bool:
+        """Whether pressures have a bound."""
+        return math.isfinite(self.hardness)
 
     @property
     def springs(self) -> SpringConstants | None:
@@ -146,7 +187,7 @@ class Solid(views.InNotebooks):
         J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech. 33, 845 (1966),
         DOI 10.1115/1.3625192), and no site loses contact after the load has fallen.
         """
-        if self.creep is not None:
+        if self.creep is not None or self.yields:
             return False
         permanent = self.permanent.law if isinstance(self.permanent, WithApparatus) else self.permanent
         laws = [permanent, *(branch.stiffness for branch in self.branches)]

@@ -10,7 +10,13 @@ from asperity.solids.solid import CreepBranch, Solid
 
 
 def spring_lattice(
-    *, k0: float, k1: float, R: float = 1.0, R_viscous: float = 0.0, creep: LocalCreep | None = None
+    *,
+    k0: float,
+    k1: float,
+    R: float = 1.0,
+    R_viscous: float = 0.0,
+    creep: LocalCreep | None = None,
+    hardness: float | str | None = None,
 ) -> Solid:
     """Build Jagla's lattice of springs (Eqs. e and dosrs).
 
@@ -29,6 +35,8 @@ def spring_lattice(
     creep
         A local law of creep v(s) beside both, such as `Eyring`: du0/dt = M s + v(s) with the force s of the
         springs to the bulk.
+    hardness
+        Largest force of a site, above which the rough surface yields; see `asperity.Solid.with_hardness`.
 
     Returns
     -------
@@ -63,4 +71,4 @@ def spring_lattice(
         parameters=parameters,
         creep=creep,
         kind="spring_lattice",
-    )
+    ).with_hardness(hardness)

@@ -1,0 +1,227 @@
+"""Pressures with an upper bound: against sweeps over dense matrices, closed forms and explicit steps."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity.contact.choice import local_solver
+from asperity.contact.local_creep import LocalState, Stage
+from asperity.solids import Eyring, half_space, spring_lattice
+from tests.independent import laplacian
+from tests.refusals import refuses
+from tests.surfaces import uncorrelated
+
+P = asp.protocols
+
+
+def swept(S, b, obstacle, bound, start):
+    """u with 0 <= S u - b <= bound: site by site, the other sites as they are, until none moves."""
+    u, diagonal = start.copy(), np.diag(S).copy()
+    scale = np.abs(obstacle).max()
+    for _ in range(100_000):
+        before = u.copy()
+        for i in range(u.size):
+            free = u[i] - (S[i] @ u - b[i]) / diagonal[i]
+            u[i] = min(max(obstacle[i], free), free + bound / diagonal[i])
+        if np.abs(u - before).max() < 1e-13 * scale:
+            return u
+    raise AssertionError
+
+
+@pytest.mark.parametrize("hardness", [0.5, 2.0])
+def test_sites_of_the_lattice_are_those_of_sweeps(hardness):
+    rough, (k0, k1) = uncorrelated(8), (1.0, 3.0)
+    contact = asp.press(rough, spring_lattice(k0=k0, k1=k1, hardness=hardness), load=20.0)
+    identity = np.eye(64).reshape(64, 8, 8)
+    S = np.array([(k1 * one - k0 * laplacian(one)).ravel() for one in identity])
+    h = np.asarray(rough).ravel()
+    u = swept(S, np.full(64, k1 * contact.separation), h, hardness, h)
+    assert np.abs(contact.u.ravel() - u).max() < 1e-10
+    assert np.abs(contact.permanent_indentation.ravel() - np.maximum(h - u, 0)).max() < 1e-10
+    assert contact.yielding_area == np.count_nonzero(u < h) > 0
+    assert contact.load == pytest.approx(20.0, rel=1e-9)
+    held = asp.press(rough, contact.solid, separation=contact.separation)
+    np.testing.assert_allclose(held.u, contact.u, atol=1e-10)
+
+
+def test_sites_of_a_half_space_are_those_of_sweeps():
+    solid = half_space(modulus=2.0, apparatus=0.3, hardness=0.25)
+    rough = asp.surfaces.Surface(uncorrelated(8))
+    contact = asp.press(rough, solid, load=5.0)
+    unit = np.eye(64).reshape(64, 8, 8)
+    spectrum = solid.on(contact.lattice).permanent
+    S = np.array([contact.lattice.apply(spectrum, one).ravel() for one in unit])
+    h = np.asarray(contact.heights + contact.permanent_indentation).ravel()
+    u = swept(S, S.sum(axis=1) * contact.separation, h, 0.25, h)
+    assert np.abs(contact.u.ravel() - u).max() < 1e-9
+    assert 0 < contact.yielding_area < contact.area
+
+
+def test_under_a_large_load_the_area_is_load_over_hardness():
+    # A paraboloid of radius R on a half-space yields from p0 = H on; far beyond, all but the rim yields.
+    x = np.arange(128.0) - 64
+    rough = -(x**2 + x[:, None] ** 2) / (2 * 4000.0)
+    modulus, hardness = 1000.0, 0.2
+    onset = np.pi**3 * 4000.0**2 * hardness**3 / (6 * modulus**2)
+    for load in (100.0, 1000.0):
+        assert load > 10 * onset
+        contact = asp.press(rough, half_space(modulus=modulus, hardness=hardness), load=load)
+        rim = 2 * np.sqrt(np.pi * contact.area)
+        assert load / hardness <= contact.area <= load / hardness + 2 * rim
+        assert contact.largest_pressure <= hardness * (1 + 1e-12)
+
+
+def test_below_the_onset_nothing_yields():
+    x = np.arange(128.0) - 64
+    rough, load = -(x**2 + x[:, None] ** 2) / (2 * 4000.0), 1.0
+    p0 = (6 * load * 1000.0**2 / (np.pi**3 * 4000.0**2)) ** (1 / 3)
+    for hardness, yields in ((0.8 * p0, True), (1.2 * p0, False)):
+        contact = asp.press(rough, half_space(modulus=1000.0, hardness=hardness), load=load)
+        assert (contact.yielding_area > 0) == yields == bool(contact.permanent_indentation.any())
+
+
+def test_a_bound_that_nothing_reaches_changes_no_bit():
+    rough, times = uncorrelated(16), [0.1, 1.0]
+    with_bound, without = (half_space(modulus=2.0, flow=(0.5, 1.0), hardness=h) for h in (1e9, None))
+    a, b = (asp.press(rough, solid, load=10.0) for solid in (with_bound, without))
+    for name in ("u", "force", "anchors", "heights"):
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
+    np.testing.assert_array_equal(asp.age(a, times).final.u, asp.age(b, times).final.u)
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [spring_lattice(k0=1.0, k1=3.0, hardness=1.0), half_space(modulus=2.0, hardness=0.5)],
+    ids=["lattice", "half-space"],
+)
+def test_what_has_yielded_stays_and_answers_elastically(solid):
+    first = asp.press(uncorrelated(16), solid, load=60.0)
+    less = asp.press(first, load=20.0)
+    again = asp.press(less, load=60.0)
+    more = asp.press(again, load=80.0)
+    assert first.yielding_area > 0 == less.yielding_area
+    np.testing.assert_array_equal(less.permanent_indentation, first.permanent_indentation)
+    assert again.area == first.area
+    np.testing.assert_allclose(again.u, first.u, atol=1e-9)
+    np.testing.assert_allclose(again.permanent_indentation, first.permanent_indentation, atol=1e-9)
+    assert (more.permanent_indentation >= again.permanent_indentation).all()
+    assert more.permanent_indentation.max() > again.permanent_indentation.max()
+    rough = uncorrelated(16)
+    np.testing.assert_allclose(more.heights + more.permanent_indentation, rough, atol=1e-12)
+    moved = asp.slide(more, [3, 5])
+    expected = np.roll(more.permanent_indentation, (3, 5), (0, 1))
+    assert (moved.permanent_indentation >= expected).all()
+
+
+def explicit(rough, hardness, X, steps, dt, *, V, law):
+    """Explicit steps of the lattice at a held or moving body; the obstacle is lowered at each of them."""
+    k0, k1, viscous = 1.0, 3.0, 0.4
+    color, diagonal = np.indices(rough.shape).sum(axis=0) % 2 == 0, 4 * k0 + k1
+    u0, obstacle = np.full(rough.shape, X), rough.copy()
+    u = np.maximum(u0, obstacle)
+    for _ in range(steps + 1):
+        while True:
+            before = u.copy()
+            for site in (color, ~color):
+                free = (k0 * (laplacian(u) + 4 * u) + k1 * u0) / diagonal
+                u = np.where(site, np.minimum(np.maximum(obstacle, free), free + hardness / diagonal), u)
+            if np.abs(u - before).max() < 1e-10:
+                break
+        obstacle, state = np.minimum(obstacle, u), (u, u0, obstacle)
+        s = k1 * (u - u0)
+        u0 = u0 + dt * (viscous * s + (law.velocity(s)[0] if law else 0.0) + V)
+    return state
+
+
+@pytest.mark.parametrize("law", [None, Eyring(rate=0.05, stress=0.5)], ids=["linear", "eyring"])
+def test_creep_is_what_explicit_steps_find(law):
+    rough, hardness = np.array(uncorrelated(8)), 1.0
+    solid = spring_lattice(k0=1.0, k1=3.0, R=0.0, R_viscous=0.4, creep=law, hardness=hardness)
+    X, fall = float(rough.max()) - 0.5, -1.0
+    contact = asp.press(rough, solid, separation=X)
+    legs = [P.Ramp(0.5, separation=X + 0.5 * fall)]
+    history = asp.age(contact, [0.5], protocol=legs, rtol=1e-5)
+    coarse, fine = (explicit(rough, hardness, X, n, 0.5 / n, V=fall, law=law) for n in (50, 100))
+    u, u0, obstacle = (2 * b - a for a, b in zip(coarse, fine, strict=True))  # steps of first order
+    end = history.final
+    scale = np.ptp(u)
+    assert np.abs(end.u - u).max() < 1e-3 * scale
+    assert np.abs(end.u0 - u0).max() < 1e-3 * scale
+    assert np.abs(end.heights - obstacle).max() < 1e-3 * scale
+    assert end.permanent_indentation.max() > 1.5 * contact.permanent_indentation.max() > 0
+
+
+def test_a_stage_of_local_creep_on_a_half_space_is_optimal():
+    # In SI; the compliance by transforms of single sites, the conditions by hand.
+    law = Eyring(rate=1e-9, stress=2e7)
+    heights = 2e-9 * asp.surfaces.self_affine(16, hurst=0.8, delta=0.3, seed=1)
+    rough = asp.surfaces.Surface(heights, unit="m", pixel_size=(2e-8, 1e-8), length_unit="m")
+    solid = half_space(modulus=3e9, creep=law, hardness="60 MPa")
+    start = asp.press(rough, solid, pressure=3e7)
+    system = start.system()
+    before = start.anchors[0] - system.datum
+    solver = local_solver(system)
+    guess = LocalState(start.u - system.datum, start.force, 0.0)
+    cell, counts = start.lattice.cell, []
+    for tau in (1e-12, 1e-3):
+        end, _ = solver.solve(Stage(tau, before, start.load, 0.0), guess, 1e-20)
+        p, bound = end.force / cell, 6e7
+        spectrum = np.divide(1.0, K := solid.on(start.lattice).creeping[0], out=np.zeros_like(K), where=K > 0)
+        bent = start.lattice.apply(spectrum, end.force)
+        gap = bent + tau * law.velocity(p)[0] + before + end.position - system.heights
+        size = np.ptp(system.heights)
+        assert end.force.sum() == pytest.approx(start.load, rel=1e-9)
+        assert 0 <= p.min() <= p.max() <= bound * (1 + 1e-12)
+        inside = (p > 0) & (p < bound * (1 - 1e-9))
+        assert np.abs(gap[inside]).max() < 1e-9 * size
+        assert gap[p == 0].min(initial=0.0) > -1e-9 * size
+        assert gap[p >= bound * (1 - 1e-9)].max(initial=0.0) < 1e-9 * size
+        counts.append(np.count_nonzero(p >= bound * (1 - 1e-9)))
+    assert counts[0] > 10 > counts[1]
+
+
+@pytest.mark.parametrize("law", [None, Eyring(rate=1e-2, stress=0.3)], ids=["linear", "eyring"])
+def test_a_run_that_was_stopped_goes_on_to_the_identical_result(tmp_path, law):
+    solid = spring_lattice(k0=1.0, k1=3.0, creep=law, hardness=1.0)
+    start = asp.press(uncorrelated(16), solid, load=40.0)
+    legs = [P.Ramp(1.0, load=80.0), P.Step(load=90.0), P.Hold(1.0), P.Slide(1.0, velocity=1.0)]
+    times, moments = [0.5, 1.5, 2.0, 2.5], [0.0, 1.5]
+    undisturbed = asp.age(start, times, protocol=legs, rtol=2e-2, fields_at=moments)
+    assert undisturbed.dataset["permanent_indentation"].max() > 0
+    place = asp.Checkpoint(tmp_path / "place.npz", every=0.0)
+
+    class StopHereError(Exception):
+        pass
+
+    for stop in times:
+
+        def reached(frame, stop=stop):
+            if frame.time >= stop:
+                raise StopHereError
+
+        with pytest.raises(StopHereError):
+            asp.age(
+                start, times, protocol=legs, checkpoint=place, progress=reached, rtol=2e-2, fields_at=moments
+            )
+    resumed = asp.age(start, times, protocol=legs, checkpoint=place, rtol=2e-2, fields_at=moments)
+    xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
+    for name in ("u", "heights", "permanent_indentation", "force"):
+        np.testing.assert_array_equal(getattr(resumed.final, name), getattr(undisturbed.final, name))
+
+
+def test_loads_beyond_the_hardness_and_parts_of_sites_are_refused():
+    rough, solid = uncorrelated(8), spring_lattice(k0=1.0, k1=3.0, hardness=1.0)
+    contact = asp.press(rough, solid, load=10.0)
+    with refuses("load"):
+        asp.press(rough, solid, load=64.0)
+    with refuses("load"):
+        asp.age(contact, [1.0], protocol=[P.Hold(1.0), P.Step(pressure=1.5)])
+    with refuses("slide"):
+        asp.slide(contact, 0.5)
+    with refuses("slide"):
+        asp.age(contact, [1.0], protocol=P.Slide(2.0, velocity=1.0, substeps=2))
+    with refuses("hardness"):
+        half_space(modulus=2.0, hardness=0.0)
+    with refuses("units"):
+        asp.press(rough, spring_lattice(k0=1.0, k1=3.0, hardness="1 GPa"), load=10.0)
