@@ -96,7 +96,7 @@ def half_space(
         Instead of branches: a local law of creep in series with all of the stiffness, such as `Eyring`. Each
         site yields with the velocity v(p) under its own pressure p.
     hardness
-        Pressure under which the rough surface yields; see `asperity.Solid.with_hardness`.
+        Pressure under which the rough surface yields; see `asperity.solids.Solid.with_hardness`.
 
     Returns
     -------
@@ -177,7 +177,7 @@ def layer(
     bonded
         Whether the layer is bonded to the base; else it slides on it without friction.
     hardness
-        Pressure under which the rough surface yields; see `asperity.Solid.with_hardness`.
+        Pressure under which the rough surface yields; see `asperity.solids.Solid.with_hardness`.
 
     Returns
     -------

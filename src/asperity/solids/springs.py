@@ -36,7 +36,8 @@ def spring_lattice(
         A local law of creep v(s) beside both, such as `Eyring`: du0/dt = M s + v(s) with the force s of the
         springs to the bulk.
     hardness
-        Largest force of a site, above which the rough surface yields; see `asperity.Solid.with_hardness`.
+        Largest force of a site, above which the rough surface yields; see
+        `asperity.solids.Solid.with_hardness`.
 
     Returns
     -------
