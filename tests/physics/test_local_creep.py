@@ -177,3 +177,17 @@ def test_lines_and_edges_that_reflect():
     one = asp.age(asp.press(surface, lattice(Eyring(0.1, 0.3)), load=20.0), [1.0], rtol=1e-5)
     four = asp.age(asp.press(mirrored, lattice(Eyring(0.1, 0.3)), load=80.0), [1.0], rtol=1e-5)
     np.testing.assert_allclose(one.final.u, four.final.u[:8, :8], atol=1e-5)
+
+
+@pytest.mark.parametrize(("k1", "R", "stress"), [(31.0, 0.0, 90.0), (40.0, 0.5, 9.0)])
+def test_cycles_are_few_where_contacts_crowd(k1, R, stress):
+    rough = asp.surfaces.self_affine(32, hurst=0.8, delta=0.1, seed=2)
+    solid = lattice(Eyring(1e-3, stress), k1=k1, R=R)
+    start = asp.press(rough / rough.std(), solid, load=0.05 * (1.0 + k1) * rough.size)
+    frames: list[asp.Frame] = []
+    asp.age(start, np.geomspace(1e-3, 1e4, 8), progress=frames.append)
+    steps, rejected, cycles = (
+        sum(getattr(frame, name) for frame in frames[1:]) for name in ("steps", "rejected", "iterations")
+    )
+    assert rejected <= 0.3 * steps
+    assert cycles <= 5.5 * (steps + rejected)

@@ -47,10 +47,7 @@ def run_python(code, **environment):
     )
 
 
-MODULES = [
-    f"asperity.contact.{name}"
-    for name in ("asperities", "line_sites", "multigrid.loops", "pair_loops", "stencils")
-]
+MODULES = [f"asperity.contact.{name}" for name in ("asperities", "line_sites", "multigrid.loops", "stencils")]
 TREES = {name: ast.parse(inspect.getsource(importlib.import_module(name))) for name in MODULES}
 COMPILED_SO = {
     module: {

@@ -5,30 +5,31 @@ r"""Implicit steps of creep on the lattice of springs whose creep is local and n
 
 v0 is the creeping shape before the step and X the rigid body, which is prescribed, or the sum of k1 w is.
 Both sides are monotone, so the step is a convex problem with one solution. Each cycle linearizes the law
-at the present stretches, corrects u and w by one multigrid cycle for pairs of unknowns
-(`asperity.contact.pair_loops`), and then finds the stretch of each site for its u, which no law overflows:
-the local equation has one root, which is bracketed. (Newton's method, with contacts that are found
-while relaxing: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).)
+at the present stretches, corrects u and w by one cycle of `asperity.contact.multigrid.two_fields` with the
+slope of the law as a drag by site, and then finds the stretch of each site for its u, which no law
+overflows: the local equation has one root, which is bracketed. (Newton's method, with contacts that are
+found while relaxing: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).)
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from asperity.contact import pair_loops as loops
 from asperity.contact.arrays import largest
 from asperity.contact.local_creep import LocalState, Stage, stretches_of
+from asperity.contact.multigrid.loops import Sites, Surface
+from asperity.contact.multigrid.processor import Processor, usual_threads
+from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.problem import SpringStep
+from asperity.contact.stencils import balanced, lattice_force, newton_steps
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
 from asperity.solids import SpringConstants
 from asperity.solids.creep_laws import LocalCreep
-
-_COARSEST = 24
-"""Most cells of the grid on which the problem is solved directly."""
 
 _SOLVED = 1e-2
 """Change of the stretch, relative to how far the law bends in it, below which a site counts as solved."""
@@ -51,26 +52,11 @@ _ROUNDING = 16 * float(np.finfo(float).eps)
 _HEAVY = 1e20
 """Force that keeps contacts closed."""
 
-_FAINT = 1e-9
-"""Pins for each site, relative to k1, where there are no contacts."""
-
 _LARGEST_LAG = 1e30
 """Largest coefficient in single precision."""
 
-
-@dataclass(frozen=True, eq=False)
-class _Grid:
-    """A coarse grid: its equations (see `pair_loops.restrict`) and both corrections."""
-
-    equations: tuple[Any, ...]
-    e: Any
-    f: Any
-
-    @classmethod
-    def of(cls, shape: tuple[int, int]) -> _Grid:
-        """Zeros."""
-        fields = [np.zeros(shape, np.float32) for _ in range(12)]
-        return cls(tuple(fields[:10]), *fields[10:])
+_SOFTEST = 1e-6
+"""Least k0/k1 in the correction, which need not be exact."""
 
 
 class LatticeCreep:
@@ -84,31 +70,15 @@ class LatticeCreep:
         heights: Field,
         bound: float = math.inf,
     ) -> None:
-        self.springs, self.law, self.lattice, self.bound = springs, law, lattice, bound
-        self.shape = heights.shape
-        self.heights = np.atleast_2d(heights)
-        ny, nx = self.heights.shape
-        below, right = np.ones(ny, np.float32), np.ones(nx, np.float32)
-        if lattice.reflecting:
-            below[-1] = right[-1] = 0.0
-        if ny == 1:
-            below[:] = 0.0
-        self.bonds = (below, right)
-        rows, columns = below + np.roll(below, 1), right + np.roll(right, 1)
-        self.bond_count = rows[:, np.newaxis] + columns
-        self.kappa = np.float32(springs.k0 / springs.k1)
-        self.pair = [np.zeros((ny, nx), np.float32) for _ in range(2)]
-        self.grids: list[_Grid] = []
-        self.sums = np.zeros(2)
-        while not self.grids or (ny * nx > _COARSEST):
-            ny, nx = (ny + 1) // 2, (nx + 1) // 2
-            self.grids.append(_Grid.of((ny, nx)))
+        self.springs, self.law, self.bound = springs, law, bound
+        self.shape, self.mirrored = heights.shape, lattice.reflecting
+        self.heights = np.ascontiguousarray(np.atleast_2d(heights))
+        rows, columns = self.heights.shape
+        self.work = TwoFields(Sites(rows, columns, self.mirrored), Processor(usual_threads()))
 
     def laplacian(self, x: Field) -> Field:
         """Minus the Laplacian."""
-        out = np.empty_like(x)
-        loops.laplacian(x, *self.bonds, out)
-        return out
+        return lattice_force(x, x, 1.0, 0.0, mirrored=self.mirrored)
 
     def stretch(self, force: Field) -> Field:
         """See `LocalCreepSolver`."""
@@ -126,18 +96,22 @@ class LatticeCreep:
 
     def balanced(self, state: LocalState, load: float | None) -> Field:
         """See `LocalCreepSolver`."""
-        u, s = np.atleast_2d(state.u), self.springs
+        u, w = (np.ascontiguousarray(np.atleast_2d(field)) for field in (state.u, self.stretch(state.force)))
+        total = None if load is None else load / self.springs.k1
+        k0, k1 = self.springs.k0, self.springs.k1
+        if self.bound == math.inf:
+            return balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored).reshape(state.u.shape)
         given = u > self.heights
-        free = -s.k0 * self.laplacian(u)
-        force = np.where(given, free, np.atleast_2d(state.force))
+        free = -k0 / k1 * self.laplacian(u)
+        w = np.where(given, free, w)
         while True:
-            if load is not None and not given.all():
-                rest = load - float(force[given].sum())
-                force *= np.where(given, 1.0, rest / float(force[~given].sum()))
-            above = ~given & (force - free > self.bound)
+            if total is not None and not given.all():
+                rest = total - float(w[given].sum())
+                w *= np.where(given, 1.0, rest / float(w[~given].sum()))
+            above = ~given & (w - free > self.bound / k1)
             if not above.any():
-                return (force / s.k1).reshape(state.u.shape)
-            force[above] = free[above] + self.bound
+                return w.reshape(state.u.shape)
+            w[above] = free[above] + self.bound / k1
             given |= above
 
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
@@ -147,7 +121,7 @@ class LatticeCreep:
             return end, cycles
         yielding = np.zeros(self.heights.shape, dtype=bool)
         for _ in range(_MOST_REVISIONS):
-            u = np.atleast_2d(end.u)
+            u = np.ascontiguousarray(np.atleast_2d(end.u))
             force = self.springs.k0 * self.laplacian(u) + np.atleast_2d(end.force)
             found = np.where(yielding, u < self.heights, (u <= self.heights) & (force > self.bound))
             if (found == yielding).all():
@@ -163,18 +137,18 @@ class LatticeCreep:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def under(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """Solve a step whose yielding sites are known."""
-        run = _Run(self, stage, guess)
+        run = self.run = _Run(self, stage, guess)
         size, change = math.inf, math.inf
         for cycle in range(_MOST_CYCLES):
             change, size = run.cycle(), change
             if not math.isfinite(change):
                 break
-            rate = min(max(change / size, 0.1), 0.9) if cycle else _USUAL_RATE
+            rate = min(max(change / size, 0.1), 0.9) if cycle and size > 0 else _USUAL_RATE
             if run.missing is not None and run.contacts == 0:
                 continue  # something must carry the load
             rounding = _ROUNDING * run.largest
-            balanced = run.missing is None or rate * abs(run.missing) <= _FORCE_ERROR * abs(run.total)
-            if rate * change <= max(allowed_error, rounding) and balanced:
+            carried = run.missing is None or rate * abs(run.missing) <= _FORCE_ERROR * abs(run.total)
+            if rate * change <= max(allowed_error, rounding) and carried:
                 u, w = (field.reshape(self.shape) for field in (run.u, run.w))
                 return LocalState(u, self.springs.k1 * w, run.position), cycle + 1
         raise ConvergenceError(
@@ -183,9 +157,10 @@ class LatticeCreep:
         )
 
     def damped(self, error: Field, stage: Stage, end: LocalState) -> Field:
-        """See `LocalCreepSolver`."""
-        run = _Run(self, stage, end)
-        return run.damped(np.atleast_2d(error)).reshape(error.shape)
+        """See `LocalCreepSolver`; the step must be the last that was solved."""
+        del end
+        assert stage.tau == self.run.stage.tau
+        return self.run.damped(np.atleast_2d(error)).reshape(error.shape)
 
 
 class _Run:
@@ -197,149 +172,104 @@ class _Run:
         self.given: Any = None
         if stage.yielding is not None:
             self.heights = np.where(stage.yielding, -np.inf, solver.heights)
-            self.given = stage.yielding * (solver.bound / self.springs.k1)
+            self.given = stage.yielding * solver.bound
         self.u = np.maximum(np.atleast_2d(guess.u), self.heights)
         self.w = np.atleast_2d(guess.force) / self.springs.k1
         self.before = np.atleast_2d(stage.before)
-        self.position = stage.position if stage.load is None else guess.position
+        self.position = float(stage.position if stage.load is None else guess.position)
         k1, tau = self.springs.k1, stage.tau
         self.spread, self.drag = tau * k1 * self.springs.R, tau * k1 * self.springs.R_viscous
-        self.bonds = self.spread * (4.0 if solver.heights.shape[0] > 1 else 2.0)
-        self.total, self.contacts, self.own_answer = float(self.w.sum()), 0, 0.0
+        self.total, self.contacts = float(self.w.sum()), 0
         self.missing: float | None = None
         self.largest = max(largest(field, np) for field in (self.u, self.w, self.before))
+        self.unit, self.asked, self.answer, self.prepared = self.largest or 1.0, 0.0, 1.0, False
         self.find_stretch()
 
-    def evaluate(self) -> None:
-        """Velocities and their derivatives at the present stretches, times the duration."""
-        value, slope = self.solver.law.velocity(self.springs.k1 * self.w)
-        self.value, self.slope = self.stage.tau * value, (self.stage.tau * self.springs.k1) * slope
-
-    def flow(self) -> Field:
-        """What the equation of creep lacks."""
-        lacking = self.u - self.before
-        lacking -= self.position + self.value
-        lacking -= (1.0 + self.drag) * self.w
-        if self.spread > 0:
-            lacking -= self.spread * self.solver.laplacian(self.w)
-        return lacking
+    def linearize(self) -> None:
+        """Give multigrid the equations, linear in the law, for corrections to the fields as they are."""
+        solver, springs, work = self.solver, self.springs, self.solver.work
+        k0 = max(springs.k0, _SOFTEST * springs.k1)
+        drag = np.minimum(self.slope + self.drag, _LARGEST_LAG)
+        if self.prepared:
+            work.set_drag(drag)
+        else:
+            work.prepare(springs.k1 / k0, self.spread, drag)
+        self.prepared = True
+        anchors = self.before + self.value
+        anchors += self.position
+        step = SpringStep(k0, springs.k1, self.spread, self.drag, False, anchors, None, solver.mirrored)
+        work.measure(step, Surface(self.u, self.w, self.heights), self.unit)
+        if springs.k0 == 0:
+            work.source.e[...] = work.backend.packed(self.w * (-springs.k1 / k0 / self.unit))
+        if self.given is not None:
+            work.source.e += work.backend.packed(self.given / (k0 * self.unit))
+        if self.stage.load is not None:
+            self.total = self.stage.load / springs.k1
+            self.missing = self.total - work.known_stretch * self.unit
+            work.wanted = self.missing / self.unit
 
     def cycle(self) -> float:
         """One cycle; how much the creeping shape changed, rms over the sites."""
-        solver = self.solver
-        b = self.w + float(solver.kappa) * solver.laplacian(self.u)
-        np.negative(b, out=b)
-        if self.given is not None:
-            b += self.given
-        if self.stage.load is not None:
-            self.total = self.stage.load / self.springs.k1
-            self.missing = self.total - float(self.w.sum())
-        e, f, shift = self.correction(b, self.flow(), self.heights - self.u, self.missing)
-        u = self.u + e
-        np.copyto(u, self.heights, where=self.touching)
-        np.maximum(u, self.heights, out=u)
-        before = self.w
-        self.u, self.w, self.position = u, before + f, self.position - shift
+        work, before = self.solver.work, self.u - self.w
+        self.linearize()
+        found = work.descend(correcting=False)
+        missing, _ = work.judge(found)
+        if self.asked:
+            self.answer *= min(max((self.asked - missing) / self.asked, 0.5), 2.0)
+        self.asked = missing
+        work.find_correction(found.contacts, missing / self.answer, 0, math.inf)
+        work.descend(correcting=True, restricting=False)
+        work.settle(Surface(self.u, self.w, self.heights), self.unit)
+        shift = work.shift * self.unit
+        self.position -= shift
+        self.contacts = work.backend.touching(work.correction.e, work.bound)
+        self.contacts += 0 if self.given is None else int(np.count_nonzero(self.given))
         self.find_stretch()
-        change = e
-        change -= self.w - before
-        change += shift
-        return float(np.sqrt(np.mean(change * change)))
-
-    def correction(
-        self, b: Field, c: Field, least: Field, missing: float | None, *, unit: float = 0.0
-    ) -> tuple[Field, Field, float]:
-        """Corrections of u and w and the shift: one multigrid cycle on the linearized equations."""
-        solver, single = self.solver, np.float32
-        unit = unit or max(largest(b, np), largest(c, np)) or 1.0
-        lag = np.minimum(self.slope + (1.0 + self.drag), _LARGEST_LAG).astype(single)
-        inverse = single(1.0) / (lag + solver.bond_count * single(self.spread))
-        yielding = single(1.0) / (solver.bond_count * solver.kappa + inverse)
-        weight = single(1.0 + self.drag + self.bonds) * inverse
-        bound = (least / unit).astype(single)
-        sources = [(field / unit).astype(single) for field in (b, c)]
-        e, f = solver.pair
-        for field in (e, f):
-            field.fill(0.0)
-        numbers = (solver.kappa, single(self.spread))
-        relaxed: tuple[Any, ...] = (e, f, bound, *sources, inverse, yielding, *solver.bonds, *numbers)
-        loops.relax(*(*relaxed, single(0.0), False))
-        # A contact that its neighbors' stretches do not reach answers a shift on its own.
-        touching = e <= bound
-        reached = solver.bond_count * single(self.spread) * inverse
-        weight = np.where(touching, weight * reached, weight)
-        self.own_answer = float(np.sum((1 - reached) * inverse, where=touching, dtype=float))
-        first = solver.grids[0]
-        weighted: tuple[Any, ...] = (e, f, bound, *sources, lag, weight, *solver.bonds, *numbers)
-        loops.restrict(*(*weighted, single(0.0), first.equations, solver.sums))
-        total, contacts = solver.sums.tolist()
-        shift = self.on_grid(0, None if missing is None else missing / unit - total)
-        loops.correct(e, f, bound, weight, first.e, first.f)
-        loops.relax(*(*relaxed, single(shift), True))
-        self.contacts = int(contacts)
-        self.touching = e <= bound
-        return unit * e.astype(float), unit * f.astype(float), unit * shift
-
-    def on_grid(self, level: int, missing: float | None) -> float:
-        """One cycle from a coarse grid up; the shift."""
-        grid = self.solver.grids[level]
-        if level == len(self.solver.grids) - 1:
-            return _solved(grid, missing, self.own_answer)
-        grid.e.fill(0.0)
-        grid.f.fill(0.0)
-        coarser = self.solver.grids[level + 1]
-        loops.relax_coarse(grid.e, grid.f, grid.equations, np.float32(0.0), False)
-        if missing is not None:
-            missing -= float((grid.equations[4] * grid.f).sum(dtype=float))
-        loops.restrict_coarse(grid.e, grid.f, grid.equations, coarser.equations)
-        shift = self.on_grid(level + 1, missing)
-        loops.correct_coarse(grid.e, grid.f, grid.equations[3], coarser.e, coarser.f)
-        loops.relax_coarse(grid.e, grid.f, grid.equations, np.float32(shift), True)
-        return shift
+        before -= self.u
+        before += self.w
+        before -= shift
+        return float(np.sqrt(np.mean(before * before)))
 
     def find_stretch(self) -> None:
         """The stretch of each site for its surface, the stretches of its neighbors as they are."""
-        self.evaluate()
-        lacking, own = self.flow(), 1.0 + self.drag + self.bonds
-        change = lacking / (own + self.slope)
-        k1, tau, law = self.springs.k1, self.stage.tau, self.solver.law
-        bent = np.flatnonzero(~(k1 * np.abs(change) <= _SOLVED * law.bend(k1 * self.w)))
-        found = self.w + change
-        self.value += self.slope * change
-        if bent.size:
-            wanted = (lacking + own * self.w + self.value - self.slope * change).flat[bent]
-            at = stretches_of(law, own, tau, k1, wanted, found.flat[bent])
-            found.flat[bent] = at
-            value, slope = law.velocity(k1 * at)
-            self.value.flat[bent], self.slope.flat[bent] = tau * value, tau * k1 * slope
-        self.w = found
+        k1, tau, law, w = self.springs.k1, self.stage.tau, self.solver.law, self.w
+        value, slope = law.velocity(k1 * w)
+        value *= tau
+        slope *= tau * k1
+        own, solved = 1.0 + self.drag + 4.0 * self.spread, np.empty_like(w)
+        solved[...] = _SOLVED / k1 * law.bend(k1 * w)
+        found, wanted, bent = np.empty_like(w), np.empty_like(w), np.empty(w.shape, bool)
+        fields, numbers = (self.u, self.before, w, value, slope), (self.position, own, self.spread)
+        newton_steps(*fields, *numbers, solved, found, wanted, bent, self.solver.mirrored)
+        if bent.any():
+            exact = stretches_of(law, own, tau, k1, wanted[bent], found[bent])
+            found[bent] = exact
+            velocity, rise = law.velocity(k1 * exact)
+            value[bent], slope[bent] = tau * velocity, tau * k1 * rise
+        self.w, self.value, self.slope = found, value, slope
 
     def damped(self, error: Field) -> Field:
         """An error of the creeping shape after an implicit step, the contacts staying what they are."""
         scale = largest(error, np)
         if not 0 < scale < math.inf:
             return error
+        work = self.solver.work  # with the law as it was linearized in the last cycle
+        work.shift = 0.0
+        for field in work.correction:
+            field.fill(0.0)
         free = self.u > self.heights
-        missing = None if self.stage.load is None else 0.0
-        least, pressed = np.where(free, -np.inf, 0.0), np.where(free, 0.0, -_HEAVY)
-        e, f, shift = self.correction(pressed, error / -scale, least, missing, unit=1.0)
+        packed = work.backend.packed
+        work.bound[...] = packed(np.where(free, -np.inf, 0.0))
+        work.source.e[...] = packed(np.where(free, 0.0, -_HEAVY))
+        work.source.f[...] = packed(error / -scale)
+        if work.wanted is not None:
+            work.wanted = 0.0
+        found = work.descend(correcting=False)
+        missing, _ = work.judge(found)
+        work.find_correction(found.contacts, missing / self.answer, 0, math.inf)
+        work.descend(correcting=True, restricting=False)
+        e, f = (work.backend.unpacked(field, work.sites) for field in work.correction)
         left: Field = e - f
-        left += shift
+        left += work.shift
         left *= scale
         return left
-
-
-def _solved(grid: _Grid, missing: float | None, own_answer: float) -> float:
-    """Solve on the coarsest grid; the shift."""
-    n = grid.e.size
-    matrix, sides = np.zeros((2 * n + 1, 2 * n + 1)), np.zeros(2 * n + 1)
-    faint = 0.0 if grid.equations[0].any() else _FAINT  # without contacts the matrix is singular
-    loops.assemble(grid.equations, faint, missing is not None, matrix, sides)
-    if missing is not None:
-        matrix[-1, -1], sides[-1] = own_answer, missing
-    try:
-        found = np.linalg.solve(matrix, sides)
-    except np.linalg.LinAlgError:  # singular by rounding: no cycle converges
-        found = np.full(2 * n + 1, np.nan)
-    grid.e[...], grid.f[...] = found[:n].reshape(grid.e.shape), found[n:-1].reshape(grid.e.shape)
-    return float(found[-1])

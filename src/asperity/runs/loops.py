@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from asperity.contact import asperities, line_sites, pair_loops, stencils
+from asperity.contact import asperities, line_sites, stencils
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
 from asperity.contact.multigrid import loops
 from asperity.simulate import age, press, relax
@@ -21,9 +21,7 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     What takes so long is told before it begins, if anything has to be compiled; where the machine code is
     kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
-    stamp = stamp_of(
-        loops.wrap, stencils.combine, asperities.overlap_by_rows, line_sites.substitute, pair_loops.laplacian
-    )
+    stamp = stamp_of(loops.wrap, stencils.combine, asperities.overlap_by_rows, line_sites.substitute)
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
         return

@@ -143,20 +143,20 @@ class Hierarchy:
             self.backend.coarser_pins(fine.pins, fine.sites, softening, mean, coarse.pins)
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
-        """A lag by site, on the coarse grids: the mean response of the sites of a cell.
+        """A lag by site, on the coarse grids: its mean over a cell, weighted by how far its sites respond.
 
-        A site that differs from its neighbors relaxes as 1 / (lag + 4 spread / mass): the mean is harmonic
-        where spread is small, arithmetic where it is large.
+        A site that differs from its neighbors relaxes as w = 1 / (lag + 4 spread / mass). The mean weighted
+        by w is harmonic where spread is small, arithmetic where it is large.
         """
         lags: list[Single] = []
-        sites, areas = self.sites, np.ones(self.sites[:2])
+        sites, areas, backend = self.sites, np.ones(self.sites[:2]), self.backend
         for grid in self.grids:
             beside = np.float32(4.0 * spread * areas.size / math.prod(self.sites[:2]))
-            response, found = self.backend.zeros(grid.sites), self.backend.zeros(grid.sites)
-            weights = self.backend.packed(areas)
-            self.backend.coarser_pins(weights / (lag + beside), sites, 0.0, 0.0, response)
-            cells = self.backend.packed(grid.areas)
-            lag = np.divide(cells, response, out=found, where=cells > 0) - beside
+            weights = np.divide(backend.packed(areas), lag + beside, out=np.zeros_like(lag), where=lag > 0)
+            response, lagging = backend.zeros(grid.sites), backend.zeros(grid.sites)
+            backend.coarser_pins(weights, sites, 0.0, 0.0, response)
+            backend.coarser_pins(weights * lag, sites, 0.0, 0.0, lagging)
+            lag = np.divide(lagging, response, out=lagging, where=response > 0)
             lags.append(lag)
             sites, areas = grid.sites, grid.areas
         return lags

@@ -77,17 +77,23 @@ class TwoFields:
     def prepare(self, bed: float, spread: float, drag: float | Field) -> None:
         """Set the coefficients: bed = k1/k0, and those of the equations; the drag is a number or by site."""
         self.bed, self.spread, self.pinned = bed, spread, -math.inf
+        self.set_drag(drag)
+        if isinstance(drag, np.ndarray):
+            weights = 1.0 / (1.0 + 4.0 * spread + drag)
+            drag = float(np.sum(weights * drag) / np.sum(weights))
+        self.mean_lag = 1.0 + drag
+        self.response = Response(bed, spread, drag)
+
+    def set_drag(self, drag: float | Field) -> None:
+        """Change the drag; pins, and the mean lag that they follow, stay what they are."""
         self.lag: Any
+        self.factorized = False
         if isinstance(drag, np.ndarray):
             self.lag = np.maximum(self.backend.packed(1.0 + drag), np.float32(1.0))
-            self.coarse_lags = self.hierarchy.coarser_lags(self.lag, spread)
-            beside = 4.0 * spread
-            drag = 1.0 / float(np.mean(1.0 / (1.0 + drag + beside))) - beside - 1.0
+            self.coarse_lags = self.hierarchy.coarser_lags(self.lag, self.spread)
         else:
             self.lag = np.float32(1.0 + drag)
             self.coarse_lags = [self.lag] * len(self.hierarchy.grids)
-        self.mean_lag = 1.0 + drag
-        self.response = Response(bed, spread, drag)
 
     def solve(
         self, springs: SpringStep, heights: Field, u: Field, w: Field, tolerance: float, max_cycles: int
@@ -218,10 +224,13 @@ class TwoFields:
 
     def set_pins(self, contacts: float) -> None:
         """Set pins on the coarse grids, where many have changed, and factorize the coarsest."""
-        if abs(contacts - self.pinned) <= 0.02 * self.pinned:
+        moved = abs(contacts - self.pinned) > 0.02 * self.pinned
+        if self.factorized and not moved:
             return
-        self.pinned = contacts
-        self.hierarchy.set_pins(self.correction.e, self.bound, contacts / self.size, self.response)
+        if moved:
+            self.pinned = contacts
+            self.hierarchy.set_pins(self.correction.e, self.bound, contacts / self.size, self.response)
+        self.factorized = True
         grid = self.hierarchy.grids[-1]
         lap, cells, lag = grid.laplacian(), grid.areas.ravel(), self.coarse_lags[-1]
         lags = grid.in_order(lag) if lag.ndim else self.mean_lag
