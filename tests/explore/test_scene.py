@@ -11,7 +11,19 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.explore.scene import Cursor, Recording, map_of, mapped, most_maps, pack, recorded, unpack
+from asperity.config import config_from
+from asperity.explore.scene import (
+    Cursor,
+    Recording,
+    map_of,
+    mapped,
+    most_maps,
+    of_frame,
+    pack,
+    recorded,
+    started,
+    unpack,
+)
 
 ARRAYS: dict[str, Any] = {
     "rows": np.arange(6.0).reshape(3, 2),
@@ -21,6 +33,8 @@ ARRAYS: dict[str, Any] = {
     "small": np.array([1.5], dtype=np.float32),
     "whole": np.array([-7, 2**31 - 1], dtype=np.int32),
 }
+
+LATTICE = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 
 
 def test_what_was_packed_comes_out() -> None:
@@ -95,6 +109,30 @@ def test_a_history_becomes_rows_and_maps(aged: Any) -> None:
         total = one.pressure.astype(float).sum() * one.scale / 65535
         at = np.flatnonzero((aged["time"].values == one.time) & (aged["leg"].values == one.leg))
         assert total == pytest.approx(aged["load"].values[at[0]], rel=1e-4)
+
+
+def test_a_history_that_slides_has_its_displacement() -> None:
+    contact = asp.press(np.random.default_rng(2).normal(size=(8, 8)), LATTICE, load=16.0)
+    slides = [asp.protocols.Slide(distance=2.0, velocity=1.0), asp.protocols.Hold(3.0)]
+    series = asp.age(contact, [1.0, 2.0, 5.0], protocol=slides).dataset
+    recording = recorded(series, None, job="", title="")
+    assert recording.scene is not None
+    columns = recording.scene["columns"]
+    got = [row[columns.index("displacement")] for row in recording.rows]
+    assert got == series["displacement"].values.tolist()
+    assert recording.scene["column_units"]["displacement"] == series["displacement"].attrs["units"]
+    live: list[float] = []
+
+    def tell(frame: Any) -> None:
+        if not live:
+            config = config_from(
+                {"protocol": [{"kind": "slide", "distance": 2.0, "velocity": 1.0}]}, {}, None
+            )
+            assert started(frame, config)["displacement"].values.tolist() == [0.0]
+        live.append(of_frame(frame)[0]["displacement"])
+
+    asp.age(contact, [5.0], protocol=slides, progress=tell)
+    assert live[-1] == 2.0
 
 
 def test_growth_per_decade_counts_from_the_last_switch(aged: Any) -> None:

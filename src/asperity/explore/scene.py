@@ -27,6 +27,7 @@ from asperity.config import RunConfig, to_tables, to_toml
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
 from asperity.lattice import Field, Mask
+from asperity.protocols import Slide, legs_of
 from asperity.results.dataset import Row, dataset_of, row_of
 
 Header = dict[str, Any]
@@ -46,6 +47,7 @@ _A_MESSAGE = 4e6
 
 _SERIES = ("area", "contact_fraction", "load", "separation", "residual")
 _OF_LENGTHS = ("contact_area", "contact_area_corrected")
+_OF_SLIDES = ("displacement",)
 _MADE = {
     "mean_pressure": "load over real contact area",
     "friction": "static friction over that at first: real contact area over load (Tabor)",
@@ -242,8 +244,18 @@ def started(frame: Frame, config: RunConfig) -> xr.Dataset:
     """Describe a run by its first moment, as `recorded` does by the whole."""
     contact = frame.contact
     return dataset_of(
-        contact, contact.control, config.legs or None, False, [row_of(frame)], [], rtol=config.aging.rtol
+        contact,
+        contact.control,
+        config.legs or None,
+        False,
+        [row_of(frame, slides=_slides(config))],
+        [],
+        rtol=config.aging.rtol,
     )
+
+
+def _slides(config: RunConfig) -> bool:
+    return bool(config.legs) and any(isinstance(leg, Slide) for leg in legs_of(config.legs))
 
 
 def of_frame(frame: Frame) -> tuple[Row, Map]:
@@ -252,14 +264,18 @@ def of_frame(frame: Frame) -> tuple[Row, Map]:
     # The page shows the rough surface at rest, as `on_the_surface` does.
     back, axes = [-round(sites) for sites in frame.shift], tuple(range(len(frame.shift)))
     in_contact, pressure = np.roll(contact.in_contact, back, axes), np.roll(contact.pressure, back, axes)
-    return row_of(frame), map_of(frame.time, frame.leg, in_contact, pressure)
+    return row_of(frame, slides=True), map_of(frame.time, frame.leg, in_contact, pressure)
 
 
 def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: str) -> Recording:
     """Make the recording of a finished history: rows, and the maps that it kept."""
     recording = Recording(job)
     recording.begin(dataset, config, title)
-    names = [name for name in ("time", *_SERIES, *_OF_LENGTHS, "mean_contact_pressure") if name in dataset]
+    names = [
+        name
+        for name in ("time", *_SERIES, *_OF_LENGTHS, *_OF_SLIDES, "mean_contact_pressure")
+        if name in dataset
+    ]
     series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
@@ -339,6 +355,7 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     steps = np.rint((heights - low) * (_STEPS / (high - low) if high > low else 0.0)).astype(np.uint16)
     lengths = "contact_area" in dataset
     series = [*_SERIES[:2], *(_OF_LENGTHS if lengths else ()), *_SERIES[2:]]
+    series += [name for name in _OF_SLIDES if name in dataset]
     columns = ["time", "leg", *series, *_MADE]
     long_names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
