@@ -161,12 +161,7 @@ def predict(
 
 @_command("preparation", name="surface")
 def show_surface(
-    file: Path,
-    /,
-    *,
-    out: Out | None = None,
-    overwrite: Switch = False,
-    preparation: Flags | None = None,
+    file: Path, /, *, out: Out | None = None, overwrite: Switch = False, preparation: Flags | None = None
 ) -> None:
     """Say what a surface file holds and what a run would make of it, and draw it.
 
@@ -188,12 +183,7 @@ def show_surface(
 
 
 @_command(name="fit")
-def fit_table(
-    file: Path,
-    /,
-    *,
-    wanted: FitFlags = _FIT,
-) -> None:
+def fit_table(file: Path, /, *, wanted: FitFlags = _FIT) -> None:
     """Fit laws of growth to measured values against hold time: contact area, or static friction.
 
     A value at time 0, if there is one, is taken as exact; several, or one with a standard error, are
@@ -250,13 +240,7 @@ def friction(
 
 
 @_command()
-def sweep(
-    plan: Path,
-    /,
-    *,
-    out: Out,
-    work: Work = _WORK,
-) -> None:
+def sweep(plan: Path, /, *, out: Out, work: Work = _WORK) -> None:
     """Do a campaign: many runs from one file, in one folder. The same command again does what is missing.
 
     Parameters
@@ -347,12 +331,7 @@ def explore(
 
 
 @_command()
-def reproduce(
-    *,
-    out: Out,
-    ensembles: Ensembles = _ENSEMBLES,
-    work: Work = _WORK,
-) -> None:
+def reproduce(*, out: Out, ensembles: Ensembles = _ENSEMBLES, work: Work = _WORK) -> None:
     """Reproduce the paper: every figure and every claim, from simulations of your own, as one report.
 
     The paper is E. A. Jagla's on the time dependence of contact area. The report, report.html in the
@@ -442,12 +421,7 @@ def write_references(
 
 @_command(name="score", of=references)
 def score_result(
-    result: Path,
-    /,
-    *,
-    problem: str | None = None,
-    out: Out | None = None,
-    overwrite: Switch = False,
+    result: Path, /, *, problem: str | None = None, out: Out | None = None, overwrite: Switch = False
 ) -> None:
     """Compare an answer with the certified one, number by number.
 
@@ -531,12 +505,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(arguments: list[str]) -> int:
     try:
-        app(
-            arguments,
-            exit_on_error=False,
-            print_error=False,
-            result_action="return_value",
-        )
+        app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
     except CycloptsError as error:
         return _complain(2, _usage(error))
