@@ -4,13 +4,16 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
+from asperity.fits.resampling import Estimate
 from asperity.studies import STUDIES
+from asperity.studies.ledger import Measurement
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ("release", "slide_hold_slide", "patch_sizes", "growth_rate")
+PAGES = ("release", "slide_hold_slide", "patch_sizes", "growth_rate", "activated_creep")
 
 
 def release_rows(data):
@@ -26,17 +29,41 @@ def release_rows(data):
         yield f"| `{row.solid}` | {row.move:g} | {what} | {' | '.join(said)} | {row.runs} | {row.verdict} |"
 
 
+def interval(row, name, digits=2):
+    ends = (row[name], row[f"{name}_low"], row[f"{name}_high"])
+    return "{:.{d}f} [{:.{d}f}, {:.{d}f}]".format(*ends, d=digits) if ends[0] == ends[0] else "–"
+
+
+def activated_creep_rows(data):
+    for row in pd.read_csv(data / "powers.csv").to_dict("records"):
+        said = [interval(row, name) for name in ("minimum", "growth", "estimated")]
+        fell = interval(row, "depth", 3)
+        yield f"| `{row['solid']}` | {row['load_ratio']:g} | {fell} | {' | '.join(said)} |"
+    for row in pd.read_csv(data / "rests.csv").to_dict("records"):
+        rest, steady = (interval(row, name, 4) for name in ("rest", "steady"))
+        yield f"| {row['kT']:g} | {rest} | {row['s0_over_s']:.4f} | {steady} |"
+    yield from verdict_rows(data)
+
+
 def slide_hold_slide_rows(data):
-    table: Any = pd.read_csv(data / "points.csv")
-    for row in table.itertuples():
-        at = f" {row.at:.4g}" if row.at == row.at else ""
-        yield f"| {row.what}, {row.of}{at} | {row.value:.3f} [{row.low:.3f}, {row.high:.3f}] |"
-    yield from ledger_rows(data)
+    for row in pd.read_csv(data / "laws.csv").to_dict("records"):
+        if row["events"] != "all":
+            digits = {"b": 3, "D_c": 2}
+            found = [interval(row, name, n) if row["determined"] else "–" for name, n in digits.items()]
+            words = f"`{row['solid']}` | {row['load']:g} | {row['events']} | {row['law']}"
+            yield f"| {words} | {' | '.join(found)} | {row['misfit']:.3f} |"
+    for row in pd.read_csv(data / "slips.csv").to_dict("records"):
+        yield f"| `{row['family']}` | {row['length']:.2f} | {interval(row, 'slip')} |"
+    yield from verdict_rows(data)
 
 
-def ledger_rows(data):
+def verdict_rows(data):
+    """Each number with its own verdict, whatever that of the claim."""
     for row in pd.read_csv(data / "ledger.csv").itertuples():
-        yield f"| {row.claim} | {row.value:.2f} [{row.low:.2f}, {row.high:.2f}] | {row.verdict} |"
+        found = f"{row.value:.3f} [{row.low:.3f}, {row.high:.3f}]"
+        estimate = Estimate(row.value, np.nan, row.low, row.high, row.runs)
+        verdict = Measurement(row.what, estimate, row.range_low, row.range_high).verdict
+        yield f"| {row.what} | {found} | {row.runs} | {verdict.value} |"
 
 
 def patch_sizes_rows(data):
@@ -61,10 +88,11 @@ def growth_rate_rows(data):
 
 
 ROWS = {
+    "activated_creep": activated_creep_rows,
+    "growth_rate": growth_rate_rows,
+    "patch_sizes": patch_sizes_rows,
     "release": release_rows,
     "slide_hold_slide": slide_hold_slide_rows,
-    "patch_sizes": patch_sizes_rows,
-    "growth_rate": growth_rate_rows,
 }
 
 

@@ -1,21 +1,25 @@
-r"""Study: slide, hold, slide: static friction against hold time, D_c, and steady friction against velocity.
+r"""Study: slide, hold, slide: static friction against hold time, steady friction against velocity, and D_c.
 
-By Tabor's relation with a constant shear strength, friction is in proportion to the real area of contact, so
-that all is said of the area A, over that of steady sliding at the velocity 1, A_1. The rough surface slides
-by whole sites under a body that keeps its crept shape. Rate-and-state friction with the aging law (J. H.
-Dieterich, J. Geophys. Res. 84, 2161 (1979), DOI 10.1029/JB084iB05p02161) says without a direct effect
+By Tabor's relation with a constant shear strength, friction is in proportion to the real area of contact.
+The rough surface slides by whole sites under a body that keeps its crept shape: at the velocity 1 for a
+run-in, and again after each of four rests, and then at other velocities. Rate-and-state friction with the
+aging law (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979), DOI 10.1029/JB084iB05p02161) says without a
+direct effect
 
-    at rest      A(t)/A_1 = 1 + b ln(1 + V t/D_c)
-    steady       A(V)/A_1 = 1 - b ln(V)
-    after a rest the excess of A falls by a factor e within a slip of D_c (if it is small).
+    at rest      mu(t) = mu_0 + b ln(1 + V t/D_c)
+    steady       mu(V) = mu_0 - b ln(V)
+    after a rest a small excess falls by a factor e within a slip of D_c.
 
-A velocity V is a mobility of creep 1/V at the velocity 1, so that all runs have the same times.
+`asperity.friction.rate_and_state` fits b and D_c to the rests and to the steps of the velocity, by the aging
+law and by the slip law. Other slides, with one rest, give the slip that forgets it on surfaces of several
+wavelengths.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,42 +27,131 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
+import asperity.friction as friction
 from asperity.checks import Floats
 from asperity.figures import style
-from asperity.fits.resampling import jackknife
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.friction.fitting import Events
 from asperity.studies.campaigns import Campaign
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding, Measurement
 from asperity.studies.study import Outcome, Study
 
-HOLDS = (1.0, 10.0, 100.0, 1e3, 1e4)
-VELOCITIES = (0.01, 0.1, 1.0, 10.0, 100.0)
-_SIDE = 64
-_RUN_IN, _AGAIN = 24, 12
+HOLDS = (10.0, 100.0, 1e3, 1e4)
+VELOCITIES = (10.0, 0.1, 0.01)
+"""Those after the rests; all slides before are at 1."""
+
+_SIDE = 128
+_RUN_IN, _AGAIN, _STEP = 24, 16, 20
 _STEADY = 8
 """Shifts at the end of a slide that count as steady."""
 
-_ROLL_OFFS = (8.0, 16.0, 32.0)
-_SOLID = {"k0": 1.0, "k1": 3.0, "R": 1.0}
+_SLIP = 28
 
 
-def _campaign(name: str, purpose: str, protocol: list[dict[str, Any]], sweep: dict[str, Any]) -> Campaign:
+@dataclass(frozen=True)
+class Solid:
+    """A solid of the study.
+
+    Attributes
+    ----------
+    what
+        In words.
+    table
+        Its section of the campaign file.
+    heights
+        What of the heights is 1.
+    loads
+        Loads a site.
+    rtol
+        As in a campaign file.
+    side
+        Sites along a side where wavelengths are varied.
+    waves
+        Longest wavelengths there; the shortest one is a quarter of it.
+    rest
+        Hold time there.
+    """
+
+    what: str
+    table: Mapping[str, Any]
+    heights: str
+    loads: tuple[float, ...]
+    rtol: float
+    side: int
+    waves: tuple[float, ...]
+    rest: float
+
+
+SOLIDS = {
+    "lattice": Solid(
+        "lattice of springs, conserved creep",
+        {"k0": 1.0, "k1": 3.0, "R": 1.0},
+        "rms_height",
+        (0.01, 0.05),
+        0.02,
+        _SIDE,
+        (16.0, 32.0, 64.0),
+        10.0,
+    ),
+    "half_space": Solid(
+        "half-space, E(t) like ln t",
+        {
+            "kind": "half_space",
+            "modulus": 1.0,
+            "branches": [[0.06, 10.0**decade] for decade in range(-3, 7)],
+        },
+        "rms_slope",
+        (0.02,),
+        0.05,
+        64,
+        (12.0, 20.0, 32.0),
+        1e3,
+    ),
+}
+"""By the names of their campaigns."""
+
+LONGEST = (8.0, 16.0, 32.0, 64.0)
+"""Longest wavelengths with one shortest, 4 sites, on the lattice."""
+
+
+def _slide(distance: int, velocity: float = 1.0) -> dict[str, Any]:
+    return {"kind": "slide", "distance": float(distance), "velocity": velocity}
+
+
+def _hold(duration: float) -> dict[str, Any]:
+    return {"kind": "hold", "duration": duration}
+
+
+_HISTORY = [
+    _slide(_RUN_IN),
+    *(leg for time in HOLDS for leg in (_hold(time), _slide(_AGAIN))),
+    *(_slide(_STEP, velocity) for velocity in VELOCITIES),
+]
+
+
+def _with_a_rest(solid: Solid) -> list[dict[str, Any]]:
+    return [_slide(_RUN_IN), _hold(solid.rest), _slide(_SLIP)]
+
+
+def _campaign(
+    name: str,
+    purpose: str,
+    solid: Solid,
+    side: int,
+    waves: dict[str, float],
+    protocol: list[dict[str, Any]],
+    sweep: dict[str, Any],
+) -> Campaign:
     return Campaign(
         name,
-        purpose,
+        f"{purpose}: {solid.what}",
         {
-            "surface": {
-                "kind": "spectral",
-                "shape": [_SIDE, _SIDE],
-                "hurst": 0.8,
-                "roll_off": 16.0,
-                "cutoff": 4.0,
-                "rms_height": 1.0,
-            },
-            "solid": _SOLID,
-            "contact": {"load": 0.05 * _SIDE**2},
+            "surface": {"kind": "spectral", "shape": [side, side], "hurst": 0.8, **waves, solid.heights: 1.0},
+            "solid": solid.table,
+            "contact": {"load": solid.loads[0] * side**2},
             "friction": {"shear_strength": 1.0},
-            "aging": {"first": 1.0, "per_decade": 1},
+            "aging": {"first": 1.0, "per_decade": 1, "rtol": solid.rtol},
             "protocol": protocol,
             "output": {"maps_at": []},
             "sweep": sweep,
@@ -66,30 +159,45 @@ def _campaign(name: str, purpose: str, protocol: list[dict[str, Any]], sweep: di
     )
 
 
-def _slide(distance: float) -> dict[str, Any]:
-    return {"kind": "slide", "distance": float(distance), "velocity": 1.0}
-
-
-def campaigns(seeds: int) -> tuple[Campaign, ...]:
-    """Return the campaigns, with so many surfaces each."""
-    holds = [leg for time in HOLDS for leg in ({"kind": "hold", "duration": time}, _slide(_AGAIN))]
-    return (
+def campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
+    """Return the campaigns, with so many surfaces each; the quick ones have one load."""
+    found = []
+    for name, solid in SOLIDS.items():
+        loads = [load * _SIDE**2 for load in (solid.loads[:1] if quick else solid.loads)]
+        waves = {"roll_off": list(solid.waves), "cutoff": [wave / 4 for wave in solid.waves]}
+        found += [
+            _campaign(
+                name,
+                "Rests and steps of the velocity",
+                solid,
+                _SIDE,
+                {"roll_off": 48.0, "cutoff": 12.0},
+                _HISTORY,
+                {"load": loads, "seeds": surfaces},
+            ),
+            _campaign(
+                f"waves_{name}",
+                "A rest and a slide on surfaces of several scales",
+                solid,
+                solid.side,
+                {key: values[0] for key, values in waves.items()},
+                _with_a_rest(solid),
+                {**waves, "seeds": surfaces, "combine": "zip"},
+            ),
+        ]
+    lattice = SOLIDS["lattice"]
+    found.append(
         _campaign(
-            "holds", "Slides with longer and longer rests", [_slide(_RUN_IN), *holds], {"seeds": seeds}
-        ),
-        _campaign(
-            "velocities",
-            "Steady sliding, with the inverse velocity as a factor on mobility",
-            [_slide(_RUN_IN)],
-            {"protocol.0.mobility": [1 / velocity for velocity in VELOCITIES], "seeds": seeds},
-        ),
-        _campaign(
-            "lengths",
+            "longest",
             "A rest and a slide on surfaces of several longest wavelengths",
-            [_slide(_RUN_IN), {"kind": "hold", "duration": 100.0}, _slide(_RUN_IN)],
-            {"roll_off": list(_ROLL_OFFS), "seeds": seeds},
-        ),
+            lattice,
+            _SIDE,
+            {"roll_off": LONGEST[0], "cutoff": 4.0},
+            _with_a_rest(lattice),
+            {"roll_off": list(LONGEST), "seeds": surfaces},
+        )
     )
+    return tuple(found)
 
 
 def before_shifts(one: xr.Dataset, leg: int) -> Floats:
@@ -112,155 +220,318 @@ def slip_of_memory(excess: Floats) -> float:
     return 1 / math.log(total / (total - 1)) if total > 1 else 0.0
 
 
-def correlation_length(roll_off: float) -> float:
+def correlation_length(roll_off: float, cutoff: float) -> float:
     """Distance at which the correlation of such heights has fallen to 1/e, in sites, by their spectrum."""
     from asperity.surfaces import spectral
 
-    heights = spectral((512, 512), hurst=0.8, roll_off=roll_off, cutoff=4.0, rms_height=1.0, seed=0)
+    heights = spectral((512, 512), hurst=0.8, roll_off=roll_off, cutoff=cutoff, rms_height=1.0, seed=0)
     row = np.fft.ifft(np.mean(np.abs(np.fft.fft(heights, axis=1)) ** 2, axis=0)).real
     falls = int(np.argmax(row < row[0] / math.e))
     high, low = row[falls - 1] / row[0], row[falls] / row[0]
     return float(falls - 1 + (high - 1 / math.e) / (high - low))
 
 
-def analyse(evidence: Evidence) -> Outcome:
-    """Find the growth at rest, the fall with velocity and the slip of memory."""
-    holds, rests = evidence["holds"], []
-    for seed in holds["seed"].values:
-        one = holds.sel(seed=seed)
-        steady = before_shifts(one, 0)[-_STEADY:].mean()
-        ends = [one["area"].values[one["leg"].values == 1 + 2 * n][-1] for n in range(len(HOLDS))]
-        rests.append(np.array(ends) / steady)
-    rest = np.array(rests)
-    velocities = evidence["velocities"]
-    sliding = np.array(
-        [
-            [
-                before_shifts(velocities.sel({"protocol.0.mobility": 1 / v, "seed": seed}), 0)[
-                    -_STEADY:
-                ].mean()
-                for v in VELOCITIES
+@dataclass(frozen=True, eq=False)
+class Records:
+    """Friction of all surfaces of one solid under one load.
+
+    Attributes
+    ----------
+    solid
+        Name of the solid.
+    load
+        A site.
+    records
+        Of each surface, over its steady friction at the velocity 1.
+    steady
+        Friction at the end of the slide at each of the velocities 1, then `VELOCITIES`, over that at 1;
+        shape (surfaces, 4).
+    """
+
+    solid: str
+    load: float
+    records: list[friction.Record]
+    steady: Floats
+
+    @classmethod
+    def of(cls, data: xr.Dataset, solid: str, load: float) -> Records:
+        """Read them from the campaign of the solid."""
+        records, steady = [], []
+        last = 1 + 2 * len(HOLDS)
+        for seed in data["seed"].values:
+            one = data.sel(load=load, seed=seed)
+            slow = np.mean([before_shifts(one, leg)[-_STEADY:].mean() for leg in range(0, last, 2)])
+            others = [
+                before_shifts(one, leg)[-_STEADY:].mean() for leg in range(last, last + len(VELOCITIES))
             ]
-            for seed in velocities["seed"].values
-        ]
-    )
-    sliding /= sliding[:, [VELOCITIES.index(1.0)]]
-    decays = {value: _excesses(evidence["lengths"].sel(roll_off=value)) for value in _ROLL_OFFS}
-    lengths = np.array([correlation_length(value) for value in _ROLL_OFFS])
+            steady.append(np.array([slow, *others]) / slow)
+            unit = float(one["friction"].values[0] / one["area"].values[0] * slow)
+            record = friction.Record.of_displacement(
+                one["time"].values,
+                one["displacement"].values,
+                one["friction"].values / unit,
+                strength_at_rest=True,
+                a=0.0,
+                si=False,
+            )
+            records.append(record)
+        return cls(solid, load / _SIDE**2, records, np.array(steady))
 
-    def slips(*excesses: Floats) -> Floats:
-        return np.array([slip_of_memory(excess.mean(axis=0)) for excess in excesses])
+    @property
+    def words(self) -> str:
+        """Which ones, for a reader."""
+        return f"{SOLIDS[self.solid].what}, load {self.load:g}"
 
-    slip = jackknife(slips, tuple(decays.values()))
-    exponent = jackknife(
-        lambda *sample: np.polyfit(np.log(lengths), np.log(slips(*sample)), 1)[0], tuple(decays.values())
-    )
-    rate_rest = jackknife(lambda sample: _slope(HOLDS[1:], sample[:, 1:]), rest)
-    rate_slide = jackknife(lambda sample: -_slope(VELOCITIES, sample), sliding)
-    bend = jackknife(_bend, rest)
-    same = jackknife(
-        lambda at_rest, moving: -_slope(VELOCITIES, moving) / _slope(HOLDS[1:], at_rest[:, 1:]),
-        (rest, sliding),
-    )
+    @property
+    def rest(self) -> Floats:
+        """1 and the growth of friction in each of `HOLDS`, shape (surfaces, holds)."""
+        peaks = [friction.hold_peaks(record) for record in self.records]
+        return np.array([1 + one.peak - one.before for one in peaks])
+
+    def ratio_of_b(self) -> Estimate:
+        """B of the steps of the velocity over that of the rests, by fits of the aging law."""
+        first = self.records[0]
+
+        def ratio(sample: Floats) -> float:
+            mean = replace(first, friction=sample.mean(axis=0))
+            return (
+                friction.rate_and_state(mean, events="steps").b
+                / friction.rate_and_state(mean, events="holds").b
+            )
+
+        return jackknife(ratio, np.array([record.friction for record in self.records]))
+
+    def explained(self) -> Estimate:
+        """Part of the variance of friction that the aging law, fitted to the whole record, explains."""
+        first = self.records[0]
+
+        def part(sample: Floats) -> float:
+            mean = replace(first, friction=sample.mean(axis=0))
+            fit = friction.rate_and_state(mean)
+            return 1 - float(np.var(fit.residual) / np.var(mean.friction))
+
+        return jackknife(part, np.array([record.friction for record in self.records]))
+
+    def laws(self) -> list[dict[str, object]]:
+        """Parameters of both laws by rests, by steps and by both, a row each."""
+        rows: list[dict[str, object]] = []
+        for events in _EVENTS:
+            found = friction.compare_state_laws(self.records, events=events)
+            for law, estimates in found.estimates.items():
+                row: dict[str, object] = {
+                    "solid": self.solid,
+                    "load": self.load,
+                    "events": events,
+                    "law": law,
+                }
+                for name in ("b", "D_c"):
+                    one = estimates[name]
+                    row |= {
+                        name: float(one.value),
+                        f"{name}_low": float(one.low),
+                        f"{name}_high": float(one.high),
+                    }
+                fit = found.fits[law]
+                row |= {"determined": fit.determined, "misfit": float(np.sqrt(np.mean(fit.residual**2)))}
+                rows.append(row | {"runs": found.runs})
+        return rows
+
+
+_EVENTS: tuple[Events, ...] = ("holds", "steps", "all")
+FAMILIES = {
+    "waves_lattice": "all waves longer, lattice of springs",
+    "longest": "only the longest waves longer, lattice of springs",
+    "waves_half_space": "all waves longer, half-space",
+}
+"""Campaigns in which wavelengths are varied."""
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Find the growth at rest, the fall with velocity, the laws, and the slip of memory."""
+    every = [
+        Records.of(data, name, load)
+        for name in SOLIDS
+        for data in [evidence[name]]
+        for load in data["load"].values
+    ]
+    log_ratios = [friction.compare_state_laws(one.records).log_ratio for one in every]
+    slips = {name: _slips(evidence[name]) for name in FAMILIES}
     findings = (
         Finding(
             "logarithm",
             "Dieterich 1979",
             "Static friction grows with the logarithm of the hold time",
-            (Measurement("growth in the last decade of hold time over that in the second", bend, 0.8, 1.25),),
-            note=f"Per decade it grows by {float(rate_rest.value) * math.log(10):.2g} of steady friction.",
+            tuple(
+                Measurement(
+                    f"growth in the last decade over that in the first: {one.words}",
+                    jackknife(_bend, one.rest),
+                    0.8,
+                    1.25,
+                )
+                for one in every
+            ),
+        ),
+        Finding(
+            "explained",
+            "Dieterich 1979",
+            "The aging law describes rests and steps of the velocity by one b and one D_c",
+            tuple(
+                Measurement(f"explained part of the variance: {one.words}", one.explained(), 0.9, 1.0)
+                for one in every
+            ),
         ),
         Finding(
             "same_b",
             "Dieterich 1979",
-            "Steady friction falls with velocity as static friction grows with hold time",
-            (Measurement("b of steady sliding over b of rests", same, 0.8, 1.25),),
+            "b from steps of the velocity is b from rests",
+            tuple(
+                Measurement(f"b of steps over b of rests: {one.words}", one.ratio_of_b(), 0.8, 1.25)
+                for one in every
+            ),
+        ),
+        Finding(
+            "law",
+            "Ruina 1983",
+            "The aging law fits better than the slip law",
+            tuple(
+                Measurement(
+                    f"ln of the squares of the aging law over those of the slip law: {one.words}",
+                    ratio,
+                    high=0.0,
+                )
+                for one, ratio in zip(every, log_ratios, strict=True)
+            ),
         ),
         Finding(
             "length",
             "Dieterich 1979",
             "The slip D_c that forgets a rest is in proportion to the correlation length",
-            (Measurement("d ln <i>D</i><sub>c</sub> / d ln (correlation length)", exponent, 0.8, 1.2),),
+            tuple(
+                Measurement(
+                    f"d ln <i>D</i><sub>c</sub> / d ln (correlation length): {words}",
+                    _exponent(*slips[name]),
+                    0.8,
+                    1.2,
+                )
+                for name, words in FAMILIES.items()
+            ),
         ),
     )
-    rows = [
-        *_rows("rest", "hold time", HOLDS, jackknife(lambda sample: sample.mean(axis=0), rest)),
-        *_rows("steady", "velocity", VELOCITIES, jackknife(lambda sample: sample.mean(axis=0), sliding)),
-        *_rows("slip", "correlation length", lengths, slip),
-        *_rows("b", "from rests", [math.nan], rate_rest),
-        *_rows("b", "from steady sliding", [math.nan], rate_slide),
-    ]
-    forgotten = [
-        {"correlation_length": length, "slip": at, "excess": value}
-        for length, excess in zip(lengths, decays.values(), strict=True)
-        for at, value in enumerate(excess.mean(axis=0) / excess.mean(axis=0)[0])
-    ]
-    return Outcome(findings, {"points": pd.DataFrame(rows), "forgotten": pd.DataFrame(forgotten)})
-
-
-def _slope(x: tuple[float, ...], samples: Floats) -> float:
-    """Slope of the mean over surfaces against ln x."""
-    return float(np.polyfit(np.log(x), samples.mean(axis=0), 1)[0])
+    tables = {
+        "points": pd.DataFrame([row for one in every for row in _points(one)]),
+        "laws": pd.DataFrame([row for one in every for row in one.laws()]),
+        "slips": pd.DataFrame([row for name, found in slips.items() for row in _slip_rows(name, *found)]),
+    }
+    return Outcome(findings, tables)
 
 
 def _bend(rest: Floats) -> float:
+    """Growth in the last decade of hold time over that in the first."""
     mean = rest.mean(axis=0)
-    return float((mean[-1] - mean[-2]) / (mean[2] - mean[1]))
+    return float((mean[-1] - mean[-2]) / (mean[1] - mean[0]))
 
 
-def _excesses(runs: xr.Dataset) -> Floats:
-    """Excess of area over that of steady sliding, after 0, 1, 2 and so on shifts from a rest, (seeds, n)."""
-    rows = []
-    for seed in runs["seed"].values:
-        one = runs.sel(seed=seed)
-        again = before_shifts(one, 2)
-        rest = one["area"].values[one["leg"].values == 1][-1]
-        rows.append(np.append(rest, again[:-_STEADY]) / again[-_STEADY:].mean() - 1)
-    return np.array(rows)
+def _points(one: Records) -> list[dict[str, object]]:
+    rows: list[dict[str, object]] = []
+    for what, at, sample in (("rest", HOLDS, one.rest), ("steady", (1.0, *VELOCITIES), one.steady)):
+        found = jackknife(lambda some: some.mean(axis=0), sample)
+        rows += [
+            {"solid": one.solid, "load": one.load, "what": what, "at": place, "value": value}
+            | {"low": low, "high": high, "runs": found.runs}
+            for place, value, low, high in zip(at, found.value, found.low, found.high, strict=True)
+        ]
+    return rows
 
 
-def _rows(what: str, name: str, values: Any, found: Any) -> list[dict[str, object]]:
-    parts = (np.atleast_1d(part) for part in (found.value, found.low, found.high))
+def _slips(data: xr.Dataset) -> tuple[Floats, tuple[Floats, ...]]:
+    """Correlation lengths, shape (n,), and for each the excesses of area after a rest, (surfaces, shifts)."""
+    along = "point" if "point" in data.dims else "roll_off"
+    lengths, excesses = [], []
+    for at in range(data.sizes[along]):
+        runs = data.isel({along: at})
+        cutoff = float(runs["cutoff"]) if "cutoff" in runs.coords else float(data.attrs["cutoff"])
+        lengths.append(correlation_length(float(runs["roll_off"]), cutoff))
+        rows = []
+        for seed in runs["seed"].values:
+            one = runs.sel(seed=seed)
+            again = before_shifts(one, 2)
+            rest = one["area"].values[one["leg"].values == 1][-1]
+            rows.append(np.append(rest, again[:-_STEADY]) / again[-_STEADY:].mean() - 1)
+        excesses.append(np.array(rows))
+    return np.array(lengths), tuple(excesses)
+
+
+def _memory(*excesses: Floats) -> Floats:
+    return np.array([slip_of_memory(excess.mean(axis=0)) for excess in excesses])
+
+
+def _exponent(lengths: Floats, excesses: tuple[Floats, ...]) -> Estimate:
+    return jackknife(lambda *some: np.polyfit(np.log(lengths), np.log(_memory(*some)), 1)[0], excesses)
+
+
+def _slip_rows(name: str, lengths: Floats, excesses: tuple[Floats, ...]) -> list[dict[str, object]]:
+    found = jackknife(_memory, excesses)
     return [
-        {"what": what, "of": name, "at": at, "value": value, "low": low, "high": high, "runs": found.runs}
-        for at, value, low, high in zip(values, *parts, strict=True)
+        {"family": name, "length": length, "slip": value}
+        | {"slip_low": low, "slip_high": high, "runs": found.runs}
+        for length, value, low, high in zip(lengths, found.value, found.low, found.high, strict=True)
     ]
 
 
+_MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^", "waves_half_space": "s"}
+
+
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
-    """Draw static and steady friction, and how a rest is forgotten."""
-    figure = style.Drawing(figsize=(8.4, 3.0), layout="constrained")
+    """Draw static and steady friction, and the slip that forgets a rest."""
+    figure = style.Drawing(figsize=(9.0, 3.3), layout="constrained")
     rest, steady, memory = figure.subplots(1, 3)
-    points = tables["points"]
-    for ax, what, label in (
+    points, slips = tables["points"], tables["slips"]
+    for axis, what, label in (
         (rest, "rest", "hold time (sites / velocity 1)"),
         (steady, "steady", "velocity (sites / time)"),
     ):
-        part = points[points["what"] == what]
-        error = (part["value"] - part["low"], part["high"] - part["value"])
-        ax.errorbar(
-            part["at"], part["value"], yerr=error, fmt="o-", color=style.INK, markersize=4, linewidth=0.8
+        for (solid, load), part in points[points["what"] == what].groupby(["solid", "load"], sort=False):
+            heavy = part["load"].iloc[0] > SOLIDS[str(solid)].loads[0]
+            ordered = part.sort_values("at")
+            axis.errorbar(
+                ordered["at"],
+                ordered["value"],
+                yerr=(ordered["value"] - ordered["low"], ordered["high"] - ordered["value"]),
+                fmt=f"{_MARKS[str(solid)]}-",
+                color=style.INK if solid == "lattice" else style.BLUE,
+                markerfacecolor=None if heavy else "white",
+                markersize=4,
+                linewidth=0.8,
+                label=f"{str(solid).replace('_', '-')}, load {load:g}",
+            )
+        axis.set(xscale="log", yscale="log", xlabel=label, ylabel="friction over that steady at $V = 1$")
+    rest.legend(fontsize=7)
+    for name, part in slips.groupby("family", sort=False):
+        memory.errorbar(
+            part["length"],
+            part["slip"],
+            yerr=(part["slip"] - part["slip_low"], part["slip_high"] - part["slip"]),
+            fmt=f"{_MARKS[str(name)]}-",
+            color=style.BLUE if name == "waves_half_space" else style.INK,
+            markersize=4,
+            linewidth=0.8,
+            label=FAMILIES[str(name)],
         )
-        ax.set(xscale="log", xlabel=label, ylabel=r"friction over that steady at $V = 1$")
-    for (length, part), look in zip(tables["forgotten"].groupby("correlation_length"), "os^", strict=True):
-        memory.plot(
-            part["slip"], part["excess"], f"{look}-", markersize=3, label=f"{length:.2g} sites", linewidth=0.8
-        )
-    memory.set(
-        yscale="log", ylim=(5e-3, 1.5), xlabel="slip after the rest (sites)", ylabel="excess that is left"
-    )
-    memory.legend(title="correlation length", fontsize=7, title_fontsize=7)
+    memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
+    memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
+    memory.legend(fontsize=6)
     return figure
 
 
 SLIDE_HOLD_SLIDE = Study(
     name="slide-hold-slide",
     question="How do static and steady friction depend on hold time, velocity and correlation length?",
-    quick=campaigns(seeds=3),
-    full=campaigns(seeds=5),
+    quick=campaigns(2, quick=True),
+    full=campaigns(4, quick=False),
     analyse=analyse,
     draw=draw,
-    caption="Friction by Tabor's relation. Left: at the end of a rest. Middle: in steady sliding "
-    "against the velocity. Right: part of the excess that is left after a slip. Bars: 95 % intervals.",
+    caption="Friction by Tabor's relation, on the half-space and the lattice of springs. Left: at the end of "
+    "a rest. Middle: in steady sliding against the velocity. Right: slip that forgets a rest against the "
+    "correlation length. Bars: 95 % intervals.",
     page="docs/studies/slide_hold_slide.md",
 )
