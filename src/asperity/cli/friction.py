@@ -141,7 +141,7 @@ def _law(found: StateLaws, law: StateLaw) -> list[tuple[str, str]]:
             digits = max(0, 1 - math.floor(math.log10(stderr))) if stderr > 0 else 6
             said = f"{uncertain(value, stderr)}, 95 % from {low:.{digits}f} to {high:.{digits}f}"
         rows.append((f"  {text}", said))
-    V_0 = f"{fit.V_0:.4g} m/s" if record.si else f"{fit.V_0:.4g}"
+    V_0 = written(fit.V_0, "m/s" if record.si else "1")
     rows.append(("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms"))
     return [(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"), *rows]
 
