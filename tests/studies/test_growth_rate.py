@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity import surfaces, theory
+from asperity import fits, surfaces, theory
 from asperity.studies import growth_rate
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Verdict
@@ -112,6 +112,9 @@ def test_rates_of_a_logarithm_and_of_one_that_bends():
     area = np.array([[10.0], [30.0]]) * (1 + 0.2 * np.log1p(1e9 * time) / 2)
     assert growth_rate.rate(time, area) == pytest.approx(0.1, rel=1e-6)
     assert growth_rate.straightness(time, area) == pytest.approx(1.0, rel=1e-6)
+    measured = fits.growth_rate(time, area.mean(axis=0), 9.0, 1100.0)
+    assert growth_rate.rate(time, area) == pytest.approx(measured.B)
+    assert growth_rate.relative_rate(time, area) == pytest.approx(measured.relative)
     bent = np.exp(0.1 * np.log1p(time))[None]
     assert growth_rate.relative_rate(time, bent) == pytest.approx(0.1, rel=0.02)
     assert growth_rate.straightness(time, bent) > 1.2

@@ -14,7 +14,7 @@ import numpy as np
 import asperity as asp
 from asperity import theory
 
-heights = asp.surfaces.gaussian((192, 192), seed=0)
+heights = asp.surfaces.gaussian((224, 224), seed=0)
 times = np.geomspace(10.0, 1e3, 5)
 
 
@@ -32,18 +32,20 @@ def rates(load, x1=3.0, viscous=0.0):
 # %%
 # Under a light load the closed form holds at any stiffness ratio. Under heavier loads it fails.
 
-ratios, loads = [1.0, 3.0, 10.0], [5e-4, 5e-3, 5e-2]
-by_ratio = np.array([rates(5e-4, x1) for x1 in ratios])
+ratios, loads = [1.0, 3.0, 10.0], [2e-3, 1e-2, 5e-2]
+by_ratio = np.array([rates(loads[0], x1) for x1 in ratios])
 by_load = np.array([by_ratio[1], *(rates(load) for load in loads[1:])])
-viscous = rates(5e-4, viscous=0.1)
+viscous = rates(loads[0], viscous=0.1)
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.4), layout="constrained")
 for ax, at, B, label in ((left, ratios, by_ratio, r"$k_1/k_0$"), (right, loads, by_load, "load a site")):
     ax.loglog(at, B[:, 0], "o", color="black", label="simulated")
     ax.loglog(at, B[:, 1], "-", color="black", linewidth=0.8, label="closed form")
     ax.set(xlabel=label, ylabel="$B$")
-left.loglog(3.0, viscous[0], "^", color="#D55E00", label=r"$\tilde R/R = 0.1$")
-left.loglog(3.0, viscous[1], "_", color="#D55E00")
+    ax.set_xticks(at, [f"{one:g}" for one in at])
+    ax.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
+left.plot(3.0, viscous[0], "^", color="#D55E00", label=r"$\tilde R/R = 0.1$")
+left.plot(3.0, viscous[1], "_", color="#D55E00")
 left.legend()
 
 # %%

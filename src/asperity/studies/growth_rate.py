@@ -33,10 +33,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity import theory
+import asperity.theory as theory
 from asperity.checks import Floats
 from asperity.figures import style
-from asperity.fits import GrowthRate, growth_rate
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.lattice import Field
 from asperity.studies.campaigns import Campaign
@@ -169,8 +168,22 @@ def _campaigns(seeds: int, light: int) -> Iterator[Campaign]:
         yield _campaign(f"waves_{side}", purpose, {"seeds": seeds}, side=side, load=_SIZE_LOAD, surface=wave)
 
 
-def fitted(time: Floats, area: Field, first: float = WINDOW[0], last: float = WINDOW[1]) -> GrowthRate:
-    """Fit the mean over surfaces between two times, which are both included in spite of rounding.
+def slope(time: Floats, values: Floats, first: float = WINDOW[0], last: float = WINDOW[1]) -> float:
+    """Slope against ln t between two times, which are both included in spite of rounding.
+
+    Parameters
+    ----------
+    time, values
+        Shape (n,).
+    first, last
+        The window.
+    """
+    chosen = (time >= first * (1 - 1e-9)) & (time <= last * (1 + 1e-9))
+    return float(np.polyfit(np.log(time[chosen]), values[chosen], 1)[0])
+
+
+def rate(time: Floats, area: Field) -> float:
+    """B in the window, of the mean over surfaces.
 
     Parameters
     ----------
@@ -178,25 +191,21 @@ def fitted(time: Floats, area: Field, first: float = WINDOW[0], last: float = WI
         Shape (n,), the first of which is 0.
     area
         Shape (runs, n).
-    first, last
-        The window.
     """
-    return growth_rate(time, area.mean(axis=0), first * (1 - 1e-9), last * (1 + 1e-9))
-
-
-def rate(time: Floats, area: Field) -> float:
-    """B in the window; arguments as for `fitted`."""
-    return fitted(time, area).B
+    mean = area.mean(axis=0)
+    return slope(time, mean) / float(mean[0])
 
 
 def relative_rate(time: Floats, area: Field) -> float:
-    """Return d ln A/d ln t in the window."""
-    return fitted(time, area).relative
+    """Return d ln A/d ln t in the window; arguments as for `rate`."""
+    return slope(time, np.log(area.mean(axis=0)))
 
 
 def straightness(time: Floats, area: Field) -> float:
     """B in the second half of the window over that in the first half; 1 for a logarithm."""
-    return fitted(time, area, _MIDDLE).B / fitted(time, area, last=_MIDDLE).B
+    mean = area.mean(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):  # an area that does not grow at first: no number
+        return float(np.divide(slope(time, mean, _MIDDLE), slope(time, mean, last=_MIDDLE)))
 
 
 def end(time: Floats, area: Field, closed: Field) -> tuple[float, float]:
