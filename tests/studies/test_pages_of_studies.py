@@ -59,9 +59,10 @@ def slide_hold_slide_rows(data):
 
 def verdict_rows(data):
     """Each number with its own verdict, whatever that of the claim."""
-    for row in pd.read_csv(data / "ledger.csv").itertuples():
+    ledger: Any = pd.read_csv(data / "ledger.csv")
+    for row in ledger.itertuples():
         found = f"{row.value:.3f} [{row.low:.3f}, {row.high:.3f}]"
-        estimate = Estimate(row.value, np.nan, row.low, row.high, row.runs)
+        estimate = Estimate(row.value, np.asarray(np.nan), row.low, row.high, row.runs)
         verdict = Measurement(row.what, estimate, row.range_low, row.range_high).verdict
         yield f"| {row.what} | {found} | {row.runs} | {verdict.value} |"
 

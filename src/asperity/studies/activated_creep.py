@@ -387,7 +387,7 @@ def analyse(evidence: Evidence) -> Outcome:
         *rests.findings(),
     )
     return Outcome(
-        findings,
+        tuple(finding for finding in findings if finding.measured),  # few waits give no power
         {
             "steps": pd.DataFrame([row for one in every for row in _rows(one)]),
             "powers": pd.DataFrame([_power_row(one) for one in every]),
