@@ -93,6 +93,9 @@ CASES: tuple[Case, ...] = (*LATTICE, *RELAXED, *HALF_SPACE, *STEP)
 CURVES = {
     "curve-200": ("springs", 200),
     "curve-1024": ("springs", 1024),
+    "curve-line-256": ("line", 256),
+    "curve-k0-zero-256": ("k0_zero", 256),
+    "curve-spike-256": ("spike", 256),
     "curve-half-space-512": ("half_space", 512),
     "curve-half-space-march-512": ("half_space_march", 512),
 }
