@@ -164,7 +164,7 @@ class _Run:
             none = np.zeros(problem.lattice.shape, dtype=bool)
             self.yielding = xp.asarray(none if guess.yielding is None else guess.yielding, copy=True)
             self.in_contact &= ~self.yielding
-            self.allowed_error = 0.0  # which sites yield is decided by accurate forces
+            self.settle_accurately(self.yielding)
         self.iterations = 0
         self.set_changes = 0
         self.record = self.fewest = problem.lattice.sites + 1
@@ -343,6 +343,11 @@ class _Run:
         wrong |= self.in_contact & ((self.force < -tension) | (self.force > self.bound + tension))
         return wrong
 
+    def settle_accurately(self, yielding: Mask) -> None:
+        """Allow no error where sites yield: accurate forces decide which, and they do so for good."""
+        if bool(self.xp.any(yielding)):
+            self.allowed_error = 0.0
+
     def is_careful(self) -> bool:
         """Whether so many revisions have been made that something may be going round in circles."""
         return self.set_changes > self.method.careful_after
@@ -384,6 +389,7 @@ class _Run:
                 wrong = xp.reshape(flat, wrong.shape)
         if self.yielding is not None:
             above = self.in_contact & (self.force > self.bound)
+            self.settle_accurately(wrong & above)
             self.yielding = xp.where(wrong, above, self.yielding)
         self.in_contact ^= wrong
         self.start(self.u)

@@ -202,7 +202,7 @@ class _Run:
         if springs.k0 == 0:
             work.source.e[...] = work.backend.packed(self.w * (-springs.k1 / k0 / self.unit))
         if self.given is not None:
-            work.source.e += work.backend.packed(self.given / (k0 * self.unit))
+            work.source.e[...] += work.backend.packed(self.given / (k0 * self.unit))
         if self.stage.load is not None:
             self.total = self.stage.load / springs.k1
             self.missing = self.total - work.known_stretch * self.unit
