@@ -13,10 +13,10 @@ Stage 2 is the result (stiffly accurate). The difference to the companion of ord
     e = h [ (1 - 4 w)/3 f0 + 1/3 f1 - 2 d/3 f2 ],
 
 estimates its error, after one more implicit step of duration d h, from e and with the contacts as they are:
-that keeps what decays quickly, in contact above all, from being overrated. Branches count by their
-stiffness. A load that changes in time enters at the stages' own
-times; a rigid body that moves adds its velocity V to f, and the contact problem of a stage starts from
-v + d h V.
+that keeps what decays quickly, in contact above all, from being overrated. (Where stages are solved no
+better than a step needs, that step is estimated too.) Branches count by their stiffness. A load that
+changes in time enters at the stages' own times; a rigid body that moves adds its velocity V to f, and the
+contact problem of a stage starts from v + d h V.
 (R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985),
 DOI 10.1109/T-ED.1985.22232; M. E. Hosea, L. F. Shampine, Appl. Numer. Math. 20, 21 (1996),
 DOI 10.1016/0168-9274(95)00115-8.)

@@ -6,6 +6,9 @@ penetrate (u < xi) become contacts, until neither is left (M. Hintermueller, K. 
 Optim. 13, 865 (2002), DOI 10.1137/S1052623401383558). The split is revised before the linear problem is
 solved: the more sites a revision moved, the less accurate a solution the next is worth.
 
+A stage of creep may stop as soon as u is as accurate as the step needs: what conjugate gradients leave is
+estimated by the preconditioned residual and the last correction.
+
 The linear problems are corrections to a surface whose forces are evaluated in double precision at every
 revision, and are themselves solved in single precision, until that no longer helps.
 
