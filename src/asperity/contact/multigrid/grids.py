@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,6 +123,12 @@ class Hierarchy:
             y, x = y.coarser(), x.coarser()
             self.grids.append(Grid(y, x, fields, backend))
 
+    @cached_property
+    def cells(self) -> list[Single]:
+        """Sizes of the cells of the lattice and of all grids but the coarsest."""
+        areas = [np.ones(self.sites[:2]), *(grid.areas for grid in self.grids[:-1])]
+        return [self.backend.packed(cells) for cells in areas]
+
     @property
     def joined(self) -> Pair:
         """The corrections of two fields that the first coarse grid hands over."""
@@ -149,14 +156,14 @@ class Hierarchy:
         by w is harmonic where spread is small, arithmetic where it is large.
         """
         lags: list[Single] = []
-        sites, areas, backend = self.sites, np.ones(self.sites[:2]), self.backend
-        for grid in self.grids:
-            beside = np.float32(4.0 * spread * areas.size / math.prod(self.sites[:2]))
-            weights = np.divide(backend.packed(areas), lag + beside, out=np.zeros_like(lag), where=lag > 0)
+        sites, backend = self.sites, self.backend
+        for grid, cells in zip(self.grids, self.cells, strict=True):
+            beside = np.float32(4.0 * spread * math.prod(sites[:2]) / math.prod(self.sites[:2]))
+            weights = cells / (lag + beside + (cells == 0))
             response, lagging = backend.zeros(grid.sites), backend.zeros(grid.sites)
             backend.coarser_pins(weights, sites, 0.0, 0.0, response)
             backend.coarser_pins(weights * lag, sites, 0.0, 0.0, lagging)
             lag = np.divide(lagging, response, out=lagging, where=response > 0)
             lags.append(lag)
-            sites, areas = grid.sites, grid.areas
+            sites = grid.sites
         return lags
