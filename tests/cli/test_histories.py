@@ -115,6 +115,7 @@ def test_a_file_with_repetitions(tmp_path: Path, asperity: Asperity) -> None:
         (["ramp 3 lod=3"], "--leg lod: no such key; did you mean 'load'?"),
         (["repeat 3"], "--leg [0] legs: expected at least 1 in the list"),
         ([""], "--leg: expected a leg, such as 'hold 10'"),
+        (["slide 8"], "'slide distance=20 velocity=0.1'"),
         (["hold 3 hold=height"], "--leg [0] hold: expected one of 'load', 'separation' or 'area'"),
     ],
 )

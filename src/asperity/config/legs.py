@@ -28,9 +28,10 @@ def legs_from_words(lines: Iterable[str]) -> list[dict[str, object]]:
     for line in lines:
         kind, *rest = _BEFORE_A_UNIT.sub("", re.sub(r"\s*=\s*", "=", line)).split() or [""]
         leg: dict[str, object] = {"kind": kind}
+        is_bare = kind in ("slide", "step") and bool(rest) and "=" not in rest[0]
         if rest and "=" not in rest[0]:
             leg["count" if kind == "repeat" else "duration"] = _value(rest.pop(0), whole=kind == "repeat")
-        if not kind or "=" in kind or any(word.count("=") != 1 for word in rest):
+        if not kind or is_bare or "=" in kind or any(word.count("=") != 1 for word in rest):
             raise ConfigError([f"--leg: expected a leg, such as {_EXAMPLES}, got {line!r}"])
         leg |= {key: _value(value) for key, value in (word.split("=") for word in rest)}
         if kind == "repeat":
