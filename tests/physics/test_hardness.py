@@ -81,14 +81,13 @@ def test_below_the_onset_nothing_yields():
         assert (contact.yielding_area > 0) == yields == bool(contact.permanent_indentation.any())
 
 
-def test_a_bound_that_nothing_reaches_changes_no_bit_of_a_press():
+def test_a_bound_that_nothing_reaches_changes_no_bit():
     rough, times = uncorrelated(16), [0.1, 1.0]
     with_bound, without = (half_space(modulus=2.0, flow=(0.5, 1.0), hardness=h) for h in (1e9, None))
     a, b = (asp.press(rough, solid, load=10.0) for solid in (with_bound, without))
     for name in ("u", "force", "anchors", "heights"):
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
-    aged, plain = (asp.age(contact, times, rtol=1e-4).final.u for contact in (a, b))
-    np.testing.assert_allclose(aged, plain, atol=1e-4 * np.std(plain))
+    np.testing.assert_array_equal(asp.age(a, times).final.u, asp.age(b, times).final.u)
 
 
 @pytest.mark.parametrize(
