@@ -14,7 +14,7 @@ import pytest
 import asperity as asp
 from asperity.cli import main
 from asperity.contact import compiled
-from asperity.contact.stencils import combine
+from asperity.contact.stencils import forces
 from asperity.errors import Remark
 from asperity.runs import loops
 
@@ -209,7 +209,7 @@ def test_a_stamp_spares_the_second_run(tmp_path, monkeypatch):
 
 
 def test_compiling_on_the_way_is_remarked_once():
-    watch, event = compiled._Watch(), SimpleNamespace(data={"dispatcher": combine})
+    watch, event = compiled._Watch(), SimpleNamespace(data={"dispatcher": forces})
     with pytest.warns(Remark, match="compiling loops"):
         watch.on_start(event)
     watch.on_start(event)  # a second remark would be an error

@@ -9,10 +9,9 @@ import numpy as np
 import xarray as xr
 
 from asperity.contact.mechanics import Prescribed, mechanics_of
-from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.patches import patches
-from asperity.results.history import check_dataset
+from asperity.results.history import check_fields
 from asperity.solids import spring_lattice
 
 
@@ -58,10 +57,7 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
     InputError
         The history kept no fields.
     """
-    check_dataset(dataset)
-    if "in_contact" not in dataset:
-        advice = "age(..., fields_at=[0.0, 1.0])"
-        raise InputError("dataset", expected="a history that kept fields", got="none", advice=advice)
+    check_fields(dataset)
     found = []
     for number, time in enumerate(dataset["field_time"].values.tolist()):
         here = dataset.isel(field_time=number)

@@ -18,7 +18,7 @@ from asperity.analysis.scan import lateral_unit, readable
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
-from asperity.results.history import check_dataset
+from asperity.results.history import check_fields
 from asperity.surfaces.surface import measured_part
 
 Number = TypeVar("Number", np.int8, np.float64)
@@ -175,11 +175,7 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
     InputError
         The history kept no fields.
     """
-    check_dataset(dataset)
-    if "in_contact" not in dataset:
-        raise InputError(
-            "dataset", expected="a history that kept fields", got="none", advice="age(..., fields_at=times)"
-        )
+    check_fields(dataset)
     times = [float(t) for t in dataset["field_time"]]
     dataset = on_the_surface(dataset)
     touching = list(np.asarray(dataset["in_contact"], dtype=bool))

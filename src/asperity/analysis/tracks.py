@@ -19,7 +19,7 @@ from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask
 from asperity.patches import Shapes, ages_of, linked, shapes_of
-from asperity.results.history import check_dataset
+from asperity.results.history import check_fields
 from asperity.results.quantities import OF_MAPS, units_named, units_of
 
 _PATCHES = {
@@ -263,10 +263,7 @@ def _columns(
 
 
 def _maps(dataset: xr.Dataset) -> tuple[Field, NDArray[np.bool_]]:
-    check_dataset(dataset)
-    if "field_time" not in dataset.get("in_contact", xr.DataArray()).dims:
-        expected, advice = "a history that kept fields", "age(..., fields_at=times)"
-        raise InputError("dataset", expected=expected, got="none", advice=advice)
+    check_fields(dataset)
     maps: Mask = np.asarray(dataset["in_contact"], dtype=bool)
     return np.asarray(dataset["field_time"], dtype=np.float64), maps
 

@@ -49,7 +49,8 @@ def friction(
     check_free(out, overwrite=overwrite)
     try:
         several = [record for path in records for record in _read(path, wanted)]
-        found = compare_state_laws(several, a=wanted.a, V_0=wanted.reference_velocity, events=wanted.events)
+        reference = _number_or_text(wanted.reference_velocity)
+        found = compare_state_laws(several, a=wanted.a, V_0=reference, events=wanted.events)
     except InputError as error:
         raise _of_flags(error) from error
     rows = _report(found, str(records[0]))
@@ -67,11 +68,16 @@ def friction(
 def _read(path: Path, wanted: FrictionFlags) -> list[Record]:
     if not path.is_dir():
         return [read_record(path, columns=wanted.columns, strength_at_rest=wanted.strength_at_rest)]
-    strength: str | float | None = wanted.shear_strength
-    with suppress(TypeError, ValueError):
-        strength = float(strength or "")
+    strength = _number_or_text(wanted.shear_strength)
     histories = _surfaces(path) if (path / "plan.json").exists() else [path]
     return [record_of(history, shear_strength=strength) for history in histories]
+
+
+def _number_or_text(word: str | None) -> float | str | None:
+    """A flag's quantity: a number where it has no unit."""
+    with suppress(TypeError, ValueError):
+        return float(word or "")
+    return word
 
 
 def _surfaces(path: Path) -> list[xr.Dataset]:

@@ -14,22 +14,6 @@ from asperity.lattice import Field, Mask, Modes
 from asperity.solids import SpringConstants
 
 
-def combined(a: float, x: Field, b: float, y: Field) -> Field:
-    """Sum a x + b y, in one pass through memory."""
-    known = [np.atleast_2d(np.ascontiguousarray(field)) for field in (x, y)]
-    total = np.empty_like(known[0])
-    combine(a, known[0], b, known[1], total)
-    return total.reshape(x.shape)
-
-
-@compiled
-def combine(a: float, x: Field, b: float, y: Field, out: Field) -> None:
-    """Sum a x + b y."""
-    for i in range(x.shape[0]):
-        for j in range(x.shape[1]):
-            out[i, j] = a * x[i, j] + b * y[i, j]
-
-
 def lattice_force(u: Field, stretch: Field, k0: float, k1: float, *, mirrored: bool = False) -> Field:
     """Force k0 L u + k1 w at every site, L minus the Laplacian."""
     force = np.empty_like(u)

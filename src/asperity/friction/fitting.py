@@ -176,10 +176,10 @@ _MADE = "asperity.friction.record_of(history), or asperity.friction.read_record(
 
 def _velocity(given: float | str, *, si: bool) -> float:
     """A reference velocity in the unit of the record."""
-    if not si and has_unit(given):
+    if has_unit(given) and not si:
         expected, advice = "a plain number, as the record has no units", "a header with units: time_s"
         raise InputError("V_0", expected=expected, got=repr(given), advice=advice)
-    return units.quantity(given, "m/s", "V_0")
+    return checks.number("V_0", units.quantity(given, "m/s", "V_0") if has_unit(given) else given, above=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +208,7 @@ class _Problem:
             raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
         reference = first_velocity(record.velocity)
         if V_0 is not None:
-            reference = checks.number("V_0", _velocity(V_0, si=record.si), above=0.0)
+            reference = _velocity(V_0, si=record.si)
         kinds = record.events
         rests = bool((record.velocity[1:] == 0).any())
         wanted = {"all": rests or (kinds == STEPPED).any(), "holds": rests, "steps": (kinds == STEPPED).any()}

@@ -29,6 +29,14 @@ def check_dataset(dataset: object) -> None:
         raise InputError("dataset", expected=expected, got=got, advice="asperity.results.load(folder)")
 
 
+def check_fields(dataset: object) -> None:
+    """Refuse what is not a dataset of a history that kept fields; `InputError`."""
+    given = checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
+    if "field_time" not in given.get("in_contact", xr.DataArray()).dims:
+        expected, advice = "a history that kept fields", "age(..., fields_at=times)"
+        raise InputError("dataset", expected=expected, got="none", advice=advice)
+
+
 @dataclass(frozen=True, eq=False)
 class History(views.InNotebooks):
     """How a contact aged.

@@ -21,7 +21,7 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     What takes so long is told before it begins, if anything has to be compiled; where the machine code is
     kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
-    stamp = stamp_of(loops.wrap, stencils.combine, asperities.overlap_by_rows, line_sites.substitute)
+    stamp = stamp_of(loops.wrap, stencils.forces, asperities.overlap_by_rows, line_sites.substitute)
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
         return
