@@ -1,7 +1,7 @@
 """The theorem on separable solids as a program: contact after any history of load, without space.
 
 On nested elastic contacts the contact of a separable solid under any history of load is the elastic contact
-at the load a(t); docs/studies.md has the proof. Levels l are springs of the same relaxation modulus
+at the load a(t); docs/studies/unloading.md has the proof. Levels l are springs of the same relaxation modulus
 E(t) = 1 - sum_b s_b (1 - exp(-t/tau_b)); those below a(t) are held down, those above are free, and the forces
 of those that are held sum to F(t).
 """

@@ -329,5 +329,5 @@ UNLOADING = Study(
         "Middle: lost area over the area just after the step. Right: time of the minimum, geometric mean "
         "over the surfaces that have one. Bars: standard errors."
     ),
-    page="docs/studies.md, Unloading",
+    page="docs/studies/unloading.md",
 )
