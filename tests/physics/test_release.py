@@ -76,3 +76,14 @@ def test_a_maximum_is_that_of_the_parabola_in_the_logarithm_of_time():
     assert abs(maximum(time, -(np.log(time / 3.3) ** 2)) - 3.3) < 1e-9
     assert math.isnan(maximum(time, time))
     assert math.isnan(maximum(time, -time))
+
+
+def test_the_force_at_a_held_displacement_is_smooth():
+    rough = asp.surfaces.spectral((48, 48), hurst=0.8, roll_off=24.0, cutoff=4.0, rms_height=1.0, seed=0)
+    branches = [(0.03, 10.0**k) for k in range(-6, 7)]
+    solid = asp.solids.half_space(modulus=1.0, branches=branches, apparatus=np.inf)
+    contact = asp.press(rough, solid, separation=0.5)
+    times = np.append(1.0, 1.0 + np.geomspace(0.01, 30.0, 29))
+    legs = [P.Hold(1.0), P.Step(approach=-0.1), P.Hold(30.0)]
+    usual, accurate = (asp.age(contact, times, protocol=legs, rtol=rtol)["load"] for rtol in (2e-3, 2e-4))
+    assert abs(usual - accurate).max() < 1e-4 * contact.load

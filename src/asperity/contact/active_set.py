@@ -40,6 +40,9 @@ from asperity.lattice import Field, Mask
 _SUM_TOLERANCE = 0.002
 """Largest sum of the forces off contact, relative to tolerance times load: it shifts the separation."""
 
+_LOAD_ERROR = 1e-5
+"""Largest sum of the forces off contact, relative to the load, where an error of u is allowed."""
+
 _SMALLEST_FORCE = 1e-120
 """Forces below it count as 0: their squares underflow. In units of the problem."""
 
@@ -153,6 +156,7 @@ class _Run:
         self.problem = problem
         self.tolerance = tolerance
         self.allowed_error = allowed_error
+        self.allowed_imbalance = math.inf
         self.xp = xp = library(method.arrays)
         self.stiffness, self.rhs, self.heights = map(
             xp.asarray, (problem.stiffness, problem.rhs, problem.heights)
@@ -247,6 +251,8 @@ class _Run:
         self.imbalance = abs(imbalance)
         self.load = abs(float(xp.sum(self.force)) - imbalance) + borne
         indentation = largest(self.u, xp)
+        if not self.problem.load_controlled:  # the load is what comes out
+            self.allowed_imbalance = _LOAD_ERROR * self.load
         self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
 
     def reduce_residual(self) -> None:
@@ -290,6 +296,7 @@ class _Run:
             most=left,
             patience=_STALLED if self.single else left,
             allowed_error=self.allowed_error,
+            allowed_imbalance=self.allowed_imbalance,
         )
         self.left_over = correction.left_over
         self.u += correction.displacement

@@ -161,13 +161,15 @@ class FreeSites:
         most: int,
         patience: int,
         allowed_error: float = 0.0,
+        allowed_imbalance: float = math.inf,
     ) -> Correction:
         """Displace the free sites until no force on them exceeds ``goal`` times the ``worst``.
 
         ``force`` is the contact force at every site and ``worst`` the largest off contact. A few iterations
         more may bring the sum of the forces off contact down to ``imbalance`` times ``worst``. Ends earlier
         after ``most`` iterations, after ``patience`` of them without a record, or when the displacement is
-        off by no more than ``allowed_error``, rms over the sites.
+        off by no more than ``allowed_error``, rms over the sites, and the sum of the forces off contact is at
+        most ``allowed_imbalance``.
         """
         xp, lattice = self.xp, self.lattice
         residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
@@ -205,6 +207,9 @@ class FreeSites:
             iterations += 1
             if allowed_error > 0:
                 left_over = unit * _USUAL_RATE * math.sqrt(found / lattice.sites)
+                if left_over <= allowed_error and allowed_imbalance < math.inf:
+                    share = worst * abs(float(xp.sum(defect, dtype=xp.float64))) / allowed_imbalance
+                    left_over = max(left_over, allowed_error * share)
                 if left_over <= allowed_error:
                     break
             if left <= goal:
