@@ -78,7 +78,7 @@ def test_the_verdicts_on_it(outcome):
 def test_slopes_and_shares_of_an_exact_logarithm():
     time = np.geomspace(1.0, 1e7, 29)
     growth = 1 + 0.02 * np.log(time) * np.array([[0.9], [1.1]])
-    assert abs(logarithm.slope(time, growth) - 0.02) < 1e-12
+    assert abs(logarithm.rate(time, growth) - 0.02) < 1e-12
     assert abs(logarithm.straightness(time, growth) - 1) < 1e-9
     assert abs(logarithm.share_for(np.array([0.01, 0.1]), np.array([0.005, 0.05])) - 0.02) < 1e-12
 

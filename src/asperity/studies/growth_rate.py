@@ -40,7 +40,9 @@ from asperity.fits.resampling import Estimate, jackknife
 from asperity.lattice import Field
 from asperity.studies.campaigns import Campaign
 from asperity.studies.evidence import Evidence
-from asperity.studies.ledger import Finding, Measurement
+from asperity.studies.ledger import Finding
+from asperity.studies.numbers import columns, power, slope
+from asperity.studies.panels import points
 from asperity.studies.study import Outcome, Study
 from asperity.surfaces import exponential, gaussian
 
@@ -168,20 +170,6 @@ def _campaigns(seeds: int, light: int) -> Iterator[Campaign]:
         yield _campaign(f"waves_{side}", purpose, {"seeds": seeds}, side=side, load=_SIZE_LOAD, surface=wave)
 
 
-def slope(time: Floats, values: Floats, first: float = WINDOW[0], last: float = WINDOW[1]) -> float:
-    """Slope against ln t between two times, which are both included in spite of rounding.
-
-    Parameters
-    ----------
-    time, values
-        Shape (n,).
-    first, last
-        The window.
-    """
-    chosen = (time >= first * (1 - 1e-9)) & (time <= last * (1 + 1e-9))
-    return float(np.polyfit(np.log(time[chosen]), values[chosen], 1)[0])
-
-
 def rate(time: Floats, area: Field) -> float:
     """B in the window, of the mean over surfaces.
 
@@ -193,19 +181,19 @@ def rate(time: Floats, area: Field) -> float:
         Shape (runs, n).
     """
     mean = area.mean(axis=0)
-    return slope(time, mean) / float(mean[0])
+    return slope(time, mean, *WINDOW) / float(mean[0])
 
 
 def relative_rate(time: Floats, area: Field) -> float:
     """Return d ln A/d ln t in the window; arguments as for `rate`."""
-    return slope(time, np.log(area.mean(axis=0)))
+    return slope(time, np.log(area.mean(axis=0)), *WINDOW)
 
 
 def straightness(time: Floats, area: Field) -> float:
     """B in the second half of the window over that in the first half; 1 for a logarithm."""
     mean = area.mean(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):  # an area that does not grow at first: no number
-        return float(np.divide(slope(time, mean, _MIDDLE), slope(time, mean, last=_MIDDLE)))
+        return float(np.divide(slope(time, mean, _MIDDLE, WINDOW[1]), slope(time, mean, WINDOW[0], _MIDDLE)))
 
 
 def end(time: Floats, area: Field, closed: Field) -> tuple[float, float]:
@@ -384,34 +372,22 @@ def _over_limit(found: Grown) -> Estimate:
 
 def _exponent(sets: Mapping[float, Grown], of: Number = rate) -> Estimate:
     """Slope of the logarithm of a rate against that of what is varied; NaN for an area that does not grow."""
-
-    def slope(rates: Floats) -> float:
-        known = (rates > 0).all()
-        return float(np.polyfit(np.log(list(sets)), np.log(rates), 1)[0]) if known else math.nan
-
-    return _estimate(slope, *sets.values(), of=of)
+    at = np.array(list(sets))
+    return _estimate(lambda rates: power(at, rates) if (rates > 0).all() else math.nan, *sets.values(), of=of)
 
 
 def _row(key: Key, found: Grown) -> dict[str, Any]:
     """Everything that is said of one set of parameters."""
-    numbers = {
-        "B": _estimate(_only, found),
-        "over_closed": _over_limit(found),
-        "relative": _estimate(_only, found, of=relative_rate),
-        "straightness": _estimate(_only, found, of=straightness),
-    }
-    ends = {
-        name + which: float(number)
-        for name, one in numbers.items()
-        for which, number in (("", one.value), ("_low", one.low), ("_high", one.high))
-    }
     return {
         **dict(zip(("of", "surfaces", "at"), key, strict=True)),
         "load": found.load,
         "sites": found.sites,
         "area_at_first": found.area[:, 0].mean(),
         "area_at_last": found.area[:, found.time <= WINDOW[1] * (1 + 1e-9)][:, -1].mean(),
-        **ends,
+        **columns("B", _estimate(_only, found)),
+        **columns("over_closed", _over_limit(found)),
+        **columns("relative", _estimate(_only, found, of=relative_rate)),
+        **columns("straightness", _estimate(_only, found, of=straightness)),
         "closed": found.limit,
         "runs": len(found.area),
     }
@@ -421,12 +397,12 @@ def _exponent_of_end(sets: Iterable[Grown]) -> Estimate:
     """Slope of the logarithm of the time at which the closed form ends against that of the area then."""
     chosen = list(sets)
 
-    def slope(*arrays: Field) -> float:
+    def statistic(*arrays: Field) -> float:
         pairs = zip(chosen, arrays[::2], arrays[1::2], strict=True)
-        at, area = np.log([end(one.time, simulated, closed) for one, simulated, closed in pairs]).T
-        return float(np.polyfit(area, at, 1)[0])
+        at, area = np.array([end(one.time, simulated, closed) for one, simulated, closed in pairs]).T
+        return power(area, at)
 
-    return jackknife(slope, tuple(array for one in chosen for array in (one.area, one.closed)))
+    return jackknife(statistic, tuple(array for one in chosen for array in (one.area, one.closed)))
 
 
 def analyse(evidence: Evidence) -> Outcome:
@@ -468,13 +444,6 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
     def part(some: Mapping[float, Grown], low: float, high: float = math.inf) -> dict[float, Grown]:
         return {at: found for at, found in some.items() if low <= at <= high}
 
-    def claim(
-        key: str, place: str, words: str, numbers: Mapping[str, Estimate], ends: tuple[float, float] = NEAR
-    ) -> Finding:
-        return Finding(
-            key, place, words, tuple(Measurement(what, one, *ends) for what, one in numbers.items())
-        )
-
     def closed(words: str, some: Mapping[float, Grown]) -> dict[str, Estimate]:
         return {
             f"{_B} over that of the closed form: {words} {at:g}": _over_limit(one) for at, one in some.items()
@@ -484,50 +453,60 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
     viscous = {load: chosen("R_viscous/R", _by_load(load)) for load in (LIGHTEST, LIGHT)}
     waves = {hurst: chosen("cutoff", _by_hurst(hurst)) for hurst in HURST}
     law = sets["law", _EXPONENTIAL, 1.0]
-    yield claim("ratio", _DILUTE, "Under a light load B is that of the closed form", closed(_K, ratios))
+    yield Finding.within(
+        NEAR, "ratio", _DILUTE, "Under a light load B is that of the closed form", closed(_K, ratios)
+    )
     numbers = {
         f"d ln {_B}/d ln({_K}), {_K} up to 1": _exponent(part(ratios, 0, 1.0)),
         f"d ln {_B}/d ln({_K}), {_K} from 3 on": _exponent(part(ratios, 3.0)),
     }
-    yield claim("proportional", "Jagla, Eq. (ndet2)", "B is in proportion to k1/k0", numbers)
+    yield Finding.within(NEAR, "proportional", "Jagla, Eq. (ndet2)", "B is in proportion to k1/k0", numbers)
     numbers = {f"d ln({_RELATIVE})/d ln({_K}), {_K} from 1 on": _exponent(part(ratios, 1.0), relative_rate)}
-    yield claim("relative", _DILUTE, "d ln A/d ln t does not depend on k1/k0", numbers, FLAT)
+    yield Finding.within(FLAT, "relative", _DILUTE, "d ln A/d ln t does not depend on k1/k0", numbers)
     for load, some in viscous.items():
         words = f"Under the load {load:g} a site B is that of the closed form at all R_viscous/R"
-        yield claim(f"viscous_{load:g}", _DILUTE, words, closed("R_viscous/R", some))
+        yield Finding.within(NEAR, f"viscous_{load:g}", _DILUTE, words, closed("R_viscous/R", some))
     numbers = {
         f"{_B} at R_viscous/R {r:g} over that at 0, load a site {load:g}": _over(one, some[0.0])
         for load, some in viscous.items()
         for r, one in part(some, 1.0).items()
     }
-    yield claim(
-        "doubles", "Jagla, Fig. 9", "B doubles from R_viscous = 0 to large R_viscous/R", numbers, TWICE
+    yield Finding.within(
+        TWICE, "doubles", "Jagla, Fig. 9", "B doubles from R_viscous = 0 to large R_viscous/R", numbers
     )
-    yield claim("load", _DILUTE, "B is that of the closed form at all loads", closed("load a site", loads))
+    yield Finding.within(
+        NEAR, "load", _DILUTE, "B is that of the closed form at all loads", closed("load a site", loads)
+    )
     numbers = {
         f"d ln {_B}/d ln <i>F</i>, load a site from {low:g} to {high:g}": _exponent(part(loads, low, high))
         for low, high in ((LIGHTEST, LIGHT), (_SIZE_LOAD, 0.3))
     }
-    yield claim("load_free", "Jagla, after Eq. (ndet2)", "B does not depend on load", numbers, FLAT)
+    yield Finding.within(FLAT, "load_free", "Jagla, after Eq. (ndet2)", "B does not depend on load", numbers)
     numbers = {
         f"{_BEND}: load a site {load:g}": _estimate(_only, one, of=straightness)
         for load, one in loads.items()
     }
-    yield claim("logarithm", _PAPER, "On independent heights the area grows like ln t in the window", numbers)
+    yield Finding.within(
+        NEAR, "logarithm", _PAPER, "On independent heights the area grows like ln t in the window", numbers
+    )
     numbers = {
         f"{_BEND}: {_by_hurst(hurst)}": _estimate(_only, some[4.0], of=straightness)
         for hurst, some in waves.items()
     }
-    yield claim("logarithm_waves", _PAPER, "On waves the area grows like ln t in the window", numbers)
+    yield Finding.within(
+        NEAR, "logarithm_waves", _PAPER, "On waves the area grows like ln t in the window", numbers
+    )
     words = "The closed form ends at a time in proportion to (contact fraction)^-2, when dips meet"
     numbers = {_ENDED: _exponent_of_end(loads[load] for load in ENDING)}
-    yield claim("end", "dilute horizon", words, numbers, (-2.2, -1.8))
+    yield Finding.within((-2.2, -1.8), "end", "dilute horizon", words, numbers)
     numbers = {
         f"{_B} at heights and load times {_RMS:g} over that before": _over(
             sets["rms", _GAUSSIAN, _RMS], loads[LIGHT]
         )
     }
-    yield claim("rms", "scaling", "Heights and load times a number leave B alone", numbers, (0.999, 1.001))
+    yield Finding.within(
+        (0.999, 1.001), "rms", "scaling", "Heights and load times a number leave B alone", numbers
+    )
     late = float(theory.late_slope(RATIO))
     numbers = {
         f"{_B} over <i>k</i><sub>eff</sub>/(8 pi <i>k</i><sub>0</sub>)": _estimate(
@@ -535,19 +514,19 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
         ),
         **closed("exponential heights, rms", {1.0: law}),
     }
-    yield claim("law", _DILUTE, "On exponential heights B is k_eff/(8 pi k0)", numbers)
+    yield Finding.within(NEAR, "law", _DILUTE, "On exponential heights B is k_eff/(8 pi k0)", numbers)
     numbers = {
         f"d ln {_B}/d ln (shortest wavelength): {_by_hurst(hurst)}": _exponent(some)
         for hurst, some in waves.items()
     }
-    yield claim("waves", _HERE, "B does not depend on the shortest wavelength", numbers, FLAT)
+    yield Finding.within(FLAT, "waves", _HERE, "B does not depend on the shortest wavelength", numbers)
     numbers = {
         f"{_B} at the Hurst exponent 0.8 over that at 0.2, waves from {cutoff:g} sites": _over(
             waves[0.8][cutoff], waves[0.2][cutoff]
         )
         for cutoff in CUTOFFS
     }
-    yield claim("hurst", _HERE, "B does not depend on the Hurst exponent", numbers)
+    yield Finding.within(NEAR, "hurst", _HERE, "B does not depend on the Hurst exponent", numbers)
     numbers = {
         f"{_B} at {side} sites along a side over that at {SIDE}: {words}": _over(some[side], some[SIDE])
         for words, some in (
@@ -556,7 +535,7 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
         )
         for side in SIZES[:-1]
     }
-    yield claim("size", _HERE, "B does not depend on the size of the surface", numbers)
+    yield Finding.within(NEAR, "size", _HERE, "B does not depend on the size of the surface", numbers)
 
 
 def _lines() -> pd.DataFrame:
@@ -592,52 +571,43 @@ _ZERO = 1e-3
 """Where R_viscous = 0 is drawn."""
 
 
-def _points(ax: Axes, points: pd.DataFrame, look: str, color: str, label: str) -> None:
-    at = points["at"].where(points["at"] > 0, _ZERO)
-    error = (points["B"] - points["B_low"], points["B_high"] - points["B"])
-    ax.errorbar(at, points["B"], yerr=error, fmt=look, color=color, markersize=4, linewidth=0.8, label=label)
-
-
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw B against everything, with the closed forms, and where they end."""
     figure = style.Drawing(figsize=(8.6, 5.6), layout="constrained")
     (viscous, ratio, load), (wave, side, over) = figure.subplots(2, 3)
-    points, lines = tables["points"], tables["lines"]
+    rows, lines = tables["points"], tables["lines"]
+    rows = rows.assign(at=rows["at"].where(rows["at"] > 0, _ZERO))
 
-    def chosen(of: str) -> pd.DataFrame:
-        return points[points["of"] == of]
+    def dots(ax: Axes, of: str, look: str, color: str, label: str, surfaces: str = _GAUSSIAN) -> None:
+        own = rows[(rows["of"] == of) & (rows["surfaces"] == surfaces)]
+        points(ax, own, "at", "B", look, color, label=label)
 
     def line(ax: Axes, of: str, name: str, look: str, color: str, label: str) -> None:
         own = lines[(lines["of"] == of) & (lines["line"] == name)]
         ax.plot(own["at"], own["B"], look, color=color, linewidth=0.9, label=label)
 
     for value, look, color in ((LIGHTEST, "o", style.BLUE), (LIGHT, "s", style.INK)):
-        own = chosen("R_viscous/R")
-        _points(viscous, own[own["surfaces"] == _by_load(value)], look, color, f"load {value:g}")
+        dots(viscous, "R_viscous/R", look, color, f"load {value:g}", _by_load(value))
         line(viscous, "R_viscous/R", _by_load(value), "-", color, f"closed form, {value:g}")
     viscous.set(xscale="log", xlabel=r"$\tilde R/R$ (at the left: 0)", ylabel=r"$B$")
-    _points(ratio, chosen("k1/k0"), "s", style.INK, "load 0.001")
+    dots(ratio, "k1/k0", "s", style.INK, "load 0.001")
     line(ratio, "k1/k0", "closed form", "-", style.INK, "closed form")
     line(ratio, "k1/k0", "late, exponential", "--", style.BLUE, r"$k_\mathrm{eff}/(8\pi k_0)$")
     line(ratio, "k1/k0", "paper", ":", style.VERMILION, r"$0.04\,k_1/k_0$")
     ratio.set(xscale="log", yscale="log", xlabel=r"$k_1/k_0$")
-    _points(load, chosen("load"), "s", style.INK, _GAUSSIAN)
+    dots(load, "load", "s", style.INK, _GAUSSIAN)
     line(load, "load", "closed form", "-", style.INK, "closed form")
     load.set(xscale="log", yscale="log", xlabel=r"load a site$\,/(k_0\,$rms height$)$")
-    own = chosen("cutoff")
-    for (name, part), look, color in zip(
-        own.groupby("surfaces"), "o^D", (style.SKY, style.BLUE, style.INK), strict=True
-    ):
-        _points(wave, part, f"{look}-", color, str(name))
+    for hurst, look, color in zip(HURST, "o^D", (style.SKY, style.BLUE, style.INK), strict=True):
+        dots(wave, "cutoff", f"{look}-", color, _by_hurst(hurst), _by_hurst(hurst))
     wave.set(xscale="log", xlabel="shortest wavelength (sites)", ylabel=r"$B$")
     wave.set_xticks(CUTOFFS, [f"{cutoff:g}" for cutoff in CUTOFFS])
     for ax in (wave, side):
         ax.set_yscale("log")
         ax.set_yticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
         ax.tick_params(axis="y", which="minor", labelleft=False)
-    own = chosen("side")
-    for (name, part), look, color in zip(own.groupby("surfaces"), "Ds", (style.BLUE, style.INK), strict=True):
-        _points(side, part, look + "--", color, str(name))
+    for name, look, color in ((_by_hurst(0.8), "D--", style.BLUE), (_GAUSSIAN, "s--", style.INK)):
+        dots(side, "side", look, color, name, name)
     line(side, "side", "closed form", "-", style.INK, "closed form")
     side.set(xscale="log", ylim=(0.1, 2.0), xlabel="sites along a side")
     side.set_xticks(SIZES, [f"{size}" for size in SIZES])

@@ -7,7 +7,7 @@ computed from the simulations with a 95 % interval, and the two are compared: in
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -106,6 +106,20 @@ class Finding:
     corrected: tuple[Measurement, ...] = ()
     correction: str = ""
     note: str = ""
+
+    @classmethod
+    def within(
+        cls,
+        ends: tuple[float, float],
+        key: str,
+        place: str,
+        claim: str,
+        numbers: Mapping[str, Estimate],
+        note: str = "",
+    ) -> Finding:
+        """Return one whose numbers, by what they are, all share a range."""
+        measured = tuple(Measurement(what, one, *ends) for what, one in numbers.items())
+        return cls(key, place, claim, measured, note=note)
 
     @property
     def verdict(self) -> Verdict:

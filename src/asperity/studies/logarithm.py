@@ -16,6 +16,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -28,7 +30,9 @@ from asperity.lattice import Field
 from asperity.relaxation import PronySeries, from_retardation
 from asperity.studies.campaigns import Campaign
 from asperity.studies.evidence import Evidence
-from asperity.studies.ledger import Finding, Measurement
+from asperity.studies.ledger import Finding
+from asperity.studies.numbers import columns, power, slope
+from asperity.studies.panels import points
 from asperity.studies.study import Outcome, Study
 
 SIDE = 128
@@ -110,80 +114,42 @@ _OF_LOADS = "compliance_0.03"
 
 
 def _campaigns(seeds: int, side: int = SIDE) -> Iterator[Campaign]:
-    tables = {
-        "surface": {
-            "kind": "spectral",
-            "shape": [side, side],
-            "hurst": 0.8,
-            "roll_off": side / 2,
-            "cutoff": 4.0,
-            "rms_slope": 0.2,
-        },
-        "aging": {"first": 1.0, "per_decade": 4, "rtol": 5e-3},
-        "output": {"maps_at": []},
-    }
-
-    def solid(series: PronySeries) -> dict[str, object]:
-        return {"kind": "half_space", "modulus": 1.0, "branches": [list(one) for one in series.branches]}
-
     load = side**2 * _PRESSURE
+    surface = {"kind": "spectral", "shape": [side, side], "hurst": 0.8, "roll_off": side / 2, "cutoff": 4.0}
+
+    def campaign(
+        name: str, purpose: str, relaxing: Relaxing, duration: float = _LAST, **sweep: object
+    ) -> Campaign:
+        branches = [list(one) for one in relaxing.series.branches]
+        tables = {
+            "surface": {**surface, "rms_slope": 0.2},
+            "aging": {"first": 1.0, "per_decade": 4, "rtol": 5e-3},
+            "output": {"maps_at": []},
+            "solid": {"kind": "half_space", "modulus": 1.0, "branches": branches},
+            "contact": {"load": load},
+            "protocol": [{"kind": "hold", "duration": duration}],
+            "sweep": {**sweep, "seeds": seeds},
+        }
+        return Campaign(name.replace(".", "_"), purpose, tables)
+
     for name, relaxing in RELAXATIONS.items():
-        yield Campaign(
-            name.replace(".", "_"),
-            f"Growth under a constant load: {relaxing.what}",
-            tables
-            | {
-                "solid": solid(relaxing.series),
-                "contact": {"load": load},
-                "protocol": [{"kind": "hold", "duration": _LAST}],
-                "sweep": {"seeds": seeds},
-            },
-        )
-    yield Campaign(
-        "loads",
-        f"Growth under other loads: {RELAXATIONS[_OF_LOADS].what}",
-        tables
-        | {
-            "solid": solid(RELAXATIONS[_OF_LOADS].series),
-            "contact": {"load": load},
-            "protocol": [{"kind": "hold", "duration": _LAST}],
-            "sweep": {"load": [side**2 * pressure for pressure in _PRESSURES], "seeds": seeds},
-        },
-    )
-    yield Campaign(
-        "elastic",
-        "Area against load, before anything has relaxed",
-        tables
-        | {
-            "solid": solid(RELAXATIONS[_OF_LOADS].series),
-            "contact": {"load": load},
-            "protocol": [{"kind": "hold", "duration": 1.0}],
-            "sweep": {"load": [load * factor for factor in _FACTORS], "seeds": seeds},
-        },
-    )
+        yield campaign(name, f"Growth under a constant load: {relaxing.what}", relaxing)
+    one = RELAXATIONS[_OF_LOADS]
+    loads = [side**2 * pressure for pressure in _PRESSURES]
+    yield campaign("loads", f"Growth under other loads: {one.what}", one, load=loads)
+    loads = [load * factor for factor in _FACTORS]
+    yield campaign("elastic", "Area against load, before anything has relaxed", one, 1.0, load=loads)
 
 
-def slope(time: Floats, growth: Floats, first: float = _FIRST, last: float = _LAST) -> Floats:
-    """Slope of the mean growth against ln t, between two times, by least squares.
-
-    Parameters
-    ----------
-    time
-        Times, shape (n,).
-    growth
-        A/A(0), shape (runs, n).
-    first, last
-        Times between which it is taken.
-    """
-    chosen = (time >= first * (1 - 1e-9)) & (time <= last * (1 + 1e-9))
-    return np.asarray(np.polyfit(np.log(time[chosen]), growth.mean(axis=0)[chosen], 1)[0])
+def rate(time: Floats, growth: Floats, first: float = _FIRST, last: float = _LAST) -> float:
+    """B between two times: of the mean growth A/A(0), shape (runs, times)."""
+    return slope(time, growth.mean(axis=0), first, last)
 
 
-def straightness(time: Floats, growth: Floats) -> Floats:
-    """Slope in the last two of the decades over that in the first two; 1 for a logarithm."""
+def straightness(time: Floats, growth: Floats) -> float:
+    """B in the last two of the decades over that in the first two; 1 for a logarithm."""
     decades = 10.0**_END_DECADES
-    early = slope(time, growth, _FIRST, _FIRST * decades)
-    return np.asarray(slope(time, growth, _LAST / decades, _LAST) / early)
+    return rate(time, growth, _LAST / decades) / rate(time, growth, last=_FIRST * decades)
 
 
 def share_for(shares: Floats, slopes: Floats, wanted: float = WANTED) -> float:
@@ -232,148 +198,97 @@ def _growth(evidence: Evidence, name: str, **where: float) -> tuple[Floats, Fiel
     return np.asarray(dataset["time"].values, dtype=np.float64), area / area[:, :1]
 
 
-def _row(kind: str, what: str, at: float, found: Estimate) -> dict[str, object]:
-    return {
-        "number": kind,
-        "relaxation": what,
-        "at": at,
-        "value": float(found.value),
-        "low": float(found.low),
-        "high": float(found.high),
-        "runs": found.runs,
-    }
-
-
 def analyse(evidence: Evidence) -> Outcome:
     """Find B and the straightness of all relaxations, and the share for a given B."""
     elastic = evidence["elastic"]
     loads = np.asarray(elastic["load"].values, dtype=np.float64)
     areas = evidence.samples("elastic", "area")[..., 0]
-    rows, curves, grown = [], [], {}
-    straight: dict[str, Measurement] = {}
-    ratios: list[Measurement] = []
+    rows: list[dict[str, Any]] = []
+    curves, grown, straight, ratios = [], {}, {}, {}
+
+    def noted(number: str, relaxation: str, at: float, found: Estimate) -> Estimate:
+        row = {"number": number, "relaxation": relaxation, "at": at}
+        rows.append(row | columns("value", found, shared=True) | {"runs": found.runs})
+        return found
+
     for name, relaxing in RELAXATIONS.items():
         time, growth = _growth(evidence, name)
         grown[name] = growth
-        bent = jackknife(lambda sample, time=time: straightness(time, sample), growth)
-        straight[name] = Measurement(
-            f"slope in the last two decades over that in the first two: {relaxing.what}", bent, *STRAIGHT
+        straight[name] = noted(
+            "straightness", name, relaxing.share, jackknife(partial(straightness, time), growth)
         )
+        noted("B", name, relaxing.share, jackknife(partial(rate, time), growth))
         forecast = predicted(loads / loads[0], areas, relaxing.series, time)
-        rows += [
-            _row("straightness", name, relaxing.share, bent),
-            _row("B", name, relaxing.share, jackknife(lambda one, time=time: slope(time, one), growth)),
-        ]
-        if relaxing.share == relaxing.share:
-            over = jackknife(
-                lambda one, other, time=time: slope(time, one) / slope(time, other), (growth, forecast)
-            )
-            rows.append(_row("B over prediction", name, relaxing.share, over))
-            ratios.append(
-                Measurement(f"<i>B</i> over that from <i>J</i>(<i>t</i>): {relaxing.what}", over, 0.95, 1.05)
-            )
-        curves.append(
-            pd.DataFrame(
-                {
-                    "relaxation": name,
-                    "time": time,
-                    "growth": growth.mean(axis=0),
-                    "predicted": forecast.mean(axis=0),
-                    "compliance": relaxing.series.compliance_at(time),
-                }
-            )
-        )
-    time = _growth(evidence, _OF_LOADS)[0]
+        if not math.isnan(relaxing.share):
+            over = jackknife(partial(_over, time), (growth, forecast))
+            ratios[relaxing.what] = noted("B over prediction", name, relaxing.share, over)
+        means = {"growth": growth.mean(axis=0), "predicted": forecast.mean(axis=0)}
+        course = {
+            "relaxation": name,
+            "time": time,
+            **means,
+            "compliance": relaxing.series.compliance_at(time),
+        }
+        curves.append(pd.DataFrame(course))
     wanted = {}
     for kind, shares in (("compliance", _COMPLIANCES), ("modulus", _MODULI)):
         samples = tuple(grown[f"{kind}_{share:g}"] for share in shares)
-        wanted[kind] = jackknife(
-            lambda *each, shares=shares: share_for(
-                np.array(shares), np.array([slope(time, one) for one in each])
-            ),
-            samples,
-        )
-        rows.append(_row("share for B = 0.01", kind, WANTED, wanted[kind]))
-    exponent = jackknife(lambda one: _exponent(loads, one), areas)
-    rows.append(_row("d ln A/d ln F", "elastic", _PRESSURE, exponent))
-    by_load = [_growth(evidence, "loads", load=load)[1] for load in evidence["loads"]["load"].values.tolist()]
-    slopes = [jackknife(lambda one: slope(time, one), growth) for growth in by_load]
-    rows += [
-        _row("B of a load", _OF_LOADS, pressure, found)
-        for pressure, found in zip(_PRESSURES, slopes, strict=True)
-    ]
-    of_loads = jackknife(
-        lambda light, heavy: slope(time, heavy) / slope(time, light), (by_load[0], by_load[-1])
-    )
-    findings = _findings(straight, ratios, wanted, of_loads)
-    tables = {"numbers": pd.DataFrame(rows), "curves": pd.concat(curves, ignore_index=True)}
-    return Outcome(findings, tables)
-
-
-def _exponent(loads: Floats, areas: Floats) -> float:
-    """Exponent of the area against load between the load and twice it."""
+        found = jackknife(partial(_share_wanted, time, np.array(shares)), samples)
+        wanted[kind] = noted("share for B = 0.01", kind, WANTED, found)
     near = loads <= 2.001 * loads[0]
-    return float(np.polyfit(np.log(loads[near]), np.log(areas.mean(axis=0)[near]), 1)[0])
+    exponent = jackknife(lambda some: power(loads[near], some.mean(axis=0)[near]), areas)
+    noted("d ln A/d ln F", "elastic", _PRESSURE, exponent)
+    by_load = [_growth(evidence, "loads", load=load)[1] for load in evidence["loads"]["load"].values.tolist()]
+    for pressure, growth in zip(_PRESSURES, by_load, strict=True):
+        noted("B of a load", _OF_LOADS, pressure, jackknife(partial(rate, time), growth))
+    of_loads = jackknife(partial(_over, time), (by_load[-1], by_load[0]))
+    findings = tuple(_findings(straight, ratios, wanted, of_loads))
+    return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(curves, ignore_index=True)})
+
+
+def _over(time: Floats, one: Floats, other: Floats) -> float:
+    return rate(time, one) / rate(time, other)
+
+
+def _share_wanted(time: Floats, shares: Floats, *grown: Floats) -> float:
+    return share_for(shares, np.array([rate(time, one) for one in grown]))
 
 
 def _findings(
-    straight: Mapping[str, Measurement],
-    ratios: list[Measurement],
+    straight: Mapping[str, Estimate],
+    ratios: Mapping[str, Estimate],
     wanted: Mapping[str, Estimate],
     of_loads: Estimate,
-) -> tuple[Finding, ...]:
-    def claim(key: str, words: str, names: list[str]) -> Finding:
-        return Finding(
-            key=key,
-            place="this study",
-            claim=f"With {words} the area grows like a logarithm over six decades",
-            measured=tuple(straight[name] for name in names),
-        )
-
+) -> Iterator[Finding]:
+    for key, words in (
+        ("one_time", "one relaxation time"),
+        ("power", "a compliance like a power of time"),
+        ("modulus", "equal parts of the modulus in each decade"),
+        ("compliance", "equal parts of compliance in each decade"),
+    ):
+        numbers = {
+            f"slope in the last two decades over that in the first two: {RELAXATIONS[name].what}": bent
+            for name, bent in straight.items()
+            if name.startswith(key)
+        }
+        claim = f"With {words} the area grows like a logarithm over six decades"
+        yield Finding.within(STRAIGHT, key, "this study", claim, numbers)
     proportional = math.log(10) * WANTED
-    return (
-        claim("one_time", "one relaxation time", ["one_time"]),
-        claim("power", "a compliance like a power of time", ["power"]),
-        claim("modulus", "equal parts of the modulus in each decade", [f"modulus_{g:g}" for g in _MODULI]),
-        claim(
-            "compliance",
-            "equal parts of compliance in each decade",
-            [f"compliance_{j:g}" for j in _COMPLIANCES],
-        ),
-        Finding(
-            key="share",
-            place="this study",
-            claim="B = 0.01 takes a share of 0.01 ln 10 a decade, within a fifth",
-            measured=tuple(
-                Measurement(
-                    f"share of {kind} in each decade that gives <i>B</i> = 0.01",
-                    found,
-                    0.8 * proportional,
-                    1.2 * proportional,
-                )
-                for kind, found in wanted.items()
-            ),
-        ),
-        Finding(
-            key="prediction",
-            place="Lee and Radok 1960",
-            claim="B follows from the compliance and the elastic area against load",
-            measured=tuple(ratios),
-        ),
-        Finding(
-            key="load",
-            place="Amontons' law",
-            claim="B does not depend on load",
-            measured=(
-                Measurement(
-                    "<i>B</i> at the load 0.04 over that at 0.0025: " + RELAXATIONS[_OF_LOADS].what,
-                    of_loads,
-                    0.9,
-                    1.1,
-                ),
-            ),
-        ),
+    numbers = {
+        f"share of {kind} in each decade that gives <i>B</i> = 0.01": found for kind, found in wanted.items()
+    }
+    yield Finding.within(
+        (0.8 * proportional, 1.2 * proportional),
+        "share",
+        "this study",
+        "B = 0.01 takes a share of 0.01 ln 10 a decade, within a fifth",
+        numbers,
     )
+    numbers = {f"<i>B</i> over that from <i>J</i>(<i>t</i>): {what}": over for what, over in ratios.items()}
+    claim = "B follows from the compliance and the elastic area against load"
+    yield Finding.within((0.95, 1.05), "prediction", "Lee and Radok 1960", claim, numbers)
+    what = f"<i>B</i> at the load 0.04 over that at 0.0025: {RELAXATIONS[_OF_LOADS].what}"
+    yield Finding.within((0.9, 1.1), "load", "Amontons' law", "B does not depend on load", {what: of_loads})
 
 
 _LOOKS = {
@@ -398,8 +313,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     left.legend(fontsize=7, loc="upper left")
     for kind, mark, color in (("compliance", "o", style.INK), ("modulus", "s", style.BLUE)):
         own = numbers[(numbers["number"] == "B") & numbers["relaxation"].str.startswith(kind)]
-        error = (own["value"] - own["low"], own["high"] - own["value"])
-        right.errorbar(own["at"], own["value"], yerr=error, fmt=mark, color=color, markersize=4, label=kind)
+        points(right, own, "at", "value", mark, color, label=kind, linewidth=None)
     shares = np.geomspace(0.008, 0.12, 20)
     right.plot(shares, shares / math.log(10), ":", color="0.5", label=r"share$\,/\ln 10$")
     right.axhline(WANTED, color="0.7", linewidth=0.8)

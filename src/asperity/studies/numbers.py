@@ -1,0 +1,67 @@
+"""What studies compute of their runs, as columns of tables: means, powers, slopes and times of extremes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from asperity.checks import Floats
+from asperity.fits.resampling import Estimate, jackknife
+
+
+def mean(sample: Floats) -> Estimate:
+    """Return the mean over surfaces, the first axis of a sample."""
+    return jackknife(lambda some: some.mean(axis=0), sample)
+
+
+def part(found: Estimate, *index: int | slice) -> Estimate:
+    """Return one of several numbers that were estimated together, or some of them."""
+    several: Any = (found.value, found.stderr, found.low, found.high)
+    value, stderr, low, high = (one[index] for one in several)
+    return Estimate(value, stderr, low, high, found.runs)
+
+
+def columns(name: str, found: Estimate | None, *, shared: bool = False) -> dict[str, Any]:
+    """Return the columns of a number and the ends of its interval: NAME, NAME_low and NAME_high.
+
+    Parameters
+    ----------
+    name
+        Of the number.
+    found
+        The number, or one a row; NaN for none.
+    shared
+        Call the ends low and high: there is no other interval in the table.
+    """
+    head = "" if shared else f"{name}_"
+    ends = (found.value, found.low, found.high) if found is not None else (math.nan,) * 3
+    return dict(zip((name, f"{head}low", f"{head}high"), ends, strict=True))
+
+
+def slope(time: Floats, values: Floats, first: float = 0.0, last: float = math.inf) -> float:
+    """Slope against ln t between two times, which are both included in spite of rounding.
+
+    Parameters
+    ----------
+    time, values
+        Shape (n,).
+    first, last
+        The window.
+    """
+    chosen = (time >= first * (1 - 1e-9)) & (time <= last * (1 + 1e-9))
+    return float(np.polyfit(np.log(time[chosen]), values[chosen], 1)[0])
+
+
+def power(at: Floats, values: Floats) -> float:
+    """Slope of ln(values) against ln(at), shape (n,)."""
+    return slope(at, np.log(values))
+
+
+def vertex(time: Floats, values: Floats, at: int) -> float:
+    """Time of the vertex of the parabola in ln t through a value, greatest or smallest, and its neighbors."""
+    near = slice(at - 1, at + 2)
+    scaled = (values[near] - values[at]) / np.ptp(values[near])
+    square, linear, _ = np.polyfit(np.log(time[near] / time[at]), scaled, 2)
+    return float(time[at] * math.exp(-linear / (2 * square)))
