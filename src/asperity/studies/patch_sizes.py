@@ -41,6 +41,8 @@ from asperity.patches import link_patches, patches
 from asperity.studies.campaigns import Campaign
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding, Measurement
+from asperity.studies.numbers import columns, part
+from asperity.studies.panels import points
 from asperity.studies.study import Outcome, Study
 
 SMALLEST = 16
@@ -268,7 +270,9 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
     """Exponents by Hurst exponent and load, shares of patches by size, and the findings."""
     opened = evidence["pressed"]
     loads, seeds = opened["load"].values, opened["seed"].values
-    rows, shares, laws, load_free = [], [], [], []
+    sites = int(evidence.sites("pressed"))
+    rows, shares, load_free = [], [], []
+    laws: dict[str, Estimate] = {}
     for hurst in opened["hurst"].values:
         sums: dict[str, list[list[Floats]]] = {"contact": [], "overlap": []}
         for load in loads:
@@ -278,18 +282,15 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
                 touching = one["in_contact"].values[0]
                 found["contact"].append(patches(touching).sizes)
                 found["overlap"].append(patches(overlap(one["heights"].values, int(touching.sum()))).sizes)
-                sites = touching.size
             for kind, sizes in found.items():
                 sums[kind].append([sums_of(some) for some in sizes])
-                together = np.concatenate(sizes)
                 shares += [
                     {"of": kind, "hurst": hurst, "pressure": load / sites, "size": size, "share": share}
-                    for size, share in _survival(together)
+                    for size, share in _survival(np.concatenate(sizes))
                 ]
         for kind, by_load in sums.items():
             samples = np.array(by_load).transpose(1, 0, 2)  # seeds, loads, sums
-            found_here = jackknife(lambda some, sites=sites: _numbers(some, loads, sites // 4), samples)
-            each, slopes = _split(found_here, len(loads))
+            numbers = jackknife(lambda some: _numbers(some, loads, sites // 4), samples)
             rows += [
                 {
                     "of": kind,
@@ -297,31 +298,24 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
                     "pressure": load / sites,
                     "area": samples[:, at, 4].mean() / sites,
                     "patches": int(samples[:, at, 0].sum()),
-                    **_columns(each, at),
+                    **_columns(numbers, at),
                     "runs": len(seeds),
                 }
                 for at, load in enumerate(loads)
             ]
             if kind == "contact":
                 about = f"half-space, Hurst exponent {hurst:g}"
-                laws += [
-                    Measurement(
-                        f"ln likelihood a patch, power law with a limit less lognormal: {about}, load a site "
-                        f"{load / sites:g}",
-                        _at(each, at, 2),
-                        low=0.0,
-                    )
-                    for at, load in enumerate(loads)
-                ]
+                words = f"ln likelihood a patch, power law with a limit less lognormal: {about}, load a site"
+                laws |= {f"{words} {load / sites:g}": part(numbers, at, 2) for at, load in enumerate(loads)}
+                exponent, size = (part(numbers, len(loads), column) for column in (0, 1))
                 load_free += [
-                    Measurement(f"d tau / d ln load: {about}", _one(slopes, 0), *SAME_EXPONENT),
-                    Measurement(
-                        f"d ln (mean size by area) / d ln load: {about}", _one(slopes, 1), *SAME_SIZE
-                    ),
+                    Measurement(f"d tau / d ln load: {about}", exponent, *SAME_EXPONENT),
+                    Measurement(f"d ln (mean size by area) / d ln load: {about}", size, *SAME_SIZE),
                 ]
     place = "Dieterich and Kilgore 1996"
+    claim = "Sizes of patches follow a power law up to a limiting size"
     findings = (
-        Finding("law", place, "Sizes of patches follow a power law up to a limiting size", tuple(laws)),
+        Finding.within((0.0, math.inf), "law", place, claim, laws),
         Finding("load", place, "Load leaves the distribution of sizes alone", tuple(load_free)),
     )
     return pd.DataFrame(rows), pd.DataFrame(shares), findings
@@ -331,50 +325,21 @@ _COLUMNS = ("exponent", "mean_size", "over_lognormal", "over_power", "inverse_li
 
 
 def _numbers(samples: Floats, loads: Floats, largest: int) -> Floats:
-    """Numbers of `_COLUMNS` under each load, then the slopes of the first two against ln load."""
+    """Numbers of `_COLUMNS` under each load, that of the size as a logarithm; then their slopes to ln load."""
     rows = []
     for at in range(len(loads)):
         laws = Laws.of(samples[:, at], largest)
-        _, _, _, _, area, squares = samples[:, at].sum(axis=0)
-        rows.append(
-            (
-                laws.cut.exponent,
-                math.log(squares / area),
-                laws.cut.likelihood - laws.lognormal.likelihood,
-                laws.cut.likelihood - laws.power.likelihood,
-                laws.cut.second,
-            )
-        )
-    table = np.array(rows)
-    return np.append(table.ravel(), np.polyfit(np.log(loads), table[:, :2], 1)[0])
+        area, squares = samples[:, at].sum(axis=0)[4:]
+        better = (laws.cut.likelihood - other.likelihood for other in (laws.lognormal, laws.power))
+        rows.append((laws.cut.exponent, math.log(squares / area), *better, laws.cut.second))
+    return np.vstack([rows, np.polyfit(np.log(loads), np.array(rows), 1)[0]])
 
 
-def _split(found: Estimate, loads: int) -> tuple[Estimate, Estimate]:
-    """Return what was found under each load, shape (loads, columns), and the slopes, shape (2,)."""
-    many = loads * len(_COLUMNS)
-    parts = [found.value, found.stderr, found.low, found.high]
-    each: Any = [part[:many].reshape(loads, -1) for part in parts]
-    slopes: Any = [part[many:] for part in parts]
-    return Estimate(*(*each, found.runs)), Estimate(*(*slopes, found.runs))
-
-
-def _at(each: Estimate, load: int, column: int) -> Estimate:
-    parts: Any = [part[load, column] for part in (each.value, each.stderr, each.low, each.high)]
-    return Estimate(*(*parts, each.runs))
-
-
-def _one(found: Estimate, at: int) -> Estimate:
-    return Estimate(found.value[at], found.stderr[at], found.low[at], found.high[at], runs=found.runs)
-
-
-def _columns(each: Estimate, load: int) -> dict[str, float]:
-    found = {}
+def _columns(found: Estimate, at: int) -> dict[str, float]:
+    row: dict[str, float] = {}
     for column, name in enumerate(_COLUMNS):
-        one = _at(each, load, column)
-        ends = {"": one.value, "_low": one.low, "_high": one.high}
-        for end, value in ends.items():
-            found[name + end] = math.exp(value) if name == "mean_size" else float(value)
-    return found
+        row |= columns(name, part(found, at, column))
+    return {name: math.exp(value) if name.startswith("mean_size") else value for name, value in row.items()}
 
 
 def _survival(sizes: NDArray[np.int64]) -> list[tuple[int, float]]:
@@ -386,56 +351,36 @@ def _survival(sizes: NDArray[np.int64]) -> list[tuple[int, float]]:
 
 def _grown(evidence: Evidence) -> tuple[pd.DataFrame, tuple[Finding, ...]]:
     """Growth by class of sizes at constant area, and the findings."""
-    rows, findings = [], []
+    tables, findings = [], []
     for name, (words, _, _) in SOLIDS.items():
-        table, counts, small, large = [], [], [], []
+        table, counts = [], []
+        ends: dict[str, list[Floats]] = {"small": [], "large": []}
         for seed in evidence[name]["seed"].values:
             maps = evidence.fields(name, seed=int(seed))["in_contact"].values
             before, net, born = growth(maps[0], maps[-1])
             of = np.searchsorted(CLASSES, before, side="right") - 1
-            sites = np.bincount(of, before, len(CLASSES))
-            gained = np.bincount(of, net, len(CLASSES))
+            gained, sites = (np.bincount(of, some, len(CLASSES)) for some in (net, before))
             table.append([[*gained, born], [*sites, before.sum()]])
             counts.append([*np.bincount(of, minlength=len(CLASSES)), 0])
-            small.append([net[before < SMALL].sum(), before[before < SMALL].sum()])
-            large.append([net[before >= LARGE].sum(), before[before >= LARGE].sum()])
+            for kind, chosen in (("small", before < SMALL), ("large", before >= LARGE)):
+                ends[kind].append(np.array([net[chosen].sum(), before[chosen].sum()], dtype=float))
         found = jackknife(_ratio, np.array(table, dtype=float))
-        numbers = np.sum(counts, axis=0)
-        ends = [*CLASSES[1:], math.inf, math.nan]
-        rows += [
-            {
-                "solid": name,
-                "from": (*CLASSES, 0)[at],
-                "below": ends[at],
-                "patches": int(numbers[at]),
-                "growth": found.value[at],
-                "low": found.low[at],
-                "high": found.high[at],
-                "runs": found.runs,
-            }
-            for at in range(len(ends))
-        ]
-        findings.append(
-            Finding(
-                name,
-                "Pilvelait et al. 2020",
-                "At constant area small patches shrink and large ones grow",
-                (
-                    Measurement(
-                        f"growth of patches of fewer than {SMALL} sites, over their sites: {words}",
-                        jackknife(_ratio, np.array(small, dtype=float)),
-                        high=-_CHANGES,
-                    ),
-                    Measurement(
-                        f"growth of patches of {LARGE} sites and more, over their sites: {words}",
-                        jackknife(_ratio, np.array(large, dtype=float)),
-                        low=_CHANGES,
-                    ),
-                ),
-                note=_NOTES.get(name, ""),
-            )
+        classes = {
+            "solid": name,
+            "from": (*CLASSES, 0),
+            "below": [*CLASSES[1:], math.inf, math.nan],
+            "patches": np.sum(counts, axis=0),
+        }
+        tables.append(pd.DataFrame(classes | columns("growth", found, shared=True) | {"runs": found.runs}))
+        small, large = (jackknife(_ratio, np.array(some)) for some in ends.values())
+        said = "growth of patches of {} sites{}, over their sites: {}".format
+        measured = (
+            Measurement(said(f"fewer than {SMALL}", "", words), small, high=-_CHANGES),
+            Measurement(said(LARGE, " and more", words), large, low=_CHANGES),
         )
-    return pd.DataFrame(rows), tuple(findings)
+        claim = "At constant area small patches shrink and large ones grow"
+        findings.append(Finding(name, "Pilvelait et al. 2020", claim, measured, note=_NOTES.get(name, "")))
+    return pd.concat(tables, ignore_index=True), tuple(findings)
 
 
 _NOTES = {
@@ -460,45 +405,24 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     sizes, exponent, held = figure.subplots(1, 3)
     shares = tables["sizes"]
     shown = shares[(shares["of"] == "contact") & (shares["hurst"] == HURST[-1])]
-    for (pressure, part), look in zip(shown.groupby("pressure"), "o^sD", strict=False):
+    for (pressure, own), look in zip(shown.groupby("pressure"), "o^sD", strict=False):
         sizes.plot(
-            part["size"], part["share"], f"{look}-", markersize=2.5, linewidth=0.7, label=f"{pressure:g}"
+            own["size"], own["share"], f"{look}-", markersize=2.5, linewidth=0.7, label=f"{pressure:g}"
         )
     sizes.axvline(SMALLEST, color="0.7", linewidth=0.8)
     sizes.set(xscale="log", yscale="log", xlabel="size $s$ (sites)", ylabel="share of $s$ sites or more")
     sizes.legend(title="load a site", fontsize=7, title_fontsize=7)
-    for (kind, hurst), part in tables["exponents"].groupby(["of", "hurst"], sort=False):
-        error = (
-            part["exponent"] - part["exponent_low"],
-            part["exponent_high"] - part["exponent"],
-        )
-        exponent.errorbar(
-            part["pressure"],
-            part["exponent"],
-            yerr=error,
-            fmt=_KINDS[str(kind)],
-            color=style.INK if hurst == HURST[-1] else style.VERMILION,
-            markersize=4,
-            linewidth=0.8,
-            label=f"{kind}, {hurst:g}",
-        )
+    for (kind, hurst), own in tables["exponents"].groupby(["of", "hurst"], sort=False):
+        color = style.INK if hurst == HURST[-1] else style.VERMILION
+        points(exponent, own, "pressure", "exponent", _KINDS[str(kind)], color, label=f"{kind}, {hurst:g}")
     exponent.set(xscale="log", xlabel="load a site", ylabel=r"exponent $\tau$")
     exponent.set_xticks(PRESSURES, [f"{p:g}" for p in PRESSURES])
     exponent.tick_params(axis="x", which="minor", labelbottom=False)
     exponent.legend(title="Hurst exponent", fontsize=7, title_fontsize=7)
-    for name, part in tables["growth"].groupby("solid", sort=False):
+    for name, own in tables["growth"].groupby("solid", sort=False):
         mark, color = _LOOKS[str(name)]
-        own = part[part["from"] > 0]
-        held.errorbar(
-            own["from"],
-            own["growth"],
-            yerr=(own["growth"] - own["low"], own["high"] - own["growth"]),
-            fmt=f"{mark}-",
-            color=color,
-            markersize=4,
-            linewidth=0.8,
-            label=str(name).replace("_", "-"),
-        )
+        label = str(name).replace("_", "-")
+        points(held, own[own["from"] > 0], "from", "growth", f"{mark}-", color, label=label)
     held.axhline(0.0, color="0.7", linewidth=0.8)
     held.set(xscale="log", xlabel="size at first, from (sites)", ylabel="growth at constant area")
     held.set_yscale("symlog", linthresh=0.5)
