@@ -18,7 +18,7 @@ wavelengths.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -34,7 +34,9 @@ from asperity.fits.resampling import Estimate, jackknife
 from asperity.friction.fitting import Events
 from asperity.studies.campaigns import Campaign
 from asperity.studies.evidence import Evidence
-from asperity.studies.ledger import Finding, Measurement
+from asperity.studies.ledger import Finding
+from asperity.studies.numbers import columns, mean, power
+from asperity.studies.panels import points
 from asperity.studies.study import Outcome, Study
 
 HOLDS = (10.0, 100.0, 1e3, 1e4)
@@ -260,11 +262,10 @@ class Records:
         last = 1 + 2 * len(HOLDS)
         for seed in data["seed"].values:
             one = data.sel(load=load, seed=seed)
-            slow = np.mean([before_shifts(one, leg)[-_STEADY:].mean() for leg in range(0, last, 2)])
-            others = [
-                before_shifts(one, leg)[-_STEADY:].mean() for leg in range(last, last + len(VELOCITIES))
-            ]
-            steady.append(np.array([slow, *others]) / slow)
+            slides = [*range(0, last, 2), *range(last, last + len(VELOCITIES))]
+            ends = [before_shifts(one, leg)[-_STEADY:].mean() for leg in slides]
+            slow = np.mean(ends[: -len(VELOCITIES)])
+            steady.append(np.array([slow, *ends[-len(VELOCITIES) :]]) / slow)
             unit = float(one["friction"].values[0] / one["area"].values[0] * slow)
             record = friction.Record.of_displacement(
                 one["time"].values,
@@ -288,29 +289,28 @@ class Records:
         peaks = [friction.hold_peaks(record) for record in self.records]
         return np.array([1 + one.peak - one.before for one in peaks])
 
+    def _of_mean(self, number: Callable[[friction.Record], float]) -> Estimate:
+        """Estimate a number of the mean record over surfaces."""
+        first, samples = self.records[0], np.array([record.friction for record in self.records])
+        return jackknife(lambda sample: number(replace(first, friction=sample.mean(axis=0))), samples)
+
     def ratio_of_b(self) -> Estimate:
         """B of the steps of the velocity over that of the rests, by fits of the aging law."""
-        first = self.records[0]
 
-        def ratio(sample: Floats) -> float:
-            mean = replace(first, friction=sample.mean(axis=0))
-            return (
-                friction.rate_and_state(mean, events="steps").b
-                / friction.rate_and_state(mean, events="holds").b
-            )
+        def ratio(record: friction.Record) -> float:
+            steps, holds = (friction.rate_and_state(record, events=one).b for one in ("steps", "holds"))
+            return steps / holds
 
-        return jackknife(ratio, np.array([record.friction for record in self.records]))
+        return self._of_mean(ratio)
 
     def explained(self) -> Estimate:
         """Part of the variance of friction that the aging law, fitted to the whole record, explains."""
-        first = self.records[0]
 
-        def part(sample: Floats) -> float:
-            mean = replace(first, friction=sample.mean(axis=0))
-            fit = friction.rate_and_state(mean)
-            return 1 - float(np.var(fit.residual) / np.var(mean.friction))
+        def share(record: friction.Record) -> float:
+            residual = friction.rate_and_state(record).residual
+            return 1 - float(np.var(residual) / np.var(record.friction))
 
-        return jackknife(part, np.array([record.friction for record in self.records]))
+        return self._of_mean(share)
 
     def laws(self) -> list[dict[str, object]]:
         """Parameters of both laws by rests, by steps and by both, a row each."""
@@ -318,23 +318,29 @@ class Records:
         for events in _EVENTS:
             found = friction.compare_state_laws(self.records, events=events)
             for law, estimates in found.estimates.items():
-                row: dict[str, object] = {
-                    "solid": self.solid,
-                    "load": self.load,
-                    "events": events,
-                    "law": law,
-                }
-                for name in ("b", "D_c"):
-                    one = estimates[name]
-                    row |= {
-                        name: float(one.value),
-                        f"{name}_low": float(one.low),
-                        f"{name}_high": float(one.high),
-                    }
                 fit = found.fits[law]
-                row |= {"determined": fit.determined, "misfit": float(np.sqrt(np.mean(fit.residual**2)))}
-                rows.append(row | {"runs": found.runs})
+                rows.append(
+                    {
+                        "solid": self.solid,
+                        "load": self.load,
+                        "events": events,
+                        "law": law,
+                        **columns("b", estimates["b"]),
+                        **columns("D_c", estimates["D_c"]),
+                        "determined": fit.determined,
+                        "misfit": float(np.sqrt(np.mean(fit.residual**2))),
+                        "runs": found.runs,
+                    }
+                )
         return rows
+
+    def points(self) -> pd.DataFrame:
+        """Friction after each rest and at each velocity, a row each."""
+        parts = []
+        for what, at, sample in (("rest", HOLDS, self.rest), ("steady", (1.0, *VELOCITIES), self.steady)):
+            head = {"solid": self.solid, "load": self.load, "what": what, "at": at}
+            parts.append(pd.DataFrame(head | columns("value", mean(sample), shared=True)))
+        return pd.concat(parts).assign(runs=len(self.records))
 
 
 _EVENTS: tuple[Events, ...] = ("holds", "steps", "all")
@@ -354,73 +360,59 @@ def analyse(evidence: Evidence) -> Outcome:
         for data in [evidence[name]]
         for load in data["load"].values
     ]
-    log_ratios = [friction.compare_state_laws(one.records).log_ratio for one in every]
     slips = {name: _slips(evidence[name]) for name in FAMILIES}
+
+    def each(what: str, number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
+        return {f"{what}: {one.words}": number(one) for one in every}
+
+    aging, same = "Dieterich 1979", (0.8, 1.25)
     findings = (
-        Finding(
+        Finding.within(
+            same,
             "logarithm",
-            "Dieterich 1979",
+            aging,
             "Static friction grows with the logarithm of the hold time",
-            tuple(
-                Measurement(
-                    f"growth in the last decade over that in the first: {one.words}",
-                    jackknife(_bend, one.rest),
-                    0.8,
-                    1.25,
-                )
-                for one in every
-            ),
+            each("growth in the last decade over that in the first", lambda one: jackknife(_bend, one.rest)),
         ),
-        Finding(
+        Finding.within(
+            (0.9, 1.0),
             "explained",
-            "Dieterich 1979",
+            aging,
             "The aging law describes rests and steps of the velocity by one b and one D_c",
-            tuple(
-                Measurement(f"explained part of the variance: {one.words}", one.explained(), 0.9, 1.0)
-                for one in every
-            ),
+            each("explained part of the variance", Records.explained),
         ),
-        Finding(
+        Finding.within(
+            same,
             "same_b",
-            "Dieterich 1979",
+            aging,
             "b from steps of the velocity is b from rests",
-            tuple(
-                Measurement(f"b of steps over b of rests: {one.words}", one.ratio_of_b(), 0.8, 1.25)
-                for one in every
-            ),
+            each("b of steps over b of rests", Records.ratio_of_b),
         ),
-        Finding(
+        Finding.within(
+            (-math.inf, 0.0),
             "law",
             "Ruina 1983",
             "The aging law fits better than the slip law",
-            tuple(
-                Measurement(
-                    f"ln of the squares of the aging law over those of the slip law: {one.words}",
-                    ratio,
-                    high=0.0,
-                )
-                for one, ratio in zip(every, log_ratios, strict=True)
+            each(
+                "ln of the squares of the aging law over those of the slip law",
+                lambda one: friction.compare_state_laws(one.records).log_ratio,
             ),
         ),
-        Finding(
+        Finding.within(
+            (0.8, 1.2),
             "length",
-            "Dieterich 1979",
+            aging,
             "The slip D_c that forgets a rest is in proportion to the correlation length",
-            tuple(
-                Measurement(
-                    f"d ln <i>D</i><sub>c</sub> / d ln (correlation length): {words}",
-                    _exponent(*slips[name]),
-                    0.8,
-                    1.2,
-                )
+            {
+                f"d ln <i>D</i><sub>c</sub> / d ln (correlation length): {words}": _exponent(*slips[name])
                 for name, words in FAMILIES.items()
-            ),
+            },
         ),
     )
     tables = {
-        "points": pd.DataFrame([row for one in every for row in _points(one)]),
+        "points": pd.concat([one.points() for one in every], ignore_index=True),
         "laws": pd.DataFrame([row for one in every for row in one.laws()]),
-        "slips": pd.DataFrame([row for name, found in slips.items() for row in _slip_rows(name, *found)]),
+        "slips": pd.concat([_slip_rows(name, *one) for name, one in slips.items()], ignore_index=True),
     }
     return Outcome(findings, tables)
 
@@ -429,18 +421,6 @@ def _bend(rest: Floats) -> float:
     """Growth in the last decade of hold time over that in the first."""
     mean = rest.mean(axis=0)
     return float((mean[-1] - mean[-2]) / (mean[1] - mean[0]))
-
-
-def _points(one: Records) -> list[dict[str, object]]:
-    rows: list[dict[str, object]] = []
-    for what, at, sample in (("rest", HOLDS, one.rest), ("steady", (1.0, *VELOCITIES), one.steady)):
-        found = jackknife(lambda some: some.mean(axis=0), sample)
-        rows += [
-            {"solid": one.solid, "load": one.load, "what": what, "at": place, "value": value}
-            | {"low": low, "high": high, "runs": found.runs}
-            for place, value, low, high in zip(at, found.value, found.low, found.high, strict=True)
-        ]
-    return rows
 
 
 def _slips(data: xr.Dataset) -> tuple[Floats, tuple[Floats, ...]]:
@@ -466,16 +446,12 @@ def _memory(*excesses: Floats) -> Floats:
 
 
 def _exponent(lengths: Floats, excesses: tuple[Floats, ...]) -> Estimate:
-    return jackknife(lambda *some: np.polyfit(np.log(lengths), np.log(_memory(*some)), 1)[0], excesses)
+    return jackknife(lambda *some: power(lengths, _memory(*some)), excesses)
 
 
-def _slip_rows(name: str, lengths: Floats, excesses: tuple[Floats, ...]) -> list[dict[str, object]]:
+def _slip_rows(name: str, lengths: Floats, excesses: tuple[Floats, ...]) -> pd.DataFrame:
     found = jackknife(_memory, excesses)
-    return [
-        {"family": name, "length": length, "slip": value}
-        | {"slip_low": low, "slip_high": high, "runs": found.runs}
-        for length, value, low, high in zip(lengths, found.value, found.low, found.high, strict=True)
-    ]
+    return pd.DataFrame({"family": name, "length": lengths, **columns("slip", found), "runs": found.runs})
 
 
 _MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^", "waves_half_space": "s"}
@@ -485,38 +461,30 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw static and steady friction, and the slip that forgets a rest."""
     figure = style.Drawing(figsize=(9.0, 3.3), layout="constrained")
     rest, steady, memory = figure.subplots(1, 3)
-    points, slips = tables["points"], tables["slips"]
+    values, slips = tables["points"], tables["slips"]
     for axis, what, label in (
         (rest, "rest", "hold time (sites / velocity 1)"),
         (steady, "steady", "velocity (sites / time)"),
     ):
-        for (solid, load), part in points[points["what"] == what].groupby(["solid", "load"], sort=False):
+        shown = values[values["what"] == what].sort_values("at", kind="stable")
+        for (solid, load), part in shown.groupby(["solid", "load"], sort=False):
             heavy = part["load"].iloc[0] > SOLIDS[str(solid)].loads[0]
-            ordered = part.sort_values("at")
-            axis.errorbar(
-                ordered["at"],
-                ordered["value"],
-                yerr=(ordered["value"] - ordered["low"], ordered["high"] - ordered["value"]),
-                fmt=f"{_MARKS[str(solid)]}-",
-                color=style.INK if solid == "lattice" else style.BLUE,
+            points(
+                axis,
+                part,
+                "at",
+                "value",
+                f"{_MARKS[str(solid)]}-",
+                style.INK if solid == "lattice" else style.BLUE,
                 markerfacecolor=None if heavy else "white",
-                markersize=4,
-                linewidth=0.8,
                 label=f"{str(solid).replace('_', '-')}, load {load:g}",
             )
         axis.set(xscale="log", yscale="log", xlabel=label, ylabel="friction over that steady at $V = 1$")
     rest.legend(fontsize=7)
     for name, part in slips.groupby("family", sort=False):
-        memory.errorbar(
-            part["length"],
-            part["slip"],
-            yerr=(part["slip"] - part["slip_low"], part["slip_high"] - part["slip"]),
-            fmt=f"{_MARKS[str(name)]}-",
-            color=style.BLUE if name == "waves_half_space" else style.INK,
-            markersize=4,
-            linewidth=0.8,
-            label=FAMILIES[str(name)],
-        )
+        color = style.BLUE if name == "waves_half_space" else style.INK
+        label = FAMILIES[str(name)]
+        points(memory, part, "length", "slip", f"{_MARKS[str(name)]}-", color, label=label)
     memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
     memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
     memory.legend(fontsize=6)
