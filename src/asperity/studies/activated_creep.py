@@ -16,21 +16,23 @@ a number below 1 where s_2 is a fixed part of s_1. This is an estimate from mean
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from asperity.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import Estimate, jackknife
-from asperity.studies.campaigns import Campaign
+from asperity.studies.campaigns import Campaign, after_waits
 from asperity.studies.evidence import Evidence
-from asperity.studies.ledger import Finding, Measurement
+from asperity.studies.ledger import Finding
+from asperity.studies.numbers import columns, mean, power, slope, vertex
+from asperity.studies.panels import points
 from asperity.studies.slide_hold_slide import before_shifts
 from asperity.studies.study import Outcome, Study
 
@@ -64,43 +66,32 @@ class Solid:
         Waiting times before the step.
     ratios
         Loads after the step over that before.
-    creep_stress
-        s0; 0 for a linear solid.
     """
 
     what: str
     table: Mapping[str, Any]
     waits: tuple[float, ...]
     ratios: tuple[float, ...]
-    creep_stress: float = 0.0
 
     @property
-    def continuum(self) -> bool:
-        """Whether it is a half-space."""
-        return self.table.get("kind") == "half_space"
+    def creep_stress(self) -> float:
+        """s0; 0 for a linear solid."""
+        return float(self.table.get("creep_stress", 0.0))
 
 
 SOLIDS = {
-    "lattice": Solid("lattice of springs, s0 = 0.05", _FLAT | _eyring(0.05, 3.0), _DECADES, (0.2, 0.5), 0.05),
-    "lighter": Solid("lattice of springs, s0 = 0.05", _FLAT | _eyring(0.05, 3.0), _STEPS, (0.8,), 0.05),
-    "cold": Solid("lattice of springs, s0 = 0.025", _FLAT | _eyring(0.025, 3.0), _STEPS, (0.5,), 0.025),
-    "warm": Solid("lattice of springs, s0 = 0.1", _FLAT | _eyring(0.1, 3.0), _STEPS, (0.5,), 0.1),
-    "bed": Solid(
-        "independent springs, s0 = 0.05", _FLAT | {"k0": 0.0} | _eyring(0.05, 3.0), _STEPS, (0.5,), 0.05
-    ),
+    "lattice": Solid("lattice of springs, s0 = 0.05", _FLAT | _eyring(0.05, 3.0), _DECADES, (0.2, 0.5)),
+    "lighter": Solid("lattice of springs, s0 = 0.05", _FLAT | _eyring(0.05, 3.0), _STEPS, (0.8,)),
+    "cold": Solid("lattice of springs, s0 = 0.025", _FLAT | _eyring(0.025, 3.0), _STEPS, (0.5,)),
+    "warm": Solid("lattice of springs, s0 = 0.1", _FLAT | _eyring(0.1, 3.0), _STEPS, (0.5,)),
+    "bed": Solid("independent springs, s0 = 0.05", _FLAT | {"k0": 0.0} | _eyring(0.05, 3.0), _STEPS, (0.5,)),
     "half_space": Solid(
         "half-space in series with creep, s0 = 0.05",
         {"kind": "half_space", "modulus": 1.0} | _eyring(0.05, 1.0),
         _STEPS,
         (0.5, 0.8),
-        0.05,
     ),
-    "viscous": Solid(
-        "linear lattice, R_viscous = 1/3",
-        _FLAT | {"R_viscous": 1 / 3},
-        _LINEAR,
-        (0.2,),
-    ),
+    "viscous": Solid("linear lattice, R_viscous = 1/3", _FLAT | {"R_viscous": 1 / 3}, _LINEAR, (0.2,)),
     "conserved": Solid("linear lattice, R = 1", _FLAT | {"R": 1.0}, _LINEAR, (0.2,)),
     "logarithm": Solid(
         "linear half-space, E(t) like ln t",
@@ -130,29 +121,17 @@ def _surface() -> dict[str, Any]:
 
 
 def _two_steps(name: str, ratio: float, surfaces: int, waits: tuple[float, ...]) -> Campaign:
-    """Creep t_w times as fast for a time of 1 is creep for t_w."""
     solid = SOLIDS[name]
     load = _LOAD * _SIDE**2
     return Campaign(
         _folder(name, ratio),
         f"Area after the load has fallen to {ratio:g} of it, waiting time as a factor on creep: {solid.what}",
         {
-            "surface": _surface() | {"rms_slope" if solid.continuum else "rms_height": 1.0},
+            "surface": _surface() | {"rms_slope" if "modulus" in solid.table else "rms_height": 1.0},
             "solid": solid.table,
             "contact": {"load": load},
             "aging": {"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
-            "protocol": [
-                {"kind": "hold", "duration": 1.0},
-                {"kind": "step", "load": ratio * load},
-                {"kind": "hold", "duration": _END},
-            ],
-            "output": {"maps_at": []},
-            "sweep": {
-                "protocol.0.mobility": list(waits),
-                "protocol.2.mobility": list(waits),
-                "seeds": surfaces,
-                "combine": "zip",
-            },
+            **after_waits({"load": ratio * load}, waits, _END, surfaces),
         },
     )
 
@@ -208,6 +187,10 @@ PROPORTIONAL = (0.8, 1.2)
 """Powers of the waiting time that bear out that a time is proportional to it."""
 
 
+Reading = Callable[[Floats, Floats], float]
+"""What is read off times and areas, shapes (n,)."""
+
+
 def time_of_minimum(time: Floats, area: Floats) -> float:
     """Time at which an area is smallest: that of the parabola in ln t through it and its neighbors.
 
@@ -226,11 +209,7 @@ def time_of_minimum(time: Floats, area: Floats) -> float:
     at = int(np.argmin(area))
     if area[at] > (1 - FELL) * area[0] or at == area.size - 1:
         return math.nan
-    if at == 1:
-        return float(time[1])
-    near = slice(at - 1, at + 2)
-    square, slope, _ = np.polyfit(np.log(time[near] / time[at]), area[near] / area[at], 2)
-    return float(time[at] * math.exp(-slope / (2 * square))) if square > 0 else float(time[at])
+    return float(time[1]) if at == 1 else vertex(time, area, at)
 
 
 def time_of_growth(time: Floats, area: Floats) -> float:
@@ -295,21 +274,9 @@ class Steps:
         """Lost area over that just after the step, shape (surfaces, waits)."""
         return np.asarray(1 - self.area.min(axis=2) / self.area[:, :, 0])
 
-    def times(self, of: Callable[[Floats, Floats], float]) -> Callable[[Floats], Floats]:
-        """Return ln(time / waiting time) at each wait, as a function of a sample of areas after the step."""
-        return lambda area: np.log([of(self.time, one) for one in area.mean(axis=0)])
-
-    def power(self, of: Callable[[Floats, Floats], float]) -> Estimate | None:
-        """Power of the waiting time in a time; None where fewer than three waits have one in every sample."""
-        times, shared = self.times(of), self.shared(of)
-        if shared.sum() < 3:
-            return None
-        wait = np.log(self.wait[shared])
-        return jackknife(lambda area: 1 + np.polyfit(wait, times(area)[shared], 1)[0], self.area)
-
-    def shared(self, of: Callable[[Floats, Floats], float]) -> NDArray[np.bool_]:
-        """Waits at which every sample has that time."""
-        return np.isfinite(jackknife(self.times(of), self.area).high)
+    def times(self, of: Reading, area: Floats) -> Floats:
+        """Return ln(time / waiting time) at each wait, for a sample of areas after the step."""
+        return np.log([of(self.time, one) for one in area.mean(axis=0)])
 
     def estimated(self, before: Floats, area: Floats) -> Floats:
         """Return ln(t_r/t_w) = (s_1 - s_2)/s0 from the mean forces before and after the step."""
@@ -317,79 +284,91 @@ class Steps:
         then = self.ratio * self.load / area[:, :, 0].mean(axis=0)
         return np.asarray((first - then) / SOLIDS[self.name].creep_stress)
 
+    def _slope(self, of: Reading, statistic: Callable[[Floats, Floats], Floats]) -> Estimate | None:
+        """Slope against ln t_w, where every sample has that time; None for fewer than three waits."""
+        shared = np.isfinite(jackknife(lambda area: self.times(of, area), self.area).high)
+        if shared.sum() < 3:
+            return None
+        samples = (self.before, self.area)
+        return jackknife(lambda *some: slope(self.wait[shared], statistic(*some)[shared]), samples)
+
+    def power(self, of: Reading) -> Estimate | None:
+        """Power of the waiting time in a time; None where fewer than three waits have one in every sample."""
+        return self._slope(of, lambda _, area: np.log(self.wait) + self.times(of, area))
+
     def estimated_power(self) -> Estimate | None:
         """Power of the waiting time in the estimate, at the waits at which growth resumes."""
-        shared = self.shared(time_of_growth)
-        if shared.sum() < 3 or not SOLIDS[self.name].creep_stress:
+        if not SOLIDS[self.name].creep_stress:
             return None
-        wait = np.log(self.wait[shared])
-        return jackknife(
-            lambda before, area: 1 + np.polyfit(wait, self.estimated(before, area)[shared], 1)[0],
-            (self.before, self.area),
-        )
+        return self._slope(time_of_growth, lambda *some: np.log(self.wait) + self.estimated(*some))
 
     def excess(self) -> Estimate | None:
         """Power of the waiting time in t_r less that of the estimate, where both are known."""
-        if self.estimated_power() is None:
+        if not SOLIDS[self.name].creep_stress:
             return None
-        times, shared = self.times(time_of_growth), self.shared(time_of_growth)
-        wait = np.log(self.wait[shared])
+        return self._slope(
+            time_of_growth,
+            lambda before, area: self.times(time_of_growth, area) - self.estimated(before, area),
+        )
 
-        def difference(before: Floats, area: Floats) -> float:
-            return float(np.polyfit(wait, (times(area) - self.estimated(before, area))[shared], 1)[0])
-
-        return jackknife(difference, (self.before, self.area))
+    def deepest(self) -> Estimate:
+        """Largest over the waits of the lost area, the mean over the surfaces."""
+        return jackknife(lambda depth: depth.mean(axis=0).max(), self.depth)
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Judge what becomes of the area after a fall of the load, and of friction at rest."""
     every = [Steps.of(evidence, name, ratio) for name, solid in SOLIDS.items() for ratio in solid.ratios]
     rests = Rests.of(evidence)
-    in_series = [one for one in every if one.name in IN_SERIES]
-    beside = [one for one in every if one.name in ACTIVATED and one.name not in IN_SERIES]
+    activated = [one for one in every if SOLIDS[one.name].creep_stress]
+    in_series = [one for one in activated if one.name in IN_SERIES]
+    beside = [one for one in activated if one.name not in IN_SERIES]
     lost = "largest mean of lost area over that after the step: "
+    dillavou, here = "Dillavou and Rubinstein 2018", "this study"
+    in_time = "power of the waiting time in the time of"
     findings = (
-        Finding(
+        Finding.within(
+            (-math.inf, FELL),
             "series",
             "the proof on this page",
             "Where all of the stiffness creeps, no contact is lost after the load has fallen",
-            tuple(Measurement(lost + one.words, _deepest(one), high=FELL) for one in in_series),
+            {lost + one.words: one.deepest() for one in in_series},
         ),
-        Finding(
+        Finding.within(
+            (FELL, math.inf),
             "falls",
-            "Dillavou and Rubinstein 2018",
+            dillavou,
             "With activated creep beside permanent springs, the area falls before it rises",
-            tuple(Measurement(lost + one.words, _deepest(one), low=FELL) for one in beside),
+            {lost + one.words: one.deepest() for one in beside},
             note="The largest over the waiting times.",
         ),
-        Finding(
+        Finding.within(
+            PROPORTIONAL,
             "minimum",
-            "Dillavou and Rubinstein 2018",
+            dillavou,
             "The time of the minimum is proportional to the waiting time",
-            _powers(every, time_of_minimum, "time of the minimum"),
+            _known(f"{in_time} the minimum", every, lambda one: one.power(time_of_minimum)),
         ),
-        Finding(
+        Finding.within(
+            PROPORTIONAL,
             "growth",
-            "this study",
+            here,
             "The time at which growth resumes is proportional to the waiting time",
-            _powers(every, time_of_growth, "time of growth"),
+            _known(f"{in_time} growth", every, lambda one: one.power(time_of_growth)),
         ),
-        Finding(
+        Finding.within(
+            (-0.1, 0.1),
             "estimate",
-            "this study",
+            here,
             "The power in the time of growth is that of the mean forces",
-            tuple(
-                Measurement(f"power less d s_2/d s_1: {one.words}", found, -0.1, 0.1)
-                for one in every
-                if (found := one.excess()) is not None
-            ),
+            _known("power less d s_2/d s_1", every, Steps.excess),
         ),
         *rests.findings(),
     )
     return Outcome(
         tuple(finding for finding in findings if finding.measured),  # few waits give no power
         {
-            "steps": pd.DataFrame([row for one in every for row in _rows(one)]),
+            "steps": pd.concat([_rows(one) for one in every], ignore_index=True),
             "powers": pd.DataFrame([_power_row(one) for one in every]),
             "curves": pd.concat([_curves(one) for one in every if one.ratio == every[0].ratio]),
             "rests": rests.table(),
@@ -397,72 +376,57 @@ def analyse(evidence: Evidence) -> Outcome:
     )
 
 
-ACTIVATED = tuple(name for name, solid in SOLIDS.items() if solid.creep_stress)
 IN_SERIES = ("bed", "half_space")
 """Solids whose whole stiffness creeps."""
 
 
-def _powers(every: list[Steps], of: Callable[[Floats, Floats], float], what: str) -> tuple[Measurement, ...]:
-    return tuple(
-        Measurement(f"power of the waiting time in the {what}: {one.words}", found, *PROPORTIONAL)
-        for one in every
-        if (found := one.power(of)) is not None
+def _known(what: str, every: list[Steps], number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
+    return {f"{what}: {one.words}": found for one in every if (found := number(one)) is not None}
+
+
+def _rows(one: Steps) -> pd.DataFrame:
+    growth, minimum = (
+        jackknife(partial(one.times, of), one.area) for of in (time_of_growth, time_of_minimum)
+    )
+    activated = SOLIDS[one.name].creep_stress > 0
+    estimated = one.estimated(one.before, one.area) if activated else np.nan
+    logarithms = columns("minimum", minimum) | columns("growth", growth) | {"growth_estimated": estimated}
+    return pd.DataFrame(
+        {
+            "solid": one.name,
+            "load_ratio": one.ratio,
+            "waiting_time": one.wait,
+            "surfaces": len(one.area),
+            "area_before": one.before.mean(axis=0),
+            "area_after": one.area[:, :, 0].mean(axis=0),
+            **columns("depth", mean(one.depth)),
+            **{name: np.exp(values) for name, values in logarithms.items()},
+        }
     )
 
 
-def _rows(one: Steps) -> Iterator[dict[str, object]]:
-    growth = jackknife(one.times(time_of_growth), one.area)
-    minimum = jackknife(one.times(time_of_minimum), one.area)
-    depth = jackknife(lambda some: some.mean(axis=0), one.depth)
-    activated = SOLIDS[one.name].creep_stress > 0
-    estimated = one.estimated(one.before, one.area) if activated else np.full(one.wait.size, np.nan)
-    for at, wait in enumerate(one.wait):
-        yield {
-            "solid": one.name,
-            "load_ratio": one.ratio,
-            "waiting_time": wait,
-            "surfaces": len(one.area),
-            "area_before": one.before[:, at].mean(),
-            "area_after": one.area[:, at, 0].mean(),
-            "depth": float(depth.value[at]),
-            "depth_low": float(depth.low[at]),
-            "depth_high": float(depth.high[at]),
-            **_as_times("minimum", minimum, at),
-            **_as_times("growth", growth, at),
-            "growth_estimated": float(np.exp(estimated[at])),
-        }
-
-
-def _as_times(name: str, found: Estimate, at: int) -> dict[str, float]:
-    parts = {name: found.value, f"{name}_low": found.low, f"{name}_high": found.high}
-    return {key: float(np.exp(part[at])) for key, part in parts.items()}
-
-
 def _power_row(one: Steps) -> dict[str, object]:
-    deepest = _deepest(one)
-    row: dict[str, object] = {"solid": one.name, "load_ratio": one.ratio, "surfaces": len(one.area)}
-    powers = {"minimum": one.power(time_of_minimum), "growth": one.power(time_of_growth)}
-    for name, found in {"depth": deepest, **powers, "estimated": one.estimated_power()}.items():
-        for end, part in (("", "value"), ("_low", "low"), ("_high", "high")):
-            row[f"{name}{end}"] = float(getattr(found, part)) if found is not None else math.nan
-    return row
-
-
-def _deepest(one: Steps) -> Estimate:
-    """Largest over the waits of the lost area, the mean over the surfaces."""
-    return jackknife(lambda depth: depth.mean(axis=0).max(), one.depth)
+    return {
+        "solid": one.name,
+        "load_ratio": one.ratio,
+        "surfaces": len(one.area),
+        **columns("depth", one.deepest()),
+        **columns("minimum", one.power(time_of_minimum)),
+        **columns("growth", one.power(time_of_growth)),
+        **columns("estimated", one.estimated_power()),
+    }
 
 
 def _curves(one: Steps) -> pd.DataFrame:
-    relative = (one.area / one.area[:, :, :1]).mean(axis=0)
-    parts = [
-        pd.DataFrame(
-            {"solid": one.name, "load_ratio": one.ratio, "waiting_time": wait}
-            | {"time": one.time, "area": area}
-        )
-        for wait, area in zip(one.wait, relative, strict=True)
-    ]
-    return pd.concat(parts)
+    return pd.DataFrame(
+        {
+            "solid": one.name,
+            "load_ratio": one.ratio,
+            "waiting_time": np.repeat(one.wait, one.time.size),
+            "time": np.tile(one.time, one.wait.size),
+            "area": (one.area / one.area[:, :, :1]).mean(axis=0).ravel(),
+        }
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -526,46 +490,46 @@ class Rests:
 
     def findings(self) -> tuple[Finding, ...]:
         """Judge what is claimed of friction at rest."""
-        logs = np.log(self.temperature)
-        power = jackknife(lambda rest: np.polyfit(logs, np.log(self.growth(rest)), 1)[0], self.rest)
+        at = self.temperature
+        both = (self.rest, self.steady)
+        of_temperature = jackknife(lambda rest: power(at, self.growth(rest)), self.rest)
         ratio = jackknife(
-            lambda rest, steady: (self.growth(rest) / (self.temperature / self.force(steady, rest))).mean(),
-            (self.rest, self.steady),
+            lambda rest, steady: (self.growth(rest) / (at / self.force(steady, rest))).mean(), both
         )
-        same = jackknife(
-            lambda rest, steady: (self.fall(steady) / self.growth(rest)).mean(), (self.rest, self.steady)
-        )
+        same = jackknife(lambda rest, steady: (self.fall(steady) / self.growth(rest)).mean(), both)
         return (
-            Finding(
+            Finding.within(
+                PROPORTIONAL,
                 "temperature",
                 "Baumberger and Caroli 2006",
                 "Static friction grows with the logarithm of the hold time, in proportion to temperature",
-                (Measurement("power of <i>T</i> in B", power, *PROPORTIONAL),),
+                {"power of <i>T</i> in B": of_temperature},
             ),
-            Finding(
+            Finding.within(
+                (0.5, 1.0),
                 "slope",
                 "docs/creep.md",
                 "B of rests is s0/s",
-                (Measurement("B s/s0, mean over temperatures", ratio, 0.5, 1.0),),
+                {"B s/s0, mean over temperatures": ratio},
             ),
-            Finding(
+            Finding.within(
+                (0.8, 1.25),
                 "steady",
                 "Dieterich 1979",
                 "Steady friction falls with velocity as static friction grows with hold time",
-                (Measurement("b of steady sliding over B, mean over temperatures", same, 0.8, 1.25),),
+                {"b of steady sliding over B, mean over temperatures": same},
             ),
         )
 
     def table(self) -> pd.DataFrame:
         """B at rest and in steady sliding, and s0/s, at each temperature."""
-        found = {"rest": jackknife(self.growth, self.rest), "steady": jackknife(self.fall, self.steady)}
-        theory = self.temperature / self.force(self.steady, self.rest)
         return pd.DataFrame(
-            {"kT": self.temperature, "s0_over_s": theory, "surfaces": len(self.rest)}
-            | {
-                f"{name}{end}": part
-                for name, one in found.items()
-                for end, part in (("", one.value), ("_low", one.low), ("_high", one.high))
+            {
+                "kT": self.temperature,
+                "s0_over_s": self.temperature / self.force(self.steady, self.rest),
+                "surfaces": len(self.rest),
+                **columns("rest", jackknife(self.growth, self.rest)),
+                **columns("steady", jackknife(self.fall, self.steady)),
             }
         )
 
@@ -611,15 +575,15 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             if part.empty:
                 continue
             mark, color = _LOOKS[str(solid)]
-            axis.errorbar(
-                part["waiting_time"],
-                part[name],
-                yerr=(part[name] - part[f"{name}_low"], part[f"{name}_high"] - part[name]),
-                fmt=f"{mark}-",
-                color=color,
-                markersize=4,
-                linewidth=0.8,
-                markerfacecolor=color if part["load_ratio"].iloc[0] < 0.5 or mark in "x+*" else "white",
+            filled = part["load_ratio"].iloc[0] < 0.5 or mark in "x+*"
+            points(
+                axis,
+                part,
+                "waiting_time",
+                name,
+                f"{mark}-",
+                color,
+                markerfacecolor=color if filled else "white",
                 label=f"{str(solid).replace('_', '-')}, × {ratio:g}",
             )
         axis.set(
@@ -630,16 +594,11 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         )
         axis.set_ylim(top=axis.get_ylim()[1] * (1e3 if name == "growth" else 1))
         axis.legend(fontsize=6, ncols=2, loc="upper right")
-    for name, mark, label in (("rest", "o", "at rest, B"), ("steady", "s", "in steady sliding, b")):
-        rest.errorbar(
-            rests["kT"],
-            rests[name],
-            yerr=(rests[name] - rests[f"{name}_low"], rests[f"{name}_high"] - rests[name]),
-            fmt=mark,
-            color=style.INK if name == "rest" else style.BLUE,
-            markersize=4,
-            label=label,
-        )
+    for name, mark, color, label in (
+        ("rest", "o", style.INK, "at rest, B"),
+        ("steady", "s", style.BLUE, "in steady sliding, b"),
+    ):
+        points(rest, rests, "kT", name, mark, color, label=label, linewidth=None)
     rest.plot(rests["kT"], rests["s0_over_s"], "--", color="0.5", label="$s_0/s$")
     rest.set(xlabel="$kT$ over the activation volume", ylabel="friction per e-fold")
     rest.set(xlim=(0, None), ylim=(0, None))

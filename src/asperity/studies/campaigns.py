@@ -80,6 +80,40 @@ class Campaign:
         return replace(self, tables={**self.tables, "sweep": sweep})
 
 
+def after_waits(
+    step: Mapping[str, float], waits: Sequence[float], duration: float, surfaces: int
+) -> dict[str, Any]:
+    """Return the tables of a hold for each waiting time, a step and a hold; times over the waiting time.
+
+    Creep t_w times as fast for a time of 1 is creep for t_w: waiting times are factors on creep.
+
+    Parameters
+    ----------
+    step
+        What the step changes, as in a leg of the campaign file.
+    waits
+        Waiting times, swept.
+    duration
+        Of the second hold, over the waiting time.
+    surfaces
+        Number of seeds.
+    """
+    return {
+        "protocol": [
+            {"kind": "hold", "duration": 1.0},
+            {"kind": "step", **step},
+            {"kind": "hold", "duration": duration},
+        ],
+        "output": {"maps_at": []},
+        "sweep": {
+            "protocol.0.mobility": list(waits),
+            "protocol.2.mobility": list(waits),
+            "seeds": surfaces,
+            "combine": "zip",
+        },
+    }
+
+
 @dataclass(frozen=True)
 class Prepared:
     """A campaign that is ready to run.

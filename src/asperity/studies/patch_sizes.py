@@ -325,7 +325,7 @@ _COLUMNS = ("exponent", "mean_size", "over_lognormal", "over_power", "inverse_li
 
 
 def _numbers(samples: Floats, loads: Floats, largest: int) -> Floats:
-    """Numbers of `_COLUMNS` under each load, that of the size as a logarithm; then their slopes to ln load."""
+    """Numbers of `_COLUMNS` under each load, the size as a logarithm; then their slopes against ln load."""
     rows = []
     for at in range(len(loads)):
         laws = Laws.of(samples[:, at], largest)

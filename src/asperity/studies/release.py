@@ -31,9 +31,11 @@ from asperity.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import jackknife
 from asperity.relaxation import PronySeries
-from asperity.studies.campaigns import Campaign
+from asperity.studies.campaigns import Campaign, after_waits
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding, Measurement, proportion
+from asperity.studies.numbers import columns, mean, slope, vertex
+from asperity.studies.panels import points
 from asperity.studies.study import Outcome, Study
 
 PROPORTIONAL = (0.95, 1.05)
@@ -110,8 +112,9 @@ _SOLIDS: Mapping[str, tuple[str, Mapping[str, Any], Mapping[str, Any], float, tu
 
 
 def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
-    """Campaigns by solid and release. Creep t_w times as fast for a time of 1 is creep for t_w."""
+    """Campaigns by solid and release."""
     for name, (words, surface, solid, separation, moves) in _SOLIDS.items():
+        surfaces = seeds if solid["kind"] == "spring_lattice" else seeds // 2
         for move in moves:
             yield Campaign(
                 _folder(name, move),
@@ -121,18 +124,7 @@ def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
                     "solid": {key: _listed(value) for key, value in solid.items()},
                     "contact": {"separation": separation},
                     "aging": {"first": 0.01, "per_decade": 8},
-                    "protocol": [
-                        {"kind": "hold", "duration": 1.0},
-                        {"kind": "step", "approach": -move},
-                        {"kind": "hold", "duration": 30.0},
-                    ],
-                    "output": {"maps_at": []},
-                    "sweep": {
-                        "protocol.0.mobility": list(waiting),
-                        "protocol.2.mobility": list(waiting),
-                        "seeds": seeds if solid["kind"] == "spring_lattice" else seeds // 2,
-                        "combine": "zip",
-                    },
+                    **after_waits({"approach": -move}, waiting, 30.0, surfaces),
                 },
             )
 
@@ -163,10 +155,7 @@ def maximum(time: Floats, force: Floats) -> float:
     at = int(np.argmax(force))
     if not force[at] - max(force[0], force[-1]) > PROMINENT * abs(force[at]):
         return math.nan
-    near = slice(at - 1, at + 2)
-    below = (force[near] - force[at]) / np.ptp(force[near])
-    square, slope, _ = np.polyfit(np.log(time[near] / time[at]), below, 2)
-    return float(time[at] * math.exp(-slope / (2 * square))) if square < 0 else float(time[at])
+    return vertex(time, force, at)
 
 
 def superposed(series: PronySeries, waiting: float, fall: float) -> float:
@@ -188,18 +177,17 @@ def superposed(series: PronySeries, waiting: float, fall: float) -> float:
 def _runs(evidence: Evidence) -> pd.DataFrame:
     """Return one row a run: the force at the switches and the time of its maximum."""
     rows = []
-    for name, move in ((name, move) for name, solid in _SOLIDS.items() for move in solid[4]):
-        solid = _SOLIDS[name][2]
+    for name, (_, _, solid, _, moves) in _SOLIDS.items():
         series = PronySeries(1.0, tuple(solid["branches"])) if "branches" in solid else None
-        dataset = evidence[_folder(name, move)]
-        for point in dataset["point"].values:
-            for seed in dataset["seed"].values:
-                one = dataset.sel(point=point, seed=seed)
-                here = {"solid": name, "move": move, "seed": int(seed)}
-                rows.append(here | _row(one, float(one["protocol.0.mobility"]), series))
-    first = ["solid", "move", "waiting", "seed"]
-    table = pd.DataFrame(rows)
-    return table[first + [column for column in table if column not in first]]
+        for move in moves:
+            dataset = evidence[_folder(name, move)]
+            for point in dataset["point"].values:
+                for seed in dataset["seed"].values:
+                    one = dataset.sel(point=point, seed=seed)
+                    waiting = float(one["protocol.0.mobility"])
+                    here = {"solid": name, "move": move, "waiting": waiting, "seed": int(seed)}
+                    rows.append(here | _row(one, waiting, series))
+    return pd.DataFrame(rows)
 
 
 def _row(one: xr.Dataset, waiting: float, series: PronySeries | None) -> dict[str, float]:
@@ -209,7 +197,6 @@ def _row(one: xr.Dataset, waiting: float, series: PronySeries | None) -> dict[st
     time = (one["time"].values[after] - 1) * waiting
     fall = float(before - once) / float(load[0])
     return {
-        "waiting": waiting,
         "before": float(before / load[0]),
         "released": float(once / load[0]),
         "greatest": float(load[after].max() / load[0]),
@@ -218,80 +205,65 @@ def _row(one: xr.Dataset, waiting: float, series: PronySeries | None) -> dict[st
     }
 
 
-def slope(waiting: Floats, logarithms: Floats) -> float:
-    """Slope of the mean over runs of ln t_max against ln t_w, of shape (runs, waiting times)."""
-    return float(np.polyfit(np.log(waiting), logarithms.mean(axis=0), 1)[0])
-
-
 def analyse(evidence: Evidence) -> Outcome:
     """Find the maxima, and the slopes of their times."""
     runs = _runs(evidence)
-    findings, points = [], []
+    findings, ratios, slopes = [], [], []
     for name, (words, _, _, _, moves) in _SOLIDS.items():
         measured = []
         for move in moves:
+            head = {"solid": name, "move": move}
             part = runs[(runs["solid"] == name) & (runs["move"] == move)]
             times = part.pivot(index="seed", columns="waiting", values="time_of_maximum")
             estimates = part.pivot(index="seed", columns="waiting", values="superposed")
             waiting = times.columns.to_numpy(dtype=float)
             logs = np.log(times.to_numpy())
-            solid = f"{words}, released by {move:g}"
-            shared = np.isfinite(logs).all(axis=0)
-            ratios = jackknife(lambda sample: sample.mean(axis=0), logs - np.log(waiting))
-            if shared.sum() > 2:
-                own = waiting[shared]
-                found = jackknife(lambda sample, own=own: slope(own, sample), logs[:, shared])
-                what = f"slope of ln <i>t</i><sub>max</sub> against ln <i>t</i><sub>w</sub>: {solid}"
-                measured.append(Measurement(what, found, *PROPORTIONAL))
-            else:
-                found = proportion(int(np.isfinite(logs).sum()), logs.size)
-                what = f"share of the runs in which the force has a maximum: {solid}"
-                measured.append(Measurement(what, found, *HAS_MAXIMUM))
-            linear = np.exp(np.log(estimates.to_numpy()).mean(axis=0)) / waiting
-            points += [
-                {
-                    "solid": name,
-                    "move": move,
-                    "waiting": waiting[at],
-                    "ratio": math.exp(ratios.value[at]),
-                    "low": math.exp(ratios.low[at]),
-                    "high": math.exp(ratios.high[at]),
-                    "with_maximum": float(np.isfinite(logs[:, at]).mean()),
-                    "superposed_ratio": linear[at],
-                    "runs": len(logs),
-                }
-                for at in range(waiting.size)
-            ]
-        findings.append(
-            Finding(
-                key=name,
-                place="Lahini et al. 2017",
-                claim="The force is greatest at a time in proportion to the waiting time",
-                measured=tuple(measured),
-                note=_NOTES.get(name, ""),
+            ratio = columns("ratio", mean(logs - np.log(waiting)), shared=True)
+            ratios.append(
+                pd.DataFrame(
+                    {
+                        **head,
+                        "waiting": waiting,
+                        **{key: np.exp(values) for key, values in ratio.items()},
+                        "with_maximum": np.isfinite(logs).mean(axis=0),
+                        "superposed_ratio": np.exp(np.log(estimates.to_numpy()).mean(axis=0)) / waiting,
+                        "runs": len(logs),
+                    }
+                )
             )
-        )
-    slopes = [
-        {
-            "solid": name,
-            "move": move,
-            "measured": "share" if one.low == HAS_MAXIMUM[0] and one.high == HAS_MAXIMUM[1] else "slope",
-            "value": float(one.estimate.value),
-            "low": float(one.estimate.low),
-            "high": float(one.estimate.high),
-            "runs": one.estimate.runs,
-            "verdict": one.verdict.value,
-        }
-        for (name, (*_, moves)), finding in zip(_SOLIDS.items(), findings, strict=True)
-        for move, one in zip(moves, finding.measured, strict=True)
-    ]
+            one = _measured(waiting, logs, f"{words}, released by {move:g}")
+            measured.append(one)
+            slopes.append(
+                {
+                    **head,
+                    "measured": "share" if (one.low, one.high) == HAS_MAXIMUM else "slope",
+                    **columns("value", one.estimate, shared=True),
+                    "runs": one.estimate.runs,
+                    "verdict": one.verdict.value,
+                }
+            )
+        claim = "The force is greatest at a time in proportion to the waiting time"
+        note = _NOTES.get(name, "")
+        findings.append(Finding(name, "Lahini et al. 2017", claim, tuple(measured), note=note))
     tables = {
         "runs": runs,
-        "ratios": pd.DataFrame(points),
+        "ratios": pd.concat(ratios, ignore_index=True),
         "slopes": pd.DataFrame(slopes),
         "forces": _forces(evidence),
     }
     return Outcome(tuple(findings), tables)
+
+
+def _measured(waiting: Floats, logs: Floats, solid: str) -> Measurement:
+    """Slope of the mean of ln t_max, shape (runs, waiting times), where each run has one; or their share."""
+    shared = np.isfinite(logs).all(axis=0)
+    if shared.sum() > 2:
+        found = jackknife(lambda some: slope(waiting[shared], some.mean(axis=0)), logs[:, shared])
+        what = f"slope of ln <i>t</i><sub>max</sub> against ln <i>t</i><sub>w</sub>: {solid}"
+        return Measurement(what, found, *PROPORTIONAL)
+    found = proportion(int(np.isfinite(logs).sum()), logs.size)
+    what = f"share of the runs in which the force has a maximum: {solid}"
+    return Measurement(what, found, *HAS_MAXIMUM)
 
 
 _NOTES = {
@@ -304,8 +276,8 @@ def _forces(evidence: Evidence) -> pd.DataFrame:
     """Return force over that at first against the time since the release, of the first surface."""
     dataset = evidence[_folder("logarithm", _SOLIDS["logarithm"][4][0])].isel(seed=0)
     parts = []
-    for point in range(dataset.sizes["point"]):
-        one = dataset.isel(point=point)
+    for point in dataset["point"].values:
+        one = dataset.sel(point=point)
         after, waiting = one["leg"].values == 2, float(one["protocol.0.mobility"])
         time = (one["time"].values[after] - 1) * waiting
         force = one["load"].values[after] / one["load"].values[0]
@@ -327,11 +299,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     left, right = figure.subplots(1, 2)
     forces, ratios = tables["forces"], tables["ratios"]
     for _, part in forces.groupby("waiting"):
-        greatest = int(part["force"].to_numpy().argmax())
+        greatest = part.iloc[int(part["force"].to_numpy().argmax())]
         left.plot(part["time"], part["force"], "-", color=style.INK, linewidth=0.9)
-        left.plot(
-            part["time"].iloc[greatest], part["force"].iloc[greatest], "o", color=style.INK, markersize=4
-        )
+        left.plot(greatest["time"], greatest["force"], "o", color=style.INK, markersize=4)
         left.annotate(
             rf"$t_\mathrm{{w}}={style.power(float(part['waiting'].iloc[0]))}$",
             (part["time"].iloc[0], part["force"].iloc[0]),
@@ -344,15 +314,13 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         if solid not in _LOOKS or part["ratio"].isna().all():
             continue
         mark, color = _LOOKS[str(solid)]
-        error = (part["ratio"] - part["low"], part["high"] - part["ratio"])
-        right.errorbar(
-            part["waiting"],
-            part["ratio"],
-            yerr=error,
-            fmt=f"{mark}-",
-            color=color,
-            markersize=4,
-            linewidth=0.8,
+        points(
+            right,
+            part,
+            "waiting",
+            "ratio",
+            f"{mark}-",
+            color,
             markerfacecolor=color if move == _SOLIDS[str(solid)][4][0] else "white",
             label=f"{str(solid).replace('_', ', ')}, {move:g}",
         )

@@ -6,6 +6,7 @@ Lost contact is counted from the state just after the step, so that what the ste
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -14,11 +15,12 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.fits.resampling import Estimate, jackknife
+from asperity.fits.resampling import Estimate
 from asperity.lattice import Field
 from asperity.studies.campaigns import Campaign
 from asperity.studies.evidence import Evidence
-from asperity.studies.ledger import Finding, Measurement, proportion
+from asperity.studies.ledger import Finding, proportion
+from asperity.studies.numbers import mean, slope
 from asperity.studies.study import Outcome, Study
 
 WAIT, LOAD = "protocol.0.duration", "protocol.1.load"
@@ -89,11 +91,10 @@ SOLIDS = {
 
 def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
     """Return the campaigns, one for each solid: so many surfaces, of so many sites along a side."""
-    return tuple(_campaign(name, surfaces, side) for name in SOLIDS)
+    return tuple(_campaign(name, solid, surfaces, side) for name, solid in SOLIDS.items())
 
 
-def _campaign(name: str, surfaces: int, side: int) -> Campaign:
-    solid = SOLIDS[name]
+def _campaign(name: str, solid: Solid, surfaces: int, side: int) -> Campaign:
     load = solid.a_site * side**2
     wave = {"kind": "spectral", "shape": [side, side], "hurst": 0.8, "cutoff": 4.0, "roll_off": side / 2}
     return Campaign(
@@ -169,55 +170,50 @@ def analyse(evidence: Evidence) -> Outcome:
     found = {name: list(after_the_step(evidence, name)) for name in SOLIDS}
     dips = pd.DataFrame([_row(name, one) for name, every in found.items() for one in every])
     curves = pd.concat([_curve(name, one) for name, every in found.items() for one in every])
-    lost = {name: _surfaces_that_lose(every) for name, every in found.items()}
-    separable = tuple(
-        Measurement(f"share of surfaces that lose contact: {SOLIDS[name].what}", share, high=_MOST)
-        for name, share in lost.items()
-        if SOLIDS[name].separable
-    )
-    others = tuple(
-        Measurement(f"share of surfaces that lose contact: {SOLIDS[name].what}", share, high=_MOST)
-        for name, share in lost.items()
-        if not SOLIDS[name].separable
-    )
+
+    def lost(separable: bool) -> dict[str, Estimate]:
+        return {
+            f"share of surfaces that lose contact: {solid.what}": _surfaces_that_lose(found[name])
+            for name, solid in SOLIDS.items()
+            if solid.separable is separable
+        }
+
     early = [one for one in found["conserved"] if one.wait < _relaxation_time(evidence["conserved"])]
     waits = f"waits from {early[0].wait:g} to {early[-1].wait:g}" if early else "no wait is short enough"
-    slopes = tuple(
-        Measurement(
-            f"d ln (time of the minimum)/d ln (waiting time), load ratio {ratio:g}, "
-            f"{waits}: {SOLIDS['conserved'].what}",
-            _exponent([one for one in early if one.ratio == ratio]),
-            low=0.8,
-            high=1.2,
+    what = "d ln (time of the minimum)/d ln (waiting time), load ratio"
+    slopes = {
+        f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(
+            [one for one in early if one.ratio == ratio]
         )
         for ratio in RATIOS
-    )
+    }
+    any_site = "A surface counts if it loses one site at any waiting time and any load ratio."
     return Outcome(
         (
-            Finding(
+            Finding.within(
+                (-math.inf, _MOST),
                 "separable",
                 "the theorem of this study",
                 "On a separable solid no contact is lost after the load has fallen.",
-                separable,
-                note="A surface counts if it loses one site at any waiting time and any load ratio.",
+                lost(True),
+                note=any_site,
             ),
-            Finding(
+            Finding.within(
+                (-math.inf, _MOST),
                 "any-linear-solid",
                 "Li, Brenner and Frérot, arXiv:2511.19402",
                 "On no linear viscoelastic solid is contact lost after the load has fallen.",
-                others,
-                note="A surface counts if it loses one site at any waiting time and any load ratio.",
+                lost(False),
+                note=any_site,
             ),
-            Finding(
+            Finding.within(
+                (0.8, 1.2),
                 "time-of-minimum",
                 "Dillavou and Rubinstein, Phys. Rev. Lett. 120, 224101 (2018)",
                 "The time of the minimum is proportional to the waiting time.",
                 slopes,
-                note=(
-                    "Mean over the surfaces that lose contact after each of these waits. They are shorter "
-                    "than the relaxation time of the longest waves of the surface; longer ones find it "
-                    "relaxed."
-                ),
+                note="Mean over the surfaces that lose contact after each of these waits. They are shorter "
+                "than the relaxation time of the longest waves of the surface; longer ones find it relaxed.",
             ),
         ),
         {"dips": dips, "curves": curves},
@@ -238,28 +234,26 @@ def _relaxation_time(data: xr.Dataset) -> float:
 
 def _exponent(every: list[After]) -> Estimate:
     """Slope of ln (time of the minimum) against ln (waiting time), surface by surface; their mean."""
-    wait = np.log([one.wait for one in every])
+    wait = np.array([one.wait for one in every])
     times = np.array([one.log_time for one in every] or [np.empty(0)])
-    times = times[:, np.isfinite(times).all(axis=0)]
-    if wait.size < 2 or not times.shape[1]:
+    times = times[:, np.isfinite(times).all(axis=0)].T
+    if wait.size < 2 or not len(times):
         unknown = np.full((), np.nan)
-        return Estimate(unknown, unknown, unknown, unknown, times.shape[1])
-    away = wait - wait.mean()
-    return jackknife(np.mean, away @ times / (away @ away))
+        return Estimate(unknown, unknown, unknown, unknown, len(times))
+    return mean(np.array([slope(wait, one) for one in times]))
 
 
 def _row(name: str, one: After) -> dict[str, object]:
     depth, log_time = one.depth, one.log_time[np.isfinite(one.log_time)]
-    mean = jackknife(np.mean, depth)
-    time = jackknife(np.mean, log_time) if log_time.size else None
+    lost, time = mean(depth), mean(log_time) if log_time.size else None
     return {
         "solid": name,
         "waiting_time": one.wait,
         "load_ratio": one.ratio,
         "surfaces": depth.size,
         "with_a_dip": int((depth > 0).sum()),
-        "depth": float(mean.value),
-        "depth_stderr": float(mean.stderr),
+        "depth": float(lost.value),
+        "depth_stderr": float(lost.stderr),
         "deepest": float(depth.max()),
         "time_of_minimum": np.nan if time is None else float(np.exp(time.value)),
         "log_time_stderr": np.nan if time is None else float(time.stderr),
@@ -268,16 +262,15 @@ def _row(name: str, one: After) -> dict[str, object]:
 
 
 def _curve(name: str, one: After) -> pd.DataFrame:
-    relative = one.area / one.area[:, :1]
-    mean = jackknife(lambda some: some.mean(axis=0), relative)
+    relative = mean(one.area / one.area[:, :1])
     return pd.DataFrame(
         {
             "solid": name,
             "waiting_time": one.wait,
             "load_ratio": one.ratio,
             "time": one.time,
-            "area": mean.value,
-            "area_stderr": mean.stderr,
+            "area": relative.value,
+            "area_stderr": relative.stderr,
         }
     )
 
