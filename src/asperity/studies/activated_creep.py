@@ -16,7 +16,7 @@ a number below 1 where s_2 is a fixed part of s_1. This is an estimate from mean
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -270,6 +270,11 @@ class Steps:
         return f"{SOLIDS[self.name].what}, load × {self.ratio:g}"
 
     @property
+    def creeps(self) -> bool:
+        """Whether creep is activated."""
+        return SOLIDS[self.name].creep_stress > 0
+
+    @property
     def depth(self) -> Floats:
         """Lost area over that just after the step, shape (surfaces, waits)."""
         return np.asarray(1 - self.area.min(axis=2) / self.area[:, :, 0])
@@ -279,15 +284,15 @@ class Steps:
         return np.log([of(self.time, one) for one in area.mean(axis=0)])
 
     def estimated(self, before: Floats, area: Floats) -> Floats:
-        """Return ln(t_r/t_w) = (s_1 - s_2)/s0 from the mean forces before and after the step."""
+        """Return ln(t_r/t_w) = (s_1 - s_2)/s0 from mean forces before and after the step; NaN without s0."""
         first = self.load / before.mean(axis=0)
         then = self.ratio * self.load / area[:, :, 0].mean(axis=0)
-        return np.asarray((first - then) / SOLIDS[self.name].creep_stress)
+        return np.asarray((first - then) / (SOLIDS[self.name].creep_stress or math.nan))
 
     def _slope(self, of: Reading, statistic: Callable[[Floats, Floats], Floats]) -> Estimate | None:
         """Slope against ln t_w, where every sample has that time; None for fewer than three waits."""
-        shared = np.isfinite(jackknife(lambda area: self.times(of, area), self.area).high)
-        if shared.sum() < 3:
+        shared = np.isfinite(jackknife(partial(self.times, of), self.area).high)
+        if shared.sum() < 3 or np.isnan(statistic(self.before, self.area)[shared]).any():
             return None
         samples = (self.before, self.area)
         return jackknife(lambda *some: slope(self.wait[shared], statistic(*some)[shared]), samples)
@@ -298,18 +303,12 @@ class Steps:
 
     def estimated_power(self) -> Estimate | None:
         """Power of the waiting time in the estimate, at the waits at which growth resumes."""
-        if not SOLIDS[self.name].creep_stress:
-            return None
         return self._slope(time_of_growth, lambda *some: np.log(self.wait) + self.estimated(*some))
 
     def excess(self) -> Estimate | None:
         """Power of the waiting time in t_r less that of the estimate, where both are known."""
-        if not SOLIDS[self.name].creep_stress:
-            return None
-        return self._slope(
-            time_of_growth,
-            lambda before, area: self.times(time_of_growth, area) - self.estimated(before, area),
-        )
+        of = time_of_growth
+        return self._slope(of, lambda before, area: self.times(of, area) - self.estimated(before, area))
 
     def deepest(self) -> Estimate:
         """Largest over the waits of the lost area, the mean over the surfaces."""
@@ -320,51 +319,7 @@ def analyse(evidence: Evidence) -> Outcome:
     """Judge what becomes of the area after a fall of the load, and of friction at rest."""
     every = [Steps.of(evidence, name, ratio) for name, solid in SOLIDS.items() for ratio in solid.ratios]
     rests = Rests.of(evidence)
-    activated = [one for one in every if SOLIDS[one.name].creep_stress]
-    in_series = [one for one in activated if one.name in IN_SERIES]
-    beside = [one for one in activated if one.name not in IN_SERIES]
-    lost = "largest mean of lost area over that after the step: "
-    dillavou, here = "Dillavou and Rubinstein 2018", "this study"
-    in_time = "power of the waiting time in the time of"
-    findings = (
-        Finding.within(
-            (-math.inf, FELL),
-            "series",
-            "the proof on this page",
-            "Where all of the stiffness creeps, no contact is lost after the load has fallen",
-            {lost + one.words: one.deepest() for one in in_series},
-        ),
-        Finding.within(
-            (FELL, math.inf),
-            "falls",
-            dillavou,
-            "With activated creep beside permanent springs, the area falls before it rises",
-            {lost + one.words: one.deepest() for one in beside},
-            note="The largest over the waiting times.",
-        ),
-        Finding.within(
-            PROPORTIONAL,
-            "minimum",
-            dillavou,
-            "The time of the minimum is proportional to the waiting time",
-            _known(f"{in_time} the minimum", every, lambda one: one.power(time_of_minimum)),
-        ),
-        Finding.within(
-            PROPORTIONAL,
-            "growth",
-            here,
-            "The time at which growth resumes is proportional to the waiting time",
-            _known(f"{in_time} growth", every, lambda one: one.power(time_of_growth)),
-        ),
-        Finding.within(
-            (-0.1, 0.1),
-            "estimate",
-            here,
-            "The power in the time of growth is that of the mean forces",
-            _known("power less d s_2/d s_1", every, Steps.excess),
-        ),
-        *rests.findings(),
-    )
+    findings = (*_of_steps(every), *rests.findings())
     return Outcome(
         tuple(finding for finding in findings if finding.measured),  # few waits give no power
         {
@@ -376,20 +331,47 @@ def analyse(evidence: Evidence) -> Outcome:
     )
 
 
+def _of_steps(every: list[Steps]) -> Iterator[Finding]:
+    """Judge what is claimed of the area after a fall of the load."""
+
+    def known(what: str, number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
+        return {f"{what}: {one.words}": found for one in every if (found := number(one)) is not None}
+
+    def deepest(*, in_series: bool) -> dict[str, Estimate]:
+        return known(
+            "largest mean of lost area over that after the step",
+            lambda one: one.deepest() if one.creeps and (one.name in IN_SERIES) is in_series else None,
+        )
+
+    dillavou, here = "Dillavou and Rubinstein 2018", "this study"
+    in_time = "power of the waiting time in the time of"
+    claim = "Where all of the stiffness creeps, no contact is lost after the load has fallen"
+    numbers = deepest(in_series=True)
+    yield Finding.within((-math.inf, FELL), "series", "the proof on this page", claim, numbers)
+    claim = "With activated creep beside permanent springs, the area falls before it rises"
+    numbers = deepest(in_series=False)
+    note = "The largest over the waiting times."
+    yield Finding.within((FELL, math.inf), "falls", dillavou, claim, numbers, note)
+    claim = "The time of the minimum is proportional to the waiting time"
+    numbers = known(f"{in_time} the minimum", lambda one: one.power(time_of_minimum))
+    yield Finding.within(PROPORTIONAL, "minimum", dillavou, claim, numbers)
+    claim = "The time at which growth resumes is proportional to the waiting time"
+    numbers = known(f"{in_time} growth", lambda one: one.power(time_of_growth))
+    yield Finding.within(PROPORTIONAL, "growth", here, claim, numbers)
+    claim = "The power in the time of growth is that of the mean forces"
+    numbers = known("power less d s_2/d s_1", Steps.excess)
+    yield Finding.within((-0.1, 0.1), "estimate", here, claim, numbers)
+
+
 IN_SERIES = ("bed", "half_space")
 """Solids whose whole stiffness creeps."""
-
-
-def _known(what: str, every: list[Steps], number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
-    return {f"{what}: {one.words}": found for one in every if (found := number(one)) is not None}
 
 
 def _rows(one: Steps) -> pd.DataFrame:
     growth, minimum = (
         jackknife(partial(one.times, of), one.area) for of in (time_of_growth, time_of_minimum)
     )
-    activated = SOLIDS[one.name].creep_stress > 0
-    estimated = one.estimated(one.before, one.area) if activated else np.nan
+    estimated = one.estimated(one.before, one.area)
     logarithms = columns("minimum", minimum) | columns("growth", growth) | {"growth_estimated": estimated}
     return pd.DataFrame(
         {
@@ -488,38 +470,22 @@ class Rests:
         area = steady[:, :, :1] * rest[:, :, self.late]
         return np.asarray(_LOAD * _SIDE**2 / np.exp(np.log(area.mean(axis=0)).mean(axis=1)))
 
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self) -> Iterator[Finding]:
         """Judge what is claimed of friction at rest."""
-        at = self.temperature
-        both = (self.rest, self.steady)
-        of_temperature = jackknife(lambda rest: power(at, self.growth(rest)), self.rest)
-        ratio = jackknife(
+        at, both = self.temperature, (self.rest, self.steady)
+        found = jackknife(lambda rest: power(at, self.growth(rest)), self.rest)
+        claim = "Static friction grows with the logarithm of the hold time, in proportion to temperature"
+        numbers = {"power of <i>T</i> in B": found}
+        yield Finding.within(PROPORTIONAL, "temperature", "Baumberger and Caroli 2006", claim, numbers)
+        found = jackknife(
             lambda rest, steady: (self.growth(rest) / (at / self.force(steady, rest))).mean(), both
         )
-        same = jackknife(lambda rest, steady: (self.fall(steady) / self.growth(rest)).mean(), both)
-        return (
-            Finding.within(
-                PROPORTIONAL,
-                "temperature",
-                "Baumberger and Caroli 2006",
-                "Static friction grows with the logarithm of the hold time, in proportion to temperature",
-                {"power of <i>T</i> in B": of_temperature},
-            ),
-            Finding.within(
-                (0.5, 1.0),
-                "slope",
-                "docs/creep.md",
-                "B of rests is s0/s",
-                {"B s/s0, mean over temperatures": ratio},
-            ),
-            Finding.within(
-                (0.8, 1.25),
-                "steady",
-                "Dieterich 1979",
-                "Steady friction falls with velocity as static friction grows with hold time",
-                {"b of steady sliding over B, mean over temperatures": same},
-            ),
-        )
+        numbers = {"B s/s0, mean over temperatures": found}
+        yield Finding.within((0.5, 1.0), "slope", "docs/creep.md", "B of rests is s0/s", numbers)
+        found = jackknife(lambda rest, steady: (self.fall(steady) / self.growth(rest)).mean(), both)
+        claim = "Steady friction falls with velocity as static friction grows with hold time"
+        numbers = {"b of steady sliding over B, mean over temperatures": found}
+        yield Finding.within((0.8, 1.25), "steady", "Dieterich 1979", claim, numbers)
 
     def table(self) -> pd.DataFrame:
         """B at rest and in steady sliding, and s0/s, at each temperature."""

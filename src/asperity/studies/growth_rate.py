@@ -24,8 +24,10 @@ and a larger rms height is a smaller load.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache, partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -149,9 +151,8 @@ def _campaigns(seeds: int, light: int) -> Iterator[Campaign]:
         load=_RMS * LIGHT,
         surface={"rms": _RMS},
     )
-    yield _campaign(
-        "exponential", "Growth on exponential heights", {"seeds": seeds}, surface={"kind": "exponential"}
-    )
+    exponential = {"kind": "exponential"}
+    yield _campaign("exponential", "Growth on exponential heights", {"seeds": seeds}, surface=exponential)
     wave = {"kind": "spectral", "hurst": 0.8, "roll_off": 32.0, "cutoff": 4.0, "rms_height": 1.0}
     yield _campaign(
         "waves",
@@ -279,38 +280,29 @@ class Grown:
             return float(np.divide(found, of(self.time, closed)) * of(self.time, self.endless[None]))
 
 
-class _Reading:
-    """Reads campaigns, and computes the closed form for the surfaces of each."""
+def _grown(evidence: Evidence, name: str, **at: float) -> Grown:
+    """Read what grew at some values of the swept parameters; a load is that of a site."""
+    tables = next(one.tables for one in campaigns(seeds=1) if one.name == name)
+    surface, plotted = tables["surface"], math.prod(tables["surface"]["shape"])
+    load = at.get("load", tables["contact"]["load"] / plotted)
+    dataset = evidence[name].sel(at | ({"load": load * plotted} if "load" in at else {}))
+    sites = int(dataset["sites"].max())
+    time = np.asarray(dataset["time"].values, dtype=np.float64)
+    area = dataset["area"].transpose("seed", "time").values.astype(np.float64) / sites
+    closed, endless = np.full_like(area, np.nan), np.full_like(time, np.nan)
+    if surface["kind"] in HEIGHTS:
+        numbers, rms = (at.get("k1", RATIO), at.get("R_viscous", 0.0)), surface.get("rms", 1.0)
+        endless = closed_area(HEIGHTS[surface["kind"]][1](rms), load, time, *numbers)
+        for row, seed in enumerate(dataset["seed"].values.tolist()):
+            law = _empirical(surface["kind"], math.isqrt(sites), rms, seed)
+            closed[row] = closed_area(law, load, time, *numbers)
+    return Grown(load, sites, time, area, closed, endless)
 
-    def __init__(self, evidence: Evidence) -> None:
-        self._evidence = evidence
-        self._tables = {one.name: one.tables for one in campaigns(seeds=1)}
-        self._laws: dict[tuple[object, ...], theory.HeightLaw] = {}
 
-    def grown(self, name: str, **at: float) -> Grown:
-        """Return what grew at some values of the swept parameters; a load is that of a site."""
-        surface, contact = (self._tables[name][section] for section in ("surface", "contact"))
-        plotted = math.prod(surface["shape"])
-        load = at.get("load", contact["load"] / plotted)
-        dataset = self._evidence[name].sel(at | ({"load": load * plotted} if "load" in at else {}))
-        sites = int(dataset["sites"].max())
-        time = np.asarray(dataset["time"].values, dtype=np.float64)
-        area = dataset["area"].transpose("seed", "time").values.astype(np.float64) / sites
-        closed, endless = np.full_like(area, np.nan), np.full_like(time, np.nan)
-        if surface["kind"] in HEIGHTS:
-            numbers = at.get("k1", RATIO), at.get("R_viscous", 0.0)
-            law = HEIGHTS[surface["kind"]][1](surface.get("rms", 1.0))
-            endless = closed_area(law, load, time, *numbers)
-            for row, seed in enumerate(dataset["seed"].values.tolist()):
-                closed[row] = closed_area(self._law(surface, sites, seed), load, time, *numbers)
-        return Grown(load, sites, time, area, closed, endless)
-
-    def _law(self, surface: Mapping[str, Any], sites: int, seed: int) -> theory.HeightLaw:
-        key = (surface["kind"], sites, surface.get("rms", 1.0), seed)
-        if key not in self._laws:
-            heights = HEIGHTS[key[0]][0]((math.isqrt(sites),) * 2, rms=key[2], seed=seed)
-            self._laws[key] = theory.EmpiricalHeights(heights)
-        return self._laws[key]
+@lru_cache(maxsize=64)
+def _empirical(kind: str, side: int, rms: float, seed: int) -> theory.HeightLaw:
+    """Law of the heights of one surface."""
+    return theory.EmpiricalHeights(HEIGHTS[kind][0]((side, side), rms=rms, seed=seed))
 
 
 _GAUSSIAN, _EXPONENTIAL = "independent heights", "exponential heights"
@@ -324,23 +316,20 @@ def _by_hurst(hurst: float) -> str:
     return f"Hurst exponent {hurst:g}"
 
 
-def _sets(reading: _Reading) -> dict[Key, Grown]:
-    grown = reading.grown
+def _sets(evidence: Evidence) -> dict[Key, Grown]:
+    grown = partial(_grown, evidence)
+    waves = _by_hurst(0.8)
     sets: dict[Key, Grown] = {("k1/k0", _GAUSSIAN, x1): grown("ratio", k1=x1) for x1 in RATIOS}
     sets |= {("load", _GAUSSIAN, load): grown("load", load=load) for load in LOADS}
-    for load in (LIGHTEST, LIGHT):
-        for r in VISCOUS:
-            sets["R_viscous/R", _by_load(load), r] = grown("viscous", load=load, R_viscous=r)
-    for hurst in HURST:
-        for cutoff in CUTOFFS:
-            sets["cutoff", _by_hurst(hurst), cutoff] = grown("waves", hurst=hurst, cutoff=cutoff)
+    for load, r in product((LIGHTEST, LIGHT), VISCOUS):
+        sets["R_viscous/R", _by_load(load), r] = grown("viscous", load=load, R_viscous=r)
+    for hurst, cutoff in product(HURST, CUTOFFS):
+        sets["cutoff", _by_hurst(hurst), cutoff] = grown("waves", hurst=hurst, cutoff=cutoff)
     for side in SIZES:
-        sets["side", _GAUSSIAN, side] = (
-            sets["load", _GAUSSIAN, _SIZE_LOAD] if side == SIDE else grown(f"side_{side}")
-        )
-        sets["side", _by_hurst(0.8), side] = (
-            sets["cutoff", _by_hurst(0.8), 4.0] if side == _WAVE_SIDE else grown(f"waves_{side}")
-        )
+        known = {SIDE: sets["load", _GAUSSIAN, _SIZE_LOAD]}
+        sets["side", _GAUSSIAN, side] = known.get(side) or grown(f"side_{side}")
+        known = {_WAVE_SIDE: sets["cutoff", waves, 4.0]}
+        sets["side", waves, side] = known.get(side) or grown(f"waves_{side}")
     sets["rms", _GAUSSIAN, _RMS] = grown("rms")
     sets["law", _EXPONENTIAL, 1.0] = grown("exponential")
     return sets
@@ -393,21 +382,20 @@ def _row(key: Key, found: Grown) -> dict[str, Any]:
     }
 
 
-def _exponent_of_end(sets: Iterable[Grown]) -> Estimate:
+def _exponent_of_end(sets: Sequence[Grown]) -> Estimate:
     """Slope of the logarithm of the time at which the closed form ends against that of the area then."""
-    chosen = list(sets)
 
     def statistic(*arrays: Field) -> float:
-        pairs = zip(chosen, arrays[::2], arrays[1::2], strict=True)
+        pairs = zip(sets, arrays[::2], arrays[1::2], strict=True)
         at, area = np.array([end(one.time, simulated, closed) for one, simulated, closed in pairs]).T
         return power(area, at)
 
-    return jackknife(statistic, tuple(array for one in chosen for array in (one.area, one.closed)))
+    return jackknife(statistic, tuple(array for one in sets for array in (one.area, one.closed)))
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Find B for all parameters, and compare it with the closed forms."""
-    sets = _sets(_Reading(evidence))
+    sets = _sets(evidence)
     courses = [
         pd.DataFrame(
             {
@@ -497,7 +485,7 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
         NEAR, "logarithm_waves", _PAPER, "On waves the area grows like ln t in the window", numbers
     )
     words = "The closed form ends at a time in proportion to (contact fraction)^-2, when dips meet"
-    numbers = {_ENDED: _exponent_of_end(loads[load] for load in ENDING)}
+    numbers = {_ENDED: _exponent_of_end([loads[load] for load in ENDING])}
     yield Finding.within((-2.2, -1.8), "end", "dilute horizon", words, numbers)
     numbers = {
         f"{_B} at heights and load times {_RMS:g} over that before": _over(
@@ -549,21 +537,20 @@ def _lines() -> pd.DataFrame:
     ratios = np.geomspace(RATIOS[0], RATIOS[-1], 25).tolist()
     loads = np.geomspace(LOADS[0], LOADS[-1], 25).tolist()
     viscous = np.geomspace(_ZERO, VISCOUS[-1], 31).tolist()
-    lines: dict[tuple[str, str], tuple[list[float], list[float]]] = {
-        ("k1/k0", "closed form"): (ratios, [closed(LIGHT, x1) for x1 in ratios]),
-        ("k1/k0", "late, exponential"): (ratios, theory.late_slope(ratios).tolist()),
-        ("k1/k0", "paper"): (ratios, theory.late_slope_paper(ratios).tolist()),
-        ("load", "closed form"): (loads, [closed(load) for load in loads]),
-        **{
-            ("R_viscous/R", _by_load(load)): (viscous, [closed(load, r=r) for r in viscous])
+    lines: list[tuple[str, str, list[float], list[float]]] = [
+        ("k1/k0", "closed form", ratios, [closed(LIGHT, x1) for x1 in ratios]),
+        ("k1/k0", "late, exponential", ratios, theory.late_slope(ratios).tolist()),
+        ("k1/k0", "paper", ratios, theory.late_slope_paper(ratios).tolist()),
+        ("load", "closed form", loads, [closed(load) for load in loads]),
+        *(
+            ("R_viscous/R", _by_load(load), viscous, [closed(load, r=r) for r in viscous])
             for load in (LIGHTEST, LIGHT)
-        },
-        ("side", "closed form"): (list(SIZES), [closed(_SIZE_LOAD)] * len(SIZES)),
-    }
-    return pd.concat(
-        [pd.DataFrame({"of": of, "line": line, "at": at, "B": B}) for (of, line), (at, B) in lines.items()],
-        ignore_index=True,
-    )
+        ),
+        ("side", "closed form", list(SIZES), [closed(_SIZE_LOAD)] * len(SIZES)),
+    ]
+    names = ("of", "line", "at", "B")
+    parts = [pd.DataFrame(dict(zip(names, one, strict=True))) for one in lines]
+    return pd.concat(parts, ignore_index=True)
 
 
 _TICKS = (0.1, 0.2, 0.5, 1.0, 2.0)

@@ -18,7 +18,7 @@ wavelengths.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -343,6 +343,9 @@ class Records:
         return pd.concat(parts).assign(runs=len(self.records))
 
 
+Slips = tuple[Floats, tuple[Floats, ...]]
+"""Correlation lengths, shape (n,), and for each the excesses of area after a rest, (surfaces, shifts)."""
+
 _EVENTS: tuple[Events, ...] = ("holds", "steps", "all")
 FAMILIES = {
     "waves_lattice": "all waves longer, lattice of springs",
@@ -361,60 +364,37 @@ def analyse(evidence: Evidence) -> Outcome:
         for load in data["load"].values
     ]
     slips = {name: _slips(evidence[name]) for name in FAMILIES}
-
-    def each(what: str, number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
-        return {f"{what}: {one.words}": number(one) for one in every}
-
-    aging, same = "Dieterich 1979", (0.8, 1.25)
-    findings = (
-        Finding.within(
-            same,
-            "logarithm",
-            aging,
-            "Static friction grows with the logarithm of the hold time",
-            each("growth in the last decade over that in the first", lambda one: jackknife(_bend, one.rest)),
-        ),
-        Finding.within(
-            (0.9, 1.0),
-            "explained",
-            aging,
-            "The aging law describes rests and steps of the velocity by one b and one D_c",
-            each("explained part of the variance", Records.explained),
-        ),
-        Finding.within(
-            same,
-            "same_b",
-            aging,
-            "b from steps of the velocity is b from rests",
-            each("b of steps over b of rests", Records.ratio_of_b),
-        ),
-        Finding.within(
-            (-math.inf, 0.0),
-            "law",
-            "Ruina 1983",
-            "The aging law fits better than the slip law",
-            each(
-                "ln of the squares of the aging law over those of the slip law",
-                lambda one: friction.compare_state_laws(one.records).log_ratio,
-            ),
-        ),
-        Finding.within(
-            (0.8, 1.2),
-            "length",
-            aging,
-            "The slip D_c that forgets a rest is in proportion to the correlation length",
-            {
-                f"d ln <i>D</i><sub>c</sub> / d ln (correlation length): {words}": _exponent(*slips[name])
-                for name, words in FAMILIES.items()
-            },
-        ),
-    )
     tables = {
         "points": pd.concat([one.points() for one in every], ignore_index=True),
         "laws": pd.DataFrame([row for one in every for row in one.laws()]),
         "slips": pd.concat([_slip_rows(name, *one) for name, one in slips.items()], ignore_index=True),
     }
-    return Outcome(findings, tables)
+    return Outcome(tuple(_findings(every, slips)), tables)
+
+
+def _findings(every: list[Records], slips: Mapping[str, Slips]) -> Iterator[Finding]:
+    def each(what: str, number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
+        return {f"{what}: {one.words}": number(one) for one in every}
+
+    aging, same = "Dieterich 1979", (0.8, 1.25)
+    claim = "Static friction grows with the logarithm of the hold time"
+    what = "growth in the last decade over that in the first"
+    numbers = each(what, lambda one: jackknife(_bend, one.rest))
+    yield Finding.within(same, "logarithm", aging, claim, numbers)
+    claim = "The aging law describes rests and steps of the velocity by one b and one D_c"
+    numbers = each("explained part of the variance", Records.explained)
+    yield Finding.within((0.9, 1.0), "explained", aging, claim, numbers)
+    claim = "b from steps of the velocity is b from rests"
+    numbers = each("b of steps over b of rests", Records.ratio_of_b)
+    yield Finding.within(same, "same_b", aging, claim, numbers)
+    claim = "The aging law fits better than the slip law"
+    what = "ln of the squares of the aging law over those of the slip law"
+    numbers = each(what, lambda one: friction.compare_state_laws(one.records).log_ratio)
+    yield Finding.within((-math.inf, 0.0), "law", "Ruina 1983", claim, numbers)
+    claim = "The slip D_c that forgets a rest is in proportion to the correlation length"
+    what = "d ln <i>D</i><sub>c</sub> / d ln (correlation length)"
+    numbers = {f"{what}: {words}": _exponent(*slips[name]) for name, words in FAMILIES.items()}
+    yield Finding.within((0.8, 1.2), "length", aging, claim, numbers)
 
 
 def _bend(rest: Floats) -> float:
@@ -423,8 +403,7 @@ def _bend(rest: Floats) -> float:
     return float((mean[-1] - mean[-2]) / (mean[1] - mean[0]))
 
 
-def _slips(data: xr.Dataset) -> tuple[Floats, tuple[Floats, ...]]:
-    """Correlation lengths, shape (n,), and for each the excesses of area after a rest, (surfaces, shifts)."""
+def _slips(data: xr.Dataset) -> Slips:
     along = "point" if "point" in data.dims else "roll_off"
     lengths, excesses = [], []
     for at in range(data.sizes[along]):
