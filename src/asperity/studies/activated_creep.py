@@ -33,7 +33,7 @@ from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding
 from asperity.studies.numbers import columns, mean, power, slope, vertex
 from asperity.studies.panels import points
-from asperity.studies.slide_hold_slide import before_shifts
+from asperity.studies.slide_hold_slide import before_shifts, steady_area
 from asperity.studies.study import Outcome, Study
 
 _STEPS = (1e-6, 1e-4, 1e-2, 1.0)
@@ -113,7 +113,6 @@ _BARRIER, _PREFACTOR = 1.0, 1e3
 _HOLD = 1e5
 _SLIDES = (16, 8, 12, 12)
 _VELOCITIES = (1.0, 1.0, 100.0, 0.01)
-_STEADY = 8
 
 
 def _surface() -> dict[str, Any]:
@@ -443,7 +442,7 @@ class Rests:
             before = [before_shifts(one, 0)[-1] for one in runs]
             held = [one["area"].values[one["leg"].values == 1] for one in runs]
             rest.append([area / start for area, start in zip(held, before, strict=True)])
-            steady.append([[before_shifts(one, leg)[-_STEADY:].mean() for leg in (2, 3, 4)] for one in runs])
+            steady.append([[steady_area(one, leg) for leg in (2, 3, 4)] for one in runs])
         one = data.isel(seed=0, point=0)
         time = one["time"].values[one["leg"].values == 1] - _SLIDES[0] / _VELOCITIES[0]
         return cls(temperature, time, np.array(rest), np.array(steady))

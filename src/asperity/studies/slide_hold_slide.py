@@ -141,15 +141,17 @@ def _campaign(
     purpose: str,
     solid: Solid,
     side: int,
-    waves: dict[str, float],
+    waves: tuple[float, float],
     protocol: list[dict[str, Any]],
     sweep: dict[str, Any],
 ) -> Campaign:
+    surface = {"kind": "spectral", "shape": [side, side], "hurst": 0.8}
+    longest, shortest = waves
     return Campaign(
         name,
         f"{purpose}: {solid.what}",
         {
-            "surface": {"kind": "spectral", "shape": [side, side], "hurst": 0.8, **waves, solid.heights: 1.0},
+            "surface": surface | {"roll_off": longest, "cutoff": shortest, solid.heights: 1.0},
             "solid": solid.table,
             "contact": {"load": solid.loads[0] * side**2},
             "friction": {"shear_strength": 1.0},
@@ -166,39 +168,21 @@ def campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
     found = []
     for name, solid in SOLIDS.items():
         loads = [load * _SIDE**2 for load in (solid.loads[:1] if quick else solid.loads)]
-        waves = {"roll_off": list(solid.waves), "cutoff": [wave / 4 for wave in solid.waves]}
-        found += [
-            _campaign(
-                name,
-                "Rests and steps of the velocity",
-                solid,
-                _SIDE,
-                {"roll_off": 48.0, "cutoff": 12.0},
-                _HISTORY,
-                {"load": loads, "seeds": surfaces},
-            ),
-            _campaign(
-                f"waves_{name}",
-                "A rest and a slide on surfaces of several scales",
-                solid,
-                solid.side,
-                {key: values[0] for key, values in waves.items()},
-                _with_a_rest(solid),
-                {**waves, "seeds": surfaces, "combine": "zip"},
-            ),
-        ]
+        sweep: dict[str, Any] = {"load": loads, "seeds": surfaces}
+        purpose = "Rests and steps of the velocity"
+        found.append(_campaign(name, purpose, solid, _SIDE, (48.0, 12.0), _HISTORY, sweep))
+        waves = list(solid.waves)
+        sweep = {"roll_off": waves, "cutoff": [wave / 4 for wave in waves], "seeds": surfaces}
+        sweep["combine"] = "zip"
+        purpose = "A rest and a slide on surfaces of several scales"
+        first = waves[0], waves[0] / 4
+        rest = _with_a_rest(solid)
+        found.append(_campaign(f"waves_{name}", purpose, solid, solid.side, first, rest, sweep))
     lattice = SOLIDS["lattice"]
-    found.append(
-        _campaign(
-            "longest",
-            "A rest and a slide on surfaces of several longest wavelengths",
-            lattice,
-            _SIDE,
-            {"roll_off": LONGEST[0], "cutoff": 4.0},
-            _with_a_rest(lattice),
-            {"roll_off": list(LONGEST), "seeds": surfaces},
-        )
-    )
+    sweep = {"roll_off": list(LONGEST), "seeds": surfaces}
+    purpose = "A rest and a slide on surfaces of several longest wavelengths"
+    rest = _with_a_rest(lattice)
+    found.append(_campaign("longest", purpose, lattice, _SIDE, (LONGEST[0], 4.0), rest, sweep))
     return tuple(found)
 
 
@@ -208,6 +192,11 @@ def before_shifts(one: xr.Dataset, leg: int) -> Floats:
     place, area = one["displacement"].values[chosen], one["area"].values[chosen]
     last = np.append(np.diff(place) > 0, True)
     return np.asarray(area[last & (place > 0)], dtype=np.float64)
+
+
+def steady_area(one: xr.Dataset, leg: int) -> float:
+    """Mean area before the last shifts of a slide."""
+    return float(before_shifts(one, leg)[-_STEADY:].mean())
 
 
 def slip_of_memory(excess: Floats) -> float:
@@ -263,7 +252,7 @@ class Records:
         for seed in data["seed"].values:
             one = data.sel(load=load, seed=seed)
             slides = [*range(0, last, 2), *range(last, last + len(VELOCITIES))]
-            ends = [before_shifts(one, leg)[-_STEADY:].mean() for leg in slides]
+            ends = [steady_area(one, leg) for leg in slides]
             slow = np.mean(ends[: -len(VELOCITIES)])
             steady.append(np.array([slow, *ends[-len(VELOCITIES) :]]) / slow)
             unit = float(one["friction"].values[0] / one["area"].values[0] * slow)
