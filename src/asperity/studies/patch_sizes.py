@@ -34,6 +34,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+import asperity.studies.unloading as unloading
 from asperity.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import Estimate, jackknife
@@ -67,21 +68,9 @@ SAME_SIZE = (-0.1, 0.1)
 _CHANGES = 0.01
 """Part of its sites by which a class has to grow, or shrink, to count as one that does."""
 
-_BRANCHES = [[0.25, 1.0], [0.25, 10.0], [0.25, 100.0]]
-_SPRINGS = {"k0": 1.0, "k1": 3.0}
-
 SOLIDS: Mapping[str, tuple[str, Mapping[str, Any], float]] = {
-    "half_space": (
-        "half-space, three relaxation times",
-        {"kind": "half_space", "modulus": 1.0, "branches": _BRANCHES},
-        0.04,
-    ),
-    "conserved": ("lattice of springs, creep that conserves the mean (R)", _SPRINGS | {"R": 1.0}, 0.08),
-    "viscous": (
-        "lattice of springs, viscous creep (R_viscous)",
-        _SPRINGS | {"R": 0.0, "R_viscous": 1.0},
-        0.08,
-    ),
+    name: (unloading.SOLIDS[name].what, unloading.SOLIDS[name].table, pressure)
+    for name, pressure in (("half_space", 0.04), ("conserved", 0.08), ("viscous", 0.08))
 }
 """By name: words, solid, and load a site at which the area is that to be held."""
 

@@ -170,53 +170,43 @@ def analyse(evidence: Evidence) -> Outcome:
     found = {name: list(after_the_step(evidence, name)) for name in SOLIDS}
     dips = pd.DataFrame([_row(name, one) for name, every in found.items() for one in every])
     curves = pd.concat([_curve(name, one) for name, every in found.items() for one in every])
+    early = [one for one in found["conserved"] if one.wait < _relaxation_time(evidence["conserved"])]
+    return Outcome(tuple(_findings(found, early)), {"dips": dips, "curves": curves})
 
-    def lost(separable: bool) -> dict[str, Estimate]:
+
+def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[Finding]:
+    few = -math.inf, _MOST
+    note = "A surface counts if it loses one site at any waiting time and any load ratio."
+
+    def lost(*, separable: bool) -> dict[str, Estimate]:
         return {
             f"share of surfaces that lose contact: {solid.what}": _surfaces_that_lose(found[name])
             for name, solid in SOLIDS.items()
             if solid.separable is separable
         }
 
-    early = [one for one in found["conserved"] if one.wait < _relaxation_time(evidence["conserved"])]
+    place = "the theorem of this study"
+    claim = "On a separable solid no contact is lost after the load has fallen."
+    yield Finding.within(few, "separable", place, claim, lost(separable=True), note)
+    place = "Li, Brenner and Frérot, arXiv:2511.19402"
+    claim = "On no linear viscoelastic solid is contact lost after the load has fallen."
+    yield Finding.within(few, "any-linear-solid", place, claim, lost(separable=False), note)
     waits = f"waits from {early[0].wait:g} to {early[-1].wait:g}" if early else "no wait is short enough"
     what = "d ln (time of the minimum)/d ln (waiting time), load ratio"
-    slopes = {
+    numbers = {
         f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(
             [one for one in early if one.ratio == ratio]
         )
         for ratio in RATIOS
     }
-    any_site = "A surface counts if it loses one site at any waiting time and any load ratio."
-    return Outcome(
-        (
-            Finding.within(
-                (-math.inf, _MOST),
-                "separable",
-                "the theorem of this study",
-                "On a separable solid no contact is lost after the load has fallen.",
-                lost(True),
-                note=any_site,
-            ),
-            Finding.within(
-                (-math.inf, _MOST),
-                "any-linear-solid",
-                "Li, Brenner and Frérot, arXiv:2511.19402",
-                "On no linear viscoelastic solid is contact lost after the load has fallen.",
-                lost(False),
-                note=any_site,
-            ),
-            Finding.within(
-                (0.8, 1.2),
-                "time-of-minimum",
-                "Dillavou and Rubinstein, Phys. Rev. Lett. 120, 224101 (2018)",
-                "The time of the minimum is proportional to the waiting time.",
-                slopes,
-                note="Mean over the surfaces that lose contact after each of these waits. They are shorter "
-                "than the relaxation time of the longest waves of the surface; longer ones find it relaxed.",
-            ),
-        ),
-        {"dips": dips, "curves": curves},
+    yield Finding.within(
+        (0.8, 1.2),
+        "time-of-minimum",
+        "Dillavou and Rubinstein, Phys. Rev. Lett. 120, 224101 (2018)",
+        "The time of the minimum is proportional to the waiting time.",
+        numbers,
+        "Mean over the surfaces that lose contact after each of these waits. They are shorter than the "
+        "relaxation time of the longest waves of the surface; longer ones find it relaxed.",
     )
 
 
