@@ -118,6 +118,19 @@ def test_table_summary_and_maps_are_in_si(done):
     assert {"aging.png", "contacts.png"} <= {path.name for path in done.iterdir()}
 
 
+def test_the_summary_says_what_yielded(scan, tmp_path):
+    words = ["run", "--file", str(scan), *UNITS, *SOLID, "--hardness", "0.2 GPa", "--pressure", "4 MPa"]
+    assert (
+        main([*words, "--first", "1", "--last", "10", *BRIEF, "--quiet", "--out", str(tmp_path / "out")]) == 0
+    )
+    data = asp.results.load(tmp_path / "out" / "history.zarr")
+    lower, yielding = data["permanent_indentation"].values[-1], data["yielding_area"].values
+    assert yielding[0] > 1
+    sites = f"{yielding[0]} sites at t = 0, {yielding[-1]} at the end"
+    said = f"{sites}; lowered for good: {(lower > 0).sum()} sites"
+    assert f"{said}, by up to {written(lower.max(), 'm')}" in (tmp_path / "out" / "summary.txt").read_text()
+
+
 def test_the_file_it_wrote_gives_the_same_run_again(asperity: Asperity, done, tmp_path):
     again = tmp_path / "again"
     assert asperity("run", done / "config.toml", "--quiet", "--out", again)[0] == 0

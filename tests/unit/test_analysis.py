@@ -180,7 +180,7 @@ def test_maps_of_a_mirrored_scan_show_the_scan(shape: tuple[int, ...]) -> None:
 def some_maps(states: np.ndarray) -> ContactMaps:
     heights = np.zeros(states.shape[1:])
     return ContactMaps(
-        heights, np.arange(2.0), states, np.zeros(states.shape), (-1, 1), (0, 1), "nm", 1, 0.05, "um"
+        heights, heights, np.arange(2.0), states, np.zeros(states.shape), (-1, 1), (0, 1), "nm", 1, 0.05, "um"
     )
 
 

@@ -15,7 +15,7 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from asperity import age, press, relax
+from asperity import History, age, press, relax
 from asperity.analysis import (
     AgingSummary,
     ContactMaps,
@@ -38,7 +38,7 @@ from asperity.figures import (
 )
 from asperity.figures.surface import SurfaceView
 from asperity.fits import measured_growth
-from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian, power_spectrum, spectral
 from asperity.theory import GaussianHeights
@@ -200,6 +200,7 @@ def test_maps_color_every_site(aged: xr.Dataset) -> None:
 def some_maps(states: np.ndarray) -> ContactMaps:
     return ContactMaps(
         heights=np.zeros(states.shape[1:]),
+        indentation=np.zeros(states.shape[1:]),
         times=np.arange(float(len(states))),
         states=states.astype(np.int8),
         surfaces=np.zeros(states.shape),
@@ -519,6 +520,39 @@ def test_distributions_are_those_of_the_fields(aged: xr.Dataset) -> None:
     assert last.pressure is None
     with refuses("dataset"):
         distributions(aged.drop_dims("field_time"))
+
+
+@pytest.fixture(scope="module")
+def yielded() -> History:
+    solid = spring_lattice(k0=1.0, k1=3.0, hardness=2.0)
+    slide = [Hold(1.0), Slide(3.0, velocity=1.0)]
+    return age(press(gaussian((24, 24)), solid, load=60.0), [1.0], fields_at=[0.0, 2.0, 4.0], protocol=slide)
+
+
+def test_gaps_are_above_the_surface_where_it_has_slid_and_yielded(yielded: History) -> None:
+    assert yielded.dataset["field_shift_x"][-1] == 3
+    *_, last = found = distributions(yielded.dataset)
+    assert min(one.gap.min() for one in found) > 0
+    final = yielded.final
+    np.testing.assert_allclose(last.gap, np.sort(final.gap[~final.in_contact]), rtol=0, atol=1e-12)
+
+
+def test_the_map_of_the_rough_surface_shows_what_has_yielded(yielded: History) -> None:
+    maps = contact_maps(yielded.dataset)
+    lower = np.roll(yielded.dataset["permanent_indentation"].values[-1], -3, axis=1)
+    np.testing.assert_array_equal(maps.indentation, lower)
+    figure = contact_figure(maps)
+    drawn = np.asarray(figure.axes[0].images[1].get_array())
+    np.testing.assert_array_equal(drawn[..., 3] > 0, lower > 0)
+    assert f"{lower.max():.2g}" in figure.axes[0].get_title()
+    assert "rough surface has yielded" in [text.get_text() for text in figure.legends[0].texts]
+    solid = spring_lattice(k0=1.0, k1=3.0, hardness=1.0)
+    profile = age(press(gaussian((64,)), solid, load=10.0), [1.0], fields_at=[0.0, 1.0])
+    upper = contact_figure(contact_maps(profile.dataset)).axes[0]
+    assert "what has yielded" in upper.get_legend_handles_labels()[1]
+    (touches,) = (line for line in upper.lines if line.get_label() == "contact at the end")
+    heights = profile.final.heights[profile.final.in_contact]
+    np.testing.assert_allclose(np.asarray(touches.get_ydata()), heights, rtol=0, atol=1e-12)
 
 
 def test_the_figure_of_distributions_shows_which_part_has_more(aged: xr.Dataset) -> None:

@@ -113,6 +113,17 @@ def test_units_are_those_of_the_contact() -> None:
     )
 
 
+def test_a_contact_whose_surface_has_yielded_is_of_the_same_surface() -> None:
+    before = press(gaussian((24, 24)), spring_lattice(k0=1.0, k1=3.0, hardness=2.0), load=20.0)
+    now = press(before, load=80.0)
+    assert now.permanent_indentation.sum() > before.permanent_indentation.sum()
+    maps = maps_between(now, before)
+    np.testing.assert_allclose(maps.heights, gaussian((24, 24)), rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(maps.indentation, now.permanent_indentation)
+    with refuses("since"):
+        maps_between(now, press(gaussian((24, 24), seed=1), SOLID, load=20.0))
+
+
 def test_a_contact_without_load_can_be_drawn() -> None:
     contact = press(gaussian((8, 8)), SOLID, separation=9.0)
     assert contact.area == 0

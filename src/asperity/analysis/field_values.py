@@ -62,16 +62,25 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
     for number, time in enumerate(dataset["field_time"].values.tolist()):
         here = dataset.isel(field_time=number)
         touching = np.asarray(here["in_contact"], dtype=bool)
-        rough = here["heights"]
-        if "permanent_indentation" in here:
-            rough = rough - here["permanent_indentation"]
-        gap = np.asarray(here["u"] - rough)[~touching]
+        gap = np.asarray(here["u"] - _rough(here))[~touching]
         pressure = np.sort(np.asarray(here["pressure"])[touching]) if "pressure" in here else None
         sizes = patches(touching, edges=dataset.attrs.get("edges", "periodic")).sizes
         found.append(
             Distribution(time, np.sort(gap), pressure, np.sort(sizes).astype(np.float64), touching.size)
         )
     return found
+
+
+def _rough(one: xr.Dataset) -> Field:
+    """Heights of the rough surface where they are in one map: slid, and lower where it has yielded."""
+    heights = np.asarray(one["heights"], dtype=np.float64)
+    if "field_shift_y" in one.coords or "field_shift_x" in one.coords:
+        lattice = Lattice(heights.shape, tuple(json.loads(one.attrs["spacing"])), one.attrs["edges"])
+        axes = ("y", "x")[-heights.ndim :]
+        heights = lattice.shifted(heights, [float(one[f"field_shift_{axis}"]) for axis in axes])
+    if "permanent_indentation" in one:
+        heights = heights - np.asarray(one["permanent_indentation"], dtype=np.float64)
+    return heights
 
 
 def pressure_of(one: xr.Dataset) -> Field | None:

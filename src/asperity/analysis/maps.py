@@ -49,7 +49,10 @@ class ContactMaps(views.Brief):
     Attributes
     ----------
     heights
-        The rough surface, shape ``(n,)`` or ``(n, m)``; length. Of a mirrored scan, the scan alone.
+        The rough surface before anything yielded, shape ``(n,)`` or ``(n, m)``; length. Of a mirrored scan,
+        the scan alone.
+    indentation
+        By how much it is lower in the last map of known time where it has yielded, same shape; length.
     times
         Hold times of the maps, shape ``(k,)``; infinite for the relaxed state, the last if it is known.
     states
@@ -74,6 +77,7 @@ class ContactMaps(views.Brief):
     """
 
     heights: Field
+    indentation: Field
     times: Field
     states: NDArray[np.int8]
     surfaces: Field
@@ -185,8 +189,10 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         touching.append(np.asarray(dataset["in_contact_relaxed"], dtype=bool))
         surfaces.append(np.asarray(dataset["u_relaxed"], dtype=np.float64))
     si = bool(dataset.attrs.get("si"))
+    indentation = dataset["permanent_indentation"][-1] if "permanent_indentation" in dataset else 0.0
     return _maps_of(
         np.asarray(dataset["heights"], dtype=np.float64),
+        np.asarray(indentation, dtype=np.float64),
         times,
         touching,
         surfaces,
@@ -227,11 +233,13 @@ def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
     `InputError` if the earlier one is of another surface.
     """
     both = (contact if since is None else since, contact)
-    if both[0].heights is not contact.heights and not np.array_equal(both[0].heights, contact.heights):
+    earlier, heights = (one.heights + one.permanent_indentation for one in both)
+    if not np.allclose(earlier, heights, rtol=1e-12, atol=1e-12 * float(np.ptp(heights))):
         got = "one of other heights"
         raise InputError("since", expected="a contact of the same surface", got=got)
     return _maps_of(
-        contact.heights,
+        heights,
+        contact.permanent_indentation,
         [math.nan] * 2,
         [one.in_contact for one in both],
         [one.u for one in both],
@@ -242,6 +250,7 @@ def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
 
 def _maps_of(
     heights: Field,
+    indentation: Field,
     times: Sequence[float],
     touching: Sequence[Mask],
     surfaces: Sequence[Field],
@@ -252,6 +261,7 @@ def _maps_of(
     """Compare maps with the first; `spacing` is given in metres, like all lengths then."""
     here = measured_part(heights.shape, origin)
     copies = heights.size
+    indentation = np.broadcast_to(indentation, heights.shape)[here]
     touching, surfaces = [field[here] for field in touching], [field[here] for field in surfaces]
     heights = heights[here]
     size, lateral = origin.get("pixel_size") or None, str(origin.get("length_unit", ""))
@@ -262,6 +272,7 @@ def _maps_of(
     unit, factor = readable(unit, high - low)
     return ContactMaps(
         heights=heights * factor,
+        indentation=indentation * factor,
         times=np.asarray(times),
         states=np.stack([_compared(touching[0], now) for now in touching]),
         surfaces=np.stack(surfaces) * factor,

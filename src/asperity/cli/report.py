@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from asperity.analysis.scan import written
 from asperity.results.quantities import PARAMETERS, Units, units_named
-from asperity.words import printable
+from asperity.words import counted, printable, thousands
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -112,6 +112,7 @@ def _growth(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
     rows = [*_loads(summary, dataset), ("contact at t = 0", _contact(summary.initial_area, summary, dataset))]
     if "mean_contact_pressure" in dataset:
         rows += _pressures(dataset)
+    rows += _yielding(dataset)
     if summary.time.size:
         late = f"contact at t = {_at(dataset, summary.time[-1])}"
         rows.append((late, _contact(int(dataset["area"][-1]), summary, dataset)))
@@ -138,13 +139,26 @@ def _pressures(dataset: xr.Dataset) -> list[Row]:
     return [("pressure at t = 0", f"{mean} mean over the contacts, {largest} at most")]
 
 
+def _yielding(dataset: xr.Dataset) -> list[Row]:
+    """How much of the contact bears the hardness; where fields were kept, how far the surface is lowered."""
+    if "yielding_area" not in dataset:
+        return []
+    first, last = (int(dataset["yielding_area"][at]) for at in (0, -1))
+    said = f"{counted(first, 'site')} at t = 0, {thousands(last)} at the end"
+    if "permanent_indentation" in dataset:
+        lower = dataset["permanent_indentation"][-1]
+        deepest = _said(dataset, "permanent_indentation", float(lower.max()), 4)
+        said += f"; lowered for good: {counted(int((lower > 0).sum()), 'site')}, by up to {deepest}"
+    return [("yielding", said)]
+
+
 def _legs(dataset: xr.Dataset) -> list[Row]:
     """What happened in each leg of a history."""
     from asperity.analysis import leg_table
 
     table = leg_table(dataset)
     first = _said(dataset, "load", float(dataset["load"][0]), 6)
-    rows = [("contact at t = 0", f"{int(dataset['area'][0])} sites at load {first}")]
+    rows = [("contact at t = 0", f"{int(dataset['area'][0])} sites at load {first}"), *_yielding(dataset)]
     for row in table[:_MOST_LEGS]:
         at = f"t = {_at(dataset, row.begin)}"
         at += f" to {_at(dataset, row.end)}" if row.begin != row.end else ""

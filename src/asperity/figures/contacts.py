@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize, to_rgb
+from matplotlib.colors import Normalize, to_rgb, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import asperity.checks as checks
 from asperity.analysis import ContactMaps, SiteState
-from asperity.analysis.scan import readable
+from asperity.analysis.scan import readable, written
 from asperity.figures import style
 from asperity.figures.marks import COLORS
 from asperity.lattice import Field
@@ -30,6 +30,9 @@ _FILLED = 0.93
 
 _SMALLEST = 1.5
 """Smallest side of a mark that is easily seen, pixels of `style.RESOLUTION`."""
+
+_YIELDED = to_rgba(style.PURPLE)
+"""Color of what the rough surface has lost where it yielded."""
 
 _STRIP, _TICK = 5.5, 0.4
 """Width of a whole profile, inches; least width of a tick, points."""
@@ -78,7 +81,9 @@ def _map_figure(maps: ContactMaps) -> Figure:
     whole = (grid[::2] if side > 1 else grid).ravel()
     everything = everywhere(maps)
     image = draw_heights(whole[0], maps, everything)
-    whole[0].set_title("rough surface", fontsize=9)
+    deepest = written(float(maps.indentation.max()), style.spelled(maps.unit), 2)
+    yielded = f"\nhas yielded by up to {deepest}" if maps.indentation.any() else ""
+    whole[0].set_title(f"rough surface{yielded}", fontsize=8.5 if yielded else 9)
     figure.colorbar(
         image,
         ax=whole[0],
@@ -95,7 +100,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     if side > 1:
         _draw_close_ups(maps, whole[0], grid[1::2].ravel())
     figure.suptitle(_title(maps, side, figure), fontsize=10)
-    legend(figure, maps)
+    legend(figure, maps, topography=True)
     return figure
 
 
@@ -154,7 +159,7 @@ def _draw_close_ups(maps: ContactMaps, topography: Axes, below: NDArray[np.objec
 
 
 def draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) -> AxesImage:
-    """Topography of a region, with a scale bar below where the size of a pixel is known."""
+    """Topography of a region, what of it has yielded, and below a scale bar where a pixel's size is known."""
     image = axes.imshow(
         maps.heights[region],
         cmap=style.HEIGHT_MAP,
@@ -164,6 +169,8 @@ def draw_heights(axes: Axes, maps: ContactMaps, region: tuple[slice, slice]) -> 
         aspect=maps.aspect,
         rasterized=True,
     )
+    if (yielded := maps.indentation[region] > 0).any():
+        _draw_cells(axes, np.array(_YIELDED) * yielded[..., np.newaxis], region, 1, maps.aspect)
     _frame(axes, region)
     draw_scale_bar(axes, maps, region)
     return image
@@ -270,14 +277,19 @@ def caption(maps: ContactMaps, number: int) -> str:
     return f"{moment}:  {percent:.3g} %\n{counted(maps.area(number), 'site')}{changes}"
 
 
-def legend(figure: Figure, maps: ContactMaps) -> None:
-    """Explain the colors of the states that occur, below all panels."""
+def legend(figure: Figure, maps: ContactMaps, *, topography: bool = False) -> None:
+    """Explain the colors of the states that occur, and that of the topography, below all panels."""
     first = _moment(maps, float(maps.times[0]))
     handles = [
         Line2D([], [], ls="", marker="s", markersize=7, color=color, label=_WORDS[state].format(first=first))
         for state, color in COLORS.items()
         if (maps.states == state).any()
     ]
+    if topography and maps.indentation.any():
+        mark = Line2D(
+            [], [], ls="", marker="s", markersize=7, color=_YIELDED, label="rough surface has yielded"
+        )
+        handles.append(mark)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles) or 1, fontsize=9, frameon=False
     )
@@ -298,7 +310,7 @@ def _profile_figure(maps: ContactMaps) -> Figure:
     touching = np.isin(maps.states[-1, first:last], (SiteState.KEPT, SiteState.NEW))
     upper.plot(
         step * np.arange(first, last)[touching],
-        maps.heights[first:last][touching],
+        (maps.heights - maps.indentation)[first:last][touching],
         "s",
         color=style.VERMILION,
         markersize=4,
@@ -321,7 +333,11 @@ def draw_profile(axes: Axes, maps: ContactMaps, labels: list[str]) -> None:
     here = step * np.arange(first, last)
     heights, surfaces = maps.heights[first:last], maps.surfaces[:, first:last]
     floor = float(heights.min()) - 0.08 * float(np.ptp(surfaces) + np.ptp(heights) or 1.0)
-    axes.fill_between(here, heights, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
+    now = heights - maps.indentation[first:last]
+    axes.fill_between(here, now, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
+    if (now < heights).any():
+        label = "what has yielded"
+        axes.fill_between(here, heights, now, step="mid", color=style.PURPLE, linewidth=0, label=label)
     for number, (surface, label) in enumerate(zip(surfaces, labels, strict=True)):
         shade = 1 - (len(labels) - 1 - number) / max(1, len(labels) - 1)
         axes.plot(here, surface, color=_shade(shade), linewidth=1.1 + 0.7 * shade, label=label)

@@ -288,7 +288,7 @@ def _draw_line(
     if not told:
         maps = only(maps, 1)
     draw_profile(axes, maps, ["then", "now"] if told else ["elastic surface"])
-    here, heights = step * np.arange(first, last), maps.heights[first:last]
+    here, heights = step * np.arange(first, last), (maps.heights - maps.indentation)[first:last]
     pressed = pressure[first:last]
     touching = ~np.isnan(pressed)
     if told:
