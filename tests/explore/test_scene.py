@@ -111,8 +111,9 @@ def test_a_history_becomes_rows_and_maps(aged: Any) -> None:
         assert total == pytest.approx(aged["load"].values[at[0]], rel=1e-4)
 
 
-def test_a_history_that_slides_has_its_displacement() -> None:
-    contact = asp.press(np.random.default_rng(2).normal(size=(8, 8)), LATTICE, load=16.0)
+def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_sites() -> None:
+    solid = LATTICE.with_hardness(1.0)
+    contact = asp.press(np.random.default_rng(2).normal(size=(8, 8)), solid, load=16.0)
     slides = [asp.protocols.Slide(distance=2.0, velocity=1.0), asp.protocols.Hold(3.0)]
     series = asp.age(contact, [1.0, 2.0, 5.0], protocol=slides).dataset
     recording = recorded(series, None, job="", title="")
@@ -121,7 +122,10 @@ def test_a_history_that_slides_has_its_displacement() -> None:
     got = [row[columns.index("displacement")] for row in recording.rows]
     assert got == series["displacement"].values.tolist()
     assert recording.scene["column_units"]["displacement"] == series["displacement"].attrs["units"]
-    live: list[float] = []
+    yielding = [row[columns.index("yielding_area")] for row in recording.rows]
+    assert yielding == series["yielding_area"].values.tolist()
+    assert yielding[0] > 0
+    live: list[tuple[float, float]] = []
 
     def tell(frame: Any) -> None:
         if not live:
@@ -129,10 +133,11 @@ def test_a_history_that_slides_has_its_displacement() -> None:
                 {"protocol": [{"kind": "slide", "distance": 2.0, "velocity": 1.0}]}, {}, None
             )
             assert started(frame, config)["displacement"].values.tolist() == [0.0]
-        live.append(of_frame(frame)[0]["displacement"])
+        row, _ = of_frame(frame)
+        live.append((row["displacement"], row["yielding_area"]))
 
     asp.age(contact, [5.0], protocol=slides, progress=tell)
-    assert live[-1] == 2.0
+    assert live[-1] == (2.0, yielding[-1])
 
 
 def test_growth_per_decade_counts_from_the_last_switch(aged: Any) -> None:

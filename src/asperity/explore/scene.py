@@ -47,7 +47,7 @@ _A_MESSAGE = 4e6
 
 _SERIES = ("area", "contact_fraction", "load", "separation", "residual")
 _OF_LENGTHS = ("contact_area", "contact_area_corrected")
-_OF_SLIDES = ("displacement",)
+_OF_SOME = ("displacement", "yielding_area")
 _MADE = {
     "mean_pressure": "load over real contact area",
     "friction": "static friction over that at first: real contact area over load (Tabor)",
@@ -273,7 +273,7 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     recording.begin(dataset, config, title)
     names = [
         name
-        for name in ("time", *_SERIES, *_OF_LENGTHS, *_OF_SLIDES, "mean_contact_pressure")
+        for name in ("time", *_SERIES, *_OF_LENGTHS, *_OF_SOME, "mean_contact_pressure")
         if name in dataset
     ]
     series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
@@ -355,7 +355,7 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     steps = np.rint((heights - low) * (_STEPS / (high - low) if high > low else 0.0)).astype(np.uint16)
     lengths = "contact_area" in dataset
     series = [*_SERIES[:2], *(_OF_LENGTHS if lengths else ()), *_SERIES[2:]]
-    series += [name for name in _OF_SLIDES if name in dataset]
+    series += [name for name in _OF_SOME if name in dataset]
     columns = ["time", "leg", *series, *_MADE]
     long_names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}

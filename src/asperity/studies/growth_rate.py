@@ -452,7 +452,7 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
     numbers = {f"d ln({_RELATIVE})/d ln({_K}), {_K} from 1 on": _exponent(part(ratios, 1.0), relative_rate)}
     yield Finding.within(FLAT, "relative", _DILUTE, "d ln A/d ln t does not depend on k1/k0", numbers)
     for load, some in viscous.items():
-        words = f"Under the load {load:g} a site B is that of the closed form at all R_viscous/R"
+        words = f"B is that of the closed form at all R_viscous/R under the load {load:g} a site"
         yield Finding.within(NEAR, f"viscous_{load:g}", _DILUTE, words, closed("R_viscous/R", some))
     numbers = {
         f"{_B} at R_viscous/R {r:g} over that at 0, load a site {load:g}": _over(one, some[0.0])

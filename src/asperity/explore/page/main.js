@@ -28,6 +28,7 @@ const ARRIVALS = {
     app.earlier = app.scene && app.keep && same(app.scene.config?.surface, header.config?.surface) && same(app.scene.column_units, header.column_units) ? app.scene : null;
     app.scene = new Scene(buffer, message);
     app.scene.shear = app.shear ?? header.shear_strength;
+    if (!app.shear) byId("shear").value = header.shear_strength ?? "";
     if (!app.picked) app.curveView.name = app.runs.length ? "area" : "";
     Object.assign(app, { map: 0, following: true, change: null });
     byId("site").textContent = "Point at a site to read its height, pressure and age.";
