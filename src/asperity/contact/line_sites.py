@@ -16,6 +16,7 @@ SIAM J. Optim. 5, 100 (1995), DOI 10.1137/0805005). The solution for g = 1 alone
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -74,9 +75,10 @@ class LineSites:
         most: int,
         patience: int,
         allowed_error: float = 0.0,
+        allowed_imbalance: float = math.inf,
     ) -> Correction:
         """Displace the free sites until no force is left on them; see `FreeSites.correct`."""
-        del goal, imbalance, most, patience, allowed_error
+        del goal, imbalance, most, patience, allowed_error, allowed_imbalance
         scale = worst * self.unit
         d, z = self._solved(np.where(self.in_contact, 0.0, -force / scale), np.zeros(force.size))
         g = 0.0

@@ -114,7 +114,7 @@ _SOLIDS: Mapping[str, tuple[str, Mapping[str, Any], Mapping[str, Any], float, tu
 def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
     """Campaigns by solid and release."""
     for name, (words, surface, solid, separation, moves) in _SOLIDS.items():
-        surfaces = seeds if solid["kind"] == "spring_lattice" else seeds // 2
+        surfaces = seeds if solid["kind"] == "spring_lattice" else seeds // 8
         for move in moves:
             yield Campaign(
                 _folder(name, move),
@@ -340,8 +340,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 RELEASE = Study(
     name="release",
     question="After a partial release, is the force greatest at a time in proportion to the waiting time?",
-    quick=tuple(_campaigns(_QUICK_WAITING, seeds=4)),
-    full=tuple(_campaigns(_WAITING, seeds=8)),
+    quick=tuple(_campaigns(_QUICK_WAITING, seeds=16)),
+    full=tuple(_campaigns(_WAITING, seeds=32)),
     analyse=analyse,
     draw=draw,
     caption="Left: force after a release by 0.1, on a half-space with a modulus like ln <i>t</i>; "
