@@ -31,7 +31,7 @@ from asperity.fits.resampling import Estimate, jackknife
 from asperity.studies.campaigns import Campaign, after_waits
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding
-from asperity.studies.numbers import columns, mean, power, slope, vertex
+from asperity.studies.numbers import columns, crossing, mean, power, slope, vertex
 from asperity.studies.panels import points
 from asperity.studies.slide_hold_slide import before_shifts, steady_area
 from asperity.studies.study import Outcome, Study
@@ -217,10 +217,7 @@ def time_of_growth(time: Floats, area: Floats) -> float:
     at = int(np.argmax(over > RISE))
     if not over[at] > RISE:
         return math.nan
-    if at == 1:
-        return float(time[1])
-    part = (RISE - over[at - 1]) / (over[at] - over[at - 1])
-    return float(np.exp(np.interp(part, [0, 1], np.log(time[at - 1 : at + 1]))))
+    return float(time[1]) if at == 1 else crossing(time, over, at, RISE)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +252,7 @@ class Steps:
     def of(cls, evidence: Evidence, name: str, ratio: float) -> Steps:
         """Read them from a campaign."""
         data = evidence[_folder(name, ratio)]
-        area = data["area"].transpose("seed", "point", "time").values.astype(np.float64)
+        area = evidence.samples(_folder(name, ratio), "area")
         leg, time = (data[key].values.reshape(-1, area.shape[2])[0] for key in ("leg", "time"))
         wait = data["protocol.0.mobility"].values.astype(np.float64)
         since = leg >= 1

@@ -43,7 +43,7 @@ from asperity.lattice import Field
 from asperity.studies.campaigns import Campaign
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding
-from asperity.studies.numbers import columns, power, slope
+from asperity.studies.numbers import columns, crossing, power, slope
 from asperity.studies.panels import points
 from asperity.studies.study import Outcome, Study
 from asperity.surfaces import exponential, gaussian
@@ -217,9 +217,8 @@ def end(time: Floats, area: Field, closed: Field) -> tuple[float, float]:
     last = int(above[-1]) if above.size else 0
     if last + 1 == len(time) or last == 0:
         return math.nan, math.nan
-    part = (over[last] - END) / (over[last] - over[last + 1])
-    at = math.log(time[last]) + part * math.log(time[last + 1] / time[last])
-    return math.exp(at), float(mean[last] + part * (mean[last + 1] - mean[last]))
+    at, part = crossing(time, over, last + 1, END)
+    return at, float(mean[last] + part * (mean[last + 1] - mean[last]))
 
 
 def closed_area(heights: theory.HeightLaw, load: float, time: Floats, x1: float, viscous: float) -> Floats:

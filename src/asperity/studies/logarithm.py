@@ -193,9 +193,9 @@ def predicted(loads: Floats, areas: Floats, series: PronySeries, time: Floats) -
 
 def _growth(evidence: Evidence, name: str, **where: float) -> tuple[Floats, Field]:
     """Times and A/A(0), one row a seed."""
-    dataset = evidence[name.replace(".", "_")].sel(where)
-    area = dataset["area"].transpose("seed", "time").values.astype(np.float64)
-    return np.asarray(dataset["time"].values, dtype=np.float64), area / area[:, :1]
+    folder = name.replace(".", "_")
+    area = evidence.samples(folder, "area", **where)
+    return np.asarray(evidence[folder]["time"].values, dtype=np.float64), area / area[:, :1]
 
 
 def analyse(evidence: Evidence) -> Outcome:

@@ -65,3 +65,9 @@ def vertex(time: Floats, values: Floats, at: int) -> float:
     scaled = (values[near] - values[at]) / np.ptp(values[near])
     square, linear, _ = np.polyfit(np.log(time[near] / time[at]), scaled, 2)
     return float(time[at] * math.exp(-linear / (2 * square)))
+
+
+def crossing(time: Floats, values: Floats, at: int, level: float) -> tuple[float, float]:
+    """Time, by ln t, at which values cross a level in the step that ends at an index; part of the step."""
+    part = (level - values[at - 1]) / (values[at] - values[at - 1])
+    return float(time[at - 1] * (time[at] / time[at - 1]) ** part), float(part)
