@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from asperity.checks import Floats
@@ -501,7 +502,7 @@ _BROAD = 1e3
 
 _LOOKS = {
     "lattice": ("o", style.INK),
-    "lighter": ("o", style.INK),
+    "lighter": ("d", style.INK),
     "cold": ("v", style.SKY),
     "warm": ("^", style.VERMILION),
     "bed": ("s", style.BLUE),
@@ -510,6 +511,8 @@ _LOOKS = {
     "conserved": ("+", "0.5"),
     "logarithm": ("*", "0.5"),
 }
+_LINES = {0.2: "-", 0.5: "--", 0.8: ":"}
+"""Lines of each ratio of the loads."""
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -519,10 +522,11 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves, steps, rests = tables["curves"], tables["steps"], tables["rests"]
     shown = curves[(curves["solid"] == "lattice") & (curves["time"] > 0)]
     waits = shown["waiting_time"].unique().tolist()
-    for shade, wait in zip(np.linspace(0.75, 0, len(waits)), waits, strict=True):
+    shades = colormaps[style.PRESSURE_MAP](np.linspace(0.9, 0, len(waits)))
+    for shade, wait in zip(shades, waits, strict=True):
         part = shown[shown["waiting_time"] == wait]
         words = f"${style.power(wait)}$"
-        curve.plot(part["time"], part["area"], color=str(shade), label=words, linewidth=1)
+        curve.plot(part["time"], part["area"], color=shade, label=words, linewidth=1)
     curve.set(
         xscale="log",
         xlabel=r"time since the step over $t_\mathrm{w}$",
@@ -543,7 +547,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
                 part,
                 "waiting_time",
                 name,
-                f"{mark}-",
+                mark + _LINES[float(part["load_ratio"].iloc[0])],
                 color,
                 markerfacecolor=color if filled else "white",
                 label=f"{str(solid).replace('_', '-')}, × {ratio:g}",
