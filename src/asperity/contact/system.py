@@ -92,9 +92,10 @@ class System:
         if self.load is not None:
             most = self.mechanics.bound * self.sites
             if self.load > _MOST_OF_ALL * most:
+                hardness = self.mechanics.spectral.solid.hardness
                 raise InputError(
                     "load",
-                    expected=f"less than {most:g}, the hardness times the nominal area",
+                    expected=f"less than {most:g}, the hardness {hardness:g} times the nominal area",
                     got=f"{self.load:g}",
                     advice="less load, or a greater hardness",
                 )

@@ -94,7 +94,7 @@ class Multigrid:
         if not isinstance(problem, SpringProblem):
             raise InputError(
                 "solver",
-                expected="a lattice of springs in two dimensions, k0 > 0 and k1 > 0, for Multigrid",
+                expected="springs in two dimensions, k0 > 0, k1 > 0 and no hardness, for Multigrid",
                 got="another solid or lattice",
                 advice="solver=ActiveSet()",
             )
