@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.free_sites import FreeSites
-from asperity.contact.line_sites import LineSites
+from asperity.contact.loaded_sites import SpringSites, spring_sites
 from asperity.contact.mechanics import ImplicitStep, SpectralMechanics, SpectralStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
@@ -195,11 +195,9 @@ def _filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask
     if not in_contact.any():
         np.divide(pull, stiffness, out=u, where=stiffness > 0)
     elif worst > 0:
-        springs = step.springs(float(stiffness.flat[0])) if lattice.dimension == 1 else None
-        free: FreeSites | LineSites
-        if springs is not None:
-            free = LineSites(lattice, springs, in_contact)
-        else:
+        free: FreeSites | SpringSites | None
+        free = spring_sites(lattice, step.springs(float(stiffness.flat[0])), in_contact)
+        if free is None:
             unit = float(stiffness.max())
             scaled: Any = (stiffness / unit).astype(np.float32)
             free = FreeSites(lattice, stiffness, unit, scaled, in_contact, np)

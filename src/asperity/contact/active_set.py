@@ -32,7 +32,7 @@ import asperity.checks as checks
 from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.free_sites import FreeSites
-from asperity.contact.line_sites import LineSites
+from asperity.contact.loaded_sites import SpringSites, spring_sites
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpectralProblem, residual
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
@@ -127,7 +127,7 @@ class ActiveSet:
             The array library is not installed.
         """
         modes = problem.spectral()
-        if modes.springs is not None:  # solved directly
+        if modes.springs is not None:  # few solutions, or none that may stop early
             allowed_error = 0.0
         run = _Run(self, modes, guess or cold_start(modes, self), tolerance, allowed_error)
         while True:
@@ -203,7 +203,7 @@ class _Run:
             else:
                 u = xp.asarray(_free_surface(self.problem, self.yielding))
         self.u = xp.where(self.in_contact, self.heights, u)
-        self.free_sites: FreeSites | LineSites | None = None
+        self.free_sites: FreeSites | SpringSites | None = None
         self.left_over = math.inf
         if self.begun and self.allowed_error and self.single:
             self.update_force(self.u - u)
@@ -304,13 +304,17 @@ class _Run:
         self.iterations += max(1, correction.iterations)
         return correction.displacement
 
-    def linear_problem(self) -> FreeSites | LineSites:
+    def linear_problem(self) -> FreeSites | SpringSites:
         """The linear problem on the present set of contacts, in the present precision."""
         xp = self.xp
-        if self.problem.springs is not None and xp is library("numpy") and self.iterations < _MOST_DIRECT:
-            if self.free_sites is None:
-                self.free_sites = LineSites(self.problem.lattice, self.problem.springs, self.in_contact)
+        direct = xp is library("numpy") and self.iterations < _MOST_DIRECT
+        if direct and isinstance(self.free_sites, SpringSites):
             return self.free_sites
+        if direct and self.free_sites is None:
+            direct_sites = spring_sites(self.problem.lattice, self.problem.springs, self.in_contact)
+            if direct_sites is not None:
+                self.free_sites = direct_sites
+                return direct_sites
         self.single = self.single and not self.is_careful()
         real = xp.float32 if self.single else xp.float64
         if not isinstance(self.free_sites, FreeSites) or self.free_sites.stiffness.dtype != real:

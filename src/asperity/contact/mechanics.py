@@ -369,7 +369,7 @@ class SpectralStep(ImplicitStep):
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        springs = self.springs(float(stiffness.flat[0])) if lattice.dimension == 1 else None
+        springs = self.springs(float(stiffness.flat[0]))
         bound = mechanics.bound
         return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, springs, bound)
 

@@ -7,7 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from asperity.contact import asperities, line_sites, stencils
+from asperity.contact import asperities, line_sites, loaded_sites, stencils
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
 from asperity.contact.multigrid import loops
 from asperity.simulate import age, press, relax
@@ -21,7 +21,8 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     What takes so long is told before it begins, if anything has to be compiled; where the machine code is
     kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
-    stamp = stamp_of(loops.wrap, stencils.forces, asperities.overlap_by_rows, line_sites.substitute)
+    of_sites = line_sites.substitute, loaded_sites.solve
+    stamp = stamp_of(loops.wrap, stencils.forces, asperities.overlap_by_rows, *of_sites)
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
         return
@@ -36,6 +37,7 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
         contact = press(heights, solid, load=80.0)
         relax(press(age(contact, [1.0, 100.0], exact=False).final, load=40.0))
     age(press(heights[0], spring_lattice(k0=1.0, k1=3.0), load=1.2), [1.0])
+    age(press(heights, spring_lattice(k0=0.0, k1=3.0), load=80.0), [1.0])
     age(press(heights, spring_lattice(k0=1.0, k1=3.0, creep=Eyring(rate=1.0, stress=1.0)), load=80.0), [1.0])
     # Contacts in patches under stiff springs to the bulk, where cycles are slow and steps are combined.
     patches = self_affine(64, hurst=0.8, delta=0.05, seed=0)
