@@ -16,6 +16,7 @@ unknowns is kept by a projection.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -61,9 +62,10 @@ class LoadedSites:
         most: int,
         patience: int,
         allowed_error: float = 0.0,
+        allowed_imbalance: float = math.inf,
     ) -> Correction:
         """Displace the free sites until no force is left on them; see `FreeSites.correct`."""
-        del imbalance, most, patience, allowed_error
+        del imbalance, most, patience, allowed_error, allowed_imbalance
         change = np.where(self.in_contact, 0.0, force * (-1.0 / worst))
         # In units of k1 / lag: -A y of the known forces, wanted of the unknown ones.
         wanted = -lattice_force(change, change, self.spread, 1.0, mirrored=self.mirrored)[self.in_contact]
