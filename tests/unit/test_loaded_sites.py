@@ -6,6 +6,7 @@ import pytest
 import asperity as asp
 from asperity.aging import tr_bdf2
 from asperity.contact import active_set
+from asperity.contact.free_sites import Accuracy
 from asperity.contact.loaded_sites import LoadedSites
 from asperity.contact.problem import SpringLaw
 from asperity.lattice import Lattice
@@ -34,7 +35,7 @@ def test_displacements_are_those_of_dense_matrices():
         law = SpringLaw(0.0, k1, lag, spread, float(stiffness[0, 0]))
         worst = float(abs(force[~in_contact]).max())
         found = LoadedSites(lattice, law, in_contact).correct(
-            force, worst, goal=1e-13, imbalance=0.1, most=1, patience=1
+            force, worst, Accuracy(goal=1e-13, imbalance=0.1, most=1, patience=1)
         )
         np.testing.assert_allclose(found.displacement.ravel(), wanted, atol=1e-8 * abs(wanted).max())
         after = force.ravel() + matrix @ wanted

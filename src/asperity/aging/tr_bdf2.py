@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
-from asperity.contact.free_sites import FreeSites
+from asperity.contact.free_sites import Accuracy, FreeSites
 from asperity.contact.loaded_sites import SpringSites, spring_sites
 from asperity.contact.mechanics import ImplicitStep, SpectralMechanics, SpectralStep
 from asperity.contact.problem import ContactSolver, Guess
@@ -202,7 +202,8 @@ def _filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask
             scaled: Any = (stiffness / unit).astype(np.float32)
             free = FreeSites(lattice, stiffness, unit, scaled, in_contact, np)
         most = _FILTER_ITERATIONS
-        found = free.correct(force, worst, goal=_FILTER_GOAL, imbalance=math.inf, most=most, patience=most)
+        accuracy = Accuracy(_FILTER_GOAL, imbalance=math.inf, most=most, patience=most)
+        found = free.correct(force, worst, accuracy)
         u, iterations = lattice.forward(found.displacement), found.iterations
     return u - step.damping * (u - error), iterations
 

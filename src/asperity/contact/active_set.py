@@ -31,7 +31,7 @@ import numpy as np
 import asperity.checks as checks
 from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
-from asperity.contact.free_sites import FreeSites
+from asperity.contact.free_sites import Accuracy, FreeSites
 from asperity.contact.loaded_sites import SpringSites, spring_sites
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpectralProblem, residual
 from asperity.errors import ConvergenceError
@@ -288,9 +288,7 @@ class _Run:
             imbalance = 0.5 * _SUM_TOLERANCE * self.tolerance * self.load / self.worst
         if self.single and goal < _DIGITS:
             goal, imbalance = _DIGITS, np.inf
-        correction = self.linear_problem().correct(
-            self.force,
-            self.worst,
+        accuracy = Accuracy(
             goal=goal,
             imbalance=imbalance,
             most=left,
@@ -298,6 +296,7 @@ class _Run:
             allowed_error=self.allowed_error,
             allowed_imbalance=self.allowed_imbalance,
         )
+        correction = self.linear_problem().correct(self.force, self.worst, accuracy)
         self.left_over = correction.left_over
         self.u += correction.displacement
         self.force, self.worst, self.imbalance = correction.force, correction.worst, correction.imbalance

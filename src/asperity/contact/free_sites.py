@@ -49,6 +49,24 @@ _USUAL_RATE = 0.5
 """What an iteration leaves of an error, more often than not less (measured: 0.43)."""
 
 
+@dataclass(frozen=True)
+class Accuracy:
+    """When a correction of the free sites may end.
+
+    No force on them exceeds ``goal`` times the worst. A few iterations more may bring the sum of the forces
+    off contact down to ``imbalance`` times the worst. It ends earlier after ``most`` iterations, after
+    ``patience`` of them without a record, or when the displacement is off by no more than ``allowed_error``,
+    rms over the sites, and the sum of the forces off contact is at most ``allowed_imbalance``.
+    """
+
+    goal: float
+    imbalance: float
+    most: int
+    patience: int
+    allowed_error: float = 0.0
+    allowed_imbalance: float = math.inf
+
+
 @dataclass(frozen=True, eq=False)
 class Correction:
     """A displacement of the free sites and the forces that it should leave.
@@ -151,26 +169,12 @@ class FreeSites:
         displacement *= self.mask
         return displacement
 
-    def correct(
-        self,
-        force: Field,
-        worst: float,
-        *,
-        goal: float,
-        imbalance: float,
-        most: int,
-        patience: int,
-        allowed_error: float = 0.0,
-        allowed_imbalance: float = math.inf,
-    ) -> Correction:
-        """Displace the free sites until no force on them exceeds ``goal`` times the ``worst``.
+    def correct(self, force: Field, worst: float, accuracy: Accuracy) -> Correction:
+        """Displace the free sites until the forces on them are as small as the accuracy wants.
 
-        ``force`` is the contact force at every site and ``worst`` the largest off contact. A few iterations
-        more may bring the sum of the forces off contact down to ``imbalance`` times ``worst``. Ends earlier
-        after ``most`` iterations, after ``patience`` of them without a record, or when the displacement is
-        off by no more than ``allowed_error``, rms over the sites, and the sum of the forces off contact is at
-        most ``allowed_imbalance``.
+        ``force`` is the contact force at every site and ``worst`` the largest off contact.
         """
+        allowed_error, allowed_imbalance = accuracy.allowed_error, accuracy.allowed_imbalance
         xp, lattice = self.xp, self.lattice
         residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
         residual *= self.free
@@ -179,7 +183,7 @@ class FreeSites:
         direction, slope, iterations = None, 1.0, 0
         best, best_at, extra = 1.0, 0, 0
         unit, left_over = worst / self.unit, math.inf
-        while iterations < most and iterations - best_at < patience:
+        while iterations < accuracy.most and iterations - best_at < accuracy.patience:
             estimate = self.precondition(defect)
             previous, slope = slope, inner(residual, estimate, xp)
             found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
@@ -212,9 +216,9 @@ class FreeSites:
                     left_over = max(left_over, allowed_error * share)
                 if left_over <= allowed_error:
                     break
-            if left <= goal:
+            if left <= accuracy.goal:
                 extra += 1
-                if extra > _EXTRA or abs(float(xp.sum(defect, dtype=xp.float64))) <= imbalance:
+                if extra > _EXTRA or abs(float(xp.sum(defect, dtype=xp.float64))) <= accuracy.imbalance:
                     break
             if left < best:
                 best, best_at = left, iterations

@@ -16,14 +16,13 @@ SIAM J. Optim. 5, 100 (1995), DOI 10.1137/0805005). The solution for g = 1 alone
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from asperity.contact.arrays import largest
 from asperity.contact.compiled import compiled, inlined
-from asperity.contact.free_sites import Correction
+from asperity.contact.free_sites import Accuracy, Correction
 from asperity.contact.problem import SpringLaw
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask
@@ -65,20 +64,9 @@ class LineSites:
             free, nothing = (~in_contact).astype(float), np.zeros(n)
             self.even = self._solved(free, nothing) if self.relaxed else self._solved(nothing, nothing + 1.0)
 
-    def correct(
-        self,
-        force: Field,
-        worst: float,
-        *,
-        goal: float,
-        imbalance: float,
-        most: int,
-        patience: int,
-        allowed_error: float = 0.0,
-        allowed_imbalance: float = math.inf,
-    ) -> Correction:
+    def correct(self, force: Field, worst: float, accuracy: Accuracy) -> Correction:
         """Displace the free sites until no force is left on them; see `FreeSites.correct`."""
-        del goal, imbalance, most, patience, allowed_error, allowed_imbalance
+        del accuracy
         scale = worst * self.unit
         d, z = self._solved(np.where(self.in_contact, 0.0, -force / scale), np.zeros(force.size))
         g = 0.0

@@ -16,13 +16,12 @@ unknowns is kept by a projection.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from asperity.contact.compiled import compiled, inlined
-from asperity.contact.free_sites import Correction
+from asperity.contact.free_sites import Accuracy, Correction
 from asperity.contact.line_sites import LineSites
 from asperity.contact.problem import SpringLaw
 from asperity.contact.stencils import lattice_force
@@ -52,20 +51,8 @@ class LoadedSites:
         self.spread = law.spread / law.lag
         self.neighbors = neighbors_in_contact(in_contact, mirrored=self.mirrored)
 
-    def correct(
-        self,
-        force: Field,
-        worst: float,
-        *,
-        goal: float,
-        imbalance: float,
-        most: int,
-        patience: int,
-        allowed_error: float = 0.0,
-        allowed_imbalance: float = math.inf,
-    ) -> Correction:
+    def correct(self, force: Field, worst: float, accuracy: Accuracy) -> Correction:
         """Displace the free sites until no force is left on them; see `FreeSites.correct`."""
-        del imbalance, most, patience, allowed_error, allowed_imbalance
         change = np.where(self.in_contact, 0.0, force * (-1.0 / worst))
         # In units of k1 / lag: -A y of the known forces, wanted of the unknown ones.
         wanted = -lattice_force(change, change, self.spread, 1.0, mirrored=self.mirrored)[self.in_contact]
@@ -73,7 +60,7 @@ class LoadedSites:
         found = np.zeros(wanted.size + 1)
         if prescribed:
             found[:-1] = -change.sum() / wanted.size
-        solve(self.neighbors, self.spread, wanted, found, prescribed, _MARGIN * goal, _ROUNDING)
+        solve(self.neighbors, self.spread, wanted, found, prescribed, _MARGIN * accuracy.goal, _ROUNDING)
         change[self.in_contact] = found[:-1]
         d = lattice_force(change, change, self.spread, 1.0, mirrored=self.mirrored)
         left = d[self.in_contact]
