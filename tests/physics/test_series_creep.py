@@ -150,3 +150,21 @@ def test_under_small_stresses_it_is_dissolution():
     )
     assert runs[1]["area"][-1] > 1.2 * runs[1]["area"][0]
     np.testing.assert_allclose(runs[0]["area"], runs[1]["area"], atol=1)
+
+
+def test_pressures_of_a_hundred_stresses_fall_through_all_decades():
+    """Numbers of PMMA in SI: Q = 180 kJ/mol, 1.5 nm^3, 25 degrees C. At first the rate is 1e41 m/s.
+
+    A site whose pressure falls has crept by more than v(p) t, and by less than the heights span, so that
+    p < s0 arsinh(span / v0 t); it stays near that, for v falls by e where p falls by s0.
+    """
+    law = Eyring(rate=np.exp(-180e3 / 8.314 / 298.15), stress=1.380649e-23 * 298.15 / 1.5e-27)
+    heights = asp.surfaces.spectral((64, 64), spacing=0.5, hurst=0.8, roll_off=16.0, rms_slope=0.1, seed=3)
+    rough = asp.surfaces.Surface(heights, unit="um", pixel_size=(0.5, 0.5), length_unit="um")
+    contact = asp.press(rough, half_space(modulus=3.8e9, creep=law), pressure=5e6)
+    assert contact.largest_pressure > 160 * law.stress
+    for time in (1e-3, 1e4):
+        history = asp.age(contact, [time])
+        assert int(history.dataset["steps"].sum()) < 300
+        most = law.stress * np.arcsinh(np.ptp(heights) * 1e-6 / (law.rate * time))
+        assert 0.85 * most < history.final.largest_pressure < most

@@ -174,16 +174,18 @@ class LocalSteps:
         # Logarithms of time, but for times that are short against the first step.
         origin = self.origin or known[0].time or time
         weights = extrapolation([math.log(moment.time + origin) for moment in known], math.log(time + origin))
-        states = [moment.state for moment in known]
-        u, force, position = (
-            sum(
-                weight * getattr(state, name) for weight, state in zip(weights, states, strict=True) if weight
+        latest, *earlier = (moment.state for moment in known)
+
+        def at(name: str) -> Any:
+            """As changes of the latest state, so that no contact is lost to rounding."""
+            now = getattr(latest, name)
+            return now + sum(
+                weight * (getattr(state, name) - now)
+                for weight, state in zip(weights[1:], earlier, strict=True)
+                if weight
             )
-            for name in ("u", "force", "position")
-        )
-        assert isinstance(u, np.ndarray)
-        assert isinstance(force, np.ndarray)
-        return LocalState(u, force, float(position))
+
+        return LocalState(at("u"), at("force"), float(at("position")))
 
     def _about_mean(self, field: Field) -> Field:
         """A field less its mean, where the load decides that."""
