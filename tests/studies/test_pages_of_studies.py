@@ -13,7 +13,7 @@ from asperity.studies import STUDIES
 from asperity.studies.ledger import Measurement
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ("release", "slide_hold_slide", "patch_sizes", "growth_rate", "activated_creep")
+PAGES = ("release", "slide_hold_slide", "patch_sizes", "growth_rate", "activated_creep", "pmma")
 
 
 def release_rows(data):
@@ -57,6 +57,15 @@ def slide_hold_slide_rows(data):
     yield from verdict_rows(data)
 
 
+def pmma_rows(data):
+    numbers = pd.read_csv(data / "numbers.csv").to_dict("records")
+    for row in numbers[:-1]:
+        found = [interval(row, "B", 4), interval(row, "pressure", 3), interval(row, "share")]
+        yield f"| {row['family']} | {row['at']:.4g} | {' | '.join(found)} |"
+    yield interval(numbers[-1], "pressure", 3)
+    yield from verdict_rows(data)
+
+
 def verdict_rows(data):
     """Each number with its own verdict, whatever that of the claim."""
     ledger: Any = pd.read_csv(data / "ledger.csv")
@@ -92,6 +101,7 @@ ROWS = {
     "activated_creep": activated_creep_rows,
     "growth_rate": growth_rate_rows,
     "patch_sizes": patch_sizes_rows,
+    "pmma": pmma_rows,
     "release": release_rows,
     "slide_hold_slide": slide_hold_slide_rows,
 }

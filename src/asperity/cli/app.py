@@ -547,6 +547,8 @@ def _complain(status: int, *problems: str) -> int:
 _NO_SUCH_FLAG = {
     "--E": "; the elastic constants are --k0 and --k1, or --modulus of --solid half_space",
     "--half-space": "; try --solid half_space --modulus 3.8GPa",
+    "--activation-energy": "; that of creep is --creep-energy",
+    "--activation-volume": "; that of creep is --creep-volume",
 }
 """What is said of flags that people expect, and that there are not."""
 

@@ -11,13 +11,14 @@ from asperity.studies.campaigns import run_campaigns
 from asperity.studies.growth_rate import GROWTH_RATE
 from asperity.studies.logarithm import LOGARITHM
 from asperity.studies.patch_sizes import PATCH_SIZES
+from asperity.studies.pmma import PMMA
 from asperity.studies.release import RELEASE
 from asperity.studies.slide_hold_slide import SLIDE_HOLD_SLIDE
 from asperity.studies.study import Concluded, Outcome, Study, conclude
 from asperity.studies.unloading import UNLOADING
 from asperity.words import closest
 
-_ALL = (UNLOADING, LOGARITHM, GROWTH_RATE, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES, ACTIVATED_CREEP)
+_ALL = (UNLOADING, LOGARITHM, GROWTH_RATE, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES, ACTIVATED_CREEP, PMMA)
 STUDIES = {study.name: study for study in _ALL}
 """All studies by name, in the order of the list."""
 
