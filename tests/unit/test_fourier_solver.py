@@ -59,7 +59,7 @@ def test_iterations_do_not_grow_with_the_lattice():
 def test_preconditioner_is_symmetric_and_positive(shape):
     lattice = Lattice(shape)
     rng = np.random.default_rng(0)
-    in_contact = rng.uniform(size=shape) < 0.1
+    in_contact = rng.uniform(size=shape) < 0.02
     stiffness = lattice.lam + 0.01
     sites = FreeSites(lattice, stiffness, 1.0, stiffness, in_contact, library("numpy"))
     assert sites.levels

@@ -110,6 +110,13 @@ def test_pinning_solves_its_condition(fraction):
     assert lattice.mean_over_modes(sigma / (stiffness + sigma)) == pytest.approx(fraction, rel=0.1)
 
 
+def test_pinning_looks_at_modes_of_every_direction():
+    lattice = Lattice((2048, 64))  # every 33rd mode is one of the same column
+    stiffness = lattice.wave_number
+    sigma = effective_pinning(lattice, stiffness, 0.05)
+    assert lattice.mean_over_modes(sigma / (stiffness + sigma)) == pytest.approx(0.05, rel=0.05)
+
+
 def test_pinning_has_finite_answers_at_the_ends():
     lattice = Lattice((20, 20))
     assert effective_pinning(lattice, lattice.lam, 1.0) > 1e3

@@ -49,6 +49,9 @@ _SMALLEST_FORCE = 1e-120
 _DIGITS = 1e-5
 """How far single precision can reduce a residual in one correction, with room to spare."""
 
+_TRUSTED = 1e-3
+"""How far forces predicted in single precision may fall before they are evaluated, to be reduced further."""
+
 _SMALL = 2**14
 """Number of sites up to which single precision saves no time."""
 
@@ -173,6 +176,7 @@ class _Run:
             self.in_contact &= ~self.yielding
             self.settle_accurately(self.yielding)
         self.iterations = 0
+        self.evaluated = 0.0
         self.set_changes = 0
         self.record = self.fewest = problem.lattice.sites + 1
         self.fruitless = 0
@@ -233,6 +237,7 @@ class _Run:
         if self.yielding is not None:
             self.force -= self.bound * self.xp.astype(self.yielding, self.force.dtype)
         self.measure_force()
+        self.evaluated = self.worst
 
     def measure_force(self) -> None:
         """Measure the force off contact."""
@@ -257,6 +262,8 @@ class _Run:
 
     def reduce_residual(self) -> None:
         """Correct the free sites, until the largest force on them has fallen enough."""
+        if self.single and self.worst < _TRUSTED * self.evaluated:
+            self.evaluate_force()
         target = self.worst * (1e-8 if self.is_careful() else self.reduction)
         while self.worst > target and not self.within_tolerance():
             before = self.worst
@@ -275,7 +282,8 @@ class _Run:
         """Correct the free sites once, and return by how much; the forces are then a prediction."""
         left = self.method.max_iterations - self.iterations
         if left <= 0:
-            left_over = residual(to_numpy(self.force), to_numpy(self.in_contact))
+            scale = self.load / max(self.touching, 1)
+            left_over = residual(to_numpy(self.force), to_numpy(self.in_contact), scale)
             raise ConvergenceError(
                 f"contact solver: residual {left_over:.1e} after "
                 f"{self.iterations} iterations, expected {self.tolerance:.1e}; "

@@ -8,8 +8,9 @@ P is the mask of the free sites, lowered to 0.85 where two neighbors or more are
 contacts the surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it
 is pinned more strongly, and yields over shorter distances. So long waves are split off onto lattices that
 are coarser by four and by four again (R, which keeps the long modes), and weighted there by
-W = exp(-8 rho) with rho the density of contacts around a site. s_k falls with k, from the stiffness of the
-shortest wave that level k + 1 holds down to sigma, so that each bracket and with them M is positive.
+W = 1 / (1 + 10 rho) with rho the density of contacts around a site. s_k falls with k, from the stiffness of
+the shortest wave that level k + 1 holds down to sigma, so that each bracket and with them M is positive. A
+level whose every wave is softer than a few sigma is left out: there sigma alone decides.
 """
 
 from __future__ import annotations
@@ -36,8 +37,11 @@ _COARSER = 4
 _COARSEST = 15
 """Smallest length of a coarse lattice, sites."""
 
-_DENSITY_DECAY = 8.0
-"""Decay of the weight W with the density rho of contacts, 1."""
+_PINNED = 3.0
+"""Least stiffness of the shortest wave of a level, over the pinning sigma."""
+
+_CROWDING = 10.0
+"""How fast the weight W falls with the density rho of contacts, 1."""
 
 _DENSITY_WIDTH = 0.5
 """Width of the Gaussian that turns contacts into a density, in sites of the coarse lattice."""
@@ -142,12 +146,15 @@ class FreeSites:
         self.mask = self.free * (1.0 - (1.0 - _SHORE_MASK) * xp.astype(neighbors > 1.5, stiffness.dtype))
 
         pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
-        lattices = _coarse_lattices(lattice)
-        cuts, longest = [pinning], Lattice((2,) * lattice.dimension)
-        for coarse in reversed(lattices):
-            cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
-            cuts.append(max(cuts[-1], cut))
-        cuts = [cut / unit for cut in reversed(cuts)]
+        longest = _stiffness_of_waves(spectrum, Lattice((2,) * lattice.dimension))
+        lattices: list[Lattice] = []
+        cuts: list[float] = []
+        for coarse in _coarse_lattices(lattice):
+            cut = _stiffness_of_waves(spectrum, coarse) - longest
+            if cut > _PINNED * pinning:
+                lattices.append(coarse)
+                cuts.append(min([cut, *cuts[-1:]]))
+        cuts = [cut / unit for cut in (*cuts, pinning)]
         self.compliance = 1.0 / (stiffness + cuts[0])
         self.levels = []
         density = lattice.forward(contacts) if lattices else None
@@ -155,7 +162,7 @@ class FreeSites:
             long = lattice.long_waves(stiffness, coarse)
             compliance = 1.0 / (long + softer) - 1.0 / (long + stiffer)
             rho = _blurred(lattice, density, coarse, xp)
-            self.levels.append(_LongWaves(coarse, xp.exp(-_DENSITY_DECAY * rho), compliance))
+            self.levels.append(_LongWaves(coarse, 1.0 / (1.0 + _CROWDING * rho), compliance))
 
     def precondition(self, defect: Field) -> Field:
         """Estimate the displacement that removes a defect, which this overwrites."""
@@ -252,7 +259,7 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
     fraction = max(count, 2.0) / lattice.sites  # one contact pins the mean of the surface and nothing else
     together = inner(contacts, neighbors, xp) / (2 * lattice.dimension * count)
     single = min(1.0, max(1 - together, 0.01) / max(1 - fraction, 0.01))  # 1 if they lie at random
-    return single**2 * effective_pinning(lattice, spectrum, fraction)
+    return single * effective_pinning(lattice, spectrum, fraction)
 
 
 def _coarse_lattices(lattice: Lattice) -> list[Lattice]:

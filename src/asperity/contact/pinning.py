@@ -12,7 +12,10 @@ Phys. Rev. 175, 747 (1968), DOI 10.1103/PhysRev.175.747.)
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from asperity.lattice import Lattice, Spectrum
@@ -20,12 +23,15 @@ from asperity.lattice import Lattice, Spectrum
 _SAMPLES = 2048
 """Modes looked at: sigma need only be good to some ten percent, and costs less than a transform so."""
 
+_STEPS = (0.7548776662466927, 0.5698402909980532)
+"""Powers -1 and -2 of the plastic number, the real root of x^3 = x + 1."""
+
 
 def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: float) -> float:
     """Sigma for a stiffness spectrum and a fraction 0 < a <= 1 of sites in contact; same unit as S."""
-    stride = max(1, stiffness.size // _SAMPLES) | 1  # odd: never in step with the rows of the lattice
-    sample = stiffness.ravel()[::stride]
-    weight = np.broadcast_to(lattice.multiplicity, stiffness.shape).ravel()[::stride].copy()
+    modes = _spread_modes(stiffness.shape)
+    sample = stiffness[modes]
+    weight = np.broadcast_to(lattice.multiplicity, stiffness.shape)[modes]
     # The mode at wave vector 0 stands for itself alone: with few contacts it decides.
     weight[1:] *= (lattice.sites - weight[0]) / max(weight[1:].sum(), 1.0)
     weight /= weight.sum()
@@ -43,3 +49,15 @@ def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: f
     if excess(high) <= 0:
         return float(np.exp(high))
     return float(np.exp(brentq(excess, low, high, xtol=0.05)))
+
+
+def _spread_modes(shape: tuple[int, ...]) -> tuple[NDArray[np.intp], ...]:
+    """Indices of modes spread evenly over a spectrum, that of wave vector 0 first; all, if they are few.
+
+    A stride through the flat array comes into step with rows of some lengths; multiples of irrational numbers
+    do not.
+    """
+    if math.prod(shape) <= _SAMPLES:
+        return np.unravel_index(np.arange(math.prod(shape)), shape)
+    count = np.arange(_SAMPLES)
+    return tuple((count * step % 1.0 * n).astype(int) for step, n in zip(_STEPS, shape, strict=False))
