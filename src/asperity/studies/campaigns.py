@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
@@ -80,6 +81,75 @@ class Campaign:
         return replace(self, tables={**self.tables, "sweep": sweep})
 
 
+@dataclass(frozen=True)
+class Solid:
+    """A solid of a study, and what is done to it.
+
+    Attributes
+    ----------
+    what
+        In words.
+    table
+        Its section of the campaign file.
+    load
+        Load a site at first, or the separation where that is prescribed.
+    waits
+        Waiting times before a step.
+    steps
+        Loads after the step over that before, or by how much the bodies are brought apart.
+    """
+
+    what: str
+    table: Tables
+    load: float
+    waits: tuple[float, ...] = ()
+    steps: tuple[float, ...] = ()
+
+    @property
+    def rough(self) -> dict[str, float]:
+        """What of the heights is 1: their slope where there is a modulus, else their height."""
+        return {"rms_slope" if "modulus" in self.table else "rms_height": 1.0}
+
+    def campaign(self, name: str, purpose: str, surface: Tables, **tables: Any) -> Campaign:
+        """Return one on this solid, under its load unless the tables have another contact; without maps.
+
+        Parameters
+        ----------
+        name
+            Its folder, in which a point is written as an underscore.
+        purpose
+            What it is for; the words of the solid follow.
+        surface
+            That section of the campaign file.
+        tables
+            The others.
+        """
+        contact = {"load": self.load * math.prod(surface["shape"])}
+        shared = {"surface": surface, "solid": self.table, "contact": contact, "output": {"maps_at": []}}
+        return Campaign(name.replace(".", "_"), f"{purpose}: {self.what}", shared | tables)
+
+
+def waves(side: int, roll_off: float, cutoff: float = 4.0, **more: float) -> dict[str, Any]:
+    """Return the table of a square surface of waves, with the Hurst exponent 0.8 unless there is another."""
+    shape = {"kind": "spectral", "shape": [side, side]}
+    return {**shape, "hurst": 0.8, "roll_off": roll_off, "cutoff": cutoff, **more}
+
+
+def hold(duration: float, **more: Any) -> dict[str, Any]:
+    """Return the table of a hold."""
+    return {"kind": "hold", "duration": duration, **more}
+
+
+def slide(distance: float, velocity: float = 1.0) -> dict[str, Any]:
+    """Return the table of a slide."""
+    return {"kind": "slide", "distance": float(distance), "velocity": velocity}
+
+
+def zipped(seeds: int, **values: Sequence[float]) -> dict[str, Any]:
+    """Return the table of a sweep in which the values of several keys go together."""
+    return {**{key: list(some) for key, some in values.items()}, "seeds": seeds, "combine": "zip"}
+
+
 def after_waits(
     step: Mapping[str, float], waits: Sequence[float], duration: float, surfaces: int
 ) -> dict[str, Any]:
@@ -98,19 +168,10 @@ def after_waits(
     surfaces
         Number of seeds.
     """
+    factors = {f"protocol.{leg}.mobility": waits for leg in (0, 2)}
     return {
-        "protocol": [
-            {"kind": "hold", "duration": 1.0},
-            {"kind": "step", **step},
-            {"kind": "hold", "duration": duration},
-        ],
-        "output": {"maps_at": []},
-        "sweep": {
-            "protocol.0.mobility": list(waits),
-            "protocol.2.mobility": list(waits),
-            "seeds": surfaces,
-            "combine": "zip",
-        },
+        "protocol": [hold(1.0), {"kind": "step", **step}, hold(duration)],
+        "sweep": zipped(surfaces, **factors),
     }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 import asperity.campaign as campaign
+from asperity.checks import Floats
 from asperity.lattice import Field
 
 
@@ -50,3 +51,31 @@ class Evidence:
         """
         chosen = self[study][name].sel(where)
         return np.asarray(chosen.transpose("seed", ...), dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """A quantity before and after a step, which is the second leg, on all surfaces.
+
+    Attributes
+    ----------
+    time
+        Since the step; 0 is just after it; shape (n,).
+    first, before
+        The quantity at the beginning and just before the step, shape (surfaces,).
+    after
+        After it, shape (surfaces, n).
+    """
+
+    time: Floats
+    first: Floats
+    before: Floats
+    after: Floats
+
+    @classmethod
+    def step(cls, runs: xr.Dataset, name: str = "area") -> Around:
+        """Read it from runs that differ in their seeds only."""
+        values = np.asarray(runs[name].transpose("seed", ...), dtype=np.float64)
+        leg, time = (runs[key].values.reshape(-1, values.shape[1])[0] for key in ("leg", "time"))
+        since, held = leg >= 1, np.flatnonzero(leg == 0)[-1]
+        return cls(time[since] - time[held], values[:, 0], values[:, held], values[:, since])

@@ -28,7 +28,7 @@ from asperity.figures import style
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.lattice import Field
 from asperity.relaxation import PronySeries, from_retardation
-from asperity.studies.campaigns import Campaign
+from asperity.studies.campaigns import Campaign, Solid, hold, waves
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding
 from asperity.studies.numbers import columns, power, slope
@@ -96,16 +96,12 @@ RELAXATIONS: Mapping[str, Relaxing] = {
         from_retardation(1.0, [(0.01 * time**0.1, time) for time in _TIMES]),
     ),
     **{
-        f"modulus_{share:g}": Relaxing(
-            f"{share:g} of the modulus in each decade", equal_modulus(share), share
+        f"{kind}_{share:g}": Relaxing(words.format(share), series(share), share)
+        for kind, words, series, shares in (
+            ("modulus", "{:g} of the modulus in each decade", equal_modulus, _MODULI),
+            ("compliance", "compliance grows by {:g} in each decade", equal_compliance, _COMPLIANCES),
         )
-        for share in _MODULI
-    },
-    **{
-        f"compliance_{share:g}": Relaxing(
-            f"compliance grows by {share:g} in each decade", equal_compliance(share), share
-        )
-        for share in _COMPLIANCES
+        for share in shares
     },
 }
 """The relaxations by name."""
@@ -114,30 +110,26 @@ _OF_LOADS = "compliance_0.03"
 
 
 def _campaigns(seeds: int, side: int = SIDE) -> Iterator[Campaign]:
-    load = side**2 * _PRESSURE
-    surface = {"kind": "spectral", "shape": [side, side], "hurst": 0.8, "roll_off": side / 2, "cutoff": 4.0}
-
     def campaign(
         name: str, purpose: str, relaxing: Relaxing, duration: float = _LAST, **sweep: object
     ) -> Campaign:
         branches = [list(one) for one in relaxing.series.branches]
-        tables = {
-            "surface": {**surface, "rms_slope": 0.2},
-            "aging": {"first": 1.0, "per_decade": 4, "rtol": 5e-3},
-            "output": {"maps_at": []},
-            "solid": {"kind": "half_space", "modulus": 1.0, "branches": branches},
-            "contact": {"load": load},
-            "protocol": [{"kind": "hold", "duration": duration}],
-            "sweep": {**sweep, "seeds": seeds},
-        }
-        return Campaign(name.replace(".", "_"), purpose, tables)
+        half_space = {"kind": "half_space", "modulus": 1.0, "branches": branches}
+        return Solid(relaxing.what, half_space, _PRESSURE).campaign(
+            name,
+            purpose,
+            waves(side, side / 2, rms_slope=0.2),
+            aging={"first": 1.0, "per_decade": 4, "rtol": 5e-3},
+            protocol=[hold(duration)],
+            sweep={**sweep, "seeds": seeds},
+        )
 
     for name, relaxing in RELAXATIONS.items():
-        yield campaign(name, f"Growth under a constant load: {relaxing.what}", relaxing)
+        yield campaign(name, "Growth under a constant load", relaxing)
     one = RELAXATIONS[_OF_LOADS]
     loads = [side**2 * pressure for pressure in _PRESSURES]
-    yield campaign("loads", f"Growth under other loads: {one.what}", one, load=loads)
-    loads = [load * factor for factor in _FACTORS]
+    yield campaign("loads", "Growth under other loads", one, load=loads)
+    loads = [side**2 * _PRESSURE * factor for factor in _FACTORS]
     yield campaign("elastic", "Area against load, before anything has relaxed", one, 1.0, load=loads)
 
 
@@ -214,21 +206,15 @@ def analyse(evidence: Evidence) -> Outcome:
     for name, relaxing in RELAXATIONS.items():
         time, growth = _growth(evidence, name)
         grown[name] = growth
-        straight[name] = noted(
-            "straightness", name, relaxing.share, jackknife(partial(straightness, time), growth)
-        )
+        bent = jackknife(partial(straightness, time), growth)
+        straight[name] = noted("straightness", name, relaxing.share, bent)
         noted("B", name, relaxing.share, jackknife(partial(rate, time), growth))
         forecast = predicted(loads / loads[0], areas, relaxing.series, time)
         if not math.isnan(relaxing.share):
             over = jackknife(partial(_over, time), (growth, forecast))
             ratios[relaxing.what] = noted("B over prediction", name, relaxing.share, over)
-        means = {"growth": growth.mean(axis=0), "predicted": forecast.mean(axis=0)}
-        course = {
-            "relaxation": name,
-            "time": time,
-            **means,
-            "compliance": relaxing.series.compliance_at(time),
-        }
+        course = {"relaxation": name, "time": time, "growth": growth.mean(axis=0)}
+        course |= {"predicted": forecast.mean(axis=0), "compliance": relaxing.series.compliance_at(time)}
         curves.append(pd.DataFrame(course))
     wanted = {}
     for kind, shares in (("compliance", _COMPLIANCES), ("modulus", _MODULI)):
@@ -274,16 +260,11 @@ def _findings(
         claim = f"With {words} the area grows like a logarithm over six decades"
         yield Finding.within(STRAIGHT, key, "this study", claim, numbers)
     proportional = math.log(10) * WANTED
-    numbers = {
-        f"share of {kind} in each decade that gives <i>B</i> = 0.01": found for kind, found in wanted.items()
-    }
-    yield Finding.within(
-        (0.8 * proportional, 1.2 * proportional),
-        "share",
-        "this study",
-        "B = 0.01 takes a share of 0.01 ln 10 a decade, within a fifth",
-        numbers,
-    )
+    ends = 0.8 * proportional, 1.2 * proportional
+    share = "share of {} in each decade that gives <i>B</i> = 0.01".format
+    numbers = {share(kind): found for kind, found in wanted.items()}
+    claim = "B = 0.01 takes a share of 0.01 ln 10 a decade, within a fifth"
+    yield Finding.within(ends, "share", "this study", claim, numbers)
     numbers = {f"<i>B</i> over that from <i>J</i>(<i>t</i>): {what}": over for what, over in ratios.items()}
     claim = "B follows from the compliance and the elastic area against load"
     yield Finding.within((0.95, 1.05), "prediction", "Lee and Radok 1960", claim, numbers)

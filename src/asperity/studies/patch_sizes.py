@@ -24,9 +24,10 @@ the sites that each has in it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -39,7 +40,7 @@ from asperity.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.patches import link_patches, patches
-from asperity.studies.campaigns import Campaign
+from asperity.studies.campaigns import Campaign, Solid, hold, waves
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding, Measurement
 from asperity.studies.numbers import columns, part
@@ -68,50 +69,39 @@ SAME_SIZE = (-0.1, 0.1)
 _CHANGES = 0.01
 """Part of its sites by which a class has to grow, or shrink, to count as one that does."""
 
-SOLIDS: Mapping[str, tuple[str, Mapping[str, Any], float]] = {
-    name: (unloading.SOLIDS[name].what, unloading.SOLIDS[name].table, pressure)
-    for name, pressure in (("half_space", 0.04), ("conserved", 0.08), ("viscous", 0.08))
+SOLIDS = {
+    name: replace(unloading.SOLIDS[name], load=load)
+    for name, load in (("half_space", 0.04), ("conserved", 0.08), ("viscous", 0.08))
 }
-"""By name: words, solid, and load a site at which the area is that to be held."""
+"""By name, under a load at which the area is that to be held."""
 
 
 def campaigns(*, seeds: int, side: int = 256, held_side: int = 128) -> tuple[Campaign, ...]:
     """Return the campaigns, with so many surfaces each."""
-    wave = {"kind": "spectral", "cutoff": 4.0}
-    pressed = Campaign(
+    # The run ends long before the only relaxation time.
+    half_space = {"kind": "half_space", "modulus": 1.0, "branches": [[0.5, 1e3]]}
+    pressed = Solid("just after the half-space was pressed", half_space, PRESSURES[0]).campaign(
         "pressed",
-        "Patches under several loads, just after the half-space was pressed",
-        {
-            "surface": wave | {"shape": [side, side], "hurst": 0.8, "roll_off": side / 4, "rms_slope": 1.0},
-            # The run ends long before the only relaxation time.
-            "solid": {"kind": "half_space", "modulus": 1.0, "branches": [[0.5, 1e3]]},
-            "contact": {"load": PRESSURES[0] * side**2},
-            "aging": {"first": 1e-3, "per_decade": 1},
-            "protocol": [{"kind": "hold", "duration": 1e-3}],
-            "output": {"maps_at": [0.0]},
-            "sweep": {"hurst": list(HURST), "load": [p * side**2 for p in PRESSURES], "seeds": seeds},
-        },
+        "Patches under several loads",
+        waves(side, side / 4, rms_slope=1.0),
+        aging={"first": 1e-3, "per_decade": 1},
+        protocol=[hold(1e-3)],
+        output={"maps_at": [0.0]},
+        sweep={"hurst": list(HURST), "load": [p * side**2 for p in PRESSURES], "seeds": seeds},
     )
-    return (pressed, *_held(seeds, held_side, wave))
-
-
-def _held(seeds: int, side: int, wave: Mapping[str, Any]) -> Iterator[Campaign]:
-    shape = {"shape": [side, side], "hurst": 0.8, "roll_off": side / 8}
-    for name, (words, solid, pressure) in SOLIDS.items():
-        rms = {"rms_slope": 1.0} if name == "half_space" else {"rms_height": 1.0}
-        yield Campaign(
+    held = (
+        solid.campaign(
             name,
-            f"Patches while the area is held constant: {words}",
-            {
-                "surface": {**wave, **shape, **rms},
-                "solid": dict(solid),
-                "contact": {"load": pressure * side**2},
-                "aging": {"first": 0.1, "per_decade": 1},
-                "protocol": [{"kind": "hold", "duration": 100.0, "hold": "area"}],
-                "output": {"maps_at": [0.0, 100.0]},
-                "sweep": {"seeds": seeds},
-            },
+            "Patches while the area is held constant",
+            waves(held_side, held_side / 8) | solid.rough,
+            aging={"first": 0.1, "per_decade": 1},
+            protocol=[hold(100.0, hold="area")],
+            output={"maps_at": [0.0, 100.0]},
+            sweep={"seeds": seeds},
         )
+        for name, solid in SOLIDS.items()
+    )
+    return (pressed, *held)
 
 
 @dataclass(frozen=True)
@@ -258,56 +248,51 @@ def analyse(evidence: Evidence) -> Outcome:
 def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Finding, ...]]:
     """Exponents by Hurst exponent and load, shares of patches by size, and the findings."""
     opened = evidence["pressed"]
-    loads, seeds = opened["load"].values, opened["seed"].values
+    loads, seeds = opened["load"].values, opened["seed"].values.tolist()
     sites = int(evidence.sites("pressed"))
-    rows, shares, load_free = [], [], []
+    rows, shares, load_free = list[dict[str, object]](), list[dict[str, object]](), list[Measurement]()
     laws: dict[str, Estimate] = {}
-    for hurst in opened["hurst"].values:
-        sums: dict[str, list[list[Floats]]] = {"contact": [], "overlap": []}
+    for hurst, kind in product(opened["hurst"].values.tolist(), ("contact", "overlap")):
+        sums = []
         for load in loads:
-            found: dict[str, list[NDArray[np.int64]]] = {"contact": [], "overlap": []}
-            for seed in seeds:
-                one = evidence.fields("pressed", hurst=float(hurst), load=float(load), seed=int(seed))
-                touching = one["in_contact"].values[0]
-                found["contact"].append(patches(touching).sizes)
-                found["overlap"].append(patches(overlap(one["heights"].values, int(touching.sum()))).sizes)
-            for kind, sizes in found.items():
-                sums[kind].append([sums_of(some) for some in sizes])
-                shares += [
-                    {"of": kind, "hurst": hurst, "pressure": load / sites, "size": size, "share": share}
-                    for size, share in _survival(np.concatenate(sizes))
-                ]
-        for kind, by_load in sums.items():
-            samples = np.array(by_load).transpose(1, 0, 2)  # seeds, loads, sums
-            numbers = jackknife(lambda some: _numbers(some, loads, sites // 4), samples)
-            rows += [
-                {
-                    "of": kind,
-                    "hurst": hurst,
-                    "pressure": load / sites,
-                    "area": samples[:, at, 4].mean() / sites,
-                    "patches": int(samples[:, at, 0].sum()),
-                    **_columns(numbers, at),
-                    "runs": len(seeds),
-                }
-                for at, load in enumerate(loads)
-            ]
-            if kind == "contact":
-                about = f"half-space, Hurst exponent {hurst:g}"
-                words = f"ln likelihood a patch, power law with a limit less lognormal: {about}, load a site"
-                laws |= {f"{words} {load / sites:g}": part(numbers, at, 2) for at, load in enumerate(loads)}
-                exponent, size = (part(numbers, len(loads), column) for column in (0, 1))
-                load_free += [
-                    Measurement(f"d tau / d ln load: {about}", exponent, *SAME_EXPONENT),
-                    Measurement(f"d ln (mean size by area) / d ln load: {about}", size, *SAME_SIZE),
-                ]
+            found = [_sizes(evidence, kind, hurst=hurst, load=load, seed=seed) for seed in seeds]
+            sums.append([sums_of(sizes) for sizes in found])
+            head = {"of": kind, "hurst": hurst, "pressure": load / sites}
+            survival = _survival(np.concatenate(found))
+            shares += [head | {"size": size, "share": share} for size, share in survival]
+        samples = np.array(sums).transpose(1, 0, 2)  # seeds, loads, sums
+        numbers = jackknife(partial(_numbers, loads=loads, largest=sites // 4), samples)
+        for at, load in enumerate(loads):
+            head = {"of": kind, "hurst": hurst, "pressure": load / sites}
+            head["area"] = samples[:, at, 4].mean() / sites
+            counted = {"patches": int(samples[:, at, 0].sum())}
+            rows.append(head | counted | _columns(numbers, at) | {"runs": len(seeds)})
+        if kind == "overlap":
+            continue
+        about = f"half-space, Hurst exponent {hurst:g}"
+        words = f"ln likelihood a patch, power law with a limit less lognormal: {about}, load a site"
+        laws |= {f"{words} {load / sites:g}": part(numbers, at, 2) for at, load in enumerate(loads)}
+        exponent, size = (part(numbers, len(loads), column) for column in (0, 1))
+        load_free += [
+            Measurement(f"d tau / d ln load: {about}", exponent, *SAME_EXPONENT),
+            Measurement(f"d ln (mean size by area) / d ln load: {about}", size, *SAME_SIZE),
+        ]
     place = "Dieterich and Kilgore 1996"
     claim = "Sizes of patches follow a power law up to a limiting size"
     findings = (
         Finding.within((0.0, math.inf), "law", place, claim, laws),
         Finding("load", place, "Load leaves the distribution of sizes alone", tuple(load_free)),
     )
-    return pd.DataFrame(rows), pd.DataFrame(shares), findings
+    in_order = pd.DataFrame(shares).sort_values(["hurst", "pressure"], kind="stable", ignore_index=True)
+    return pd.DataFrame(rows), in_order, findings
+
+
+def _sizes(evidence: Evidence, kind: str, **where: float) -> NDArray[np.int64]:
+    """Sizes of the patches of one run, in contact, or of a plane through the heights with the same area."""
+    one = evidence.fields("pressed", **where)
+    touching = one["in_contact"].values[0]
+    found = touching if kind == "contact" else overlap(one["heights"].values, int(touching.sum()))
+    return patches(found).sizes
 
 
 _COLUMNS = ("exponent", "mean_size", "over_lognormal", "over_power", "inverse_limit")
@@ -341,7 +326,7 @@ def _survival(sizes: NDArray[np.int64]) -> list[tuple[int, float]]:
 def _grown(evidence: Evidence) -> tuple[pd.DataFrame, tuple[Finding, ...]]:
     """Growth by class of sizes at constant area, and the findings."""
     tables, findings = [], []
-    for name, (words, _, _) in SOLIDS.items():
+    for name, solid in SOLIDS.items():
         table, counts = [], []
         ends: dict[str, list[Floats]] = {"small": [], "large": []}
         for seed in evidence[name]["seed"].values:
@@ -364,8 +349,8 @@ def _grown(evidence: Evidence) -> tuple[pd.DataFrame, tuple[Finding, ...]]:
         small, large = (jackknife(_ratio, np.array(some)) for some in ends.values())
         said = "growth of patches of {} sites{}, over their sites: {}".format
         measured = (
-            Measurement(said(f"fewer than {SMALL}", "", words), small, high=-_CHANGES),
-            Measurement(said(LARGE, " and more", words), large, low=_CHANGES),
+            Measurement(said(f"fewer than {SMALL}", "", solid.what), small, high=-_CHANGES),
+            Measurement(said(LARGE, " and more", solid.what), large, low=_CHANGES),
         )
         claim = "At constant area small patches shrink and large ones grow"
         findings.append(Finding(name, "Pilvelait et al. 2020", claim, measured, note=_NOTES.get(name, "")))

@@ -20,19 +20,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from matplotlib.figure import Figure
 
 from asperity.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import jackknife
 from asperity.relaxation import PronySeries
-from asperity.studies.campaigns import Campaign, after_waits
-from asperity.studies.evidence import Evidence
+from asperity.studies.campaigns import Campaign, Solid, after_waits, waves
+from asperity.studies.evidence import Around, Evidence
 from asperity.studies.ledger import Finding, Measurement, proportion
 from asperity.studies.numbers import columns, mean, slope, vertex
 from asperity.studies.panels import points
@@ -50,91 +48,68 @@ HAS_MAXIMUM = (0.95, 1.0)
 _WAITING = (1.0, 10.0, 100.0, 1e3, 1e4)
 _QUICK_WAITING = (1.0, 10.0, 100.0)
 
-_LOGARITHMIC = [(0.03, float(f"{time:.4g}")) for time in np.geomspace(1e-4, 1e8, 25)]
+_TIMES = [float(f"{time:.4g}") for time in np.geomspace(1e-4, 1e8, 25)]
+_LOGARITHMIC = [[0.03, time] for time in _TIMES]
 """Equal shares, two in a decade: the modulus falls by 0.06 in each decade, for twelve of them."""
 
 _POWER = [
-    (float(f"{0.09 * (time / 1e-4) ** -0.1:.4g}"), float(f"{time:.4g}"))
-    for time in np.geomspace(1e-4, 1e8, 25)
+    [float(f"{0.09 * (exact / 1e-4) ** -0.1:.4g}"), time]
+    for exact, time in zip(np.geomspace(1e-4, 1e8, 25), _TIMES, strict=True)
 ]
 """Shares that fall as the power -0.1 of their time: so does the modulus, beside what does not relax."""
 
-_ROUGH = {
-    "kind": "spectral",
-    "shape": [48, 48],
-    "hurst": 0.8,
-    "roll_off": 24.0,
-    "cutoff": 4.0,
-    "rms_height": 1.0,
-}
+_ROUGH = waves(48, 24.0, rms_height=1.0)
 _HELD = {"kind": "half_space", "modulus": 1.0, "apparatus": math.inf}
 _SPRINGS = {"kind": "spring_lattice", "k0": 1.0, "k1": 3.0}
 _WHITE = {"kind": "gaussian", "shape": [96, 96]}
 
-_SOLIDS: Mapping[str, tuple[str, Mapping[str, Any], Mapping[str, Any], float, tuple[float, ...]]] = {
-    "logarithm": (
-        "half-space with a modulus that falls like ln t",
-        _ROUGH,
-        _HELD | {"branches": _LOGARITHMIC},
-        0.5,
-        (0.1, 0.2),
-    ),
-    "power": (
-        "half-space with a modulus that falls like a power of t",
-        _ROUGH,
-        _HELD | {"branches": _POWER},
-        0.5,
-        (0.1,),
-    ),
-    "one_time": (
-        "half-space with one relaxation time, 10",
-        _ROUGH,
-        _HELD | {"branches": [(0.75, 10.0)]},
-        0.5,
-        (0.1,),
-    ),
-    "conserved": (
-        "lattice of springs, conserved creep (R = 1)",
-        _WHITE,
-        _SPRINGS | {"R": 1.0},
-        2.5,
-        (0.05, 0.1),
-    ),
-    "viscous": (
-        "lattice of springs, viscous creep (R_viscous = 1, R = 0)",
-        _WHITE,
-        _SPRINGS | {"R": 0.0, "R_viscous": 1.0},
-        2.5,
-        (0.1,),
-    ),
+_SOLIDS = {
+    name: Solid(words, solid, 0.5 if "modulus" in solid else 2.5, steps=moves)
+    for name, words, solid, moves in (
+        (
+            "logarithm",
+            "half-space with a modulus that falls like ln t",
+            _HELD | {"branches": _LOGARITHMIC},
+            (0.1, 0.2),
+        ),
+        (
+            "power",
+            "half-space with a modulus that falls like a power of t",
+            _HELD | {"branches": _POWER},
+            (0.1,),
+        ),
+        (
+            "one_time",
+            "half-space with one relaxation time, 10",
+            _HELD | {"branches": [[0.75, 10.0]]},
+            (0.1,),
+        ),
+        ("conserved", "lattice of springs, conserved creep (R = 1)", _SPRINGS | {"R": 1.0}, (0.05, 0.1)),
+        (
+            "viscous",
+            "lattice of springs, viscous creep (R_viscous = 1, R = 0)",
+            _SPRINGS | {"R": 0.0, "R_viscous": 1.0},
+            (0.1,),
+        ),
+    )
 }
-"""By name: words, surface, solid, separation at first, and by how much the bodies are brought apart."""
+"""By name, with the separation at first, and by how much they are brought apart."""
+
+_CASES = [(name, solid, move) for name, solid in _SOLIDS.items() for move in solid.steps]
 
 
 def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
     """Campaigns by solid and release."""
-    for name, (words, surface, solid, separation, moves) in _SOLIDS.items():
-        surfaces = seeds if solid["kind"] == "spring_lattice" else seeds // 8
-        for move in moves:
-            yield Campaign(
-                _folder(name, move),
-                f"Force after a release by {move:g}, with the waiting time as a factor on mobility: {words}",
-                {
-                    "surface": surface,
-                    "solid": {key: _listed(value) for key, value in solid.items()},
-                    "contact": {"separation": separation},
-                    "aging": {"first": 0.01, "per_decade": 8},
-                    **after_waits({"approach": -move}, waiting, 30.0, surfaces),
-                },
-            )
-
-
-def _folder(name: str, move: float) -> str:
-    return f"{name}_{move:g}".replace(".", "_")
-
-
-def _listed(value: object) -> object:
-    return [list(branch) for branch in value] if isinstance(value, list) else value
+    for name, solid, move in _CASES:
+        half_space = "modulus" in solid.table
+        yield solid.campaign(
+            f"{name}_{move:g}",
+            f"Force after a release by {move:g}, with the waiting time as a factor on mobility",
+            _ROUGH if half_space else _WHITE,
+            contact={"separation": solid.load},
+            aging={"first": 0.01, "per_decade": 8},
+            **after_waits({"approach": -move}, waiting, 30.0, seeds // 8 if half_space else seeds),
+        )
 
 
 def maximum(time: Floats, force: Floats) -> float:
@@ -177,81 +152,74 @@ def superposed(series: PronySeries, waiting: float, fall: float) -> float:
 def _runs(evidence: Evidence) -> pd.DataFrame:
     """Return one row a run: the force at the switches and the time of its maximum."""
     rows = []
-    for name, (_, _, solid, _, moves) in _SOLIDS.items():
-        series = PronySeries(1.0, tuple(solid["branches"])) if "branches" in solid else None
-        for move in moves:
-            dataset = evidence[_folder(name, move)]
-            for point in dataset["point"].values:
-                for seed in dataset["seed"].values:
-                    one = dataset.sel(point=point, seed=seed)
-                    waiting = float(one["protocol.0.mobility"])
-                    here = {"solid": name, "move": move, "waiting": waiting, "seed": int(seed)}
-                    rows.append(here | _row(one, waiting, series))
+    for name, solid, move in _CASES:
+        branches = solid.table.get("branches", ())
+        series = PronySeries(1.0, tuple((share, time) for share, time in branches))
+        for waiting, seeds, forces in _after_releases(evidence, name, move):
+            for seed, force, before, first in zip(
+                seeds, forces.after, forces.before, forces.first, strict=True
+            ):
+                fall = float(before - force[0]) / float(first)
+                rows.append(
+                    {
+                        **{"solid": name, "move": move, "waiting": waiting, "seed": seed},
+                        "before": float(before / first),
+                        "released": float(force[0] / first),
+                        "greatest": float(force[1:].max() / first),
+                        "time_of_maximum": maximum(forces.time[1:] * waiting, force[1:]),
+                        "superposed": superposed(series, waiting, fall) if branches else math.nan,
+                    }
+                )
     return pd.DataFrame(rows)
 
 
-def _row(one: xr.Dataset, waiting: float, series: PronySeries | None) -> dict[str, float]:
-    leg, load = one["leg"].values, one["load"].values
-    after = leg == 2
-    before, once = load[leg == 0][-1], load[leg == 1][-1]
-    time = (one["time"].values[after] - 1) * waiting
-    fall = float(before - once) / float(load[0])
-    return {
-        "before": float(before / load[0]),
-        "released": float(once / load[0]),
-        "greatest": float(load[after].max() / load[0]),
-        "time_of_maximum": maximum(time, load[after]),
-        "superposed": superposed(series, waiting, fall) if series is not None else math.nan,
-    }
+def _after_releases(evidence: Evidence, name: str, move: float) -> Iterator[tuple[float, list[int], Around]]:
+    """Give each waiting time, the seeds, and the forces around the release at times over it."""
+    data = evidence[f"{name}_{move:g}".replace(".", "_")]
+    for point in range(data.sizes["point"]):
+        runs = data.isel(point=point)
+        yield float(runs["protocol.0.mobility"]), data["seed"].values.tolist(), Around.step(runs, "load")
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Find the maxima, and the slopes of their times."""
     runs = _runs(evidence)
-    findings, ratios, slopes = [], [], []
-    for name, (words, _, _, _, moves) in _SOLIDS.items():
-        measured = []
-        for move in moves:
-            head = {"solid": name, "move": move}
-            part = runs[(runs["solid"] == name) & (runs["move"] == move)]
-            times = part.pivot(index="seed", columns="waiting", values="time_of_maximum")
-            estimates = part.pivot(index="seed", columns="waiting", values="superposed")
-            waiting = times.columns.to_numpy(dtype=float)
-            logs = np.log(times.to_numpy())
-            ratio = columns("ratio", mean(logs - np.log(waiting)), shared=True)
-            ratios.append(
-                pd.DataFrame(
-                    {
-                        **head,
-                        "waiting": waiting,
-                        **{key: np.exp(values) for key, values in ratio.items()},
-                        "with_maximum": np.isfinite(logs).mean(axis=0),
-                        "superposed_ratio": np.exp(np.log(estimates.to_numpy()).mean(axis=0)) / waiting,
-                        "runs": len(logs),
-                    }
-                )
-            )
-            one = _measured(waiting, logs, f"{words}, released by {move:g}")
-            measured.append(one)
-            slopes.append(
-                {
-                    **head,
-                    "measured": "share" if (one.low, one.high) == HAS_MAXIMUM else "slope",
-                    **columns("value", one.estimate, shared=True),
-                    "runs": one.estimate.runs,
-                    "verdict": one.verdict.value,
-                }
-            )
-        claim = "The force is greatest at a time in proportion to the waiting time"
-        note = _NOTES.get(name, "")
-        findings.append(Finding(name, "Lahini et al. 2017", claim, tuple(measured), note=note))
+    ratios, slopes = [], []
+    judged: dict[str, list[Measurement]] = {name: [] for name in _SOLIDS}
+    for name, solid, move in _CASES:
+        head = {"solid": name, "move": move}
+        part = runs[(runs["solid"] == name) & (runs["move"] == move)]
+        times, estimates = (
+            part.pivot(index="seed", columns="waiting", values=number)
+            for number in ("time_of_maximum", "superposed")
+        )
+        waiting, logs = times.columns.to_numpy(dtype=float), np.log(times.to_numpy())
+        ratio = columns("ratio", mean(logs - np.log(waiting)), shared=True)
+        course = {
+            "waiting": waiting,
+            **{key: np.exp(values) for key, values in ratio.items()},
+            "with_maximum": np.isfinite(logs).mean(axis=0),
+            "superposed_ratio": np.exp(np.log(estimates.to_numpy()).mean(axis=0)) / waiting,
+            "runs": len(logs),
+        }
+        ratios.append(pd.DataFrame(head | course))
+        one = _measured(waiting, logs, f"{solid.what}, released by {move:g}")
+        judged[name].append(one)
+        head["measured"] = "share" if (one.low, one.high) == HAS_MAXIMUM else "slope"
+        found = {"runs": one.estimate.runs, "verdict": one.verdict.value}
+        slopes.append(head | columns("value", one.estimate, shared=True) | found)
+    claim = "The force is greatest at a time in proportion to the waiting time"
+    findings = tuple(
+        Finding(name, "Lahini et al. 2017", claim, tuple(some), note=_NOTES.get(name, ""))
+        for name, some in judged.items()
+    )
     tables = {
         "runs": runs,
         "ratios": pd.concat(ratios, ignore_index=True),
         "slopes": pd.DataFrame(slopes),
         "forces": _forces(evidence),
     }
-    return Outcome(tuple(findings), tables)
+    return Outcome(findings, tables)
 
 
 def _measured(waiting: Floats, logs: Floats, solid: str) -> Measurement:
@@ -274,14 +242,11 @@ _NOTES = {
 
 def _forces(evidence: Evidence) -> pd.DataFrame:
     """Return force over that at first against the time since the release, of the first surface."""
-    dataset = evidence[_folder("logarithm", _SOLIDS["logarithm"][4][0])].isel(seed=0)
+    first = next(iter(_CASES))
     parts = []
-    for point in dataset["point"].values:
-        one = dataset.sel(point=point)
-        after, waiting = one["leg"].values == 2, float(one["protocol.0.mobility"])
-        time = (one["time"].values[after] - 1) * waiting
-        force = one["load"].values[after] / one["load"].values[0]
-        parts.append(pd.DataFrame({"waiting": waiting, "time": time, "force": force}))
+    for waiting, _, forces in _after_releases(evidence, first[0], first[2]):
+        course = {"time": forces.time[1:] * waiting, "force": forces.after[0, 1:] / forces.first[0]}
+        parts.append(pd.DataFrame({"waiting": waiting, **course}))
     return pd.concat(parts, ignore_index=True)
 
 
@@ -310,28 +275,17 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             fontsize=7,
         )
     left.set(xscale="log", xlabel=r"time since the release $t$", ylabel="force over that at first")
-    for (solid, move), part in ratios.groupby(["solid", "move"], sort=False):
-        if solid not in _LOOKS or part["ratio"].isna().all():
+    for (name, move), part in ratios.groupby(["solid", "move"], sort=False):
+        if name not in _LOOKS or part["ratio"].isna().all():
             continue
-        mark, color = _LOOKS[str(solid)]
-        points(
-            right,
-            part,
-            "waiting",
-            "ratio",
-            f"{mark}-",
-            color,
-            markerfacecolor=color if move == _SOLIDS[str(solid)][4][0] else "white",
-            label=f"{str(solid).replace('_', ', ')}, {move:g}",
-        )
+        mark, color = _LOOKS[str(name)]
+        look = {"label": f"{str(name).replace('_', ', ')}, {move:g}"}
+        look["markerfacecolor"] = color if move == _SOLIDS[str(name)].steps[0] else "white"
+        points(right, part, "waiting", "ratio", f"{mark}-", color, **look)
         if not part["superposed_ratio"].isna().any():
             right.plot(part["waiting"], part["superposed_ratio"], ":", color=color, linewidth=1.2)
-    right.set(
-        xscale="log",
-        yscale="log",
-        xlabel=r"waiting time $t_\mathrm{w}$",
-        ylabel=r"time of the maximum over $t_\mathrm{w}$",
-    )
+    right.set(xscale="log", yscale="log", xlabel=r"waiting time $t_\mathrm{w}$")
+    right.set_ylabel(r"time of the maximum over $t_\mathrm{w}$")
     right.set_ylim(0.02, 3)
     right.legend(fontsize=7, loc="lower left", ncols=2)
     return figure

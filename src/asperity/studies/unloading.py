@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 
 from asperity.fits.resampling import Estimate
 from asperity.lattice import Field
-from asperity.studies.campaigns import Campaign
-from asperity.studies.evidence import Evidence
+from asperity.studies.campaigns import Campaign, Solid, hold, waves
+from asperity.studies.evidence import Around, Evidence
 from asperity.studies.ledger import Finding, proportion
 from asperity.studies.numbers import mean, slope
 from asperity.studies.study import Outcome, Study
@@ -28,35 +28,11 @@ RATIOS = (0.2, 0.5)
 """Load after the step over that before."""
 
 _BRANCHES = [[0.25, 1.0], [0.25, 10.0], [0.25, 100.0]]
+_COATED = {"kind": "coated_half_space", "modulus": 1.0, "poisson": 0.4, "thickness": 4.0}
+_WAITS = (5.0, 30.0, 200.0)
 _END = 1e4
 _MOST = 0.1
 """Share of surfaces with a dip that still counts as none: 64 surfaces without any leave it below 0.06."""
-
-
-@dataclass(frozen=True)
-class Solid:
-    """A solid of the study.
-
-    Attributes
-    ----------
-    what
-        In words.
-    table
-        Its section of the campaign file.
-    a_site
-        Load a site before the step.
-    waits
-        Waiting times before the step.
-    separable
-        Whether all its spectra are proportional.
-    """
-
-    what: str
-    table: Mapping[str, object]
-    a_site: float
-    waits: tuple[float, ...]
-    separable: bool = False
-
 
 SOLIDS = {
     "half_space": Solid(
@@ -64,29 +40,27 @@ SOLIDS = {
         {"kind": "half_space", "modulus": 1.0, "branches": _BRANCHES},
         0.05,
         (10.0,),
-        separable=True,
     ),
     "coated": Solid(
         "elastic film on a half-space that relaxes",
-        {"kind": "coated_half_space", "modulus": 1.0, "poisson": 0.4, "thickness": 4.0}
-        | {"base_modulus": 1.0, "base_poisson": 0.4, "base_branches": _BRANCHES},
+        _COATED | {"base_modulus": 1.0, "base_poisson": 0.4, "base_branches": _BRANCHES},
         0.05,
         (10.0,),
     ),
     "conserved": Solid(
-        "lattice of springs, creep that conserves the mean (R)",
-        {"k0": 1.0, "k1": 3.0, "R": 1.0},
-        0.2,
-        (5.0, 30.0, 200.0),
+        "lattice of springs, creep that conserves the mean (R)", {"k0": 1.0, "k1": 3.0, "R": 1.0}, 0.2, _WAITS
     ),
     "viscous": Solid(
         "lattice of springs, viscous creep (R_viscous)",
         {"k0": 1.0, "k1": 3.0, "R": 0.0, "R_viscous": 1.0},
         0.2,
-        (5.0, 30.0, 200.0),
+        _WAITS,
     ),
 }
 """The solids by the names of their campaigns; k0 = 1 and E* = 1 set the unit of stiffness."""
+
+SEPARABLE = ("half_space",)
+"""Those whose spectra are all proportional."""
 
 
 def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
@@ -95,27 +69,15 @@ def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
 
 
 def _campaign(name: str, solid: Solid, surfaces: int, side: int) -> Campaign:
-    load = solid.a_site * side**2
-    wave = {"kind": "spectral", "shape": [side, side], "hurst": 0.8, "cutoff": 4.0, "roll_off": side / 2}
-    return Campaign(
+    loads = [ratio * (solid.load * side**2) for ratio in RATIOS]
+    return solid.campaign(
         name,
-        f"Area after a fall of the load: {solid.what}",
-        {
-            "surface": {**wave, "rms_slope": 1.0},
-            "solid": solid.table,
-            "contact": {"load": load},
-            "aging": {"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
-            "protocol": [
-                {"kind": "hold", "duration": solid.waits[0]},
-                {"kind": "step", "load": RATIOS[0] * load},
-                {"kind": "hold", "duration": _END},
-            ],
-            "sweep": {
-                WAIT: list(solid.waits),
-                LOAD: [ratio * load for ratio in RATIOS],
-                "seeds": surfaces,
-            },
-        },
+        "Area after a fall of the load",
+        waves(side, side / 2, rms_slope=1.0),
+        aging={"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
+        protocol=[hold(solid.waits[0]), {"kind": "step", "load": loads[0]}, hold(_END)],
+        output={},
+        sweep={WAIT: list(solid.waits), LOAD: loads, "seeds": surfaces},
     )
 
 
@@ -125,18 +87,24 @@ class After:
 
     Attributes
     ----------
-    wait, ratio
-        The waiting time; load after the step over that before.
+    solid, wait, ratio
+        Its name; the waiting time; load after the step over that before.
     time
         Since the step; 0 is just after it.
     area
         Shape (surfaces, times), sites.
     """
 
+    solid: str
     wait: float
     ratio: float
     time: Field
     area: Field
+
+    @property
+    def head(self) -> dict[str, object]:
+        """What it is of, as columns."""
+        return {"solid": self.solid, "waiting_time": self.wait, "load_ratio": self.ratio}
 
     @property
     def depth(self) -> Field:
@@ -153,25 +121,47 @@ class After:
                 middle[row] = np.log(at[[0, -1]]).mean()
         return middle
 
+    def row(self) -> dict[str, object]:
+        """Return depth and time of the minimum."""
+        depth, log_time = self.depth, self.log_time[np.isfinite(self.log_time)]
+        lost, time = mean(depth), mean(log_time) if log_time.size else None
+        return self.head | {
+            "surfaces": depth.size,
+            "with_a_dip": int((depth > 0).sum()),
+            "depth": float(lost.value),
+            "depth_stderr": float(lost.stderr),
+            "deepest": float(depth.max()),
+            "time_of_minimum": np.nan if time is None else float(np.exp(time.value)),
+            "log_time_stderr": np.nan if time is None else float(time.stderr),
+            "area_after_step": float(self.area[:, 0].mean()),
+        }
 
-def after_the_step(evidence: Evidence, name: str) -> Iterator[After]:
+    def curve(self) -> pd.DataFrame:
+        """Return the mean area over that just after the step."""
+        relative = mean(self.area / self.area[:, :1])
+        course = {"time": self.time, "area": relative.value, "area_stderr": relative.stderr}
+        return pd.DataFrame(self.head | course)
+
+
+def _after_the_step(evidence: Evidence, name: str) -> Iterator[After]:
     """Give the areas after the step for every waiting time and load of a campaign."""
-    data = evidence[name]
+    data = evidence[name][["area", "time", "leg"]]
     for wait in data[WAIT].values:
         for ratio, load in zip(RATIOS, data[LOAD].values, strict=True):
-            here = data[["area", "time", "leg"]].sel({WAIT: wait, LOAD: load})
-            since = here["leg"].values >= 1
-            area = here["area"].transpose("seed", ...).values[:, since]
-            yield After(float(wait), ratio, here["time"].values[since] - wait, area)
+            found = Around.step(data.sel({WAIT: wait, LOAD: load}))
+            yield After(name, float(wait), ratio, found.time, found.after)
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Judge what is claimed of the area after a fall of the load."""
-    found = {name: list(after_the_step(evidence, name)) for name in SOLIDS}
-    dips = pd.DataFrame([_row(name, one) for name, every in found.items() for one in every])
-    curves = pd.concat([_curve(name, one) for name, every in found.items() for one in every])
+    found = {name: list(_after_the_step(evidence, name)) for name in SOLIDS}
+    every = [one for some in found.values() for one in some]
     early = [one for one in found["conserved"] if one.wait < _relaxation_time(evidence["conserved"])]
-    return Outcome(tuple(_findings(found, early)), {"dips": dips, "curves": curves})
+    tables = {
+        "dips": pd.DataFrame([one.row() for one in every]),
+        "curves": pd.concat([one.curve() for one in every]),
+    }
+    return Outcome(tuple(_findings(found, early)), tables)
 
 
 def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[Finding]:
@@ -182,7 +172,7 @@ def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[
         return {
             f"share of surfaces that lose contact: {solid.what}": _surfaces_that_lose(found[name])
             for name, solid in SOLIDS.items()
-            if solid.separable is separable
+            if (name in SEPARABLE) is separable
         }
 
     place = "the theorem of this study"
@@ -199,15 +189,13 @@ def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[
         )
         for ratio in RATIOS
     }
-    yield Finding.within(
-        (0.8, 1.2),
-        "time-of-minimum",
-        "Dillavou and Rubinstein, Phys. Rev. Lett. 120, 224101 (2018)",
-        "The time of the minimum is proportional to the waiting time.",
-        numbers,
+    place = "Dillavou and Rubinstein, Phys. Rev. Lett. 120, 224101 (2018)"
+    claim = "The time of the minimum is proportional to the waiting time."
+    note = (
         "Mean over the surfaces that lose contact after each of these waits. They are shorter than the "
-        "relaxation time of the longest waves of the surface; longer ones find it relaxed.",
+        "relaxation time of the longest waves of the surface; longer ones find it relaxed."
     )
+    yield Finding.within((0.8, 1.2), "time-of-minimum", place, claim, numbers, note)
 
 
 def _surfaces_that_lose(every: list[After]) -> Estimate:
@@ -233,61 +221,25 @@ def _exponent(every: list[After]) -> Estimate:
     return mean(np.array([slope(wait, one) for one in times]))
 
 
-def _row(name: str, one: After) -> dict[str, object]:
-    depth, log_time = one.depth, one.log_time[np.isfinite(one.log_time)]
-    lost, time = mean(depth), mean(log_time) if log_time.size else None
-    return {
-        "solid": name,
-        "waiting_time": one.wait,
-        "load_ratio": one.ratio,
-        "surfaces": depth.size,
-        "with_a_dip": int((depth > 0).sum()),
-        "depth": float(lost.value),
-        "depth_stderr": float(lost.stderr),
-        "deepest": float(depth.max()),
-        "time_of_minimum": np.nan if time is None else float(np.exp(time.value)),
-        "log_time_stderr": np.nan if time is None else float(time.stderr),
-        "area_after_step": float(one.area[:, 0].mean()),
-    }
-
-
-def _curve(name: str, one: After) -> pd.DataFrame:
-    relative = mean(one.area / one.area[:, :1])
-    return pd.DataFrame(
-        {
-            "solid": name,
-            "waiting_time": one.wait,
-            "load_ratio": one.ratio,
-            "time": one.time,
-            "area": relative.value,
-            "area_stderr": relative.stderr,
-        }
-    )
-
-
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw area after the step, depth of the dip and time of the minimum."""
     dips, curves = tables["dips"], tables["curves"]
     figure = Figure(figsize=(9.0, 3.4), layout="constrained")
     area, depth, time = figure.subplots(1, 3)
-    marks = dict(zip(SOLIDS, "sD^o", strict=True))
-    shades = dict(zip(SOLIDS, ("0.6", "0.4", "0.2", "0.0"), strict=True))
     ratio = min(RATIOS)
-    for name, solid in SOLIDS.items():
-        wait = solid.waits[-1]
-        style = {"marker": marks[name], "color": shades[name], "markersize": 4}
-        shown = (curves["waiting_time"] == wait) & (curves["load_ratio"] == ratio) & (curves["time"] > 0)
-        one = curves[shown & (curves["solid"] == name)]
-        line = "--" if solid.separable else "-"
-        area.errorbar(one["time"], one["area"], one["area_stderr"], linestyle=line, label=name, **style)
+    for (name, solid), mark, shade in zip(SOLIDS.items(), "sD^o", ("0.6", "0.4", "0.2", "0.0"), strict=True):
+        shown = (curves["waiting_time"] == solid.waits[-1]) & (curves["load_ratio"] == ratio)
+        one = curves[shown & (curves["time"] > 0) & (curves["solid"] == name)]
+        line = "--" if name in SEPARABLE else "-"
+        style = {"marker": mark, "color": shade, "markersize": 4, "linestyle": line}
+        area.errorbar(one["time"], one["area"], one["area_stderr"], label=name, **style)
         for part, fill in zip(RATIOS, (None, "white"), strict=True):
             here = dips[(dips["solid"] == name) & (dips["load_ratio"] == part)]
-            at = here["waiting_time"]
-            style |= {"markerfacecolor": fill, "linestyle": line}
+            at, lowest = here["waiting_time"], here["time_of_minimum"]
+            style["markerfacecolor"] = fill
             depth.errorbar(at, 100 * here["depth"], 100 * here["depth_stderr"], **style)
-            low, high = (here["time_of_minimum"] * np.exp(sign * here["log_time_stderr"]) for sign in (-1, 1))
-            reach = [here["time_of_minimum"] - low, high - here["time_of_minimum"]]
-            time.errorbar(at, here["time_of_minimum"], reach, **style)
+            low, high = (lowest * np.exp(sign * here["log_time_stderr"]) for sign in (-1, 1))
+            time.errorbar(at, lowest, [lowest - low, high - lowest], **style)
     waits = np.unique(dips["waiting_time"])
     time.plot(waits, waits, ":", color="black", linewidth=1)
     time.annotate("equal", (waits[-1], waits[-1]), fontsize=8, ha="right", va="bottom")
