@@ -54,6 +54,9 @@ def slide_hold_slide_rows(data):
             yield f"| {words} | {' | '.join(found)} | {row['misfit']:.3f} |"
     for row in pd.read_csv(data / "slips.csv").to_dict("records"):
         yield f"| `{row['family']}` | {row['length']:.2f} | {interval(row, 'slip')} |"
+    for row in pd.read_csv(data / "lines.csv").to_dict("records"):
+        lengths = f"{row['length']:.1f} | {row['patch']:.1f}"
+        yield f"| `{row['family']}` | {lengths} | {interval(row, 'slip', 1)} |"
     yield from verdict_rows(data)
 
 

@@ -28,15 +28,25 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import asperity.friction as friction
+import asperity.studies.slip_on_lines as lines
 from asperity.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.friction.fitting import Events
-from asperity.studies.campaigns import Campaign
+from asperity.studies.campaigns import Campaign, hold, slide, waves
 from asperity.studies.evidence import Evidence
 from asperity.studies.ledger import Finding
 from asperity.studies.numbers import columns, mean, power
 from asperity.studies.panels import points
+from asperity.studies.sliding import (
+    HALF_SPACE,
+    LATTICE,
+    STEADY,
+    area_at_rest,
+    before_shifts,
+    correlation_length,
+    steady_area,
+)
 from asperity.studies.study import Outcome, Study
 
 HOLDS = (10.0, 100.0, 1e3, 1e4)
@@ -45,158 +55,70 @@ VELOCITIES = (10.0, 0.1, 0.01)
 
 _SIDE = 128
 _RUN_IN, _AGAIN, _STEP = 24, 16, 20
-_STEADY = 8
-"""Shifts at the end of a slide that count as steady."""
-
 _SLIP = 28
 
-
-@dataclass(frozen=True)
-class Solid:
-    """A solid of the study.
-
-    Attributes
-    ----------
-    what
-        In words.
-    table
-        Its section of the campaign file.
-    heights
-        What of the heights is 1.
-    loads
-        Loads a site.
-    rtol
-        As in a campaign file.
-    side
-        Sites along a side where wavelengths are varied.
-    waves
-        Longest wavelengths there; the shortest one is a quarter of it.
-    rest
-        Hold time there.
-    """
-
-    what: str
-    table: Mapping[str, Any]
-    heights: str
-    loads: tuple[float, ...]
-    rtol: float
-    side: int
-    waves: tuple[float, ...]
-    rest: float
-
-
-SOLIDS = {
-    "lattice": Solid(
-        "lattice of springs, conserved creep",
-        {"k0": 1.0, "k1": 3.0, "R": 1.0},
-        "rms_height",
-        (0.01, 0.05),
-        0.02,
-        _SIDE,
-        (16.0, 32.0, 64.0),
-        10.0,
-    ),
-    "half_space": Solid(
-        "half-space, E(t) like ln t",
-        {
-            "kind": "half_space",
-            "modulus": 1.0,
-            "branches": [[0.06, 10.0**decade] for decade in range(-3, 7)],
-        },
-        "rms_slope",
-        (0.02,),
-        0.05,
-        64,
-        (12.0, 20.0, 32.0),
-        1e3,
-    ),
-}
+SOLIDS = {"lattice": LATTICE, "half_space": HALF_SPACE}
 """By the names of their campaigns."""
+
+LOADS = {"lattice": (0.01, 0.05), "half_space": (0.02,)}
+"""Loads a site."""
+
+_RTOL = {"lattice": 0.02, "half_space": 0.05}
+_REST = {"lattice": 10.0, "half_space": 1e3}
+"""Hold times where wavelengths are varied."""
 
 LONGEST = (8.0, 16.0, 32.0, 64.0)
 """Longest wavelengths with one shortest, 4 sites, on the lattice."""
 
-
-def _slide(distance: int, velocity: float = 1.0) -> dict[str, Any]:
-    return {"kind": "slide", "distance": float(distance), "velocity": velocity}
-
-
-def _hold(duration: float) -> dict[str, Any]:
-    return {"kind": "hold", "duration": duration}
-
-
 _HISTORY = [
-    _slide(_RUN_IN),
-    *(leg for time in HOLDS for leg in (_hold(time), _slide(_AGAIN))),
-    *(_slide(_STEP, velocity) for velocity in VELOCITIES),
+    slide(_RUN_IN),
+    *(leg for time in HOLDS for leg in (hold(time), slide(_AGAIN))),
+    *(slide(_STEP, velocity) for velocity in VELOCITIES),
 ]
 
 
-def _with_a_rest(solid: Solid) -> list[dict[str, Any]]:
-    return [_slide(_RUN_IN), _hold(solid.rest), _slide(_SLIP)]
-
-
-def _campaign(
-    name: str,
-    purpose: str,
-    solid: Solid,
-    side: int,
-    waves: tuple[float, float],
-    protocol: list[dict[str, Any]],
-    sweep: dict[str, Any],
-) -> Campaign:
-    surface = {"kind": "spectral", "shape": [side, side], "hurst": 0.8}
-    longest, shortest = waves
-    return Campaign(
+def _campaign(solid: str, name: str, purpose: str, rough: dict[str, Any], **tables: Any) -> Campaign:
+    return SOLIDS[solid].campaign(
         name,
-        f"{purpose}: {solid.what}",
-        {
-            "surface": surface | {"roll_off": longest, "cutoff": shortest, solid.heights: 1.0},
-            "solid": solid.table,
-            "contact": {"load": solid.loads[0] * side**2},
-            "friction": {"shear_strength": 1.0},
-            "aging": {"first": 1.0, "per_decade": 1, "rtol": solid.rtol},
-            "protocol": protocol,
-            "output": {"maps_at": []},
-            "sweep": sweep,
-        },
+        purpose,
+        rough | SOLIDS[solid].rough,
+        friction={"shear_strength": 1.0},
+        aging={"first": 1.0, "per_decade": 1, "rtol": _RTOL[solid]},
+        **tables,
+    )
+
+
+def _varied(
+    solid: str, family: str, what: str, side: int, waves_of: Mapping[str, tuple[float, ...]], surfaces: int
+) -> Campaign:
+    """Return a rest and a slide on surfaces of several wavelengths."""
+    first = {"cutoff": 4.0} | {name: values[0] for name, values in waves_of.items()}
+    together: dict[str, Any] = {"combine": "zip"} if len(waves_of) > 1 else {}
+    return _campaign(
+        solid,
+        family,
+        f"A rest and a slide on surfaces of several {what}",
+        waves(side, **first),
+        protocol=[slide(_RUN_IN), hold(_REST[solid]), slide(_SLIP)],
+        sweep={name: list(values) for name, values in waves_of.items()} | {"seeds": surfaces} | together,
     )
 
 
 def campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
     """Return the campaigns, with so many surfaces each; the quick ones have one load."""
     found = []
-    for name, solid in SOLIDS.items():
-        loads = [load * _SIDE**2 for load in (solid.loads[:1] if quick else solid.loads)]
-        sweep: dict[str, Any] = {"load": loads, "seeds": surfaces}
+    for name, side, longest in (
+        ("lattice", _SIDE, (16.0, 32.0, 64.0)),
+        ("half_space", 64, (12.0, 20.0, 32.0)),
+    ):
+        loads = [load * _SIDE**2 for load in LOADS[name][: 1 if quick else None]]
+        sweep = {"load": loads, "seeds": surfaces}
         purpose = "Rests and steps of the velocity"
-        found.append(_campaign(name, purpose, solid, _SIDE, (48.0, 12.0), _HISTORY, sweep))
-        waves = list(solid.waves)
-        sweep = {"roll_off": waves, "cutoff": [wave / 4 for wave in waves], "seeds": surfaces}
-        sweep["combine"] = "zip"
-        purpose = "A rest and a slide on surfaces of several scales"
-        first = waves[0], waves[0] / 4
-        rest = _with_a_rest(solid)
-        found.append(_campaign(f"waves_{name}", purpose, solid, solid.side, first, rest, sweep))
-    lattice = SOLIDS["lattice"]
-    sweep = {"roll_off": list(LONGEST), "seeds": surfaces}
-    purpose = "A rest and a slide on surfaces of several longest wavelengths"
-    rest = _with_a_rest(lattice)
-    found.append(_campaign("longest", purpose, lattice, _SIDE, (LONGEST[0], 4.0), rest, sweep))
-    return tuple(found)
-
-
-def before_shifts(one: xr.Dataset, leg: int) -> Floats:
-    """Area in a slide at the end of each time between shifts, shape (shifts,)."""
-    chosen = one["leg"].values == leg
-    place, area = one["displacement"].values[chosen], one["area"].values[chosen]
-    last = np.append(np.diff(place) > 0, True)
-    return np.asarray(area[last & (place > 0)], dtype=np.float64)
-
-
-def steady_area(one: xr.Dataset, leg: int) -> float:
-    """Mean area before the last shifts of a slide."""
-    return float(before_shifts(one, leg)[-_STEADY:].mean())
+        found.append(_campaign(name, name, purpose, waves(_SIDE, 48.0, 12.0), protocol=_HISTORY, sweep=sweep))
+        both = {"roll_off": longest, "cutoff": tuple(wave / 4 for wave in longest)}
+        found.append(_varied(name, f"waves_{name}", "scales", side, both, surfaces))
+    found.append(_varied("lattice", "longest", "longest wavelengths", _SIDE, {"roll_off": LONGEST}, surfaces))
+    return (*found, *lines.campaigns(2 * surfaces))
 
 
 def slip_of_memory(excess: Floats) -> float:
@@ -209,17 +131,6 @@ def slip_of_memory(excess: Floats) -> float:
     """
     total = float(np.sum(excess) / excess[0])
     return 1 / math.log(total / (total - 1)) if total > 1 else 0.0
-
-
-def correlation_length(roll_off: float, cutoff: float) -> float:
-    """Distance at which the correlation of such heights has fallen to 1/e, in sites, by their spectrum."""
-    from asperity.surfaces import spectral
-
-    heights = spectral((512, 512), hurst=0.8, roll_off=roll_off, cutoff=cutoff, rms_height=1.0, seed=0)
-    row = np.fft.ifft(np.mean(np.abs(np.fft.fft(heights, axis=1)) ** 2, axis=0)).real
-    falls = int(np.argmax(row < row[0] / math.e))
-    high, low = row[falls - 1] / row[0], row[falls] / row[0]
-    return float(falls - 1 + (high - 1 / math.e) / (high - low))
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,12 +264,14 @@ def analyse(evidence: Evidence) -> Outcome:
         for load in data["load"].values
     ]
     slips = {name: _slips(evidence[name]) for name in FAMILIES}
+    on_lines = [lines.Lines.of(evidence, name) for name in lines.FAMILIES]
     tables = {
         "points": pd.concat([one.points() for one in every], ignore_index=True),
         "laws": pd.DataFrame([row for one in every for row in one.laws()]),
         "slips": pd.concat([_slip_rows(name, *one) for name, one in slips.items()], ignore_index=True),
+        "lines": pd.concat([one.table() for one in on_lines], ignore_index=True),
     }
-    return Outcome(tuple(_findings(every, slips)), tables)
+    return Outcome((*_findings(every, slips), *lines.findings(on_lines)), tables)
 
 
 def _findings(every: list[Records], slips: Mapping[str, Slips]) -> Iterator[Finding]:
@@ -403,8 +316,7 @@ def _slips(data: xr.Dataset) -> Slips:
         for seed in runs["seed"].values:
             one = runs.sel(seed=seed)
             again = before_shifts(one, 2)
-            rest = one["area"].values[one["leg"].values == 1][-1]
-            rows.append(np.append(rest, again[:-_STEADY]) / again[-_STEADY:].mean() - 1)
+            rows.append(np.append(area_at_rest(one, 1), again[:-STEADY]) / again[-STEADY:].mean() - 1)
         excesses.append(np.array(rows))
     return np.array(lengths), tuple(excesses)
 
@@ -427,8 +339,8 @@ _MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw static and steady friction, and the slip that forgets a rest."""
-    figure = style.Drawing(figsize=(9.0, 3.3), layout="constrained")
-    rest, steady, memory = figure.subplots(1, 3)
+    figure = style.Drawing(figsize=(7.6, 6.0), layout="constrained")
+    (rest, steady), (memory, resolved) = figure.subplots(2, 2)
     values, slips = tables["points"], tables["slips"]
     for axis, what, label in (
         (rest, "rest", "hold time (sites / velocity 1)"),
@@ -436,7 +348,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     ):
         shown = values[values["what"] == what].sort_values("at", kind="stable")
         for (solid, load), part in shown.groupby(["solid", "load"], sort=False):
-            heavy = part["load"].iloc[0] > SOLIDS[str(solid)].loads[0]
+            heavy = part["load"].iloc[0] > LOADS[str(solid)][0]
             points(
                 axis,
                 part,
@@ -456,6 +368,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
     memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
     memory.legend(fontsize=6)
+    lines.draw(resolved, tables["lines"])
     return figure
 
 
@@ -466,8 +379,9 @@ SLIDE_HOLD_SLIDE = Study(
     full=campaigns(4, quick=False),
     analyse=analyse,
     draw=draw,
-    caption="Friction by Tabor's relation, on the half-space and the lattice of springs. Left: at the end of "
-    "a rest. Middle: in steady sliding against the velocity. Right: slip that forgets a rest against the "
-    "correlation length. Bars: 95 % intervals.",
+    caption="Friction by Tabor's relation, on the half-space and the lattice of springs. Top: at "
+    "the end of a rest, and in steady sliding against the velocity. Bottom: slip that forgets a rest against "
+    "the correlation length, on these surfaces and on lines, whose contacts are many sites long. Bars: 95 % "
+    "intervals.",
     page="docs/studies/slide_hold_slide.md",
 )
