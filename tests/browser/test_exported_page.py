@@ -10,7 +10,7 @@ from PIL.GifImagePlugin import GifImageFile
 
 import asperity as asp
 from asperity.explore.export import exported_page
-from asperity.explore.scene import pack
+from asperity.explore.scene import ending, pack, recorded
 from tests.browser.conftest import rows, state, until
 
 KEPT, NEW, LOST = 1, 2, 3
@@ -186,7 +186,7 @@ def test_play_runs_through_all_maps(tab, exported):
     assert state(page)["map"] == len(state(page)["maps"]) - 1
 
 
-@pytest.mark.parametrize("quantity", ["load", "friction", "residual", "separation", "decade_growth"])
+@pytest.mark.parametrize("quantity", ["load", "friction", "residual", "decade_growth", "largest_patch_size"])
 def test_other_quantities_are_drawn(tab, exported, quantity):
     page = tab(exported)
     area = pixels(page, "#curve")
@@ -206,6 +206,59 @@ def test_table_holds_every_digit(tab, exported, outcome):
     np.testing.assert_array_equal(table[:, names.index("area [sites]")], outcome.dataset["area"])
     np.testing.assert_array_equal(table[:, 0], outcome.dataset["time"])
     np.testing.assert_array_equal(table[:, names.index("residual")], outcome.dataset["residual"])
+    np.testing.assert_array_equal(table[:, names.index("patches")], outcome.dataset["patches"])
+
+
+def test_patches_are_known_at_the_times_of_maps(tab, exported, outcome):
+    page = tab(exported)
+    series, dataset = rows(page), outcome.dataset
+    for name in ("patches", "largest_patch_size", "mean_patch_size", "median_patch_size"):
+        assert series[name] == dataset[name].values.tolist()  # this run has a map in each row
+    assert page.locator("#number-patches").text_content() == f"{int(dataset['patches'][-1])}"
+    largest = int(dataset["largest_patch_size"][-1])
+    words = f"{largest}\u00a0{'site' if largest == 1 else 'sites'}"
+    assert page.locator("#number-largest_patch_size").text_content() == words
+    page.select_option("#quantity", "patches")
+    said = page.locator("#curve").get_attribute("aria-label")
+    assert said.startswith(f"patches against time: {int(dataset['patches'][0])} at first touch")
+
+
+@pytest.fixture(scope="module")
+def yielding():
+    """A contact that yields and slides by four sites, with maps before and after."""
+    rough = asp.surfaces.gaussian((32, 32), seed=2)
+    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0).with_hardness(1.0)
+    protocol = [asp.protocols.Hold(10.0), asp.protocols.Slide(4.0, velocity=1.0)]
+    contact = asp.press(rough, solid, load=60.0)
+    return asp.age(contact, [1.0, 10.0, 14.0], protocol=protocol, fields_at=[0.0, 14.0]).dataset
+
+
+def test_yielded_sites_are_marked_on_the_heights(tab, yielding, tmp_path):
+    recording = recorded(yielding, None, job="yields", title="yields")
+    recording.end = ending(yielding, None, remarks=[], seconds=None)
+    path = tmp_path / "page.html"
+    path.write_text(exported_page(recording.messages(), title="yields"), encoding="utf-8")
+    page = tab(path.as_uri())
+    assert page.locator("#number-displacement").text_content() == "4\u00a0lattice spacings"
+    page.select_option("#colored", "heights")
+    color = page.evaluate("theme().yielded")
+    depths = yielding["permanent_indentation"].values > 0
+    for number, moved in ((0, 0), (1, -4)):
+        page.focus("#moment")
+        page.keyboard.press("End" if number else "Home")
+        yielded = np.roll(depths[number], moved, axis=1)
+        picture, drawn = pixels(page), state(page)["drawn"]
+        for site in range(yielded.size):
+            x, y = middle(drawn, site, 32)
+            assert (picture[int(y), int(x)] == color).all() == yielded.flat[site]
+        words = f"{yielded.sum()}\u00a0{'site' if yielded.sum() == 1 else 'sites'}"
+        assert f"{words} yielded" in page.locator("#legend").text_content()
+        assert f"has yielded at {words}" in page.locator("#map").get_attribute("aria-label")
+    site = int(np.flatnonzero(yielded)[0])
+    assert "has yielded" in page.evaluate(f"app.scene.describe(1, {site})")
+    # A row without a map has no patches, and the others have those of their maps.
+    known = [row for row in rows(page)["patches"] if row == row and row is not None]
+    assert known == yielding["patches"].values.tolist()
 
 
 def test_picture_and_animation_are_read_by_others(tab, exported, outcome):

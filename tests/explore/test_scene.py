@@ -109,13 +109,17 @@ def test_a_history_becomes_rows_and_maps(aged: Any) -> None:
         total = one.pressure.astype(float).sum() * one.scale / 65535
         at = np.flatnonzero((aged["time"].values == one.time) & (aged["leg"].values == one.leg))
         assert total == pytest.approx(aged["load"].values[at[0]], rel=1e-4)
+        assert one.yielded is None
+    for name in scene.scene["map_columns"]:
+        assert [one.patches[name] for one in scene.maps] == aged[name].values.tolist()
+        assert scene.scene["column_units"][name] == aged[name].attrs["units"]
 
 
 def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_sites() -> None:
     solid = LATTICE.with_hardness(1.0)
     contact = asp.press(np.random.default_rng(2).normal(size=(8, 8)), solid, load=16.0)
     slides = [asp.protocols.Slide(distance=2.0, velocity=1.0), asp.protocols.Hold(3.0)]
-    series = asp.age(contact, [1.0, 2.0, 5.0], protocol=slides).dataset
+    series = asp.age(contact, [1.0, 2.0, 5.0], protocol=slides, fields_at=[0.0, 5.0]).dataset
     recording = recorded(series, None, job="", title="")
     assert recording.scene is not None
     columns = recording.scene["columns"]
@@ -125,7 +129,16 @@ def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_site
     yielding = [row[columns.index("yielding_area")] for row in recording.rows]
     assert yielding == series["yielding_area"].values.tolist()
     assert yielding[0] > 0
+    bits = [np.unpackbits(one.yielded).reshape(8, 8) for one in recording.maps if one.yielded is not None]
+    depths = series["permanent_indentation"].values
+    shifts = series["field_shift_x"].values.astype(int).tolist()
+    assert (shifts[0], shifts[-1]) == (0, 2)
+    for found, depth, moved in zip(bits, depths, shifts, strict=True):
+        assert np.array_equal(found, np.roll(depth > 0, -moved, axis=1))  # the surface is shown at rest
+    assert bits[-1].sum() >= bits[0].sum() > 0
     live: list[tuple[float, float]] = []
+    yielded: list[Any] = []
+    last: Any = recording.maps[-1].yielded
 
     def tell(frame: Any) -> None:
         if not live:
@@ -133,11 +146,13 @@ def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_site
                 {"protocol": [{"kind": "slide", "distance": 2.0, "velocity": 1.0}]}, {}, None
             )
             assert started(frame, config)["displacement"].values.tolist() == [0.0]
-        row, _ = of_frame(frame)
+        row, seen = of_frame(frame)
         live.append((row["displacement"], row["yielding_area"]))
+        yielded.append(seen.yielded)
 
     asp.age(contact, [5.0], protocol=slides, progress=tell)
     assert live[-1] == (2.0, yielding[-1])
+    assert np.array_equal(yielded[-1], last)
 
 
 def test_growth_per_decade_counts_from_the_last_switch(aged: Any) -> None:

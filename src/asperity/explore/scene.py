@@ -26,9 +26,11 @@ from asperity.analysis.maps import on_the_surface
 from asperity.config import RunConfig, to_tables, to_toml
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
-from asperity.lattice import Field, Mask
+from asperity.lattice import Edges, Field, Mask
+from asperity.patches import patches
 from asperity.protocols import Slide, legs_of
 from asperity.results.dataset import Row, dataset_of, row_of
+from asperity.results.quantities import OF_MAPS
 
 Header = dict[str, Any]
 Arrays = dict[str, NDArray[Any]]
@@ -48,6 +50,9 @@ _A_MESSAGE = 4e6
 _SERIES = ("area", "contact_fraction", "load", "separation", "residual")
 _OF_LENGTHS = ("contact_area", "contact_area_corrected")
 _OF_SOME = ("displacement", "yielding_area")
+_PATCHES = ("patches", "largest_patch_size", "mean_patch_size", "median_patch_size")
+"""What is known at the times of maps alone."""
+
 _MADE = {
     "mean_pressure": "load over real contact area",
     "friction": "static friction over that at first: real contact area over load (Tabor)",
@@ -115,7 +120,10 @@ def _padded(raw: bytes) -> bytes:
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Contacts of one moment: sites in contact as bits, row after row, and the pressure of each of them."""
+    """Contacts of one moment: sites in contact as bits, row after row, and the pressure of each of them.
+
+    Number and sizes of the patches come with it, and where the solid yields, the sites that have, as bits.
+    """
 
     time: float
     leg: int
@@ -123,14 +131,30 @@ class Map:
     scale: float
     bits: NDArray[np.uint8]
     pressure: NDArray[np.uint16]
+    patches: Mapping[str, float]
+    yielded: NDArray[np.uint8] | None
 
 
-def map_of(time: float, leg: int, in_contact: Mask, pressure: Field) -> Map:
-    """Take a map from fields over the sites."""
+def map_of(
+    time: float,
+    leg: int,
+    in_contact: Mask,
+    pressure: Field,
+    edges: Edges = "periodic",
+    indentation: Field | None = None,
+) -> Map:
+    """Take a map from fields over the sites; without a permanent indentation nothing yields."""
     values = pressure[in_contact]
     scale = float(values.max(initial=0.0))
     steps = np.rint(values * (_STEPS / scale)) if scale > 0 else values
-    return Map(time, leg, values.size, scale, np.packbits(in_contact), steps.astype(np.uint16))
+    sizes = patches(in_contact, edges=edges).sizes
+    some = sizes.astype(np.float64) if sizes.size else np.array([math.nan])
+    numbers = (sizes.size, float(some.max()), float(some.mean()), float(np.median(some)))
+    found = dict(zip(_PATCHES, numbers, strict=True))
+    yielded = None if indentation is None else np.packbits(indentation > 0)
+    return Map(
+        time, leg, values.size, scale, np.packbits(in_contact), steps.astype(np.uint16), found, yielded
+    )
 
 
 @dataclass
@@ -228,9 +252,12 @@ class Recording:
                     "side": "after" if after else "",
                     "area": one.area,
                     "pressure_scale": one.scale,
+                    **one.patches,
                 }
             )
             arrays |= {f"bits.{number}": one.bits, f"pressure.{number}": one.pressure}
+            if one.yielded is not None:
+                arrays[f"yielded.{number}"] = one.yielded
             taken += one.bits.nbytes + one.pressure.nbytes
             if taken > _A_MESSAGE:
                 break
@@ -264,7 +291,11 @@ def of_frame(frame: Frame) -> tuple[Row, Map]:
     # The page shows the rough surface at rest, as `on_the_surface` does.
     back, axes = [-round(sites) for sites in frame.shift], tuple(range(len(frame.shift)))
     in_contact, pressure = np.roll(contact.in_contact, back, axes), np.roll(contact.pressure, back, axes)
-    return row_of(frame, slides=True), map_of(frame.time, frame.leg, in_contact, pressure)
+    yields = contact.solid.yields
+    indentation = np.roll(contact.permanent_indentation, back, axes) if yields else None
+    edges = contact.lattice.edges
+    found = map_of(frame.time, frame.leg, in_contact, pressure, edges, indentation)
+    return row_of(frame, slides=True), found
 
 
 def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: str) -> Recording:
@@ -287,7 +318,10 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
         mask = np.asarray(one["in_contact"], dtype=bool)
         pressure = pressure_of(one)
         assert pressure is not None, "a history knows its springs"
-        recording.maps.append(map_of(float(one["field_time"]), int(legs[number]), mask, pressure))
+        depth = one["permanent_indentation"].values if "permanent_indentation" in one else None
+        edges = dataset.attrs["edges"]
+        time = float(one["field_time"])
+        recording.maps.append(map_of(time, int(legs[number]), mask, pressure, edges, depth))
     return recording
 
 
@@ -381,9 +415,15 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
             "height": unit["heights"],
             "separation": unit["separation"],
         },
-        "names": long_names | {"leg": "leg of the history, from 0"} | _MADE,
-        "column_units": unit | {"leg": "1", "mean_pressure": pressure, "friction": "1", "decade_growth": "1"},
+        "names": long_names
+        | {"leg": "leg of the history, from 0"}
+        | {name: OF_MAPS[name][0] for name in _PATCHES}
+        | _MADE,
+        "column_units": unit
+        | {name: OF_MAPS[name][1] for name in _PATCHES}
+        | {"leg": "1", "mean_pressure": pressure, "friction": "1", "decade_growth": "1"},
         "columns": columns,
+        "map_columns": list(_PATCHES),
         "switches": sorted(set(switches)),
         "last_time": float(dataset["time"][-1]),
         "height_range": [low, high],

@@ -4,7 +4,8 @@
 const QUANTITIES = {
   contact_area: "contact area", contact_area_corrected: "contact area less rim", area: "contact area", contact_fraction: "contact fraction", load: "load",
   mean_pressure: "mean pressure in contact", friction: "friction coefficient relative to first", separation: "separation", decade_growth: "growth per decade",
-  displacement: "displacement", yielding_area: "yielding sites", residual: "residual",
+  displacement: "displacement", yielding_area: "yielding sites", patches: "patches", largest_patch_size: "largest patch",
+  mean_patch_size: "mean size of a patch", median_patch_size: "median size of a patch", residual: "residual",
 };
 /** What a quantity is called; where the area is known in lengths, the count of sites is another. */
 const nameOf = (scene, name) => (name === "area" && scene.has("contact_area") ? "sites in contact"

@@ -40,13 +40,14 @@ function picture(app, map, scale = 2) {
 
 /** The time series as a table: names with their units in brackets. */
 function table(scene) {
-  const named = scene.columns.map((name) => {
+  const columns = [...scene.columns, ...(scene.map_columns || []).filter((name) => scene.has(name))];
+  const named = columns.map((name) => {
     const unit = scene.column_units[name];
     const text = unit && unit !== "1" ? `${name} [${unit}]` : name;
     return /[",]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
   });
   const written = (value) => (Number.isNaN(value) ? "" : String(value));
-  return [named.join(","), ...scene.rows.map((_, row) => scene.columns.map((name) => written(scene.value(row, name))).join(","))].join("\n") + "\n";
+  return [named.join(","), ...scene.rows.map((_, row) => columns.map((name) => written(scene.value(row, name))).join(","))].join("\n") + "\n";
 }
 
 /** This page as one file: the server gives the page without data, and the messages are put into it. */

@@ -259,7 +259,7 @@ Object.defineProperty(window, "asperity", { value: Object.freeze({
       counts: scene?.maps.length ? scene.states(map).counts : null,
     };
   },
-  row(at) { return Object.fromEntries(app.scene.columns.map((name) => [name, app.scene.value(at, name)])); },
+  row(at) { return Object.fromEntries([...app.scene.columns, ...(app.scene.map_columns || [])].map((name) => [name, app.scene.value(at, name)])); },
   site(site, map = app.map) {
     const { scene } = app;
     return { height: scene.height(site), pressure: scene.pressure(map, site), state: scene.state(map, site), since: scene.maps[scene.since(map, site)].time };

@@ -12,7 +12,7 @@ function theme() {
   const style = getComputedStyle(document.documentElement);
   const of = (name) => style.getPropertyValue(`--${name}`).trim();
   const rgb = (name) => of(name).match(/[0-9a-f]{2}/gi).map((pair) => parseInt(pair, 16));
-  return { of, rgb, dark: of("scheme") === "dark", states: STATES.map(rgb) };
+  return { of, rgb, dark: of("scheme") === "dark", states: STATES.map(rgb), yielded: rgb("yielded") };
 }
 
 const CROWDED = 0.12; // part of a map up to which marks may be larger than their sites
@@ -50,7 +50,7 @@ function cellsOf(scene, map, wanted, side, colors) {
     const shown = scene.isLine ? row : map;
     if (row === 0 || scene.isLine) prepare(shown);
     const from = scene.isLine ? 0 : row * scene.nx, to = Math.floor(row / down) * wide;
-    for (let column = 0; column < scene.nx; column++) gather(from + column, to + Math.floor(column / side));
+    for (let column = 0; column < scene.nx; column++) gather(from + column, to + Math.floor(column / side), shown);
   }
   function prepare(which) {
     if (colored === "state") values = scene.states(which).states;
@@ -58,18 +58,18 @@ function cellsOf(scene, map, wanted, side, colors) {
     else if (colored === "age") { values = scene.beginnings(which); top = Math.log1p(scene.maps[which].time / oldest(scene)) || 1; }
     else values = scene.heights;
   }
-  function gather(site, cell) {
+  function gather(site, cell, shown) {
     const value = values[site], at = 3 * cell;
     if (colored !== "heights") counts[cell] += colored === "age" ? value >= 0 : value > 0;
     if (colored === "state") { if (value) sums[at + value - 1] += 1; }
     else if (colored === "pressure") sums[at] = Math.max(sums[at], value / top);
     else if (colored === "age") sums[at] = Math.max(sums[at], value < 0 ? 0 : 1 + 1e-9 - Math.log1p(value / oldest(scene)) / top);
-    else { sums[at] += value / 65535; sums[at + 1] += 1; }
+    else { sums[at] += value / 65535; sums[at + 1] += 1; sums[at + 2] += scene.yielded(shown, site); }
   }
   const { marked, crowded } = markedCells(counts, wide, side * down);
   for (let cell = 0; cell < wide * high; cell++) {
     const [a, b, c] = [sums[3 * cell], sums[3 * cell + 1], sums[3 * cell + 2]];
-    if (colored === "heights") paint(cell, cividis(a / b));
+    if (colored === "heights") paint(cell, c ? colors.yielded : cividis(a / b));
     else if (!marked[cell]) paint(cell, colors.states[FREE]);
     else if (colored === "state") paint(cell, colors.states[c && c >= b && c >= a ? LOST : b && b >= a ? NEW : KEPT]);
     else paint(cell, shade(a));
@@ -341,6 +341,7 @@ class MapView {
     const size = this.scene.isLine ? `a line of ${count(this.scene.nx)} sites` : `${this.scene.ny} × ${this.scene.nx} sites`;
     return `Contact map: ${size}, ${count(touching)} in contact, ${percent(touching / this.scene.sites)}, at t = `
       + `${quantity(this.scene.maps[this.map].time, this.scene.units.time)}: ${count(counts[KEPT])} since first touch, `
-      + `${count(counts[NEW])} new, ${count(counts[LOST])} lost.`;
+      + `${count(counts[NEW])} new, ${count(counts[LOST])} lost`
+      + `${this.scene.maps[this.map].yielded ? `; the rough surface has yielded at ${quantity(this.scene.countYielded(this.map), "sites")}` : ""}.`;
   }
 }

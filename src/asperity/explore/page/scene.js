@@ -24,8 +24,9 @@ class Scene {
     const rows = arrays.rows || [];
     for (let at = 0; at < rows.length; at += width) this.rows.push(Array.from(rows.subarray(at, at + width)));
     for (const map of header.maps || []) {
-      this.maps.push({ ...map, bits: arrays[`bits.${map.index}`], pressures: arrays[`pressure.${map.index}`] });
+      this.maps.push({ ...map, bits: arrays[`bits.${map.index}`], pressures: arrays[`pressure.${map.index}`], yielded: arrays[`yielded.${map.index}`] });
     }
+    this.mapOfRow = new Map(this.maps.map((map, at) => [this.rowOf(at), map])); // rows that have a map
     this.lastTime = header.last_time ?? this.lastTime;
     this.timeNow = header.time_now ?? this.timeNow;
   }
@@ -38,10 +39,14 @@ class Scene {
 
   get isLine() { return this.ny === 1; }
 
-  has(name) { return this.columns.includes(name) && this.rows.some((row) => Number.isFinite(row[this.columns.indexOf(name)])); }
+  /** Whether a quantity is known at the times of the rows, or at those of the maps. */
+  knows(name) { return this.columns.includes(name) || (!this.mapless && Boolean(this.map_columns?.includes(name))); }
+
+  has(name) { return this.knows(name) && this.column(name).some(Number.isFinite); }
 
   value(row, name) {
     const at = this.columns.indexOf(name);
+    if (this.map_columns?.includes(name)) return this.mapOfRow?.get(row)?.[name] ?? NaN;
     // With a shear strength it is the coefficient: strength times area (less rim) over load.
     if (name === "friction" && this.shear) {
       const area = this.columns.includes("contact_area_corrected") ? "contact_area_corrected" : "area";
@@ -80,6 +85,11 @@ class Scene {
   }
 
   touches(map, site) { return this.mapless ? 0 : (this.maps[map].bits[site >> 3] >> (7 - (site & 7))) & 1; }
+
+  /** Whether the rough surface has yielded at a site by the time of a map. */
+  yielded(map, site) { const bits = this.maps[map]?.yielded; return bits ? (bits[site >> 3] >> (7 - (site & 7))) & 1 : 0; }
+
+  countYielded(map) { let found = 0; for (let at = 0; at < this.sites; at++) found += this.yielded(map, at); return found; }
 
   state(map, site) {
     const [then, now] = [this.touches(0, site), this.touches(map, site)];
@@ -138,6 +148,7 @@ class Scene {
     }
     parts.push(`height ${quantity(this.height(site), this.units.height)}`);
     if (this.mapless) return parts.join(" · ");
+    if (this.yielded(map, site)) parts.push("has yielded");
     const since = this.since(map, site);
     if (this.touches(map, site)) {
       parts.push(`pressure ${quantity(this.pressure(map, site), this.units.pressure)}`);

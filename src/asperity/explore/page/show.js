@@ -70,12 +70,17 @@ function showLegend() {
     context.fillStyle = `rgb(${cividis(mapView.colored === "heights" ? part : dark ? 0.25 + 0.75 * part : 0.8 * (1 - part)).join()})`;
     context.fillRect(x, 0, 1, 1);
   }
+  if (mapView.colored === "heights" && scene.maps[map].yielded) {
+    const mark = element("i");
+    mark.style.background = "var(--yielded)";
+    note.unshift(element("li", { title: "the rough surface is lower there for good" }, mark, `${quantity(scene.countYielded(map), "sites")} yielded`));
+  }
   list.replaceChildren(element("li", {}, `${{ age: "in contact since t =" }[mapView.colored] || mapView.colored} ${quantity(low, unit)} `, bar, ` ${quantity(high, unit)}${mapView.colored === "age" ? " (logarithmic)" : ""}`), ...note);
 }
 
 function showNumbers() {
   const { scene, map } = app, row = scene.rowOf(map);
-  const names = Object.keys(QUANTITIES).filter((name) => scene.columns.includes(name));
+  const names = Object.keys(QUANTITIES).filter((name) => scene.knows(name));
   const items = names.map((name) => {
     const value = scene.value(row, name), unit = scene.column_units[name];
     const text = name === "contact_fraction" ? percent(value) : name === "area" ? `${count(value)} sites`

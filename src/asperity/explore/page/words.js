@@ -62,11 +62,14 @@ function readable(value, unit) {
   return [prefix + name.replace("^2", "²"), base / factor ** power];
 }
 
+const PLURALS = [["site", "sites"], ["lattice spacing", "lattice spacings"]];
+
 /** Write a quantity in a readable unit. */
 function quantity(value, unit, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return number(value);
   const [name, factor] = readable(value, unit);
-  return number(value * factor, digits) + (name ? `\u00a0${name}` : "");
+  const written = number(value * factor, digits), [one, several] = PLURALS.find((both) => both.includes(name)) || [name, name];
+  return written + (name ? `\u00a0${written === "1" ? one : several}` : "");
 }
 
 const percent = (part) => `${number(100 * part, 3)}\u00a0%`;
