@@ -78,6 +78,21 @@ def test_the_table_names_units(done, capsys):
     assert "4 of 4 runs" in capsys.readouterr().out
 
 
+def test_the_table_writes_counts_as_whole_numbers(tmp_path):
+    text = (
+        "surface.shape = [16, 16]\n[solid]\nhardness = 1.0\n[contact]\nload = 40.0\n"
+        "[aging]\nfirst = 1.0\nlast = 10.0\nper_decade = 1\n"
+        "[output]\nmaps_at = [0.0, 10.0]\n[sweep]\nseeds = 2\n"
+    )
+    plan = read_plan(written(tmp_path, text))
+    do_here(plan, tmp_path / "out")
+    table = campaign.table(campaign.open(tmp_path / "out"))
+    counts = ["final_area", "final_yielding_area", "final_patches", "initial_largest_patch_size"]
+    assert [str(table[name].dtype) for name in counts] == ["Int64"] * 4
+    assert (table["final_yielding_area"] > 0).all()
+    assert str(table["final_mean_patch_size"].dtype) == "float64"
+
+
 def test_fields_of_several_branches_come_back(done):
     fields = campaign.fields(done, modulus=4e9, seed=0)
     assert fields["u0"].dims == ("field_time", "branch", "y", "x")

@@ -37,8 +37,8 @@ _NO_ENSEMBLE = (
 )
 """Numbers about the computation, of which no ensemble is taken."""
 
-_WHOLE = ("sites", "initial_area", "final_area", "relaxed_area")
-"""Numbers that count sites."""
+_COUNTS = ("area", "yielding_area", "patches", "largest_patch_size", "births", "deaths", "merges", "splits")
+"""Quantities that count sites or patches."""
 
 
 _SCALARS = {
@@ -198,7 +198,8 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
         rows = dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
     else:
         rows = pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
-    return rows.astype({name: "Int64" for name in _WHOLE if name in rows})
+    counts = {f"{when}_{name}" for when in _WHEN for name in _COUNTS} | {"sites"}
+    return rows.astype({name: "Int64" for name in rows if name in counts})
 
 
 def with_ends(dataset: xr.Dataset) -> xr.Dataset:
