@@ -11,6 +11,7 @@ from asperity.contact.mechanics import SpringMechanics, mechanics_of
 from asperity.contact.multigrid import loops
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.processor import Processor
+from asperity.contact.multigrid.two_fields import _relaxed
 from asperity.contact.problem import TOLERANCE, residual
 from asperity.contact.stencils import damped_power
 from asperity.lattice import Lattice
@@ -136,6 +137,28 @@ def test_steps_that_cycles_do_not_solve_are_left_to_the_fourier_solver():
     assert helped.dataset["iterations"].values[1:].min() > 0
     mixed = asp.age(contact, times, solver=Multigrid(max_cycles=1))  # some by either
     np.testing.assert_allclose(mixed.final.u0, usual.final.u0, atol=1e-4)
+
+
+@pytest.mark.parametrize(("part", "growth"), [(1.0, -2.7), (0.27, 0.5), (1.2, -0.99)])
+def test_part_of_a_correction_removes_an_error_of_one_kind(part, growth):
+    before = np.random.default_rng(0).normal(size=(5, 7)).astype(np.float32)
+    taken = _relaxed(part, before, np.float32(growth) * before)
+    assert 1.0 - taken * (1.0 - growth) / part == pytest.approx(0.0, abs=1e-5)
+
+
+def test_cycles_solve_every_step_where_the_creeping_springs_are_stiff():
+    # From one contact on; without parts of corrections 22 of these steps are left to Fourier modes.
+    heights = np.random.default_rng(0).exponential(size=(12, 12))
+    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=800.0), load=28.8)
+    steps = SpringSteps.begin(contact.system(None), Multigrid(), contact)
+    allowed, left, time, duration = 1e-4 * heights.std(), 0, 0.0, 1e-4
+    while time < 100.0:
+        steps.attempt(duration, (TOLERANCE, TOLERANCE), (allowed, allowed))
+        left += steps.by_fields is not None
+        time += duration
+        steps.accept(time)
+        duration = 0.15 * time
+    assert left == 0
 
 
 @pytest.mark.parametrize("where", [0, 1])

@@ -146,10 +146,6 @@ class StageSolver:
         e, f = (self._mean(field) for field in self.work.correction)
         return self.unit * (e - f - self.offset)
 
-    def mean_change_of_w(self) -> float:
-        """How far the step that was tried moved the mean of w."""
-        return self.unit * self._mean(self.work.correction.f)
-
     def measure(self) -> None:
         """Prepare for steps from the state as it is."""
         for field in self.work.correction:

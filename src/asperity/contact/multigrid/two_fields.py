@@ -9,7 +9,10 @@ shift = 0 under separation control; under load control the shift is unknown and 
 Only u is constrained, and only contacts are invisible to coarse grids: the cycle is that of
 `asperity.contact.multigrid.one_field`, both unknowns of a site relaxed together. Where cycles are slow,
 the correction is combined with the previous one as there, by the stationary point of the symmetric form
-that the pair makes instead of the lowest energy.
+that the pair makes instead of the lowest energy. That form is indefinite, and crowded contacts can make
+corrections too large, so that they hardly fall or grow: from then on the part of each that is taken follows
+from how the last part changed it (B. M. Irons, R. C. Tuck, Int. J. Numer. Methods Eng. 1, 275 (1969),
+DOI 10.1002/nme.1620010306).
 
 All this happens to a correction (e, f) of the pair, in single precision and in units in which k0 = 1.
 """
@@ -23,7 +26,7 @@ import numpy as np
 
 from asperity.contact.arrays import largest
 from asperity.contact.multigrid.grids import Hierarchy
-from asperity.contact.multigrid.loops import Measured, Moves, Pair, Sites, Springs, Surface, Two
+from asperity.contact.multigrid.loops import Measured, Moves, Pair, Single, Sites, Springs, Surface, Two
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
@@ -32,6 +35,12 @@ from asperity.lattice import Field
 
 _SLOW = 0.4
 """Ratio of successive corrections above which they are combined."""
+
+_OVERSHOOTING = 0.8
+"""Ratio of successive corrections above which all later ones are taken in part."""
+
+_LEAST, _MOST = 0.1, 2.0
+"""Least and most part of a correction that is then taken."""
 
 _USUAL_RATE = 0.3
 """Ratio of successive errors expected before two are known."""
@@ -54,6 +63,10 @@ class TwoFields:
         Least e that does not penetrate, a length <= 0: minus the gap u - heights.
     shift
         The unknown shift, a length.
+    latest
+        What the coarse grids last asked of e - f, on the first of them.
+    overshooting
+        Whether a correction of this problem was hardly smaller than the one before.
     wanted
         Sum of f with which the load is carried, a length, or None where the separation is prescribed.
     known_stretch
@@ -67,8 +80,9 @@ class TwoFields:
         self.bound.fill(-np.inf)
         self.correction, self.source, self.previous = (self.pair() for _ in range(3))
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
-        self.weights, self.last_shift, self.keeping = (1.0, 0.0), 0.0, False
+        self.weights, self.last_shift, self.keeping, self.overshooting = (1.0, 0.0), 0.0, False, False
         self.wanted: float | None = None
+        self.latest: Single = np.zeros(0, np.float32)
 
     def pair(self) -> Pair:
         """Two fields of zeros."""
@@ -126,7 +140,8 @@ class TwoFields:
         """Improve the correction until the error of e - f, rms over the sites, is small enough, or rounding.
 
         A time step starts near its end, and a cycle usually divides the error by four or more; the size of
-        a change estimates the error before it, and so the one that is left.
+        a change estimates the error before it, and so the one that is left. A surface that moves as a whole
+        leaves e - f alone: what the sum of f lacks is to be a small part of the whole, too.
         """
         size = math.inf
         for cycle in range(max_cycles):
@@ -138,6 +153,8 @@ class TwoFields:
                 break
             if self.wanted is not None and found.contacts == 0:
                 continue  # something must carry the load
+            if self.wanted is None:
+                missing = self.weights[0] * self.size * float(np.mean(self.hierarchy.joined.f, dtype=float))
             good = rate * size <= max(allowed_error, _ROUNDING * far)
             if good and rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch):
                 self.descend(correcting=True, restricting=False)
@@ -203,19 +220,24 @@ class TwoFields:
         self.set_pins(contacts)
         shift = self.correct_on_grid(0, missing)
         e, f = self.hierarchy.joined
-        size = math.sqrt(float(np.mean((e - f) ** 2, dtype=float)))
+        latest, self.latest = self.latest, e - f
+        size = math.sqrt(float(np.mean(self.latest**2, dtype=float)))
         if not math.isfinite(size):
             return size, 1.0
-        self.weights = (1.0, 0.0)
+        last, self.weights = self.weights[0], (1.0, 0.0)
         if cycle == 0:
-            self.keeping, self.last_shift = False, 0.0
-        elif size > _SLOW * before:
+            self.keeping, self.last_shift, self.overshooting = False, 0.0, False
+        elif size > _SLOW * before or self.overshooting:
+            self.overshooting = self.overshooting or size > _OVERSHOOTING * before
             if not self.keeping:
                 self.keeping, self.last_shift = True, 0.0
                 for field in self.previous:
                     field.fill(0.0)
-            products = self.backend.products_2(self.equation(), self.moves())
-            self.weights = self.stationary(products, shift, missing)
+            if self.overshooting:
+                self.weights = (_relaxed(last, latest, self.latest), 0.0)
+            else:
+                products = self.backend.products_2(self.equation(), self.moves())
+                self.weights = self.stationary(products, shift, missing)
         alpha, beta = self.weights
         self.last_shift = alpha * shift + beta * self.last_shift
         self.shift += self.last_shift
@@ -279,3 +301,14 @@ class TwoFields:
             return 1.0, 0.0
         alpha, beta = lowest(np.array([rd, rq, dd, dq, qq, 0.0, 0.0]), 0.0)
         return (alpha, beta) if 0.1 < alpha < 5.0 else (1.0, 0.0)
+
+
+def _relaxed(part: float, before: Single, now: Single) -> float:
+    """Part of a correction to take, from the one before and the part of it that was taken.
+
+    Taken whole, an error that changed sign and grew m times would do so again: 1 / (1 + m) of it removes it.
+    """
+    change = before - now
+    square = float(np.vdot(change, change))
+    part *= float(np.vdot(before, change)) / square if square > 0 else 1.0
+    return min(max(part, _LEAST), _MOST)
