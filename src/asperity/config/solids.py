@@ -74,6 +74,14 @@ class SolidSection(Section):
         raise NotImplementedError
 
 
+def _kept(share: float) -> float:
+    from asperity.solids.continua import LEAST_PERMANENT
+
+    if 0 < share < LEAST_PERMANENT:
+        raise ValueError(f"expected 0, or a share from {LEAST_PERMANENT:g}, got {share:g}")
+    return share
+
+
 def _given(word: str | None) -> str | None:
     """A choice, or nothing for the word none."""
     return None if word == "none" else word
@@ -274,6 +282,9 @@ class HalfSpace(Creeping, Continuum):
     temperature: Temperature | None = Field(
         default=None, description="Temperature of thermally activated creep."
     )
+    permanent: Annotated[float, Field(ge=0, le=0.99), AfterValidator(_kept)] = Field(
+        default=0.0, description="Share of the modulus that does not creep by the local law."
+    )
     apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
     hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
@@ -296,6 +307,10 @@ class HalfSpace(Creeping, Continuum):
             raise ValueError("poisson: expected none beside the contact modulus, which holds it; try young")
         if self.flow is not None and (self.branches or self.relaxation is not None):
             raise ValueError("expected branches or flow, got both")
+        if self.permanent and self.creep is None:
+            raise ValueError(
+                "permanent: expected a local law of creep beside it, got none; of branches it is the rest"
+            )
         if self.creep is not None and (self.branches or self.relaxation is not None or self.flow is not None):
             raise ValueError("expected branches, flow or creep, got two of them")
         return self
@@ -310,6 +325,7 @@ class HalfSpace(Creeping, Continuum):
             flow=self.flow,
             apparatus=self.apparatus,
             creep=self.law,
+            permanent=self.permanent,
             hardness=self.hardness,
         )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 import asperity.checks as checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.lattice_creep import LatticeCreep
@@ -26,14 +28,17 @@ def local_solver(system: System) -> LocalCreepSolver:
     if springs is not None:
         return LatticeCreep(springs, law, mechanics.lattice, system.heights, mechanics.bound)
     spectra = mechanics.spectral.spectra
-    if spectra.permanent.any() or spectra.rate.any():
+    whole, share = spectra.permanent + spectra.creeping[0], mechanics.spectral.creeping_share
+    if spectra.rate.any() or not np.allclose(
+        spectra.creeping[0].flat[1:], share * whole.flat[1:], rtol=1e-9, atol=0.0
+    ):
         raise InputError(
             "creep",
-            expected="a lattice of springs, or a solid all of whose stiffness is in series with a local law",
-            got="permanent stiffness, or other creep, beside it",
+            expected="a lattice of springs, or a solid with one share of its stiffness in series with a law",
+            got="another permanent stiffness, or other creep, beside it",
         )
     of_site = mechanics.stressed_area, mechanics.lattice, system.heights, mechanics.bound
-    return SeriesCreep(spectra.creeping[0], law, *of_site)
+    return SeriesCreep(whole, law, *of_site, share)
 
 
 def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:

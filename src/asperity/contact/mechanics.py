@@ -247,7 +247,9 @@ class SpectralMechanics(Mechanics):
         creeping = self.spectra.creeping[0]
         modes = creeping * self.lattice.forward(stretch[0])
         if self.mean_stiffness == 0 and load is not None:
-            modes.flat[0] = load * self.creeping_share
+            modes.flat[0] = load
+        if self.solid.loaded_from_afar:  # long waves are soft, and pass nothing from the one to the other
+            modes.flat[0] *= self.creeping_share
         return self.lattice.backward(modes)
 
     @property

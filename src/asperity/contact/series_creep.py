@@ -1,26 +1,36 @@
-r"""Implicit steps of local creep in series with all of an elastic solid, such as a half-space.
+r"""Implicit steps of local creep in series with an elastic solid, such as a half-space, or a share of it.
 
-All forces pass through the creeping element, so the contact forces p are the unknowns:
+The creeping springs have the share g of the stiffness K, C = g K; the rest is permanent, H = (1 - g) K. A
+step of tau from the creeping shape v0 is
 
-    C^-1 p + tau v(p / a) + v0 + X = xi   in contact,      p = 0 elsewhere, where u = C^-1 p + v0 + X > xi
+    H^-1 (p - s) + U = xi   in contact,      p = 0 elsewhere, where u = H^-1 (p - s) + U > xi
+    C^-1 s + v0 + tau v(s / a) = H^-1 (p - s)   everywhere, but for a constant
 
-with a the area of a site, v0 the creeping shape before the step, and X the rigid body, prescribed or such
-that the sum of p is the load. These are the conditions for the minimum, over p >= 0 with that sum, of
+with a the area of a site, p the contact forces, s those of the creeping springs, and U the mean of u, which
+follows from the rigid body, or is such that the sum of p is the load. These are the conditions for the
+minimum, over s and p >= 0 with that sum, of the convex
 
-    p C^-1 p / 2 + sum of tau V(p) - p (xi - v0),      V' = v,
+    s C^-1 s / 2 + (p - s) H^-1 (p - s) / 2 + sum of tau V(s) + s v0 - p xi,      V' = v.
 
-which is convex. Where the forces have an upper bound, p is that bound where the surface is below xi.
-Newton's method linearizes v; the contacts are revised as in `asperity.contact.active_set`, and the forces on
-them follow by conjugate gradients, preconditioned by (C^-1 + d)^-1 in Fourier modes between weights
-((t + d) / (t + D))^(1/2), where D is tau v' / a at each site, d its mean in the logarithm, and t the
-compliance of the shortest wave.
+Where nothing is permanent s = p, which is then the only unknown. The mean of s is g times that of p: a
+half-space is soft under long waves, so that none of the mean passes from the creeping springs to the others.
+Hence a creep of all sites by the same lowers the surface by g times as much, and the mean of the creeping
+shape is counted so. Where the forces have an upper bound, p is that bound where the surface is below xi.
+
+Newton's method linearizes v; the contacts are revised as in `asperity.contact.active_set`, and the forces
+follow by conjugate gradients, preconditioned in Fourier modes by the same operator with one drag d, between
+weights ((t + d) / (t + D))^(1/2) of s: D is tau v' / a at each site, d its mean in the logarithm, and t the
+compliance of the shortest wave. The new s is not that of the tangent, but what has the same T s + tau v(s),
+with T the compliance of a site for itself. No law overflows in that, however steep.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.local_creep import LocalState, Stage, stretches_of
@@ -28,7 +38,10 @@ from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask, Spectrum
 from asperity.solids.creep_laws import LocalCreep
 
-_MOST_REVISIONS = 400
+Fields = NDArray[Any]
+"""Forces p and s, or displacements that go with them; where nothing is permanent, one field."""
+
+_MOST_REVISIONS = 100
 """Linear problems after which a step is given up."""
 
 _MOST_ITERATIONS = 200
@@ -37,14 +50,17 @@ _MOST_ITERATIONS = 200
 _REDUCTION = 0.05
 """How far the residual of a linear problem falls before contacts and law are looked at again."""
 
-_GREATEST_RISE = 2.0
-"""Rise of a stress that a linearized law is believed for, in units of `LocalCreep.bend`."""
+_SLOW, _SHARPER, _FINEST = 0.5, 0.3, 1e-8
+"""Ratio of successive changes above which it falls by so much more, and how far at most."""
 
 _WILD = 3.0
 """Creep of a site in a step, over all that it could creep, above which its force is found for itself."""
 
-_FAINT = 1e-6
-"""Drag, relative to the largest, that a bend does not matter to."""
+_STRAIGHT = 1e-3
+"""Change of a stress, in units of `LocalCreep.bend`, for which the tangent does."""
+
+_KEPT = 0.1
+"""Part of what the tangent leaves of the force of a contact that is left at least."""
 
 _USUAL_RATE = 0.3
 """Ratio of successive errors expected before two are known."""
@@ -52,12 +68,27 @@ _USUAL_RATE = 0.3
 _UNNOTICED = 0.01
 """Change, over what is allowed, at which contacts that still change do not matter."""
 
+_LOST = 1e-3
+"""Part of the load that may lack before the last revision."""
+
 _ROUNDING = 64 * float(np.finfo(float).eps)
 """Change of the creeping shape that rounding makes, in units of the largest length."""
 
 
 class SeriesCreep:
-    """Steps above one rough surface."""
+    """Steps above one rough surface.
+
+    Parameters
+    ----------
+    stiffness
+        K; at wave vector 0 the stiffness of an apparatus, or 0.
+    law, area
+        The law of creep, and the area over which a force is its stress.
+    lattice, heights, bound
+        The sites, the rough surface, and the largest force of a site.
+    share
+        g.
+    """
 
     def __init__(
         self,
@@ -67,172 +98,288 @@ class SeriesCreep:
         lattice: Lattice,
         heights: Field,
         bound: float = math.inf,
+        share: float = 1.0,
     ) -> None:
         self.law, self.area, self.lattice, self.heights, self.bound = law, area, lattice, heights, bound
+        self.share, self.shared = share, share < 1
         self.compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
+        self.blocks = self.compliance[np.newaxis, np.newaxis]
+        if self.shared:
+            self.permanent = (1 - share) * stiffness
+            waves = self.compliance / (1 - share)
+            waves.flat[0] = 0.0
+            self.blocks = np.array([[waves, -waves], [-waves, waves / share]])
+            self.blocks[0, 0].flat[0] = self.compliance.flat[0]
         self.site_compliance = lattice.mean_over_modes(self.compliance)
 
     def stretch(self, force: Field) -> Field:
         """See `LocalCreepSolver`."""
-        return self.lattice.apply(self.compliance, force)
+        return self.lattice.apply(self.compliance, force) / self.share
 
     def velocity(self, force: Field) -> Field:
         """See `LocalCreepSolver`."""
-        return self.law.velocity(force / self.area)[0]
+        return self.shape_of(self.law.velocity(force / self.area)[0])
+
+    def shape_of(self, creep: Field) -> Field:
+        """The creeping shape of a creep of each site: its mean counts by the share."""
+        return creep - (1 - self.share) * creep.mean() if self.shared else creep
 
     def balanced(self, state: LocalState, load: float | None) -> Field:
         """See `LocalCreepSolver`."""
-        scale = 1.0 if load is None else load / float(state.force.sum())
-        return self.stretch(state.force * scale)
+        p = self.pressing(state, state.u <= self.heights, load)
+        if self.shared:
+            s = p - self.lattice.apply(self.permanent, state.u)
+            p = s + (self.share * p.mean() - s.mean())
+        return self.stretch(p)
+
+    def pressing(self, state: LocalState, touching: Mask, load: float | None) -> Field:
+        """Contact forces of a state, none of them tension, which carry the load."""
+        p = state.force
+        if self.shared:
+            p = p + self.lattice.apply(self.permanent, state.u)
+            p += state.force.mean() / self.share - p.mean()
+        p = np.where(touching, np.maximum(p, 0.0), 0.0)
+        if load is not None:
+            total, contacts = float(p.sum()), np.count_nonzero(touching)
+            p = p * (load / total) if total > 0 else touching * (load / contacts)
+        return np.minimum(p, self.bound)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """See `LocalCreepSolver`."""
-        p, touching = self.begun(stage, guess)
-        yielding = np.zeros_like(touching)
-        position = guess.position if stage.load is not None else stage.position
-        wanted = self.heights - stage.before
-        size, spent = math.inf, 0
         rounding = _ROUNDING * max(largest(self.heights, np), largest(stage.before, np))
+        allowed = max(allowed_error, rounding)
+        touching = guess.u <= self.heights + rounding
+        if stage.load is not None and not touching.any():
+            touching.flat[int(np.argmax(self.heights - guess.u))] = True
+        yielding = np.zeros_like(touching)
+        p = self.pressing(guess, touching, stage.load)
+        x = np.array([p, guess.force]) if self.shared else p[np.newaxis]
+        position = guess.position if stage.load is not None else stage.position
+        levels, wanted = self.levels(position, guess.u, p, stage.before)
+        sums, known = self.sums(stage.load)
+        size, spent, goal = math.inf, 0, _REDUCTION
         for _ in range(_MOST_REVISIONS):
-            value, slope = self.law.velocity(p / self.area)
-            stretch = self.stretch(p)
-            lacking = wanted - position - stretch
-            p, lacking, slope = self.tamed(p, lacking, stage.tau, value, slope, yielding)
-            entering = np.where(yielding, lacking < -rounding, ~touching & (lacking > rounding))
+            value, slope = self.law.velocity(x[-1] / self.area)
+            lacking = wanted - self.displaced(self.blocks, x)
+            lacking -= levels.reshape(-1, *[1] * touching.ndim)
+            x, lacking, value, slope = self.tamed(x, lacking, stage.tau, value, slope, touching, yielding)
+            creep = stage.tau * value
+            lacking[-1] -= creep
+            entering = np.where(yielding, lacking[0] < -rounding, ~touching & (lacking[0] > rounding))
             touching |= entering
             yielding &= ~entering
             if stage.load is not None and not touching.any() and yielding.any():  # one bears the rest
-                least = int(np.argmin(np.where(yielding, lacking, np.inf)))
+                least = int(np.argmin(np.where(yielding, lacking[0], np.inf)))
                 touching.flat[least], yielding.flat[least] = True, False
             drag = (stage.tau / self.area) * slope
-            missing = None if stage.load is None else stage.load - float(p.sum())
-            dp, moved, more = self.newton(lacking, drag, touching, missing)
+            missing = known - sums @ [field.sum() for field in x]
+            dx, rises, more = self.newton(lacking, drag, touching, sums, missing, goal)
             spent += more
-            # What a linear law says of a stress that rises by far is not to be believed.
-            believed = _GREATEST_RISE * np.maximum(
-                self.law.bend(p / self.area), 0.1 * largest(p, np) / self.area
-            )
-            rise = np.where(drag > _FAINT * drag.max(), self.area * believed, math.inf)
-            new = np.where(touching, p + np.minimum(dp, rise), np.where(yielding, p, 0.0))
-            leaving, above = new < 0, touching & (new > self.bound)
-            new[leaving], new[above] = 0.0, self.bound
+            new, leaving, above = self.bent(x, dx, creep, drag, stage.tau, touching)
+            new[0][yielding | above] = self.bound
             touching &= ~(leaving | above)
             yielding |= above
             if stage.load is not None and not (touching.any() or yielding.any()):
                 raise ConvergenceError("creep: no contact is left to carry the load; try a larger rtol")
-            change = -self.stretch(new - p) - moved
-            change[~touching] = 0.0
-            p, position = new, position + moved
+            change = self.change(new - x, rises[0], touching)
+            x, levels = new, levels + rises
             before, size = size, float(np.sqrt(np.mean(change * change)))
             if not math.isfinite(size):
                 break
+            if size > _SLOW * before:
+                goal = max(_SHARPER * goal, _FINEST)
             rate = min(max(size / before, 0.1), 0.9) if 0 < before < math.inf else _USUAL_RATE
-            allowed = max(allowed_error, rounding)
             settled = not (entering.any() or leaving.any() or above.any()) or size <= _UNNOTICED * allowed
-            if settled and rate * size <= allowed:
-                u = np.where(touching, self.heights, stage.before + position + self.stretch(p))
-                np.maximum(u, self.heights, out=u, where=~yielding)
-                if yielding.any():
-                    u[yielding] += stage.tau * self.law.velocity(p[yielding] / self.area)[0]
-                return LocalState(u, p, position), spent
+            carried = stage.load is None or abs(missing[0]) <= _LOST * stage.load
+            if settled and carried and rate * size <= allowed:
+                return self.state(stage, x, levels, touching, yielding), spent
         raise ConvergenceError(
             f"creep: a step of {stage.tau:.1e} changes by {size:.1e} after {_MOST_REVISIONS} revisions, "
             f"expected {allowed_error:.1e}; try a larger rtol"
         )
 
-    def begun(self, stage: Stage, guess: LocalState) -> tuple[Field, Mask]:
-        """Forces that carry the load, near those of a guess, and their contacts."""
-        touching = guess.u <= self.heights
-        p = np.where(touching, np.maximum(guess.force, 0.0), 0.0)
-        if stage.load is not None:
-            if not touching.any():
-                touching.flat[int(np.argmax(self.heights - guess.u))] = True
-            total, contacts = float(p.sum()), np.count_nonzero(touching)
-            p = p * (stage.load / total) if total > 0 else touching * (stage.load / contacts)
-        return np.minimum(p, self.bound), touching
+    def levels(self, position: float, u: Field, p: Field, before: Field) -> tuple[Fields, Fields]:
+        """What the sides of the module's equations may differ by, evenly; and their right-hand sides.
+
+        That is X, or U less what an apparatus yields, and minus the mean creep of this step.
+        """
+        if not self.shared:
+            return np.array([position]), (self.heights - before)[np.newaxis]
+        level, mean = float(u.mean() - self.compliance.flat[0] * p.mean()), float(before.mean())
+        levels = np.array([level, (position + mean - level) / self.share])
+        return levels, np.array([self.heights, mean - before])
+
+    def displaced(self, blocks: Fields, x: Fields) -> Fields:
+        """Fields by a symmetric matrix of spectra."""
+        modes = np.einsum("ab...,b...->a...", blocks, self.lattice.forward(x))
+        return self.lattice.backward(modes, overwrite=True)
+
+    def sums(self, load: float | None) -> tuple[Fields, Fields]:
+        """Sums of p and s that are known: how much each counts in them, by rows, and what they are."""
+        if load is not None:
+            return np.eye(len(self.blocks)), load * np.array([1.0, self.share])[: len(self.blocks)]
+        return np.array([[-self.share, 1.0]])[: self.shared, : len(self.blocks)], np.zeros(int(self.shared))
 
     def tamed(
-        self, p: Field, lacking: Field, tau: float, value: Field, slope: Field, yielding: Mask
-    ) -> tuple[Field, Field, Field]:
-        """Forces where the law overshoots, each for itself; what then lacks, and the derivatives."""
-        own = self.site_compliance
-        wanted = np.maximum(lacking + own * p, 0.0)
-        wild = (tau * value > _WILD * wanted) & ~yielding
+        self, x: Fields, lacking: Fields, tau: float, value: Field, slope: Field, touching: Mask, held: Mask
+    ) -> tuple[Fields, Fields, Field, Field]:
+        """Forces where the law overshoots, each for itself; what then lacks, the rate and its derivative."""
+        s, own = x[-1], self.site_compliances(touching)
+        wanted = lacking[-1] + own * s
+        if not self.shared:
+            np.maximum(wanted, 0.0, out=wanted)
+        wild = tau * np.abs(value) > _WILD * np.maximum(np.abs(wanted), own * np.abs(s))
+        if not self.shared:
+            wild &= ~held
         if wild.any():
-            calm = p.copy()
-            calm[wild] = stretches_of(self.law, own, tau, 1 / self.area, wanted[wild], p[wild])
-            value, slope = self.law.velocity(calm / self.area)
-            lacking, p = lacking - self.stretch(calm - p), calm
-        return p, lacking - tau * value, slope
+            calm = x.copy()
+            found = stretches_of(self.law, own[wild], tau, 1 / self.area, wanted[wild], s[wild])
+            self.replace(calm, wild, found, touching)
+            value, slope = self.law.velocity(calm[-1] / self.area)
+            lacking, x = lacking - self.displaced(self.blocks, calm - x), calm
+        return x, lacking, value, slope
+
+    def bent(
+        self, x: Fields, dx: Fields, creep: Field, drag: Field, tau: float, touching: Mask
+    ) -> tuple[Fields, Mask, Mask]:
+        """Forces by the law rather than by its tangent; contacts that leave, and those that yield."""
+        new, s, own = x + dx, x[-1], self.site_compliances(touching)
+        leaving = touching & (new[0] < 0)
+        if self.shared:  # s for itself takes up as much of what p is not to be
+            new[1][leaving] -= self.share * new[0][leaving]
+        new[0][leaving | ~touching] = 0.0
+        ds = new[-1] - s
+        bent = np.abs(ds) > _STRAIGHT * self.area * self.law.bend(s / self.area)
+        if not self.shared:
+            bent &= touching & ~leaving
+        wanted = own[bent] * new[-1][bent] + creep[bent] + drag[bent] * ds[bent]
+        if not self.shared:
+            np.maximum(wanted, _KEPT * own[bent] * new[0][bent], out=wanted)
+        found = stretches_of(self.law, own[bent], tau, 1 / self.area, wanted, s[bent])
+        self.replace(new, bent, found, touching & ~leaving)
+        return new, leaving, touching & (new[0] > self.bound)
+
+    def site_compliances(self, touching: Mask) -> Field:
+        """Compliance of a site for itself: in contact p goes with s, which leaves the surface where it is."""
+        whole = self.site_compliance / self.share
+        return np.where(touching, whole, whole / (1 - self.share) if self.shared else whole)
+
+    def replace(self, x: Fields, sites: Mask, s: Field, touching: Mask) -> None:
+        """Put other forces s at some sites; in contact, the same is added to p, of which a part is left."""
+        if self.shared:
+            p = x[0][sites]
+            x[0][sites] = np.where(touching[sites], np.maximum(p + s - x[1][sites], _KEPT * p), p)
+        x[-1][sites] = s
+
+    def change(self, dx: Fields, rise: float, touching: Mask) -> Field:
+        """How the creeping shape changes with the forces, the surface staying in contact."""
+        if not self.shared:
+            return np.where(touching, -self.stretch(dx[0]) - rise, 0.0)
+        change = np.where(touching, 0.0, self.displaced(self.blocks[:1], dx)[0] + rise) - self.stretch(dx[1])
+        return np.asarray(change - change.mean())
+
+    def state(self, stage: Stage, x: Fields, levels: Fields, touching: Mask, yielding: Mask) -> LocalState:
+        """The state of forces that were found."""
+        u = self.displaced(self.blocks[:1], x)[0] + levels[0]
+        position = float(levels[0])
+        if not self.shared:
+            u += stage.before
+            u[yielding] += stage.tau * self.law.velocity(x[0][yielding] / self.area)[0]
+        elif stage.load is None:
+            position = stage.position
+        else:
+            position += float(self.share * levels[1] - stage.before.mean())
+        u[touching] = self.heights[touching]
+        np.maximum(u, self.heights, out=u, where=~yielding)
+        return LocalState(u, x[-1], position)
 
     def newton(
-        self, lacking: Field, drag: Field, touching: Mask, missing: float | None, goal: float = _REDUCTION
-    ) -> tuple[Field, float, int]:
-        """Forces dp on the contacts and a rise of the body with C^-1 dp + drag dp + rise = lacking.
+        self,
+        lacking: Fields,
+        drag: Field,
+        touching: Mask,
+        sums: Fields,
+        missing: Fields,
+        goal: float = _REDUCTION,
+    ) -> tuple[Fields, Fields, int]:
+        """Changes dx of the forces, of p on the contacts, that make up what is lacking by the law's tangent.
 
-        Where the load is prescribed, dp adds up to ``missing``; else the body stays.
+        They make up what the sums are missing too. Next, how the levels rise; iterations.
         """
         if not touching.any():
-            return np.zeros_like(lacking), 0.0, 0
-        contacts = np.count_nonzero(touching)
-        rough = float(self.compliance[self.compliance > 0].min())
-        inside = drag[touching]
-        mean = math.exp(float(np.mean(np.log(rough + inside)))) - rough
-        weight = np.where(touching, np.sqrt((rough + mean) / (rough + drag)), 0.0)
-        spectrum = self.compliance + max(mean, 1e-12 * rough)
-        if missing is not None:
-            spectrum.flat[0] = spectrum.flat[1:].max()
-        spectrum = 1.0 / spectrum
+            return np.zeros_like(lacking), np.zeros(len(lacking)), 0
+        free = np.ones(lacking.shape, dtype=bool)
+        free[0] = touching
+        rough = self.blocks[-1, -1]
+        least = float(rough[rough > 0].min())
+        mean = math.exp(float(np.mean(np.log(least + drag[free[-1]])))) - least
+        mean = max(mean, 1e-12 * least)
+        weight = free.astype(float)
+        weight[-1] *= np.sqrt((least + mean) / (least + drag))
+        inverse = self.inverse(mean, len(sums) == len(lacking))
+        even = [free * one.reshape(-1, *[1] * touching.ndim) for one in sums]
+        spread = [weight * self.displaced(inverse, weight * one) for one in even]
+        gram = [[inner(one, other, np) for other in spread] for one in even]
 
-        def conditioned(x: Field) -> Field:
-            return weight * self.lattice.apply(spectrum, weight * x)
+        def projected(y: Fields) -> Fields:
+            """The preconditioned residual, which changes no sum."""
+            z = weight * self.displaced(inverse, weight * y)
+            return z - combined([inner(one, z, np) for one in even]) if even else z
 
-        dp = np.zeros_like(lacking)
-        if missing is not None:
-            dp[touching] = missing / contacts
-        residual = np.where(touching, lacking - self.stretch(dp) - drag * dp, 0.0)
-        spread = conditioned(touching.astype(float))
-        norm = None
+        def combined(amounts: Any) -> Fields:
+            parts = zip(np.linalg.solve(gram, amounts), spread, strict=True)
+            return sum((part * one for part, one in parts), start=np.zeros_like(lacking))
 
-        def projected(x: Field) -> Field:
-            """The preconditioned residual that adds up to nothing."""
-            z = conditioned(x)
-            if missing is not None:
-                z -= (float(z.sum()) / float(spread.sum())) * spread
-            return z
+        def applied(y: Fields) -> Fields:
+            out = self.displaced(self.blocks, y)
+            out[-1] += drag * y[-1]
+            out *= free
+            return out
 
-        z = projected(residual)
-        slope = inner(residual, z, np)
-        direction, iterations = z, 0
-        while iterations < _MOST_ITERATIONS:
+        dx, residual = np.zeros_like(lacking), lacking * free
+        if missing.any():
+            dx = combined(missing)
+            residual -= applied(dx)
+        z = direction = projected(residual)
+        slope = first = inner(residual, z, np)
+        iterations = 0
+        while iterations < _MOST_ITERATIONS and slope > goal**2 * first:
             iterations += 1
-            if not slope > 0:
-                break
-            norm = norm or slope
-            change = np.where(touching, self.stretch(direction) + drag * direction, 0.0)
+            change = applied(direction)
             curvature = inner(direction, change, np)
             if not curvature > 0:
                 break
             length = slope / curvature
-            dp += length * direction
+            dx += length * direction
             residual -= length * change
             z = projected(residual)
             slope, previous = inner(residual, z, np), slope
-            if not slope > goal**2 * norm:
-                break
             direction = z + (slope / previous) * direction
-        moved = 0.0
-        if missing is not None:
-            # What the constraint leaves is even: the rise of the body, by the weights of the preconditioner.
-            moved = float(np.sum(residual * spread)) / float(np.sum(spread))
-        return dp, moved, iterations
+        left = np.linalg.solve(gram, [inner(one, residual, np) for one in spread]) if even else np.empty(0)
+        return dx, left @ sums, iterations
+
+    def inverse(self, drag: float, free_mean: bool) -> Fields:
+        """Inverse of the compliance with one drag, at each wave vector."""
+        blocks = self.blocks.copy()
+        for n in range(len(blocks)):
+            if free_mean or n == 1:  # sums see to the means
+                blocks[n, n].flat[0] = blocks[n, n].flat[1:].max()
+        blocks[-1, -1] += drag
+        if not self.shared:
+            return np.asarray(1.0 / blocks)
+        (a, b), (_, d) = blocks
+        return np.asarray(np.array([[d, -b], [-b, a]]) / (a * d - b * b))
 
     def damped(self, error: Field, stage: Stage, end: LocalState) -> Field:
         """See `LocalCreepSolver`."""
-        touching = (end.force > 0) & (end.force < self.bound)
         _, slope = self.law.velocity(end.force / self.area)
         drag = (stage.tau / self.area) * slope
-        missing = None if stage.load is None else 0.0
-        dp, _, _ = self.newton(np.where(touching, -error, 0.0), drag, touching, missing)
-        return error + np.where(touching, drag * dp, 0.0)
+        lacking = np.zeros((len(self.blocks), *error.shape))
+        lacking[-1] = -error
+        if self.shared:
+            lacking[1] += error.mean()
+            lacking[0] -= error.mean()
+        sums, known = self.sums(stage.load)
+        dx, _, _ = self.newton(lacking, drag, end.u == self.heights, sums, 0.0 * known)
+        return error + self.shape_of(drag * dx[-1])

@@ -24,6 +24,9 @@ from asperity.solids.solid import CreepBranch, Parameters, Solid
 
 Branches = Sequence[tuple[float, float | str]]
 
+LEAST_PERMANENT = 0.02
+"""Least share above 0 that may stand beside a local law: steps with less take too many iterations."""
+
 
 def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[float]) -> float:
     r"""Contact modulus E* of two elastic bodies: 1/E* = sum of (1 - nu^2) / E.
@@ -66,6 +69,7 @@ def half_space(
     flow: tuple[float, float] | None = None,
     apparatus: float | str | None = None,
     creep: LocalCreep | None = None,
+    permanent: float = 0.0,
     hardness: float | str | None = None,
 ) -> Solid:
     r"""Build a half-space that is elastic, viscoelastic, or creeps by a mechanism of its surface.
@@ -93,8 +97,11 @@ def half_space(
         `math.inf`. With it the position of the machine can be prescribed (``separation=``). Infinite stands
         for 1e4 times the largest stiffness of a mode.
     creep
-        Instead of branches: a local law of creep in series with all of the stiffness, such as `Eyring`. Each
-        site yields with the velocity v(p) under its own pressure p.
+        Instead of branches: a local law of creep, such as `Eyring`, in series with the stiffness C. Each site
+        yields with the velocity v(s) under the pressure s that C has there.
+    permanent
+        Share of the modulus beside that law, 0 or from 0.02 to 0.99: H = permanent K, C = (1 - permanent) K.
+        If it is 0, s is the contact pressure.
     hardness
         Pressure under which the rough surface yields; see `asperity.solids.Solid.with_hardness`.
 
@@ -121,13 +128,26 @@ def half_space(
     apparatus = checked_apparatus(apparatus)
     law = WaveNumberSpectrum(modulus / 2)
     parameters = {"modulus": modulus}
+    permanent = checks.number("permanent", permanent, least=0, most=0.99)
+    if 0 < permanent < LEAST_PERMANENT:
+        expected = f"0, or a share from {LEAST_PERMANENT:g} to 0.99"
+        raise InputError("permanent", expected=expected, got=f"{permanent:g}")
+    if permanent and creep is None:
+        raise InputError(
+            "permanent",
+            expected="a law of creep beside it",
+            got="none",
+            advice="branches, whose rest is permanent",
+        )
     if creep is not None:
         if branches or flow is not None:
             raise InputError("creep", expected="no branches and no flow beside it", got="both")
+        creeping = Scaled(law, 1 - permanent) if permanent else law
+        kept = {"permanent": permanent} if permanent else {}
         return Solid(
-            permanent=Scaled(law, 0.0),
-            branches=(CreepBranch(_mounted(law, law, apparatus), LaplacianSpectrum()),),
-            parameters={**parameters, **checked_law(creep).parameters, **_named(apparatus)},
+            permanent=Scaled(law, permanent),
+            branches=(CreepBranch(_mounted(creeping, law, apparatus), LaplacianSpectrum()),),
+            parameters={**parameters, **checked_law(creep).parameters, **kept, **_named(apparatus)},
             loaded_from_afar=True,
             in_lengths=True,
             creep=creep,
