@@ -10,7 +10,7 @@ is pinned more strongly, and yields over shorter distances. So long waves are sp
 are coarser by four and by four again (R, which keeps the long modes), and weighted there by
 W = 1 / (1 + 10 rho) with rho the density of contacts around a site. s_k falls with k, from the stiffness of
 the shortest wave that level k + 1 holds down to sigma, so that each bracket and with them M is positive. A
-level whose every wave is softer than a few sigma is left out: there sigma alone decides.
+further level whose waves are all softer than a few sigma is left out: there sigma alone decides.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _COARSEST = 15
 """Smallest length of a coarse lattice, sites."""
 
 _PINNED = 3.0
-"""Least stiffness of the shortest wave of a level, over the pinning sigma."""
+"""Least stiffness of the shortest wave of a second level, or a further one, over the pinning sigma."""
 
 _CROWDING = 10.0
 """How fast the weight W falls with the density rho of contacts, 1."""
@@ -151,7 +151,7 @@ class FreeSites:
         cuts: list[float] = []
         for coarse in _coarse_lattices(lattice):
             cut = _stiffness_of_waves(spectrum, coarse) - longest
-            if cut > _PINNED * pinning:
+            if cut > (_PINNED if lattices else 1.0) * pinning:
                 lattices.append(coarse)
                 cuts.append(min([cut, *cuts[-1:]]))
         cuts = [cut / unit for cut in (*cuts, pinning)]
