@@ -27,6 +27,9 @@ def release_rows(data):
         found = f"{row.value:.3f} [{row.low:.3f}, {row.high:.3f}]"
         what = found if row.measured == "slope" else f"{row.value:.0%} have a maximum"
         yield f"| `{row.solid}` | {row.move:g} | {what} | {' | '.join(said)} | {row.runs} | {row.verdict} |"
+    for row in pd.read_csv(data / "waits.csv").itertuples():
+        found = f"{row.slope:.3f} [{row.low:.3f}, {row.high:.3f}]"
+        yield f"| {row.side} × {row.side} | {row[2]:g} to {row.to:g} | {found} | {row.runs} |"
 
 
 def interval(row, name, digits=2):
