@@ -64,6 +64,9 @@ _MANY_STEPS = 4.0
 Near rest rounding in single precision, and what cycles leave, can look like errors of steps.
 """
 
+_MANY_FORGOTTEN = 1.5
+"""The same where creep forgets errors before a state is published, which `FieldSteps` sees."""
+
 _MOST_REJECTIONS = 50
 """Rejections in a row after which a step is not going to succeed."""
 
@@ -392,9 +395,13 @@ class _March:
             self.prepare(length)
             unnoticed = UNNOTICED * self.tolerance * self.deformation
             taken = (self.steps + self.rejected - begun) * self.tolerance ** (1 / 3)
-            if taken > _MANY_STEPS and isinstance(self.now, SpringSteps):
+            published = self.published(stop)
+            many = _MANY_FORGOTTEN if published > self.now.time else _MANY_STEPS
+            if taken > many and isinstance(self.now, SpringSteps):
                 self.now = FieldSteps.going_on(self.now)
                 begun, since = self.steps + self.rejected, self.now.time
+            if isinstance(self.now, FieldSteps):
+                self.now.published = published
             stuck = taken > _MOST_STEPS
             if stuck or not (landing or self.now.time + length > self.now.time):
                 raise ConvergenceError(
@@ -426,6 +433,14 @@ class _March:
     def longest(self) -> float:
         """Longest next time step."""
         return self.length
+
+    def published(self, stop: float) -> float:
+        """Time of the next state that matters.
+
+        Every one does where the load changes, where what has yielded stays so, and where the mean creeps.
+        """
+        system = self.system
+        return self.now.time if system.control.rate or system.yields or system.free_mean else stop
 
     def prepare(self, length: float) -> None:
         """Prescribe what is to be during the next time step."""
@@ -494,6 +509,11 @@ class _MarchAtConstantArea(_March):
     def longest(self) -> float:
         """See `_March`."""
         return min(self.length, self.area.longest())
+
+    def published(self, stop: float) -> float:
+        """See `_March`; the contacts of every state set the load of the next step."""
+        del stop
+        return self.now.time
 
     def prepare(self, length: float) -> None:
         """See `_March`."""
