@@ -217,7 +217,7 @@ def test_ramps_converge_at_second_order(kind, control):
         for index in range(steps):
             now.attempt(1.0 / steps, (TOLERANCE, TOLERANCE), (1e-9, 1e-9))
             now.accept((index + 1) / steps)
-        u, (stretch,), _ = now.state()
+        u, (stretch,), *_ = now.state()
         return u - stretch - (u - stretch).mean()
 
     exact = shape_after(512)

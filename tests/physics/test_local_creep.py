@@ -133,7 +133,7 @@ def test_equal_steps_converge_at_second_order(hold):
         for number in range(1, count + 1):
             steps.attempt(0.5 / count, (1e-9, 1e-9), (1e-12, 1e-12))
             steps.accept(0.5 * number / count)
-        u, (stretch,), _ = steps.state()
+        u, (stretch,), *_ = steps.state()
         return u - stretch
 
     exact = end(512)

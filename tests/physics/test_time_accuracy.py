@@ -67,7 +67,7 @@ def end_of_steps(steps, contact, control, end, count):
         state.attempt(end / count, (TOLERANCE, TOLERANCE), (1e-8, 1e-8))
         others += getattr(state, "by_fields", None) is not None
         state.accept(end * number / count)
-    u, (stretch,), _ = state.state()
+    u, (stretch,), *_ = state.state()
     return (u - stretch).ravel() + system.datum, others
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.lattice import Lattice
 from tests.surfaces import correlated
 
 P = asp.protocols
@@ -215,3 +216,17 @@ def test_a_history_takes_few_iterations_and_keeps_its_areas(branches, exact):
     assert int(usual["iterations"][1:].sum()) < 9 * problems
     assert float(usual["residual"][1:].max()) < 1e-13
     np.testing.assert_allclose(usual["area"], strict["area"], rtol=5e-3, atol=1)
+
+
+@pytest.mark.parametrize("exact", [True, False], ids=["exact", "march"])
+def test_the_energy_is_that_of_the_published_fields(exact):
+    lattice = Lattice((64, 64))
+    contact = asp.press(rough(), asp.solids.half_space(modulus=1.0, branches=TWELVE), load=100.0)
+    final = asp.age(contact, [1.0, 10.0], exact=exact).final
+    stiffness, permanent = lattice.wave_number / 2, 1.0 - sum(share for share, _ in TWELVE)
+    parts = [
+        (permanent, final.u),
+        *((g, final.u - v) for (g, _), v in zip(TWELVE, final.anchors, strict=True)),
+    ]
+    energy = sum(share * np.sum(field * lattice.apply(stiffness, field)) / 2 for share, field in parts)
+    assert final.energy == pytest.approx(energy, rel=1e-11)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.spring_steps import extrapolation
-from asperity.aging.tr_bdf2 import DIAGONAL, ERROR_WEIGHTS, WEIGHT, Attempt, Extent, rms
+from asperity.aging.tr_bdf2 import DIAGONAL, ERROR_WEIGHTS, WEIGHT, Attempt, Extent, State, rms
 from asperity.contact.arrays import largest
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
@@ -113,11 +113,11 @@ class LocalSteps:
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.tried.u <= self.system.heights))
 
-    def state(self) -> tuple[Field, Field, float]:
+    def state(self) -> State:
         """See `Steps`."""
         now = self.moments[0].state
         stretch = self.solver.balanced(now, self.system.at(self.time).load)
-        return now.u, stretch[np.newaxis], float(now.u.mean() - stretch.mean())
+        return State(now.u, stretch[np.newaxis], float(now.u.mean() - stretch.mean()))
 
     def extent(self) -> Extent:
         """How large the deformation is."""

@@ -349,10 +349,10 @@ class _March:
 
     def frame(self, start: Contact) -> Frame:
         """Publish the present state."""
-        system, (u, stretch, position) = self.system.at(self.now.time), self.now.state()
+        system, (u, stretch, position, energy) = self.system.at(self.now.time), self.now.state()
         stretch = system.balanced_stretch(u, stretch)
         solution = Solution(u, u <= system.heights, self.iterations, 0)
-        state = start.become(system, solution, u - stretch, position)
+        state = start.become(system, solution, u - stretch, position, energy)
         approach = self.approach(state.separation)
         exact = isinstance(self.now, SeparableSteps)
         counts = (self.steps, self.rejected, self.iterations)

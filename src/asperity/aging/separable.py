@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.aging.tr_bdf2 import Attempt, Extent
+from asperity.aging.tr_bdf2 import Attempt, Extent, State
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
@@ -150,7 +150,7 @@ class SeparableSteps:
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.tried[0] <= self.system.heights))
 
-    def state(self) -> tuple[Field, Field, float]:
+    def state(self) -> State:
         """See `Steps`."""
         mechanics, load = self.system.mechanics, self.system.at(self.time).load
         lattice, hanging = mechanics.lattice, mechanics.hanging
@@ -163,10 +163,11 @@ class SeparableSteps:
         else:
             drop = load / float(hanging[0]) if hanging[0] > 0 else 0.0
         position = float(self.u.mean()) - drop / self.system.sites
+        held, touching = self.system.at(self.time).held(position), self.u <= self.system.heights
         if self.eager:
-            held, touching = self.system.at(self.time).held(position), self.u <= self.system.heights
             stretch = mechanics.spectral.balanced_modes(self.modes, stretch, touching, held)
-        return self.u, lattice.backward(stretch), position
+        energy = mechanics.spectral.energy_of_modes(self.modes, stretch, held)
+        return State(self.u, lattice.backward(stretch), position, energy)
 
     def extent(self) -> Extent:
         """How large the deformation is."""

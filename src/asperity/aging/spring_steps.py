@@ -21,6 +21,7 @@ from asperity.aging.tr_bdf2 import (
     Attempt,
     Extent,
     Point,
+    State,
     Step,
     rms,
     take_step,
@@ -30,7 +31,6 @@ from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid, StageSolver
 from asperity.contact.state import Contact
 from asperity.contact.system import System
-from asperity.lattice import Field
 
 _LARGEST_WEIGHTS = 12.0
 """Largest sum of the magnitudes of the weights of an extrapolation: the factor on errors of the values."""
@@ -88,14 +88,14 @@ class SpringSteps:
             return int(np.count_nonzero(self.by_fields.end.u <= self.system.heights))
         return self.stages.contacts_tried
 
-    def state(self) -> tuple[Field, Field, float]:
+    def state(self) -> State:
         """See `Steps`; the mean of w is exact: what creep conserves must not drift."""
         u, w = self.stages.u, self.stages.w
         mean = self.system.at(self.time).mean_stretch
         if mean is None:
             mean = float(u.mean()) - self.mean_u0
         stretch = w + (mean - float(w.mean()))
-        return u, stretch[np.newaxis], self.mean_u0
+        return State(u, stretch[np.newaxis], self.mean_u0)
 
     def extent(self) -> Extent:
         """How large the deformation is."""
@@ -115,7 +115,7 @@ class SpringSteps:
             done, cycles, error = self._attempt(duration, allowed_errors)
             if done:
                 return Attempt(error, cycles)
-        point = Point.of(self.system, self.time, *self.state())
+        point = Point.of(self.system, self.time, *self.state()[:3])
         step = take_step(self.system, ActiveSet(), duration, point, None, tolerances=tolerances)
         self.by_fields = step
         return Attempt(step.error, cycles + step.iterations)

@@ -29,7 +29,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -299,6 +299,15 @@ class Extent:
     largest: float
 
 
+class State(NamedTuple):
+    """A state to publish: u, the stretches w_b, the position of the rigid body; the energy, if known."""
+
+    u: Field
+    stretch: Field
+    position: float
+    energy: float | None = None
+
+
 class Steps(Protocol):
     """A creeping state that takes time steps; fields relative to the system's datum."""
 
@@ -313,8 +322,8 @@ class Steps(Protocol):
         """Number of sites in contact at the end of the time step that was tried."""
         ...
 
-    def state(self) -> tuple[Field, Field, float]:
-        """U, the stretches w_b = u - u_b, not to be changed, and the position of the rigid body."""
+    def state(self) -> State:
+        """What is to be published; not to be changed."""
         ...
 
     def extent(self) -> Extent:
@@ -378,7 +387,7 @@ class FieldSteps:
     @classmethod
     def going_on(cls, steps: Steps) -> FieldSteps:
         """Where other steps have come to."""
-        point = Point.of(steps.system, steps.time, *steps.state())
+        point = Point.of(steps.system, steps.time, *steps.state()[:3])
         return cls(steps.system, ActiveSet(), _arrays(point))
 
     @property
@@ -390,14 +399,16 @@ class FieldSteps:
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.end.u <= self.system.heights))
 
-    def state(self) -> tuple[Field, Field, float]:
+    def state(self) -> State:
         """See `Steps`."""
-        point, mechanics, stretch = self.point, self.system.mechanics, self.point.stretch
+        point, mechanics, stretch, energy = self.point, self.system.mechanics, self.point.stretch, None
+        held = self.system.at(point.time).held(point.position)
         if self.eager:
-            held = self.system.at(point.time).held(point.position)
             touching = point.u <= self.system.heights
             stretch = mechanics.spectral.balanced_modes(point.modes, stretch, touching, held)
-        return point.u, mechanics.lattice.backward(stretch), point.position
+        if isinstance(mechanics, SpectralMechanics):
+            energy = mechanics.energy_of_modes(point.modes, stretch, held)
+        return State(point.u, mechanics.lattice.backward(stretch), point.position, energy)
 
     def extent(self) -> Extent:
         """How large the deformation is."""

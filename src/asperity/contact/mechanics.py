@@ -26,6 +26,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import final
@@ -40,6 +41,11 @@ from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
 
 _LEAST_CREEPING_SHARE = 1e-2
 """Least share of creeping branches in the stiffness with which anchors take up forces."""
+
+_ALIKE = 1e-13
+"""How nearly the stiffnesses of branches are to be multiples of each other."""
+
+_LEAST = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
@@ -155,10 +161,6 @@ class Mechanics(ABC):
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """Elastic energy 1/2 sum_q [ H |u|^2 + sum of C_b |w_b|^2 ]."""
 
-    def force_and_energy(self, u: Field, stretch: Field, held: Prescribed) -> tuple[Field, float]:
-        """Both at once."""
-        return self.force(u, stretch, held), self.energy(u, stretch, held)
-
     @abstractmethod
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is.
@@ -218,29 +220,44 @@ class SpectralMechanics(Mechanics):
         return SpectralStep(self, tau)
 
     def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
-        """See `Mechanics`."""
-        return self.force_and_energy(u, stretch, held)[0]
-
-    def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
-        """See `Mechanics`."""
-        return self.force_and_energy(u, stretch, held)[1]
-
-    def force_and_energy(self, u: Field, stretch: Field, held: Prescribed) -> tuple[Field, float]:
-        """See `Mechanics`; both need the same transforms, one for each branch."""
-        lattice, spectra = self.lattice, self.spectra
-        modes = lattice.forward(u)
-        force = spectra.permanent * modes
+        """See `Mechanics`; branches alike but for a factor are transformed as one."""
+        lattice, creeping = self.lattice, self.spectra.creeping
+        if self.shares is not None:
+            creeping = creeping.sum(axis=0, keepdims=True)
+            stretch = np.einsum("b,b...->...", self.shares, stretch)[np.newaxis]
+        force = self.spectra.permanent * lattice.forward(u)
         force.flat[0] -= self.hanging[0] * lattice.sites * held.position
-        modes.flat[0] -= lattice.sites * held.position
-        density = spectra.permanent * np.abs(modes) ** 2
-        for stiffness, w in zip(spectra.creeping, stretch, strict=True):
+        for stiffness, w in zip(creeping, stretch, strict=True):
             modes = lattice.forward(w)
-            density += stiffness * np.abs(modes) ** 2
             modes *= stiffness
             force += modes
         if self.mean_stiffness == 0 and held.load is not None:
             force.flat[0] = held.load
-        return lattice.backward(force, overwrite=True), lattice.mean_over_modes(density) / 2
+        return lattice.backward(force, overwrite=True)
+
+    def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
+        """See `Mechanics`."""
+        return self.energy_of_modes(self.lattice.forward(u), map(self.lattice.forward, stretch), held)
+
+    def energy_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> float:
+        """The same from Fourier modes."""
+        density = self.spectra.permanent * np.abs(u) ** 2
+        density.flat[0] = self.hanging[0] * abs(u.flat[0] - self.lattice.sites * held.position) ** 2
+        for stiffness, w in zip(self.spectra.creeping, stretch, strict=True):
+            density += stiffness * np.abs(w) ** 2
+        return self.lattice.mean_over_modes(density) / 2
+
+    @cached_property
+    def shares(self) -> Field | None:
+        """C_b over their sum, if those of several branches are the same at every wave vector."""
+        if self.branches < 2:
+            return None
+        creeping = self.spectra.creeping
+        total = creeping.sum(axis=0)
+        shares = creeping.reshape(self.branches, -1)[:, total.argmax()] / max(total.max(), _LEAST)
+        parts = zip(creeping, shares, strict=True)
+        alike = all(np.allclose(part, share * total, rtol=_ALIKE, atol=0.0) for part, share in parts)
+        return shares if alike else None
 
     def creeping_force(self, stretch: Field, load: float | None) -> Field:
         """See `Mechanics`."""
@@ -353,19 +370,25 @@ class SpectralStep(ImplicitStep):
     @cached_property
     def load_controlled_stiffness(self) -> Spectrum:
         """S where the load is prescribed: 0 at wave vector 0."""
-        stiffness = self.stiffness.copy()
-        stiffness.flat[0] = 0.0
+        stiffness = self.stiffness
+        if stiffness.flat[0] != 0:
+            stiffness = stiffness.copy()
+            stiffness.flat[0] = 0.0
         return stiffness
 
     def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpectralProblem:
         """See `ImplicitStep`."""
-        return self.problem_of_modes(heights, self._modes(anchors), held)
+        if isinstance(anchors, np.ndarray):
+            return self.problem_of_modes(heights, self._modes(anchors), held)
+        springs = self.damped_stiffness[self.mechanics.lattice.mean].sum()
+        return self._problem(heights, self.mechanics.lattice.flat_modes(float(springs) * anchors), held)
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpectralProblem:
         """See `ImplicitStep`."""
-        mechanics, lattice = self.mechanics, self.mechanics.lattice
-        rhs = np.asarray((self.damped_stiffness * anchors).sum(axis=0))
-        stiffness = self.stiffness
+        return self._problem(heights, np.asarray((self.damped_stiffness * anchors).sum(axis=0)), held)
+
+    def _problem(self, heights: Field, rhs: Modes, held: Prescribed) -> SpectralProblem:
+        mechanics, lattice, stiffness = self.mechanics, self.mechanics.lattice, self.stiffness
         if held.load is None:
             rhs.flat[0] += mechanics.hanging[0] * lattice.sites * held.position
         else:

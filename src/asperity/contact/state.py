@@ -263,9 +263,13 @@ class Contact(views.InNotebooks):
         """Return a contact of the same bodies from which a march resumes; only its heights are of use."""
         return Contact._judged(**(vars(self) | {"heights": heights, "permanent_indentation": indentation}))
 
-    def become(self, system: System, solution: Solution, anchors: Field, position: float) -> Contact:
+    def become(
+        self, system: System, solution: Solution, anchors: Field, position: float, energy: float | None = None
+    ) -> Contact:
         """Publish what the same bodies have become; see `contact_from`. The load may have died out."""
-        return contact_from(system, solution, anchors, position, bodies=self, load_may_vanish=True)
+        return contact_from(
+            system, solution, anchors, position, bodies=self, load_may_vanish=True, energy=energy
+        )
 
 
 def control_of(contact: Contact, hold: Hold | None) -> Control:
@@ -298,6 +302,7 @@ def contact_from(
     *,
     bodies: Bodies | Contact,
     load_may_vanish: bool = False,
+    energy: float | None = None,
 ) -> Contact:
     """Publish a solution: fields measured like the user's heights, checked once more as published.
 
@@ -316,6 +321,8 @@ def contact_from(
     load_may_vanish
         Whether the load may be so small that the heights cannot resolve it, as it dies out at a held
         separation.
+    energy
+        The elastic energy, if it is known.
 
     Raises
     ------
@@ -331,7 +338,9 @@ def contact_from(
     published = _rounded(anchors, solution.u, u, datum, system.mechanics.branches)
     relative, stretch = u - datum, u - published
     position = system.position(relative, published - datum, position)
-    force, energy = system.force_and_energy(relative, stretch, position)
+    force = system.force(relative, stretch, position)
+    if energy is None:
+        energy = system.energy(relative, stretch, position)
     vanishing = load_may_vanish and system.load is None
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
     left = residual(force, in_contact, floor)

@@ -187,9 +187,9 @@ class System:
             total = float(stretch.sum())
         return self.mechanics.balanced_stretch(u, stretch, self.heights, total)
 
-    def force_and_energy(self, u: Field, stretch: Field, position: float) -> tuple[Field, float]:
-        """Contact force at every site, and the elastic energy."""
-        return self.mechanics.force_and_energy(u, stretch, self.held(position))
+    def energy(self, u: Field, stretch: Field, position: float) -> float:
+        """Elastic energy."""
+        return self.mechanics.energy(u, stretch, self.held(position))
 
     def damped_rms(self, error: NDArray[np.floating], tau: float, touching: float) -> float:
         """Rms over the sites of an error of u0 on the lattice of springs, damped by an implicit step.
