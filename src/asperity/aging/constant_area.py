@@ -6,7 +6,10 @@ Near one state the area A follows the load F and the time t since the beginning 
 
 for it is nearly proportional to the load, and grows like the logarithm of time. The growth G is measured in
 earlier time steps; the load of the next one is that with which its end has the wanted area. A time step that
-misses it is repeated with a better load. s is the end of the first time step. (T. Pilvelait, S. Dillavou,
+misses it is repeated with a better load. s is the end of the first time step. In a time step that is short in
+ln t one site more or less is much beside what growth adds. So G is a mean over some lapse of ln t, and
+what an area is off is corrected over one too: a load that followed every site would itself make the errors
+by which time steps are shortened. (T. Pilvelait, S. Dillavou,
 S. M. Rubinstein, Phys. Rev. Research 2, 012056 (2020), measure at constant area; DOI
 10.1103/PhysRevResearch.2.012056.)
 """
@@ -31,6 +34,9 @@ _SHORTEST_LAPSE = 0.05
 _ALLOWED = 0.002
 """Largest relative error of the area at the end of a step; one site is allowed in any case."""
 
+_CORRECTED_OVER, _AVERAGED_OVER = 0.02, 0.1
+"""Lapses of ln t over which the area is corrected, and over which growth is averaged."""
+
 _MOST_REPETITIONS = 4
 """Attempts at one time step beyond the first; then the next one corrects the rest."""
 
@@ -49,6 +55,8 @@ class ConstantArea:
         G and s.
     correction, tries
         What repetitions added to the change of ln F in this step, and how many they were.
+    gain
+        Part of what the area is off that this step corrects.
     """
 
     wanted: float
@@ -59,10 +67,13 @@ class ConstantArea:
     since: float = 0.0
     correction: float = 0.0
     tries: int = 0
+    gain: float = 1.0
 
     def load_for(self, length: float) -> Load:
         """The load, linear in time, for a step of a length."""
-        change = math.log(self.wanted / max(self.area, 1.0)) - self.growth * self._lapse(length)
+        lapse = self._lapse(length)
+        self.gain = min(1.0, lapse / _CORRECTED_OVER) if self.since else 1.0
+        change = self.gain * math.log(self.wanted / max(self.area, 1.0)) - self.growth * lapse
         change = min(max(change, -_LARGEST_CHANGE), _LARGEST_CHANGE) + self.correction
         return Load(self.load, self.load * math.expm1(change) / length, since=self.time)
 
@@ -75,10 +86,11 @@ class ConstantArea:
 
     def misses(self, area: int) -> bool:
         """Whether a step that ends with this area is to be repeated; then the next load is better."""
-        if abs(area - self.wanted) <= max(1.0, _ALLOWED * self.wanted) or self.tries == _MOST_REPETITIONS:
+        off, allowed = abs(area - self.wanted), max(1.0, _ALLOWED * self.wanted)
+        if off * self.gain <= allowed or self.tries == _MOST_REPETITIONS:
             return False
         self.tries += 1
-        self.correction += math.log(self.wanted / max(area, 1))
+        self.correction += self.gain * math.log(self.wanted / max(area, 1))
         return True
 
     def begin_step(self) -> None:
@@ -91,7 +103,8 @@ class ConstantArea:
         lapse = self._lapse(time - self.time)
         if lapse > 0:
             shown = (math.log(max(area, 1) / max(self.area, 1.0)) - math.log(reached / self.load)) / lapse
-            self.growth = (self.growth + shown) / 2 if self.growth else shown
+            weight = min(0.5, lapse / _AVERAGED_OVER) if self.growth else 1.0
+            self.growth += weight * (shown - self.growth)
         self.since = self.since or time
         self.time, self.load, self.area = time, reached, float(area)
         self.begin_step()
