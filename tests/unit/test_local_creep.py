@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
+import asperity.runs.pipeline as pipeline
 from asperity.config.models import RunConfig
 from asperity.config.python import to_python
 from asperity.errors import CheckpointError, ConvergenceError
@@ -64,7 +65,9 @@ def test_a_law_with_a_threshold_has_no_limit_of_its_own():
 
 
 @pytest.mark.parametrize(
-    "solid", [LATTICE, half_space(modulus=3.0, creep=LAW)], ids=["lattice", "half_space"]
+    "solid",
+    [LATTICE, half_space(modulus=3.0, creep=LAW), half_space(modulus=3.0, creep=LAW, permanent=0.4)],
+    ids=["lattice", "half_space", "permanent"],
 )
 def test_a_killed_run_ends_at_the_identical_result(solid, tmp_path, monkeypatch):
     contact = asp.press(ROUGH, solid, load=8.0)
@@ -110,6 +113,11 @@ def test_configurations_make_the_same_law_and_python():
     warm = configured(kind="half_space", modulus="1 GPa", creep="eyring", creep_prefactor=1.0, **activated)
     law = Eyring.activated(energy="1 eV", volume="0.1 nm^3", temperature="300 K", prefactor=1.0)
     assert warm.solid.build().creep == law
+    kept = configured(
+        kind="half_space", modulus=2.0, creep="eyring", creep_rate=0.1, creep_stress=0.2, permanent=0.3
+    )
+    assert kept.solid.build() == half_space(modulus=2.0, creep=LAW, permanent=0.3)
+    assert "permanent=0.3" in to_python(kept, [1.0])
 
 
 @pytest.mark.parametrize(
@@ -123,3 +131,29 @@ def test_configurations_make_the_same_law_and_python():
 def test_half_a_law_is_refused(solid):
     with pytest.raises(ValueError, match="creep: expected"):
         configured(**solid)
+
+
+@pytest.mark.parametrize("law", [{}, {"creep": "eyring", "creep_rate": 1.0, "creep_stress": 1.0}])
+def test_a_permanent_share_needs_a_law_and_is_not_too_small(law):
+    with pytest.raises(
+        ValueError, match=r"permanent: expected a local law|expected 0, or a share from 0\.02"
+    ):
+        configured(kind="half_space", modulus=1.0, permanent=0.01 if law else 0.3, **law)
+
+
+def test_a_run_asks_for_the_memory_that_was_measured(monkeypatch):
+    asked: list[float] = []
+    monkeypatch.setattr(pipeline, "require", lambda needed, *_, **__: asked.append(needed))
+    for permanent in (0.0, 0.3):
+        config = configured(
+            kind="half_space",
+            modulus=1.0,
+            permanent=permanent,
+            creep="eyring",
+            creep_rate=1.0,
+            creep_stress=1.0,
+        )
+        config = config.model_copy(update={"output": config.output.model_copy(update={"maps_at": [1.0]})})
+        pipeline._require_memory((512, 512), config.solid.build(), config)
+    assert asked[0] > 431  # bytes a site of 512 x 512, measured with one map
+    assert asked[1] > 704

@@ -113,6 +113,7 @@ def _solid(config: RunConfig) -> str:
         facts |= {"base_modulus": solid.base_modulus, "base_poisson": solid.base_poisson}
         facts |= {"base_branches": solid.base_branches or None}
     facts["flow"] = getattr(solid, "flow", None)
+    facts["permanent"] = getattr(solid, "permanent", None) or None
     given = {name: value for name, value in facts.items() if value is not None}
     return _call(f"asp.solids.{solid.kind}", **given, **_creep(solid), **hardness)
 

@@ -111,6 +111,8 @@ def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
         parts += [
             f"{short} = {written(attrs[name], units[name])}" for name, short, _ in names if name in attrs
         ]
+    if "permanent" in attrs:
+        parts.append(f"permanent share {float(attrs['permanent']):g}")
     if "hardness" in attrs:
         parts.append(f"hardness = {written(attrs['hardness'], 'Pa' if attrs.get('si') else '1')}")
     return parts

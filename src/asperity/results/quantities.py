@@ -140,6 +140,7 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "creep_volume": ("volume of activation", "m^3"),
     "creep_prefactor": ("velocity of creep at infinite temperature", "velocity"),
     "temperature": ("temperature", "K"),
+    "permanent": ("share of the modulus that does not creep by the local law", "1"),
     "hardness": ("pressure under which the rough surface yields", "pressure"),
     "modulus": ("contact modulus", "pressure"),
     "young": ("Young's modulus", "pressure"),
