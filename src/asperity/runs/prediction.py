@@ -125,7 +125,8 @@ def predict(
     Notes
     -----
     A generalized Maxwell half-space is separable, and the load never falls: the contact at each time is the
-    exact one, see `asperity.age`.
+    exact one, see `asperity.age`. Neither holds for local laws of creep or while a surface slides, for which
+    there are `asperity.age` and `asperity.protocols`.
 
     References
     ----------
