@@ -331,6 +331,11 @@ class SeriesCreep:
             parts = zip(np.linalg.solve(gram, amounts), spread, strict=True)
             return sum((part * one for part, one in parts), start=np.zeros_like(lacking))
 
+        def rises(y: Fields) -> Fields:
+            """What of a residual is even, in the preconditioner's measure."""
+            known = [inner(one, y, np) for one in spread]
+            return np.asarray(np.linalg.solve(gram, known) if even else np.empty(0))
+
         def applied(y: Fields) -> Fields:
             out = self.displaced(self.blocks, y)
             out[-1] += drag * y[-1]
@@ -341,6 +346,9 @@ class SeriesCreep:
         if missing.any():
             dx = combined(missing)
             residual -= applied(dx)
+        left = rises(residual)
+        for rise, one in zip(left, even, strict=True):  # else rounding of what is even may hide the rest
+            residual -= rise * one
         z = direction = projected(residual)
         slope = first = inner(residual, z, np)
         iterations = 0
@@ -356,8 +364,7 @@ class SeriesCreep:
             z = projected(residual)
             slope, previous = inner(residual, z, np), slope
             direction = z + (slope / previous) * direction
-        left = np.linalg.solve(gram, [inner(one, residual, np) for one in spread]) if even else np.empty(0)
-        return dx, left @ sums, iterations
+        return dx, (left + rises(residual)) @ sums, iterations
 
     def inverse(self, drag: float, free_mean: bool) -> Fields:
         """Inverse of the compliance with one drag, at each wave vector."""
