@@ -260,7 +260,7 @@ def test_equal_steps_converge_at_second_order(permanent):
         for number in range(1, count + 1):
             steps.attempt(0.05 / count, (1e-9, 1e-9), (1e-22, 1e-22))
             steps.accept(0.05 * number / count)
-        u, (stretch,), _ = steps.state()
+        u, (stretch,), *_ = steps.state()
         return u - stretch - (u - stretch).mean()
 
     exact = end(256)
