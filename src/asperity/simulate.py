@@ -12,19 +12,19 @@ from numpy.typing import ArrayLike
 
 import asperity.checks as checks
 import asperity.units as units
-from asperity.aging.legs import LegMidway, check_edges, follow, load_of, shifts_of
+from asperity.aging.legs import LegMidway, check_edges, check_slides, follow, load_of
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Hold, Load, Separation, control_from
-from asperity.contact.instantaneous import check_whole, first_contact, pressed_anew, slid
+from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Shown, progress_shown
-from asperity.protocols import Change, Leg, Schedule, Slide, checked_direction, legs_of, sites_along
+from asperity.protocols import Change, Leg, Schedule, checked_direction, legs_of, sites_along
 from asperity.protocols import Hold as HoldLeg
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
@@ -263,11 +263,8 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         line = contact.lattice.dimension == 1
         units.check_units([vars(leg) for leg in legs], si=contact.si, line=line)
         schedule = Schedule.of(legs, times)
+        check_slides(legs, contact.lattice, contact.solid)
         for leg in legs:
-            if isinstance(leg, Slide):
-                shifts = shifts_of(leg, contact.lattice)
-                if contact.solid.yields:
-                    check_whole(shifts.sites)
             if isinstance(leg, Change) and (load := load_of(leg, contact)) is not None:
                 contact.system(Load(load)).held()
     if schedule.holds_separation:

@@ -215,6 +215,13 @@ def test_loads_beyond_the_hardness_and_parts_of_sites_are_refused():
     contact = asp.press(rough, solid, load=10.0)
     with refuses("load"):
         asp.press(rough, solid, load=64.0)
+    with refuses("load") as refused:
+        asp.press(rough, solid, load=63.99)
+    error = refused.value
+    assert isinstance(error, asp.errors.InputError)
+    most = float(error.expected.removeprefix("at most ").split(",")[0])
+    assert most < float(error.got)
+    assert asp.press(rough, solid, load=0.9999 * most).load == pytest.approx(0.9999 * most)
     with refuses("load"):
         asp.age(contact, [1.0], protocol=[P.Hold(1.0), P.Step(pressure=1.5)])
     with refuses("slide"):

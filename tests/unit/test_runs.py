@@ -9,6 +9,7 @@ from asperity.config import config_from
 from asperity.errors import ConvergenceError, InputError
 from asperity.runs import Silent, execute
 from asperity.runs.defaults import hold_times, map_times, modest_load
+from tests.refusals import refuses
 
 TIMES = np.geomspace(1e-2, 1e4, 25)
 SMALL = config_from({"surface": {"shape": [12, 12]}, "aging": {"last": 0.1}}, {}, None)
@@ -42,6 +43,19 @@ def test_the_numbers_do_not_depend_on_threads(monkeypatch):
         energies.append(execute(SMALL, Silent(), threads=threads).dataset["energy"])
         assert set(found) == {threads}
     assert energies[0].equals(energies[1])
+
+
+def test_a_slide_that_cannot_be_is_refused_before_anything_is_pressed(monkeypatch, tmp_path):
+    monkeypatch.setattr(module, "press", lambda *_, **__: pytest.fail("pressed"))
+    path = tmp_path / "scan.txt"
+    np.savetxt(path, np.random.default_rng(0).normal(size=(16, 16)))
+    leg = {"kind": "slide", "distance": 3.0, "velocity": 1.0}
+    scan = {"kind": "file", "path": str(path), "periodic": "reflect"}
+    for surface, change in ((scan, {}), ({"shape": [64]}, {"direction": "y"}), ({}, {"substeps": 2})):
+        solid = {"hardness": 10.0} if "substeps" in change else {}
+        tables = {"surface": surface, "solid": solid, "protocol": [leg | change]}
+        with refuses("direction" if "direction" in change else "slide"):
+            execute(config_from(tables, {}, None), Silent())
 
 
 def test_the_default_load_of_the_paper_is_800() -> None:

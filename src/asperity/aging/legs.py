@@ -7,7 +7,7 @@ a switch; there the first step is as long as the march after the shift before fo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -15,12 +15,13 @@ import numpy as np
 
 from asperity.aging.march import Frame, Midway, Pace, creep
 from asperity.contact.controls import Control, control_from
-from asperity.contact.instantaneous import pressed_anew, slid
+from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
-from asperity.protocols import Change, Hold, Ramp, Schedule, Slide, Step, sites_along
+from asperity.protocols import Change, Hold, Leg, Ramp, Schedule, Slide, Step, sites_along
+from asperity.solids import Solid
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +110,21 @@ def shifts_of(leg: Slide, lattice: Lattice) -> _Shifts:
             advice="" if count else "more substeps",
         )
     return _Shifts(count, tuple(Fraction(n, leg.substeps) for n in sites), length)
+
+
+def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
+    """Refuse to slide what does not go around, along no axis of it, or what yields by parts of sites.
+
+    Raises
+    ------
+    InputError
+        Some leg slides so.
+    """
+    for leg in legs:
+        if isinstance(leg, Slide):
+            shifts = shifts_of(leg, lattice)
+            if solid.yields:
+                check_whole(shifts.sites)
 
 
 def follow(

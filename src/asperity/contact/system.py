@@ -90,13 +90,14 @@ class System:
             The load is more than the whole surface can bear.
         """
         if self.load is not None:
-            most = self.mechanics.bound * self.sites
-            if self.load > _MOST_OF_ALL * most:
+            most = _MOST_OF_ALL * self.mechanics.bound * self.sites
+            if self.load > most:
                 hardness = self.mechanics.spectral.solid.hardness
+                part = f"{_MOST_OF_ALL:g} of the hardness {hardness:g} times the nominal area"
                 raise InputError(
                     "load",
-                    expected=f"less than {most:g}, the hardness {hardness:g} times the nominal area",
-                    got=f"{self.load:g}",
+                    expected=f"at most {most:.8g}, {part}",
+                    got=f"{self.load:.8g}",
                     advice="less load, or a greater hardness",
                 )
             return Prescribed(self.load, position)

@@ -15,6 +15,7 @@ import scipy.fft
 import xarray as xr
 
 from asperity.aging import Frame
+from asperity.aging.legs import check_slides
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
 from asperity.analysis.scan import written
 from asperity.config import MeasuredSurface, RunConfig, to_toml
@@ -22,6 +23,7 @@ from asperity.config.models import Aging, Independent
 from asperity.config.models import Contact as ContactSection
 from asperity.config.solids import Continuum
 from asperity.contact import Contact
+from asperity.contact.bodies import bodies_of
 from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
@@ -147,7 +149,9 @@ def execute(
     if made is None:
         _require_memory(rough.shape, solid, config)
     _check_units(config, solid, rough)
-    _shear_strength(config)  # refuses before hours have passed
+    _shear_strength(config)  # refuses before hours have passed, as does the next
+    if config.protocol:
+        check_slides(legs_of(config.legs), bodies_of(rough, solid).lattice, solid)
     config, remarks = completed(config, rough)
     progress.completed(config)
     for remark in remarks:

@@ -73,7 +73,7 @@ class LocalCreep(ABC):
                 "creep",
                 expected=f"stresses {most}, for its velocities leave the range of numbers beyond",
                 got=f"{greatest:.3g}",
-                advice="a larger stress in the law (a higher temperature, a smaller volume), or less load",
+                advice="a hardness, a larger stress in the law (a smaller volume), or less load",
             )
 
 
