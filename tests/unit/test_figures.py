@@ -529,6 +529,17 @@ def yielded() -> History:
     return age(press(gaussian((24, 24)), solid, load=60.0), [1.0], fields_at=[0.0, 2.0, 4.0], protocol=slide)
 
 
+def test_the_depth_of_what_has_yielded_has_a_unit() -> None:
+    rough = Surface(spectral((32, 32), rms_height=0.2, seed=0), "um", (1.0, 1.0), "um")
+    contact = press(rough, half_space(modulus=4e9, branches=[(0.5, 1.0)], hardness=5e7), pressure=1e6)
+    history = age(contact, [1.0], fields_at=[0.0, 1.0])
+    title = contact_figure(contact_maps(history.dataset)).axes[0].get_title()
+    depth, unit = title.split(" by up to ")[1].split("\u00a0")
+    assert unit in ("nm", "µm")
+    deepest = history.final.permanent_indentation.max() * {"nm": 1e9, "µm": 1e6}[unit]
+    assert float(depth) == pytest.approx(deepest, rel=0.05)
+
+
 def test_gaps_are_above_the_surface_where_it_has_slid_and_yielded(yielded: History) -> None:
     assert yielded.dataset["field_shift_x"][-1] == 3
     *_, last = found = distributions(yielded.dataset)

@@ -81,7 +81,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     whole = (grid[::2] if side > 1 else grid).ravel()
     everything = everywhere(maps)
     image = draw_heights(whole[0], maps, everything)
-    deepest = written(float(maps.indentation.max()), style.spelled(maps.unit), 2)
+    deepest = style.spaced(written(float(maps.indentation.max()), maps.unit, 2))
     yielded = f"\nhas yielded by up to {deepest}" if maps.indentation.any() else ""
     whole[0].set_title(f"rough surface{yielded}", fontsize=8.5 if yielded else 9)
     figure.colorbar(
