@@ -181,6 +181,11 @@ HALF = "[solid]\nkind = 'half_space'\n"
             "[solid] expected branches or flow, got both",
         ),
         (f"{HALF}relaxation = 'none.csv'\npoisson = 0.3", "[solid] relaxation: "),
+        (
+            f"{HALF}modulus = 1.0\ncreep_energy = 1.0\ntemperature = 300.0",
+            "[solid] creep: expected eyring beside creep_energy, temperature, got none",
+        ),
+        ("[solid]\ncreep_rate = 1.0", "[solid] creep: expected eyring or norton beside creep_rate, got none"),
         (f"{HALF}modulus = 1.0\nper_decade = 2.0", "per_decade: expected relaxation beside it, got none"),
         (
             "[solid]\nkind = 'layer'\nmodulus = 1.0\npoisson = 0.3",

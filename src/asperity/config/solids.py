@@ -109,12 +109,19 @@ class Creeping(SolidSection):
             needed.append(ACTIVATION)
         if self.creep == "norton":
             needed = [{"creep_rate", "creep_stress", "creep_exponent"}]
-        if self.creep is None:
-            needed = [set()]
-        if given not in needed:
-            expected = " or ".join(", ".join(sorted(one)) or "none" for one in needed)
-            kind = f"beside {self.creep}" if self.creep else "without creep"
-            raise ValueError(f"creep: expected {expected} {kind}, got {', '.join(sorted(given)) or 'none'}")
+        told = ", ".join(sorted(given)) or "none"
+        if self.creep is None and given:
+            laws = (
+                "norton"
+                if "creep_exponent" in given
+                else "eyring"
+                if given & ACTIVATION
+                else "eyring or norton"
+            )
+            raise ValueError(f"creep: expected {laws} beside {told}, got none")
+        if self.creep is not None and given not in needed:
+            expected = " or ".join(", ".join(sorted(one)) for one in needed)
+            raise ValueError(f"creep: expected {expected} beside {self.creep}, got {told}")
         return self
 
     @property
