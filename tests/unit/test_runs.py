@@ -58,6 +58,19 @@ def test_a_slide_that_cannot_be_is_refused_before_anything_is_pressed(monkeypatc
             execute(config_from(tables, {}, None), Silent())
 
 
+def test_a_distance_without_a_unit_that_is_odd_in_si_gets_a_remark():
+    surface = {"kind": "spectral", "shape": [16, 16], "spacing": [0.5], "unit": "um", "rms_height": 0.1}
+    legs = [{"kind": "slide", "distance": far, "velocity": "1 um/s"} for far in (2.0, "2 um", 2e-6)]
+    tables = {
+        "surface": surface,
+        "solid": {"kind": "half_space", "modulus": "4 GPa"},
+        "contact": {"load": "1 uN"},
+    }
+    config = config_from(tables | {"protocol": [{"kind": "repeat", "count": 2, "legs": legs}]}, {}, None)
+    (remark,) = module.completed(config, config.surface.build())[1]
+    assert remark.startswith("distance 2 has no unit and was taken in m; here it would usually be from ")
+
+
 def test_the_default_load_of_the_paper_is_800() -> None:
     assert modest_load(k0=1.0, k1=3.0, rms=1.0, sites=200 * 200) == 800.0
     assert modest_load(k0=1.0, k1=3.0, rms=1.23456, sites=100) == 2.47

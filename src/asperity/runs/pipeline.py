@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +19,7 @@ from asperity.aging.legs import check_slides
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
 from asperity.analysis.scan import written
 from asperity.config import MeasuredSurface, RunConfig, to_toml
-from asperity.config.models import Aging, Independent
+from asperity.config.models import Aging, AnyLeg, Independent, RepeatLeg, SlideLeg
 from asperity.config.models import Contact as ContactSection
 from asperity.config.solids import Continuum
 from asperity.contact import Contact
@@ -53,8 +53,9 @@ and 990 with two maps. Then by local creep on a half-space, and where a share of
 _IN_RAMP = 12
 """Times recorded in a ramp, evenly spread."""
 
-_MODULI, _LIGHT = (1e2, 2e12), 1e-9
-"""Moduli of solids, Pa; least pressure in units of the modulus that leaves a contact to be seen."""
+_MODULI, _LIGHT, _SOFT = (1e2, 2e12), 1e-9, 1e-7
+"""Moduli of solids, Pa; in units of the modulus, the least pressure that leaves a contact to be seen, and the
+least hardness and shear strength."""
 
 _LARGE = 512**2
 """Sites from which transforms gain from a second thread."""
@@ -206,19 +207,35 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
     _, spacing = rough.in_meters()
     sides = [count * step for count, step in zip(rough.shape, spacing, strict=True)]
     modulus, load = config.solid.contact_modulus, math.prod(sides) * config.solid.contact_modulus
-    expected = {
-        "modulus": (config.solid.modulus, "Pa", *_MODULI),
-        "young": (next(iter(config.solid.young or []), None), "Pa", *_MODULI),
-        "thickness": (getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
-        "pressure": (config.contact.pressure, "Pa", _LIGHT * modulus, modulus),
-        "load": (config.contact.load, "N", _LIGHT * load, load),
-    }
+    stresses = ("Pa", _SOFT * modulus, modulus)
+    young = next(iter(config.solid.young or []), None)
+    told: list[tuple[str, float | None, str, float, float]] = [
+        ("modulus", config.solid.modulus, "Pa", *_MODULI),
+        ("young", young, "Pa", *_MODULI),
+        ("thickness", getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
+        ("hardness", getattr(config.solid, "hardness", None), *stresses),
+        ("shear_strength", config.friction.shear_strength, *stresses),
+        ("pressure", config.contact.pressure, "Pa", _LIGHT * modulus, modulus),
+        ("load", config.contact.load, "N", _LIGHT * load, load),
+    ]
+    told += [
+        ("distance", far, "m", min(spacing) / 1000, 1000 * max(sides)) for far in _distances(config.protocol)
+    ]
     return tuple(
         f"{name} {value:g} has no unit and was taken in {unit}; here it would usually be "
-        f"from {written(low, unit, 1)} to {written(high, unit, 1)}"
-        for name, (value, unit, low, high) in expected.items()
+        f"from {written(low, unit, 3)} to {written(high, unit, 3)}"
+        for name, value, unit, low, high in dict.fromkeys(told)
         if value is not None and not isinstance(value, InUnits) and not low <= value <= high
     )
+
+
+def _distances(legs: Iterable[AnyLeg]) -> Iterator[float]:
+    """How far legs slide, as it was written."""
+    for leg in legs:
+        if isinstance(leg, RepeatLeg):
+            yield from _distances(leg.legs)
+        elif isinstance(leg, SlideLeg):
+            yield leg.distance
 
 
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
