@@ -87,6 +87,19 @@ def test_a_run_that_slid(asperity: Asperity) -> None:
     assert found["units"]["D_c"] == "length of the record"
 
 
+@pytest.mark.parametrize(("slip", "noted"), [(2.0, True), (0.05, False)])
+def test_a_slip_below_that_between_two_values_is_noted(asperity: Asperity, slip: float, noted: bool) -> None:
+    law = F.RateAndState(a=0.0, b=0.02, D_c=0.5, mu_0=0.6, V_0=1.0)
+    velocity = np.repeat([1.0, 10.0, 1.0, 10.0], 60)
+    time = np.cumsum(slip / velocity)
+    friction = law.friction(time, velocity) + 1e-5 * np.sin(np.arange(time.size) ** 2)
+    table = np.column_stack([time, velocity, friction])
+    np.savetxt("record.csv", table, delimiter=",", header="time,velocity,friction", comments="")
+    status, text, error = asperity("friction", "record.csv", "--a", "0.0")
+    assert (status, error) == (0, "")
+    assert ("shorter than the slip between two values" in text) is noted
+
+
 CAMPAIGN = """
 [surface]
 shape = [64]

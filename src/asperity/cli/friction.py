@@ -119,6 +119,10 @@ def _report(found: StateLaws, first: str) -> list[tuple[str, str]]:
     for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):
         rows += _law(found, law)
     rows.append(("verdict", _verdict(found)))
+    if fit.determined and fit.D_c < record.finest_slip:
+        finest = written(record.finest_slip, "m" if record.si else "1", 3)
+        text = f"D_c is shorter than the slip between two values, {finest}, and so not well resolved"
+        rows.append(("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
     if found.runs == 1 and fit.effective_points < fit.points:
         rows.append(
             (

@@ -147,8 +147,9 @@ def _yielding(dataset: xr.Dataset) -> list[Row]:
     said = f"{counted(first, 'site')} at t = 0, {thousands(last)} at the end"
     if "permanent_indentation" in dataset:
         lower = dataset["permanent_indentation"][-1]
-        deepest = _said(dataset, "permanent_indentation", float(lower.max()), 4)
-        said += f"; lowered for good: {counted(int((lower > 0).sum()), 'site')}, by up to {deepest}"
+        said += f"; lowered for good: {counted(int((lower > 0).sum()), 'site')}"
+        if (lower > 0).any():
+            said += f", by up to {_said(dataset, 'permanent_indentation', float(lower.max()), 4)}"
     return [("yielding", said)]
 
 

@@ -271,9 +271,8 @@ class _Problem:
     @cached_property
     def reach(self) -> tuple[float, float]:
         """Least and largest ln D_c."""
-        slips = np.diff(self.record.displacement)
-        slips = slips[slips > 0]
-        return math.log(slips.min() / _REACH), math.log(slips.sum() * _REACH)
+        record = self.record
+        return math.log(record.finest_slip / _REACH), math.log(float(record.displacement[-1]) * _REACH)
 
     def searched(self) -> Floats:
         """Ln D_c and ln(V theta/D_c) at the first time, of the least squares."""

@@ -148,6 +148,12 @@ class Record(views.Brief):
         return np.cumsum(self.velocity * np.diff(self.time, prepend=self.time[0]))
 
     @property
+    def finest_slip(self) -> float:
+        """Smallest slip between two values; a D_c below it is not resolved."""
+        slips = np.diff(self.displacement)
+        return float(slips[slips > 0].min())
+
+    @property
     def events(self) -> NDArray[np.intp]:
         """To what each entry belongs, shape (n,): 0 the run-in, 1 a rest and the slip after it, 2 a step."""
         before, now = self.velocity[:-1], self.velocity[1:]
