@@ -10,6 +10,7 @@ import asperity as asp
 from asperity.aging.local_steps import LocalSteps
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
+from asperity.protocols import Hold, Step
 from asperity.solids import CreepBranch, Eyring, Solid, half_space
 from asperity.solids.laws import PowerMobility, Scaled, WaveNumberSpectrum
 from tests.refusals import refuses
@@ -308,3 +309,24 @@ def test_what_stands_beside_a_permanent_share_is_refused():
     )
     with refuses("creep"):
         asp.age(asp.press(scan(), uneven, pressure=1e7), [1.0])
+
+
+@pytest.mark.parametrize("hardness", [None, 3e7])
+def test_bodies_that_are_taken_apart_relax_beside_a_permanent_share(hardness):
+    law = Eyring(rate=1e-9, stress=2e7)
+    solid = half_space(modulus=MODULUS, creep=law, permanent=0.4, apparatus=np.inf, hardness=hardness)
+    start = asp.press(scan(), solid, pressure=2e7)
+    legs = [Hold(10.0, hold="separation"), Step(approach=-3e-6), Hold(1e5)]
+    history = asp.age(start, times=[1.0], protocol=legs)
+    assert history.final.area == 0
+    energy = history.dataset["energy"].values
+    assert energy[-1] < 1e-12 * energy[0]
+
+
+def test_a_flat_surface_creeps_as_one_beside_a_permanent_share():
+    flat = asp.surfaces.Surface(np.zeros((8, 8)), unit="m", pixel_size=SPACING, length_unit="m")
+    solid = half_space(modulus=MODULUS, creep=Eyring(rate=1e-9, stress=2e7), permanent=0.4)
+    history = asp.age(asp.press(flat, solid, pressure=2e7), [1.0, 10.0])
+    # The creeping springs bear 0.6 of the pressure, and the surface sinks by 0.6 of what they creep.
+    sunk = np.diff(history.dataset["approach"].values[1:])[0]
+    np.testing.assert_allclose(sunk, 0.6 * 9.0 * 1e-9 * np.sinh(0.6), rtol=1e-3)

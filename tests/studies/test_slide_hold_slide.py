@@ -76,8 +76,8 @@ def test_a_known_law_is_found_in_its_records(law):
 def test_on_lines_the_slip_is_that_at_which_the_mean_excess_is_1_over_e():
     slips = np.arange(40.0)
     for decay in (2.0, 6.5):
-        assert slip_on_lines.slip_of_memory(3 * np.exp(-slips / decay)) == pytest.approx(decay, abs=0.05)
-    assert np.isnan(slip_on_lines.slip_of_memory(np.ones(5)))
+        assert slip_on_lines.slip_to_one_over_e(3 * np.exp(-slips / decay)) == pytest.approx(decay, abs=0.05)
+    assert np.isnan(slip_on_lines.slip_to_one_over_e(np.ones(5)))
     length, lines = np.array([10.0, 20.0, 40.0]), np.arange(1.0, 5.0)[:, np.newaxis]
     excess = tuple(lines * np.maximum(1 - slips / (3 * one**0.5), 0) for one in length)
     patch = tuple(one**2 * np.ones(4) for one in length)

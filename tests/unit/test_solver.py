@@ -117,6 +117,16 @@ def test_pinning_looks_at_modes_of_every_direction():
     assert lattice.mean_over_modes(sigma / (stiffness + sigma)) == pytest.approx(0.05, rel=0.05)
 
 
+def test_pinning_counts_the_mean_of_the_surface_once():
+    for shape in ((68, 60), (68, 62), (54, 40)):
+        lattice = Lattice(shape)
+        for contacts in (2, 5):
+            fraction = contacts / lattice.sites
+            sigma = effective_pinning(lattice, lattice.wave_number, fraction)
+            found = lattice.mean_over_modes(sigma / (lattice.wave_number + sigma))
+            assert found == pytest.approx(fraction, rel=0.1), (shape, contacts)
+
+
 def test_pinning_has_finite_answers_at_the_ends():
     lattice = Lattice((20, 20))
     assert effective_pinning(lattice, lattice.lam, 1.0) > 1e3

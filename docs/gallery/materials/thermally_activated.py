@@ -50,6 +50,6 @@ for thermal, slope, expected in zip(warmth, slopes, theory, strict=True):
 # Origin: s0 over the mean contact force, less what light contacts, which do not creep, carry; measured.
 ratio = np.divide(slopes, theory)
 assert ((ratio > 0.5) & (ratio < 0.85)).all()
-# In proportion to T below Q / 30, and faster than that above.
+# Nearly in proportion to T while kT ln(t/t0) is small against Q, and faster above.
 np.testing.assert_allclose(np.divide(slopes, warmth)[:2], slopes[0] / warmth[0], rtol=0.1)
 assert slopes[-1] / warmth[-1] > 1.5 * slopes[0] / warmth[0]

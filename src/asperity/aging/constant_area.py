@@ -7,8 +7,8 @@ Near one state the area A follows the load F and the time t since the beginning 
 for it is nearly proportional to the load, and grows like the logarithm of time. The growth G is measured in
 earlier time steps; the load of the next one is that with which its end has the wanted area. A time step that
 misses it is repeated with a better load. s is the end of the first time step. In a time step that is short in
-ln t one site more or less is much beside what growth adds. So G is a mean over some lapse of ln t, and
-what an area is off is corrected over one too: a load that followed every site would itself make the errors
+ln t one site more or less is more than growth adds. So G is a mean over a lapse of ln t, and
+an error of the area is corrected over one too: a load that followed every site would itself make the errors
 by which time steps are shortened. (T. Pilvelait, S. Dillavou,
 S. M. Rubinstein, Phys. Rev. Research 2, 012056 (2020), measure at constant area; DOI
 10.1103/PhysRevResearch.2.012056.)
@@ -32,7 +32,10 @@ _SHORTEST_LAPSE = 0.05
 """Time steps are not shortened below it, in ln t: of few contacts one more or less is no growth to follow."""
 
 _ALLOWED = 0.002
-"""Largest relative error of the area at the end of a step; one site is allowed in any case."""
+"""Largest relative error of the area that no repetition corrects, over the part of the lapse in a step.
+
+One site is allowed in any case.
+"""
 
 _CORRECTED_OVER, _AVERAGED_OVER = 0.02, 0.1
 """Lapses of ln t over which the area is corrected, and over which growth is averaged."""

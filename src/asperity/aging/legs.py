@@ -113,7 +113,7 @@ def shifts_of(leg: Slide, lattice: Lattice) -> _Shifts:
 
 
 def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
-    """Refuse to slide what does not go around, along no axis of it, or what yields by parts of sites.
+    """Refuse slides without periodic edges, along an axis that is none, or by parts of sites that yield.
 
     Raises
     ------

@@ -65,7 +65,7 @@ Near rest rounding in single precision, and what cycles leave, can look like err
 """
 
 _MANY_FORGOTTEN = 1.5
-"""The same where creep forgets errors before a state is published, which `FieldSteps` sees."""
+"""The same where a state is published only later: `FieldSteps` counts what is left of errors then."""
 
 _MOST_REJECTIONS = 50
 """Rejections in a row after which a step is not going to succeed."""
@@ -326,7 +326,7 @@ class _March:
             # The first step: u0 changes by a small part of the deformation.
             speed = self.now.speed()
             self.length = math.inf
-            if speed > 0:
+            if speed > 0 and self.deformation > 0:
                 self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / speed
         else:
             self.now = _resume(self.system, solver, midway.resume_state)

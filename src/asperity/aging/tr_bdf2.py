@@ -52,7 +52,7 @@ _FILTER_GOAL, _FILTER_ITERATIONS = 0.1, 100
 """How far forces off contact fall where an error is damped, and the most iterations spent on it."""
 
 _PASSING = 0.1
-"""Least part of the error of a step that counts, however much has decayed when a state is published."""
+"""Least part of the error of a step that counts, even if less is left when the next state is published."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +165,7 @@ def take_step(
     else:
         defect, more = _filtered(defect, system, implicit.spectral, in_contact)
     error = _rms(defect, system)
-    opened = np.count_nonzero(start.u <= system.heights) > np.count_nonzero(in_contact)
+    opened = bool(((start.u <= system.heights) & ~in_contact).any())
     if ahead > 0 and error > 0 and not opened:
         later = system.mechanics.implicit_step(ahead).spectral
         defect, also = _filtered(defect, system, later, in_contact)

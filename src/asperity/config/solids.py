@@ -111,13 +111,9 @@ class Creeping(SolidSection):
             needed = [{"creep_rate", "creep_stress", "creep_exponent"}]
         told = ", ".join(sorted(given)) or "none"
         if self.creep is None and given:
-            laws = (
-                "norton"
-                if "creep_exponent" in given
-                else "eyring"
-                if given & ACTIVATION
-                else "eyring or norton"
-            )
+            laws = "eyring" if given & ACTIVATION else "eyring or norton"
+            if "creep_exponent" in given:
+                laws = "norton"
             raise ValueError(f"creep: expected {laws} beside {told}, got none")
         if self.creep is not None and given not in needed:
             expected = " or ".join(", ".join(sorted(one)) for one in needed)
@@ -289,8 +285,8 @@ class HalfSpace(Creeping, Continuum):
     temperature: Temperature | None = Field(
         default=None, description="Temperature of thermally activated creep."
     )
-    permanent: Annotated[float, Field(ge=0, le=0.99), AfterValidator(_kept)] = Field(
-        default=0.0, description="Share of the modulus that does not creep by the local law."
+    permanent: Annotated[float, Field(ge=0, le=0.99), AfterValidator(_kept)] | None = Field(
+        default=None, description="Share of the modulus that does not creep by the local law. By default 0."
     )
     apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
     hardness: Pressure | None = Field(default=None, description=_HARDNESS)
@@ -332,7 +328,7 @@ class HalfSpace(Creeping, Continuum):
             flow=self.flow,
             apparatus=self.apparatus,
             creep=self.law,
-            permanent=self.permanent,
+            permanent=self.permanent or 0.0,
             hardness=self.hardness,
         )
 

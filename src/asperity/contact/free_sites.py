@@ -146,14 +146,14 @@ class FreeSites:
         self.mask = self.free * (1.0 - (1.0 - _SHORE_MASK) * xp.astype(neighbors > 1.5, stiffness.dtype))
 
         pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
-        longest = _stiffness_of_waves(spectrum, Lattice((2,) * lattice.dimension))
+        longest = Lattice((2,) * lattice.dimension)
         lattices: list[Lattice] = []
         cuts: list[float] = []
         for coarse in _coarse_lattices(lattice):
-            cut = _stiffness_of_waves(spectrum, coarse) - longest
+            cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
             if cut > (_PINNED if lattices else 1.0) * pinning:
                 lattices.append(coarse)
-                cuts.append(min([cut, *cuts[-1:]]))
+                cuts.append(min(cut, cuts[-1]) if cuts else cut)
         cuts = [cut / unit for cut in (*cuts, pinning)]
         self.compliance = 1.0 / (stiffness + cuts[0])
         self.levels = []

@@ -60,4 +60,5 @@ def _spread_modes(shape: tuple[int, ...]) -> tuple[NDArray[np.intp], ...]:
     if math.prod(shape) <= _SAMPLES:
         return np.unravel_index(np.arange(math.prod(shape)), shape)
     count = np.arange(_SAMPLES)
-    return tuple((count * step % 1.0 * n).astype(int) for step, n in zip(_STEPS, shape, strict=False))
+    places = tuple((count * step % 1.0 * n).astype(int) for step, n in zip(_STEPS, shape, strict=False))
+    return np.unravel_index(np.unique(np.ravel_multi_index(places, shape)), shape)

@@ -307,7 +307,7 @@ class SeriesCreep:
 
         They make up what the sums are missing too. Next, how the levels rise; iterations.
         """
-        if not touching.any():
+        if not touching.any() and not self.shared:
             return np.zeros_like(lacking), np.zeros(len(lacking)), 0
         free = np.ones(lacking.shape, dtype=bool)
         free[0] = touching

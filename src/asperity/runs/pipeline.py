@@ -40,14 +40,18 @@ _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
 
 _SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 204, 360, 115, 40, 16
-_LOCAL, _SHARED = 400, 720
 """Bytes a site that a run needs by cycles and by transforms, that each branch of the latter adds after the
 first, that each map adds, and each branch in it after the first.
 
 Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six;
 for branches on half-spaces of 512 x 512 with one, three and six of them, held and unloaded: at most 390, 590
-and 990 with two maps. Then by local creep on a half-space, and where a share of that is permanent: 431 and
-704 with one map of 512 x 512 sites, 760 with a hardness, 778 with six maps.
+and 990 with two maps.
+"""
+
+_LOCAL, _SHARED = 400, 720
+"""The same by local creep on a half-space, and where a share of that is permanent.
+
+Measured: 431 and 704 with one map of 512 x 512 sites, 760 with a hardness, 778 with six maps.
 """
 
 _IN_RAMP = 12

@@ -198,7 +198,7 @@ def analyse(evidence: Evidence) -> Outcome:
             (0.8, 1.2),
             "roughness",
             "this study",
-            "B does not depend on the roughness",
+            "Where contacts flow, B does not depend on the roughness",
             {f"<i>B</i> at the rms slope {_SLOPES[-1]:g} over that at {_SLOPES[-2]:g}": rough},
         ),
     )

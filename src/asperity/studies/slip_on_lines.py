@@ -77,7 +77,7 @@ def _folder(solid: str, roll_off: float, cutoff: float) -> str:
     return f"line_{solid}_{roll_off:g}_{cutoff:g}"
 
 
-def slip_of_memory(excess: Floats) -> float:
+def slip_to_one_over_e(excess: Floats) -> float:
     """Slip at which an excess first falls to 1/e; NaN if it does not.
 
     Parameters
@@ -135,7 +135,7 @@ class Lines:
 
     def slips(self, *excess: Floats) -> Floats:
         """D_c for each length, of samples of `excess`."""
-        return np.array([slip_of_memory(one.mean(axis=0)) for one in excess])
+        return np.array([slip_to_one_over_e(one.mean(axis=0)) for one in excess])
 
     def of_length(self) -> Estimate:
         """Power of the correlation length in D_c."""
