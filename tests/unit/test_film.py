@@ -62,6 +62,7 @@ def test_each_frame_is_a_map_and_its_time(aged: History) -> None:
 
 def test_a_gif_has_a_frame_for_each_map(aged: History, tmp_path: Path) -> None:
     path = tmp_path / "aging.gif"
+    plt.close("all")  # what tests before left open
     aged.animate(path, frames_per_second=5, quantity="separation")
     with Image.open(path) as image:
         assert image.n_frames == 3  # type: ignore[attr-defined]
