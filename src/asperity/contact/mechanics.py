@@ -45,8 +45,6 @@ _LEAST_CREEPING_SHARE = 1e-2
 _ALIKE = 1e-13
 """How nearly the stiffnesses of branches are to be multiples of each other."""
 
-_LEAST = float(np.finfo(float).tiny)
-
 
 @dataclass(frozen=True)
 class Prescribed:
@@ -254,7 +252,9 @@ class SpectralMechanics(Mechanics):
             return None
         creeping = self.spectra.creeping
         total = creeping.sum(axis=0)
-        shares = creeping.reshape(self.branches, -1)[:, total.argmax()] / max(total.max(), _LEAST)
+        shares = creeping.reshape(self.branches, -1)[:, total.argmax()] / max(
+            total.max(), np.finfo(float).tiny
+        )
         parts = zip(creeping, shares, strict=True)
         alike = all(np.allclose(part, share * total, rtol=_ALIKE, atol=0.0) for part, share in parts)
         return shares if alike else None

@@ -256,11 +256,10 @@ class Recording:
                 }
             )
             arrays |= {f"bits.{number}": one.bits, f"pressure.{number}": one.pressure}
+            taken += one.bits.nbytes + one.pressure.nbytes
             if one.yielded is not None:
                 arrays[f"yielded.{number}"] = one.yielded
-            taken += (
-                one.bits.nbytes + one.pressure.nbytes + (0 if one.yielded is None else one.yielded.nbytes)
-            )
+                taken += one.yielded.nbytes
             if taken > _A_MESSAGE:
                 break
         cursor.rows, cursor.maps = len(self.rows), first + len(listed)

@@ -25,7 +25,7 @@ from asperity.solids.solid import CreepBranch, Parameters, Solid
 Branches = Sequence[tuple[float, float | str]]
 
 LEAST_PERMANENT = 0.02
-"""Least share above 0 that may stand beside a local law: steps with less take too many iterations."""
+"""Least share above 0 that may stand beside a local law: steps with less may not converge."""
 
 
 def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[float]) -> float:

@@ -64,7 +64,7 @@ class TwoFields:
     shift
         The unknown shift, a length.
     latest
-        What the coarse grids last asked of e - f, on the first of them.
+        Correction of e - f that the coarse grids found last, on the first coarse grid.
     overshooting
         Whether a correction of this problem was hardly smaller than the one before.
     wanted
