@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import asperity as asp
-from asperity.runs import cores
+from asperity.threads import cores
 
 PLAN = """
 [surface]

@@ -58,7 +58,7 @@ def restricted(fine, sites):
 class WholeFields:
     """The operations of `Processor`; see there."""
 
-    def __init__(self, threads):
+    def __init__(self, threads=None):
         del threads
 
     def zeros(self, sites):

@@ -16,7 +16,7 @@ SOURCE = Path(asperity.__file__).parent
 
 # Each room may import the rooms before it, and itself.
 ROOMS = [
-    {"_version", "words", "views"},
+    {"_version", "threads", "words", "views"},
     {"errors"},
     {"checks"},
     {"tables", "memory", "units"},

@@ -85,7 +85,7 @@ def test_loops_that_others_call_are_inlined(module):
     }
     assert len(called) > (15 if module.endswith("multigrid.loops") else -1)
     for name in called:
-        assert compiled_so[name] == "inlined", name
+        assert compiled_so[name] in ("inlined", "intrinsic"), name
     imported = {
         name.asname or name.name
         for node in ast.walk(tree)

@@ -11,7 +11,7 @@ from asperity.contact.multigrid import loops, processor, solver
 from asperity.contact.multigrid.grids import Axis, Hierarchy
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.pins import Response
-from asperity.contact.multigrid.processor import Processor, usual_threads
+from asperity.contact.multigrid.processor import Processor
 from asperity.contact.problem import TOLERANCE, Guess, SpringProblem, SpringStep
 from asperity.errors import ConvergenceError
 from tests.independent import assert_equilibrium, laplacian
@@ -272,13 +272,6 @@ def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
 def test_settings_are_checked(wrong):
     with refuses(next(iter(wrong))):
         Multigrid(**wrong)
-
-
-def test_threads_follow_the_environment(monkeypatch):
-    monkeypatch.setenv("OMP_NUM_THREADS", "3")
-    assert usual_threads() == 3
-    monkeypatch.delenv("OMP_NUM_THREADS")
-    assert usual_threads() >= 1
 
 
 def test_balanced_stretch_is_in_equilibrium():

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import scipy.fft
 
 import asperity.runs.pipeline as module
 from asperity.config import config_from
@@ -25,24 +24,6 @@ def test_a_limit_that_is_not_found_is_a_remark_and_no_loss(monkeypatch):
     assert outcome.summary is not None
     assert outcome.summary.relaxed_ratio is None
     assert outcome.dataset.sizes["time"] == 10
-
-
-def test_the_numbers_do_not_depend_on_threads(monkeypatch):
-    found: list[int] = []
-    transform = scipy.fft.rfftn
-
-    def counted(*args, **options):
-        found.append(scipy.fft.get_workers())
-        return transform(*args, **options)
-
-    monkeypatch.setattr(scipy.fft, "rfftn", counted)
-    monkeypatch.setattr(module, "_LARGE", 1)
-    energies = []
-    for threads in (1, 3):
-        found.clear()
-        energies.append(execute(SMALL, Silent(), threads=threads).dataset["energy"])
-        assert set(found) == {threads}
-    assert energies[0].equals(energies[1])
 
 
 def test_a_slide_that_cannot_be_is_refused_before_anything_is_pressed(monkeypatch, tmp_path):

@@ -11,7 +11,7 @@ from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
 from asperity.errors import AsperityError, InputError
-from asperity.runs import cores
+from asperity.threads import cores
 
 if TYPE_CHECKING:
     from distributed import Client

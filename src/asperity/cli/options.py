@@ -235,6 +235,6 @@ class Work:
     @property
     def hands(self) -> int:
         """Worker processes."""
-        from asperity.runs import cores
+        from asperity.threads import cores
 
         return self.workers or cores()

@@ -26,7 +26,6 @@ from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.relaxation import arrhenius, wlf
 from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
-from asperity.runs import cores
 from asperity.runs.loops import compile_loops
 from asperity.runs.prediction import predict as predict_it
 from asperity.words import counted as how_many
@@ -87,7 +86,6 @@ def predict(
                 **arguments,
                 progress=progress,
                 checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY),
-                threads=cores(),
             )
         except InputError as error:
             raise _of_flags(error) from error

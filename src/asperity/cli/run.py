@@ -11,7 +11,7 @@ from asperity.cli.report import aligned, run_report
 from asperity.cli.resuming import place_beside, tell_results
 from asperity.config import RunConfig, to_toml
 from asperity.results import Checkpoint
-from asperity.runs import cores, execute
+from asperity.runs import execute
 from asperity.runs.loops import compile_loops
 
 _CHECKPOINT_EVERY = 20.0
@@ -45,7 +45,7 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
         if resumed:
             progress.stage(f"going on from {place}")
         checkpoint = Checkpoint(place, every=_CHECKPOINT_EVERY)
-        outcome = execute(config, progress, checkpoint=checkpoint, threads=cores())
+        outcome = execute(config, progress, checkpoint=checkpoint)
         rows = run_report(outcome, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
         remarks = write_results(outcome, out, text=aligned(rows), overwrite=overwrite)

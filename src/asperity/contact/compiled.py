@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
-from numba import njit
+from numba import extending, njit
 from numba.core import config, event, registry
 
 from asperity.errors import Remark
@@ -81,6 +81,12 @@ def inlined(function: F) -> F:
     and counts no references to those it is given, which would take as long as a short row.
     """
     return _compiler(forceinline=True, _nrt=False, **_OPTIONS)(function)
+
+
+def intrinsic(function: F) -> Callable[..., Any]:
+    """Compile an operation that is given in the compiler's own terms; its first parameter is not passed."""
+    operation: Callable[..., Any] = extending.intrinsic(function)
+    return operation
 
 
 def warn(text: str) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 from asperity.contact.arrays import largest
 from asperity.contact.local_creep import LocalState, Stage, stretches_of
 from asperity.contact.multigrid.loops import Sites, Surface
-from asperity.contact.multigrid.processor import Processor, usual_threads
+from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import SpringStep
 from asperity.contact.stencils import balanced, lattice_force, newton_steps
@@ -74,7 +74,7 @@ class LatticeCreep:
         self.shape, self.mirrored = heights.shape, lattice.reflecting
         self.heights = np.ascontiguousarray(np.atleast_2d(heights))
         rows, columns = self.heights.shape
-        self.work = TwoFields(Sites(rows, columns, self.mirrored), Processor(usual_threads()))
+        self.work = TwoFields(Sites(rows, columns, self.mirrored), Processor())
 
     def laplacian(self, x: Field) -> Field:
         """Minus the Laplacian."""

@@ -31,7 +31,7 @@ from asperity.config.python import to_python
 from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError
 from asperity.explore.scene import Map, Recording, ending, mapped, of_frame, started
 from asperity.protocols import Schedule, legs_of
-from asperity.runs import Silent, cores, execute
+from asperity.runs import Silent, execute
 from asperity.runs.loops import compile_loops
 from asperity.words import brief, reason_of
 
@@ -169,7 +169,7 @@ def _done(connection: Connection, config: RunConfig, shown: Shown, title: str) -
         output = config.output.model_copy(update={"maps_at": []})
         config = config.model_copy(update={"output": output})
     try:
-        outcome = execute(config, teller, threads=cores())
+        outcome = execute(config, teller)
     except _StoppedError:
         return "stopped", None
     except Exception as error:  # said to the user, in the page

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-import scipy.fft
 import xarray as xr
 
 from asperity.aging import Frame
@@ -60,9 +57,6 @@ _IN_RAMP = 12
 _MODULI, _LIGHT, _SOFT = (1e2, 2e12), 1e-9, 1e-7
 """Moduli of solids, Pa; in units of the modulus, the least pressure that leaves a contact to be seen, and the
 least hardness and shear strength."""
-
-_LARGE = 512**2
-"""Sites from which transforms gain from a second thread."""
 
 
 class Progress(Protocol):
@@ -123,9 +117,7 @@ class Outcome:
     remarks: tuple[str, ...]
 
 
-def execute(
-    config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None, threads: int = 1
-) -> Outcome:
+def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None) -> Outcome:
     """Run the engine's verbs one after the other.
 
     Parameters
@@ -136,9 +128,6 @@ def execute(
         Who is told how far it has come.
     checkpoint
         Where aging keeps its place; see `asperity.age`.
-    threads
-        Threads for the transforms of lattices large enough to gain from them; the results do not
-        depend on it.
 
     Raises
     ------
@@ -161,16 +150,15 @@ def execute(
     progress.completed(config)
     for remark in remarks:
         progress.remark(remark)
-    with transforms_on(threads, rough.heights.size):
-        contact = _press(rough, solid, config, progress)
-        if config.output.instrument:
-            observe(contact, **config.output.instrument)  # refuses before hours have passed
-        history = _age(contact, config, progress, checkpoint)
-        dataset = _with_friction(_observed(history.dataset, config), config)
-        if config.protocol:
-            return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
-        progress.stage("finding the relaxed state")
-        dataset, late_remarks = _with_limit(dataset, contact, config)
+    contact = _press(rough, solid, config, progress)
+    if config.output.instrument:
+        observe(contact, **config.output.instrument)  # refuses before hours have passed
+    history = _age(contact, config, progress, checkpoint)
+    dataset = _with_friction(_observed(history.dataset, config), config)
+    if config.protocol:
+        return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
+    progress.stage("finding the relaxed state")
+    dataset, late_remarks = _with_limit(dataset, contact, config)
     dataset = dataset.assign_attrs(config=to_toml(config))
     return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks + late_remarks)
 
@@ -400,14 +388,3 @@ def _with_limit(
         return with_limit(dataset, relax(contact, hold=config.aging.hold)), ()
     except (InputError, ConvergenceError) as error:
         return dataset, (f"no relaxed state: {error}",)
-
-
-def transforms_on(threads: int, sites: int) -> AbstractContextManager[None]:
-    """Let transforms use threads, where the lattice is large enough to gain from them."""
-    workers: AbstractContextManager[None] = scipy.fft.set_workers(threads if sites >= _LARGE else 1)
-    return workers
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -29,7 +29,7 @@ from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
 from asperity.runs.defaults import USUAL_MAPS, hold_times
-from asperity.runs.pipeline import Progress, Silent, transforms_on
+from asperity.runs.pipeline import Progress, Silent
 from asperity.simulate import age, press
 from asperity.solids import contact_modulus, half_space
 from asperity.surfaces import Surface, read
@@ -70,7 +70,6 @@ def predict(
     threshold: float = 0.5,
     progress: Progress | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
-    threads: int = 1,
 ) -> Prediction:
     """Predict how the contact of a rough rigid surface with a viscoelastic half-space grows under a load.
 
@@ -110,8 +109,6 @@ def predict(
         True for a bar, in notebooks as on terminals; or who is told how far it has come.
     checkpoint
         Where aging keeps its place; see `asperity.age`.
-    threads
-        Threads of the transforms; the result does not depend on it.
 
     Returns
     -------
@@ -164,19 +161,16 @@ def predict(
         require(_SITE + branches * (_BRANCH + 8 * len(maps)), scan.shape)
         solid = half_space(modulus=stiffness, branches=found.series.branches)
         tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
-        with transforms_on(threads, scan.heights.size):
-            by_load = which == "load"
-            contact = press(
-                scan, solid, load=amount if by_load else None, pressure=None if by_load else amount
-            )
-            look = functools.partial(
-                observe, pixel=pixel, blur=0.0 if blur is None else blur, threshold=threshold
-            )
-            looks = pixel is not None or blur is not None
-            if looks:
-                look(contact)  # refuses before minutes have passed
-            tell.stage("aging", times=times.tolist())
-            history = age(contact, times, fields_at=maps, progress=tell.reached, checkpoint=checkpoint)
+        by_load = which == "load"
+        contact = press(scan, solid, load=amount if by_load else None, pressure=None if by_load else amount)
+        look = functools.partial(
+            observe, pixel=pixel, blur=0.0 if blur is None else blur, threshold=threshold
+        )
+        looks = pixel is not None or blur is not None
+        if looks:
+            look(contact)  # refuses before minutes have passed
+        tell.stage("aging", times=times.tolist())
+        history = age(contact, times, fields_at=maps, progress=tell.reached, checkpoint=checkpoint)
         dataset = history.dataset.drop_vars("u0")
         assumed = {
             "measured": modulus,

@@ -16,8 +16,7 @@ the lattice is periodic, of the same end where its edges are mirrors (column -1 
 Rows have no images: `neighbors` names the rows above and below.
 
 Each loop works on rows ``low <= i < high`` so that threads can share a grid; sums are kept row by row,
-so that results do not depend on the number of threads. A loop of several phases does those from ``phase``
-to ``end``; a thread that has a slab to itself waits for the others between two phases.
+so that results do not depend on the number of threads. Between two phases of a loop all threads `meet`.
 
 A pass over the lattice is a wave of row operations, each a row behind the one before, so that a row is
 fetched from memory once. A cycle of two fields, when row n has been corrected:
@@ -33,19 +32,25 @@ before it; what is left undone there is the next phase.
 
 from __future__ import annotations
 
+import sys
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numba.core.types import Array
+from llvmlite import ir
+from numba.core import cgutils, types
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from asperity.contact.compiled import compiled, inlined
+from asperity.contact.compiled import compiled, inlined, intrinsic
 from asperity.lattice import Field
 
 Single: TypeAlias = NDArray[np.float32]
 Scalar: TypeAlias = Any
 """A number in single precision."""
+
+
+_LOOKS = 1000
+"""How often a waiting thread looks before it lets another one use the core: about a microsecond."""
 
 
 class Sites(NamedTuple):
@@ -179,6 +184,87 @@ class Past(NamedTuple):
     tau: Scalar
 
 
+# Threads.
+
+
+class Gate(NamedTuple):
+    """Where threads meet: arrivals so far and whether one has failed; how many threads there are."""
+
+    counts: NDArray[np.int64]
+    threads: int
+
+
+@intrinsic
+def seen(_: Any, counts: Any, place: Any) -> Any:
+    """A count that another thread changes."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        return builder.load_atomic(builder.gep(array.data, [arguments[1]]), "acquire", 8)
+
+    return types.int64(counts, place), generate
+
+
+@intrinsic
+def count(_: Any, counts: Any, place: Any) -> Any:
+    """Add one to a count that other threads look at; the count before."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        one = context.get_constant(types.int64, 1)
+        return builder.atomic_rmw("add", builder.gep(array.data, [arguments[1]]), one, "acq_rel")
+
+    return types.int64(counts, place), generate
+
+
+@intrinsic
+def give_way(_: Any) -> Any:
+    """Let other threads of the machine use this core."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        del signature, arguments
+        if sys.platform != "win32":
+            kind = ir.FunctionType(ir.IntType(32), [])
+            declare: Any = cgutils.get_or_insert_function
+            builder.call(declare(builder.module, kind, "sched_yield"), [])
+        return context.get_dummy_value()
+
+    return types.none(), generate
+
+
+@inlined
+def wait(counts: NDArray[np.int64], place: int, least: int, looks: int) -> bool:
+    """Look at a count until it is at least so large, or for so many times; whether it is."""
+    for n in range(looks):
+        if seen(counts, place) >= least:
+            return True
+        if n % _LOOKS == _LOOKS - 1:
+            give_way()
+    return False
+
+
+@inlined
+def meet(gate: Gate, phase: int) -> None:
+    """Wait, before any phase but the first, until every thread has come here, or one has failed."""
+    counts, threads = gate
+    if phase > 0 and threads > 1:
+        count(counts, 0)
+        while not wait(counts, 0, phase * threads, _LOOKS) and seen(counts, 1) == 0:
+            pass
+
+
+@compiled
+def announce(counts: NDArray[np.int64], place: int) -> None:
+    """Add one to a count."""
+    count(counts, place)
+
+
+@compiled
+def watch(counts: NDArray[np.int64], place: int, least: int, looks: int) -> bool:
+    """As `wait`, for Python."""
+    return wait(counts, place, least, looks)
+
+
 # Parted rows.
 
 
@@ -287,7 +373,7 @@ def at(coefficient: Any, site: Any) -> Any:
 @overload(at, jit_options={"forceinline": True}, strict=False)
 def _at(coefficient: Any, site: Any) -> Any:
     del site
-    if isinstance(coefficient, Array):
+    if isinstance(coefficient, types.Array):
         return lambda coefficient, site: coefficient[site]
     return lambda coefficient, site: coefficient  # noqa: ARG005
 
@@ -589,8 +675,7 @@ def advance(
     into: Measured,
     sites: Sites,
     sums: Field,
-    phase: int,
-    end: int,
+    gate: Gate,
     low: int,
     high: int,
 ) -> None:
@@ -603,7 +688,8 @@ def advance(
     u, w, heights = surface
     nx = u.shape[1]
     move, least, line = np.empty(nx, np.float32), np.empty(nx, np.float32), np.empty(nx)
-    for now in range(phase, end):
+    for now in range(2):
+        meet(gate, now)
         if now == 0:
             for i in range(low, high):
                 join(e[i], move)
@@ -728,7 +814,7 @@ def relax_row_1(eq: One, i: int, color: int) -> None:
 
 
 @compiled
-def sweeps_1(eq: One, halves: int, phase: int, end: int, low: int, high: int) -> None:
+def sweeps_1(eq: One, halves: int, gate: Gate, low: int, high: int) -> None:
     """Half sweeps. Phases: all but the ends of the slab; both sides of its lower edge.
 
     Where the number of rows is odd and the lattice periodic, the last row has the color of the first, its
@@ -737,7 +823,8 @@ def sweeps_1(eq: One, halves: int, phase: int, end: int, low: int, high: int) ->
     ny = eq.sites.rows
     last = high - 1 if high == ny and high % 2 else high
     odd = 1 if low == 0 and ny % 2 else 0
-    for now in range(phase, end):
+    for now in range(2):
+        meet(gate, now)
         if now == 0:
             for front in range(low, high):
                 for half in range(halves):
@@ -932,7 +1019,7 @@ def coarse_defect_1(grid: CoarseOne, uniform: Scalar, i: int, defect: Single) ->
 
 @compiled
 def descend_1(
-    grid: CoarseOne, coupling: float, out: Single, totals: Field, phase: int, end: int, low: int, high: int
+    grid: CoarseOne, coupling: float, out: Single, totals: Field, gate: Gate, low: int, high: int
 ) -> None:
     """From no correction: a sweep, the total, the defect on the next coarser grid.
 
@@ -943,7 +1030,8 @@ def descend_1(
     e, sites = grid.e, grid.sites
     ny, _, width = e.shape
     odd = ny % 2
-    for now in range(phase, end):
+    for now in range(7):
+        meet(gate, now)
         if now == 0:
             e[low:high] = np.float32(0.0)
         elif now < 5:
@@ -995,8 +1083,7 @@ def ascend_1(
     shift: Scalar,
     joined: Single,
     totals: Field,
-    phase: int,
-    end: int,
+    gate: Gate,
     low: int,
     high: int,
 ) -> None:
@@ -1008,7 +1095,8 @@ def ascend_1(
     ny, _, width = e.shape
     odd = ny % 2
     line = np.zeros((2, width), np.float32)
-    for now in range(phase, end):
+    for now in range(6):
+        meet(gate, now)
         if now == 0:
             for i in range(low, high):
                 coarse_correct_row(coarse, e, sites, i, line)
@@ -1127,8 +1215,7 @@ def cycle_2(
     restricting: bool,
     out: Pair,
     sums: Field,
-    phase: int,
-    end: int,
+    gate: Gate,
     low: int,
     high: int,
 ) -> None:
@@ -1146,7 +1233,8 @@ def cycle_2(
     last = high - 1 if high == ny and high % 2 else high
     lead = 1 if correcting else 0
     margin = lead + 2
-    for now in range(phase, end):
+    for now in range(3):
+        meet(gate, now)
         if now < 2 and not sweeping:
             continue
         if now == 0:
@@ -1205,7 +1293,7 @@ def lagged(lag: Any, i: int, x: Single, y: Single, columns: int) -> Any:
 @overload(lagged, jit_options={"forceinline": True}, strict=False)
 def _lagged(lag: Any, i: int, x: Any, y: Any, columns: int) -> Any:
     del i, x, y, columns
-    if isinstance(lag, Array):
+    if isinstance(lag, types.Array):
         return lambda lag, i, x, y, columns: with_lag(lag, i, x, y, columns)
     return lambda lag, i, x, y, columns: lag * product(x, y, columns)  # noqa: ARG005
 
@@ -1329,11 +1417,12 @@ def coarse_defect_2(grid: CoarseTwo, i: int, balance: Single, creep: Single) -> 
 
 
 @compiled
-def descend_2(grid: CoarseTwo, out: Pair, totals: Field, phase: int, end: int, low: int, high: int) -> None:
+def descend_2(grid: CoarseTwo, out: Pair, totals: Field, gate: Gate, low: int, high: int) -> None:
     """As `descend_1`, for both fields; the total is that of f."""
     ny, _, width = grid.e.shape
     sites, odd = grid.sites, ny % 2
-    for now in range(phase, end):
+    for now in range(7):
+        meet(gate, now)
         if now == 0:
             grid.e[low:high] = np.float32(0.0)
             grid.f[low:high] = np.float32(0.0)
@@ -1361,13 +1450,14 @@ def descend_2(grid: CoarseTwo, out: Pair, totals: Field, phase: int, end: int, l
 
 @compiled
 def ascend_2(
-    grid: CoarseTwo, coarse: Pair, shift: Scalar, joined: Pair, phase: int, end: int, low: int, high: int
+    grid: CoarseTwo, coarse: Pair, shift: Scalar, joined: Pair, gate: Gate, low: int, high: int
 ) -> None:
     """As `ascend_1`, for both fields; the shift is that of the second equation."""
     ny, _, width = grid.e.shape
     sites, odd = grid.sites, ny % 2
     line = np.zeros((2, width), np.float32)
-    for now in range(phase, end):
+    for now in range(6):
+        meet(gate, now)
         if now == 0:
             for i in range(low, high):
                 coarse_correct_row(coarse.e, grid.e, sites, i, line)

@@ -8,9 +8,7 @@ corrections that a coarse grid hands to the next finer one. Numbers come back su
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -32,12 +30,14 @@ from asperity.contact.multigrid.loops import (
     Surface,
     Two,
 )
+from asperity.contact.multigrid.team import Team
 from asperity.lattice import Field
+from asperity.threads import usual_threads
 
 _LOWEST_SLAB = 16
 """Minimum rows of a thread; must exceed twice the number of half sweeps."""
 
-_WORTH_SHARING = 2**19
+_WORTH_SHARING = 2**16
 """Number of sites from which a second thread saves time."""
 
 
@@ -80,35 +80,22 @@ class Moments(NamedTuple):
     contacts: float
 
 
-def usual_threads() -> int:
-    """Number of threads: what ``OMP_NUM_THREADS`` says, as for other numerical libraries, or all cores."""
-    wanted = os.environ.get("OMP_NUM_THREADS", "")
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, int(wanted)) if wanted.isdigit() else cores
-
-
 class Processor:
-    """The backend that computes on the processor, in a number of threads."""
+    """The backend that computes on the processor, in a number of threads; by default `usual_threads`."""
 
-    def __init__(self, threads: int) -> None:
-        self.threads = threads
-        self.pool = ThreadPoolExecutor(threads) if threads > 1 else None
+    def __init__(self, threads: int | None = None) -> None:
+        self.threads = threads or usual_threads()
+        self._team = Team(self.threads)
         self._kept: dict[int, Field] = {}
 
-    def _over(self, loop: Callable[..., None], sites: Sites, *arguments: Any, phases: int = 0) -> None:
-        """Call ``loop(*arguments, [phase, end,] low, high)`` for slabs that together are all rows."""
+    def _over(self, loop: Callable[..., None], sites: Sites, *arguments: Any, meeting: bool = False) -> None:
+        """Call ``loop(*arguments, [gate,] low, high)`` for slabs that together are all rows."""
         rows = sites.rows
-        shared = self.pool is not None and rows * sites.columns >= _WORTH_SHARING
-        slabs = min(self.threads, rows // _LOWEST_SLAB) if shared else 1
-        if self.pool is None or slabs < 2:
-            loop(*arguments, *((0, phases) if phases else ()), 0, rows)
-            return
+        shared = self.threads > 1 and rows * sites.columns >= _WORTH_SHARING
+        slabs = max(1, min(self.threads, rows // _LOWEST_SLAB)) if shared else 1
+        gate = (self._team.gate(slabs),) if meeting else ()
         edges = [rows * slab // slabs for slab in range(slabs + 1)]
-        stages: list[tuple[int, ...]] = [(now, now + 1) for now in range(phases)]
-        for stage in stages or [()]:
-            calls = [(*arguments, *stage, low, high) for low, high in pairwise(edges)]
-            for future in [self.pool.submit(loop, *call) for call in calls]:
-                future.result()
+        self._team.do(loop, [(*arguments, *gate, low, high) for low, high in pairwise(edges)])
 
     def _sums(self, sites: Sites) -> Field:
         """A place for numbers by rows."""
@@ -216,7 +203,7 @@ class Processor:
 
     def sweep_1(self, eq: One, halves: int) -> None:
         """Half sweeps, one after the other."""
-        self._over(loops.sweeps_1, eq.sites, eq, halves, phases=2)
+        self._over(loops.sweeps_1, eq.sites, eq, halves, meeting=True)
 
     def restrict_1(self, eq: One, out: Single, coarse: Sites) -> Extremes:
         """The defect, on the first coarse grid."""
@@ -239,13 +226,13 @@ class Processor:
     def descend_1(self, grid: CoarseOne, coupling: float, out: Single) -> float:
         """A sweep from nothing and the defect on the next coarser grid; the sum of the correction."""
         totals = self._sums(grid.sites)
-        self._over(loops.descend_1, grid.sites, grid, coupling, out, totals, phases=7)
+        self._over(loops.descend_1, grid.sites, grid, coupling, out, totals, meeting=True)
         return float(totals[0, 0])
 
     def ascend_1(self, grid: CoarseOne, coarse: Single, shift: float, joined: Single) -> float:
         """Add the next coarser grid's correction, and a constant to the source; a sweep; the sum."""
         totals = self._sums(grid.sites)
-        self._over(loops.ascend_1, grid.sites, grid, coarse, np.float32(shift), joined, totals, phases=6)
+        self._over(loops.ascend_1, grid.sites, grid, coarse, np.float32(shift), joined, totals, meeting=True)
         return float(totals[0, 0])
 
     # Two fields.
@@ -255,7 +242,7 @@ class Processor:
     ) -> Defects:
         """The coarse grids' correction, a sweep, and the defects on the first of them; each on demand."""
         sums, wanted = self._sums(eq.sites), (correcting, sweeping, restricting)
-        self._over(loops.cycle_2, eq.sites, eq, moves, *wanted, out, sums, phases=3)
+        self._over(loops.cycle_2, eq.sites, eq, moves, *wanted, out, sums, meeting=True)
         return Defects(*sums[:, :5].sum(axis=0).tolist())
 
     def products_2(self, eq: Two, moves: Moves) -> Field:
@@ -267,12 +254,12 @@ class Processor:
     def descend_2(self, grid: CoarseTwo, out: Pair) -> float:
         """As `descend_1`, for both fields; the sum of f."""
         totals = self._sums(grid.sites)
-        self._over(loops.descend_2, grid.sites, grid, out, totals, phases=7)
+        self._over(loops.descend_2, grid.sites, grid, out, totals, meeting=True)
         return float(totals[0, 0])
 
     def ascend_2(self, grid: CoarseTwo, coarse: Pair, shift: float, joined: Pair) -> None:
         """As `ascend_1`, for both fields; the constant is the second equation's."""
-        self._over(loops.ascend_2, grid.sites, grid, coarse, np.float32(shift), joined, phases=6)
+        self._over(loops.ascend_2, grid.sites, grid, coarse, np.float32(shift), joined, meeting=True)
 
     # A time step of two stages.
 
@@ -336,6 +323,6 @@ class Processor:
         """Add corrections, and an offset to w; bound, source b and flow (as c) of the new state."""
         sums = self._sums(sites)
         state = (surface, springs, unit, level, into, sites, sums)
-        self._over(loops.advance, sites, correction, offset, *state, phases=2)
+        self._over(loops.advance, sites, correction, offset, *state, meeting=True)
         stretch, rise, squares_w, squares_u, _, contacts = sums[:, :6].sum(axis=0).tolist()
         return Moments(stretch, rise, squares_w, squares_u, float(sums[:, 4].max()), contacts)

@@ -17,7 +17,7 @@ from asperity.contact.mechanics import Mechanics, SpringMechanics
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
-from asperity.contact.multigrid.processor import Processor, usual_threads
+from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.stages import StageSolver
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpringProblem, SpringStep
@@ -171,7 +171,7 @@ class Multigrid:
         """Work arrays, kept from call to call while the lattice stays the same."""
         space = self._work.get("space")
         if not isinstance(space, kind) or space.sites != sites:
-            self._work["space"] = space = kind(sites, Processor(self.threads or usual_threads()))
+            self._work["space"] = space = kind(sites, Processor(self.threads))
         return space
 
 
