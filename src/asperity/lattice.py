@@ -35,7 +35,7 @@ Mask = NDArray[np.bool_]
 ModesOrSpectrum = TypeVar("ModesOrSpectrum", Modes, Spectrum)
 Edges = Literal["periodic", "reflecting"]
 
-_WORTH_SHARING = 2**18
+_WORTH_SHARING = 2**19
 """Number of sites from which transforms gain from a second thread."""
 
 
