@@ -24,7 +24,7 @@ _MET, _FAILED, _CALLED, _DONE = 0, 1, 16, 32
 
 
 class Team:
-    """The thread that calls, and others.
+    """The thread that calls, and others, which begin with the first loop that is shared.
 
     Parameters
     ----------
@@ -35,9 +35,6 @@ class Team:
     def __init__(self, size: int) -> None:
         self._others, self._calls = size - 1, 0
         self._counts, self._job = np.zeros(48, np.int64), _Job()
-        for place in range(1, size):
-            threading.Thread(target=_help, args=(self._counts, self._job, place), daemon=True).start()
-        weakref.finalize(self, _dismiss, self._counts, self._job)
 
     def gate(self, threads: int) -> Gate:
         """Where so many threads meet within a loop."""
@@ -49,6 +46,8 @@ class Team:
             loop(*shares[0])
             return
         counts, job = self._counts, self._job
+        if self._calls == 0:
+            self._begin()
         self._wait()  # an interrupt may have ended the last call early
         counts[_MET] = counts[_FAILED] = 0
         job.loop, job.shares, job.failure = loop, shares, None
@@ -66,6 +65,12 @@ class Team:
             job.shares = ()
         if job.failure is not None:
             raise job.failure
+
+    def _begin(self) -> None:
+        """Start the other threads, which end with this object."""
+        for place in range(1, self._others + 1):
+            threading.Thread(target=_help, args=(self._counts, self._job, place), daemon=True).start()
+        weakref.finalize(self, _dismiss, self._counts, self._job)
 
     def _wait(self) -> None:
         """Wait until the others have nothing to do."""
