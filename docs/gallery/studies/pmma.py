@@ -30,9 +30,9 @@ for hardness, color in ((0.3e9, "black"), (0.5e9, "#0072B2")):
     contact = asp.press(rough, solid, pressure=2 * PRESSURE)
     area = asp.age(contact, times).dataset["area"].values[1:]
     stress = 2 * PRESSURE * heights.size / area
-    ax.loglog(times, stress / 1e6, "o-", color=color, markersize=4, label=f"{hardness / 1e9:g} GPa")
+    ax.semilogx(times, stress / 1e6, "o-", color=color, markersize=4, label=f"{hardness / 1e9:g} GPa")
     line = stress[0] - law.stress * np.log(times / times[0])
-    ax.loglog(times, line / 1e6, ":", color=color)
+    ax.semilogx(times, line / 1e6, ":", color=color)
     growth = np.polyfit(np.log(times), np.log(area), 1)[0]
     share = growth * np.exp(np.log(stress).mean()) / law.stress
     print(f"hardness {hardness / 1e9:g} GPa: B = {growth:.3f}, {share:.2f} of s0/s")
