@@ -24,7 +24,7 @@ ITERATIONS_A_STEP = 40
 PRESSING = 80
 """Iterations of an instantaneous contact. The most was 69."""
 
-LARGEST = 40
+LARGEST = 500
 """Longest side of a map, sites."""
 
 

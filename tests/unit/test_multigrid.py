@@ -107,6 +107,9 @@ CASES = [
     (correlated(96), 3.0, 0.05),
     (uncorrelated(64)[:51, :37], 1.0, 0.1),
     (correlated(96)[:9, :], 1.0, 0.05),
+    (correlated(96)[:4, :], 0.03, 0.05),
+    (uncorrelated(64)[:, :5], 0.01, 0.1),
+    (correlated(96)[:7, :6], 30.0, 0.3),
 ]
 
 

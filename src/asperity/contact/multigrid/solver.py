@@ -36,7 +36,7 @@ _COARSE_TOLERANCE = 3e-2
 
 W = TypeVar("W", OneField, TwoFields)
 
-_FEWEST_SITES = 8
+_FEWEST_SITES = 4
 """Smallest length of an axis, in sites, for which multigrid is used."""
 
 _SOFTEST, _STIFFEST = 1e-6, 1e6
