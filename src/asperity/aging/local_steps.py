@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.spring_steps import extrapolation
-from asperity.aging.tr_bdf2 import DIAGONAL, ERROR_WEIGHTS, WEIGHT, Attempt, Extent, State, rms
+from asperity.aging.step_errors import rms
+from asperity.aging.tr_bdf2 import DIAGONAL, ERROR_WEIGHTS, WEIGHT, Attempt, Extent, State
 from asperity.contact.arrays import largest
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.aging.step_errors import rms
 from asperity.aging.tr_bdf2 import (
     DIAGONAL,
     ERROR_WEIGHTS,
@@ -23,7 +24,6 @@ from asperity.aging.tr_bdf2 import (
     Point,
     State,
     Step,
-    rms,
     take_step,
 )
 from asperity.contact.active_set import ActiveSet

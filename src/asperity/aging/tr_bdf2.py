@@ -34,25 +34,18 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.aging.step_errors import damped, filtered, left_of, modes_rms
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
-from asperity.contact.free_sites import Accuracy, FreeSites
-from asperity.contact.loaded_sites import SpringSites, spring_sites
-from asperity.contact.mechanics import ImplicitStep, SpectralMechanics, SpectralStep
+from asperity.contact.mechanics import ImplicitStep, SpectralMechanics
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import Contact
 from asperity.contact.system import System
-from asperity.lattice import Field, Mask, Modes
+from asperity.lattice import Field, Modes
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
 ERROR_WEIGHTS = ((1 - 4 * WEIGHT) / 3, 1 / 3, -2 * DIAGONAL / 3)
-
-_FILTER_GOAL, _FILTER_ITERATIONS = 0.1, 100
-"""How far forces off contact fall where an error is damped, and the most iterations spent on it."""
-
-_PASSING = 0.1
-"""Least part of the error of a step that counts, even if less is left when the next state is published."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,75 +154,15 @@ def take_step(
     defect = ERROR_WEIGHTS[0] * f0 + ERROR_WEIGHTS[1] * f1 + ERROR_WEIGHTS[2] * end.rate(system)
     in_contact, more = end.u <= system.heights, 0
     if any(allowed_errors):
-        defect = _damped(defect, system, implicit.spectral, np.count_nonzero(in_contact) / system.sites)
+        defect = damped(defect, system, implicit.spectral, np.count_nonzero(in_contact) / system.sites)
     else:
-        defect, more = _filtered(defect, system, implicit.spectral, in_contact)
-    error = _rms(defect, system)
+        defect, more = filtered(defect, system, implicit.spectral, in_contact)
+    error = modes_rms(defect, system)
     opened = bool(((start.u <= system.heights) & ~in_contact).any())
     if ahead > 0 and error > 0 and not opened:
-        later = system.mechanics.implicit_step(ahead).spectral
-        defect, also = _filtered(defect, system, later, in_contact)
-        error, more = max(_PASSING * error, _rms(defect, system)), more + also
+        error, also = left_of(defect, system, ahead, in_contact)
+        more += also
     return Step(end, duration * error, spent + spent_again + more)
-
-
-def _rms(error: Modes, system: System) -> float:
-    """Rms over the sites of an error of the anchors; a load decides their mean."""
-    if system.control.load_controlled:
-        error[system.mechanics.lattice.mean] = 0.0
-    return system.mechanics.spectral.rms(error)
-
-
-def _damped(error: Modes, system: System, step: SpectralStep, touching: float) -> Modes:
-    """About what an implicit step leaves of an error of the anchors, at no cost of transforms.
-
-    A part of it, the fraction of the sites in contact, decays as where u = 0, the rest as on a free surface,
-    S u = sum of C_b D_b e_b. Beside `_filtered` it is too large by up to a half, seldom by more than 2 %.
-    """
-    pull, stiffness = np.einsum("b...,b...->...", step.damped_stiffness, error), step.stiffness
-    if system.control.load_controlled:  # the load decides the mean
-        stiffness = step.load_controlled_stiffness
-    u = np.divide(pull, stiffness, out=np.zeros_like(pull), where=stiffness > 0)
-    u *= 1.0 - touching
-    return np.asarray(u - step.damping * (u - error))
-
-
-def _filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask) -> tuple[Modes, int]:
-    """What an implicit step leaves of an error of the anchors while the contacts stay what they are.
-
-    The surface follows the anchors off contact: there S u = sum of C_b D_b e_b, and u = 0 in contact. Solved
-    to a tenth, for the error is an estimate; with the iterations spent.
-    """
-    lattice = step.mechanics.lattice
-    pull, stiffness = (step.damped_stiffness * error).sum(axis=0), step.stiffness
-    if system.control.load_controlled:  # the load decides the mean
-        stiffness = step.load_controlled_stiffness
-        pull[lattice.mean] = 0.0
-    force = np.where(in_contact, 0.0, -lattice.backward(pull))
-    worst, u, iterations = largest(force, np), np.zeros_like(pull), 0
-    if not in_contact.any():
-        np.divide(pull, stiffness, out=u, where=stiffness > 0)
-    elif worst > 0:
-        free: FreeSites | SpringSites | None
-        free = spring_sites(lattice, step.springs(float(stiffness.flat[0])), in_contact)
-        if free is None:
-            unit = float(stiffness.max())
-            scaled: Any = (stiffness / unit).astype(np.float32)
-            free = FreeSites(lattice, stiffness, unit, scaled, in_contact, np)
-        most = _FILTER_ITERATIONS
-        accuracy = Accuracy(_FILTER_GOAL, imbalance=math.inf, most=most, patience=most)
-        found = free.correct(force, worst, accuracy)
-        u, iterations = lattice.forward(found.displacement), found.iterations
-    return u - step.damping * (u - error), iterations
-
-
-def rms(field: Field) -> float:
-    """Root mean square over the sites."""
-    scale = largest(field, np)
-    if not 0 < scale < math.inf:
-        return scale
-    field = field / scale
-    return scale * math.sqrt(float(np.einsum("i,i->", field.ravel(), field.ravel())) / field.size)
 
 
 def _stage(
