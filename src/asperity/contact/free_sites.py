@@ -1,16 +1,18 @@
 r"""The linear problem on one set of contacts: displace the free sites until no force is left on them.
 
-Conjugate gradients on the free sites, with the preconditioner
+Conjugate gradients on the free sites, with the preconditioner M = M_0 of nested levels,
 
-    M = P [ 1 / (S + s_0)  +  sum over k >= 1 of  R W ( 1 / (S + s_k) - 1 / (S + s_(k-1)) ) W R^T ] P.
+    M_k = W_k [ 1 / (S + s_k) - 1 / (S + s_(k-1)) + R M_(k+1) R^T ] W_k,      1 / (S + s_(-1)) = 0.
 
-P is the mask of the free sites, lowered to 0.85 where two neighbors or more are in contact. Far from
+W_0 is the mask of the free sites, lowered to 0.85 where two neighbors or more are in contact. Far from
 contacts the surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it
 is pinned more strongly, and yields over shorter distances. So long waves are split off onto lattices that
 are coarser by four and by four again (R, which keeps the long modes), and weighted there by
-W = 1 / (1 + 10 rho) with rho the density of contacts around a site. s_k falls with k, from the stiffness of
-the shortest wave that level k + 1 holds down to sigma, so that each bracket and with them M is positive. A
-further level whose waves are all softer than a few sigma is left out: there sigma alone decides.
+W_k = 1 / (1 + c_k rho) with rho the density of contacts around a site, c = 8, 4, 2 and so on. What yields
+on one lattice is weighted on all finer ones too: so long waves do not move the sites beside a small contact
+that stands alone. s_k falls with k, from the stiffness of the shortest wave that level k + 1 holds down to
+sigma, so that each difference and with them M is positive. A level whose waves are all softer than sigma is
+left out.
 """
 
 from __future__ import annotations
@@ -23,13 +25,13 @@ import numpy as np
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.pinning import effective_pinning
-from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
+from asperity.lattice import Field, Lattice, Mask, Spectrum
 
 _SHORE_MASK = 0.85
 """Mask of a free site with two neighbors or more in contact, on a scale from 0 to 1."""
 
-_PINNING = 0.6
-"""Factor on the mean pinning sigma, best by measurement; near contacts W and P add to it."""
+_PINNING = 0.4
+"""Factor on the mean pinning sigma, best by measurement; near contacts the weights add to it."""
 
 _COARSER = 4
 """Ratio of the lengths of successive lattices."""
@@ -37,11 +39,8 @@ _COARSER = 4
 _COARSEST = 15
 """Smallest length of a coarse lattice, sites."""
 
-_PINNED = 3.0
-"""Least stiffness of the shortest wave of a second level, or a further one, over the pinning sigma."""
-
-_CROWDING = 10.0
-"""How fast the weight W falls with the density rho of contacts, 1."""
+_CROWDING = 8.0
+"""How fast the weight W_1 falls with the density rho of contacts; half as fast on each further level."""
 
 _DENSITY_WIDTH = 0.5
 """Width of the Gaussian that turns contacts into a density, in sites of the coarse lattice."""
@@ -88,20 +87,28 @@ class Correction:
 
 
 @dataclass(frozen=True, eq=False)
-class _LongWaves:
-    """One coarse level of the preconditioner."""
+class _Waves:
+    """How the waves of one lattice yield, the long ones by a further level."""
 
     lattice: Lattice
     weight: Field
     compliance: Spectrum
+    longer: _Waves | None
 
-    def share(self, modes: Modes) -> Modes:
-        """The long waves of the response to the long waves of a force, which are overwritten."""
-        field = self.lattice.backward(modes, overwrite=True)
-        field *= self.weight
-        field = self.lattice.apply(self.compliance, field)
-        field *= self.weight
-        return self.lattice.forward(field)
+    def respond(self, force: Field) -> Field:
+        """Displacement by a force, which this overwrites."""
+        force *= self.weight
+        modes = self.lattice.forward(force)
+        if self.longer is None:
+            modes *= self.compliance
+        else:
+            coarse = self.longer.lattice
+            long = coarse.backward(self.lattice.long_waves(modes, coarse), overwrite=True)
+            modes *= self.compliance
+            self.lattice.add_long_waves(modes, coarse.forward(self.longer.respond(long)), coarse)
+        displacement = self.lattice.backward(modes, overwrite=True)
+        displacement *= self.weight
+        return displacement
 
 
 class FreeSites:
@@ -143,38 +150,35 @@ class FreeSites:
             neighbors += xp.roll(contacts, 1, axis=axis)
             neighbors += xp.roll(contacts, -1, axis=axis)
         self.free = 1.0 - contacts
-        self.mask = self.free * (1.0 - (1.0 - _SHORE_MASK) * xp.astype(neighbors > 1.5, stiffness.dtype))
+        mask = self.free * (1.0 - (1.0 - _SHORE_MASK) * xp.astype(neighbors > 1.5, stiffness.dtype))
 
         pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
         longest = Lattice((2,) * lattice.dimension)
-        lattices: list[Lattice] = []
-        cuts: list[float] = []
+        lattices, cuts = [lattice], [math.inf]
         for coarse in _coarse_lattices(lattice):
             cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
-            if cut > (_PINNED if lattices else 1.0) * pinning:
+            if cut > pinning:
                 lattices.append(coarse)
-                cuts.append(min(cut, cuts[-1]) if cuts else cut)
+                cuts.append(min(cut, cuts[-1]))
         cuts = [cut / unit for cut in (*cuts, pinning)]
-        self.compliance = 1.0 / (stiffness + cuts[0])
-        self.levels = []
-        density = lattice.forward(contacts) if lattices else None
-        for coarse, stiffer, softer in zip(lattices, cuts, cuts[1:], strict=False):
-            long = lattice.long_waves(stiffness, coarse)
-            compliance = 1.0 / (long + softer) - 1.0 / (long + stiffer)
-            rho = _blurred(lattice, density, coarse, xp)
-            self.levels.append(_LongWaves(coarse, 1.0 / (1.0 + _CROWDING * rho), compliance))
+        density = lattice.forward(contacts) if len(lattices) > 1 else None
+        waves: _Waves | None = None
+        for level in range(len(lattices) - 1, -1, -1):
+            own, weight, long = lattices[level], mask, stiffness
+            if level > 0:
+                crowding = _CROWDING / 2 ** (level - 1)
+                weight = 1.0 / (1.0 + crowding * _blurred(lattice, density, own, xp))
+                long = lattice.long_waves(stiffness, own)
+            compliance = 1.0 / (long + cuts[level + 1])
+            if level > 0:
+                compliance -= 1.0 / (long + cuts[level])
+            waves = _Waves(own, weight, compliance, waves)
+        assert waves is not None
+        self.waves = waves
 
     def precondition(self, defect: Field) -> Field:
         """Estimate the displacement that removes a defect, which this overwrites."""
-        defect *= self.mask
-        modes = self.lattice.forward(defect)
-        shares = [level.share(self.lattice.long_waves(modes, level.lattice)) for level in self.levels]
-        modes *= self.compliance
-        for level, share in zip(self.levels, shares, strict=True):
-            self.lattice.add_long_waves(modes, share, level.lattice)
-        displacement = self.lattice.backward(modes, overwrite=True)
-        displacement *= self.mask
-        return displacement
+        return self.waves.respond(defect)
 
     def correct(self, force: Field, worst: float, accuracy: Accuracy) -> Correction:
         """Displace the free sites until the forces on them are as small as the accuracy wants.
