@@ -112,11 +112,11 @@ def test_after_the_load_has_fallen_contacts_are_exact_only_where_they_are_more_t
 
 def test_aging_on_stays_exact():
     contact = asp.press(rough(), asp.solids.half_space(modulus=1.0, branches=THREE), load=100.0)
-    once = asp.age(contact, [10.0])
-    twice = asp.age(asp.age(contact, [1.0]).final, [9.0])
+    once = asp.age(contact, [10.0], rtol=1e-4)  # so solvers leave some 1e-8 in u
+    twice = asp.age(asp.age(contact, [1.0], rtol=1e-4).final, [9.0], rtol=1e-4)
     assert twice.dataset.attrs["exact_contact"] == "at all times"
     np.testing.assert_array_equal(twice.final.in_contact, once.final.in_contact)
-    np.testing.assert_allclose(twice.final.u, once.final.u, atol=1e-6)
+    np.testing.assert_allclose(twice.final.u, once.final.u, atol=1e-7)
 
 
 @pytest.mark.parametrize("exact", [True, False], ids=["exact", "march"])

@@ -4,10 +4,10 @@ Conjugate gradients on the free sites, with the preconditioner M = M_0 of nested
 
     M_k = W_k [ 1 / (S + s_k) - 1 / (S + s_(k-1)) + R M_(k+1) R^T ] W_k,      1 / (S + s_(-1)) = 0.
 
-W_0 is the mask of the free sites, lowered to 0.85 where two neighbors or more are in contact. Far from
-contacts the surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it
-is pinned more strongly, and yields over shorter distances. So long waves are split off onto lattices that
-are coarser by four and by four again (R, which keeps the long modes), and weighted there by
+W_0 is 0 at contacts, and 1 / (1 + 0.05 n) at free sites with n neighbors in contact. Far from contacts the
+surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it is pinned more
+strongly, and yields over shorter distances. So long waves are split off onto lattices that are coarser by
+four and by four again (R, which keeps the long modes), and weighted there by
 W_k = 1 / (1 + c_k rho) with rho the density of contacts around a site, c = 8, 4, 2 and so on. What yields
 on one lattice is weighted on all finer ones too: so long waves do not move the sites beside a small contact
 that stands alone. s_k falls with k, from the stiffness of the shortest wave that level k + 1 holds down to
@@ -27,8 +27,8 @@ from asperity.contact.arrays import inner, largest
 from asperity.contact.pinning import effective_pinning
 from asperity.lattice import Field, Lattice, Mask, Spectrum
 
-_SHORE_MASK = 0.85
-"""Mask of a free site with two neighbors or more in contact, on a scale from 0 to 1."""
+_SHORE = 0.05
+"""How fast the weight W_0 of a free site falls with the number of its neighbors in contact."""
 
 _PINNING = 0.4
 """Factor on the mean pinning sigma, best by measurement; near contacts the weights add to it."""
@@ -42,7 +42,7 @@ _COARSEST = 15
 _CROWDING = 8.0
 """How fast the weight W_1 falls with the density rho of contacts; half as fast on each further level."""
 
-_DENSITY_WIDTH = 0.5
+_DENSITY_WIDTH = 0.6
 """Width of the Gaussian that turns contacts into a density, in sites of the coarse lattice."""
 
 _EXTRA = 5
@@ -150,7 +150,7 @@ class FreeSites:
             neighbors += xp.roll(contacts, 1, axis=axis)
             neighbors += xp.roll(contacts, -1, axis=axis)
         self.free = 1.0 - contacts
-        mask = self.free * (1.0 - (1.0 - _SHORE_MASK) * xp.astype(neighbors > 1.5, stiffness.dtype))
+        mask = self.free / (1.0 + _SHORE * neighbors)
 
         pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
         longest = Lattice((2,) * lattice.dimension)
