@@ -218,6 +218,7 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.theory.contacts_at_start, {"load": 8.0, "rms": 2.0, "x1": 3.0, "k0": 0.5, "dimension": 2}),
     (asp.theory.contacts_at_start_paper, {"load": 8.0, "rms": 2.0, "x1": 3.0, "k0": 0.5}),
     (asp.theory.static_friction, {"area": [1.0, 2.0], "load": 8.0, "shear_strength": 0.5}),
+    (asp.theory.flowing_area, {"time": [1.0, 2.0], "load": 8.0, "area": 0.5, "at": 1.0, "stress": 0.5}),
     (asp.theory.full_contact_load, {"heights": ROUGH, "k0": 2.0, "k1": 3.0}),
     (asp.theory.full_contact_load_relaxed, {"heights": ROUGH, "k0": 2.0}),
     (asp.theory.hertz, {"load": [0.0, 0.5], "modulus": 2.0, "radius": 8.0, "period": 16.0}),

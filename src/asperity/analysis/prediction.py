@@ -6,9 +6,11 @@ is known of two spreads, each found by drawing anew with replacement (B. Efron, 
 
     table   deviations of the relaxation table from its fit; each draw is fitted anew. A separable solid under
             a constant pressure p has the contact of an elastic one at p J(t), so that A as a function of J,
-            which the history has sampled, gives the curve of every draw.
+            which the history has sampled, gives the curve of every draw. With a hardness this holds nearly,
+            see docs/predict.md. A solid that is given in numbers has no such spread.
     scan    tiles of the scan, whose areas of contact grow differently: what another scan of this size would
-            give.
+            give. Load passes from tile to tile meanwhile; so the area of the tiles drawn is taken over the
+            load that they bear. Tiles are few, so that the deviations are widened as Student's t is.
 """
 
 from __future__ import annotations
@@ -16,29 +18,38 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
 
 import asperity.views as views
 from asperity.analysis.observation import Observation
+from asperity.analysis.scan import written
 from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.patches import patches
-from asperity.relaxation import Fit, fit
+from asperity.relaxation import Fit, PronySeries, fit
 from asperity.relaxation.data import scales
+from asperity.relaxation.series import Branches
+from asperity.solids import Eyring, Norton, Solid
 from asperity.surfaces import statistics
-from asperity.theory import persson_area, static_friction
+from asperity.theory import flowing_area, persson_area, static_friction
 
 _DRAWS = 200
 _TILES = 4
 """Tiles along each axis of the scan."""
 
+_WIDER = math.sqrt(16 / 15) * 2.131 / 1.960
+"""Of sixteen values: the deviation of their mean that is known over that which drawing them gives."""
+
 _FEW = 10
 """Pixels of a patch below which its shape is not resolved."""
+
+_FLOWING, _FULL = 3.0, 0.5
+"""Contact pressure over s0 above which contacts flow, and part of the area up to which they do so alone."""
 
 _ROUNDING = 1e-12
 
@@ -56,7 +67,7 @@ class Growth:
     band
         Its 95 % band, of table and scan together.
     of_table, of_scan
-        The band that each would give alone.
+        The band that each would give alone; without a table the slope, twice.
     decades
         Begin, end and growth per decade of each decade, the last of which may be a part of one.
     straight
@@ -96,7 +107,7 @@ class Resolved:
 
 @dataclass(frozen=True, eq=False)
 class Prediction(views.InNotebooks):
-    """The growth of a real contact, predicted from a relaxation table, a scan and a load.
+    """The growth of a real contact, predicted from a relaxation table or a solid, a scan and a load.
 
     Attributes
     ----------
@@ -104,9 +115,9 @@ class Prediction(views.InNotebooks):
         The history in SI units, with maps at times from the first to the last. Its attribute ``prediction``
         holds the assumptions, as JSON.
     fit
-        Of the relaxation table, shifted to the temperature of the contact.
-    modulus
-        Contact modulus E* at once, Pa.
+        Of the relaxation table, shifted to the temperature of the contact; None without a table.
+    solid
+        The half-space.
     growth
         Of the area less its rim.
     resolved
@@ -120,8 +131,8 @@ class Prediction(views.InNotebooks):
     """
 
     dataset: xr.Dataset
-    fit: Fit
-    modulus: float
+    fit: Fit | None
+    solid: Solid
     growth: Growth
     resolved: tuple[Resolved, ...]
     shear_strength: float | None = None
@@ -165,14 +176,63 @@ class Prediction(views.InNotebooks):
         return np.asarray(self.dataset[name])[1:]
 
     @property
-    def persson_area(self) -> Field:
-        """Area that Persson's theory has for the load, the table and the rms slope of the scan, m^2.
+    def modulus(self) -> float:
+        """Contact modulus E* at once, Pa."""
+        return cast(float, self.solid.parameters["modulus"])
 
-        The load is the effective one, under which an elastic half-space of E* has this contact.
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The solid in words: how stiff it is, how it creeps, and under which pressure the scan yields."""
+        known, law = self.solid.parameters, self.solid.creep
+        said = [f"half-space, E* = {written(self.modulus, 'Pa')} at once"]
+        if law is not None:
+            names = (("creep_rate", "v0", "m/s"), ("creep_stress", "s0", "Pa"), ("creep_exponent", "n", "1"))
+            forms = {Eyring: "by v0 sinh(s/s0)", Norton: "by v0 (s/s0)^n"}
+            numbers = [
+                f"{short} = {written(value, unit).removesuffix(' 1')}"
+                for name, short, unit in names
+                if (value := law.parameters.get(name)) is not None
+            ]
+            said.append(", ".join([f"creeps {forms.get(type(law), 'by a law of its own')}", *numbers]))
+        if "permanent" in known:
+            said.append(f"a share of {known['permanent']:g} does not creep")
+        if "flow" in known:
+            mobility, power = cast(tuple[float, float], known["flow"])
+            said.append(f"flows with the mobility {mobility:.3g} (SI) times the wave number to {power:g}")
+        if self.fit is None and known.get("branches"):
+            said.append(f"{len(self.solid.branches)} relaxation times")
+        if self.solid.yields:
+            said.append(f"the scan yields under {written(self.solid.hardness, 'Pa')}")
+        return tuple(said)
+
+    @property
+    def relaxing(self) -> PronySeries | None:
+        """The contact modulus as it relaxes; None where the solid is not separable."""
+        if not self.solid.separable:
+            return None
+        return PronySeries(self.modulus, cast(Branches, self.solid.parameters["branches"]))
+
+    @property
+    def theory(self) -> tuple[str, Field] | None:
+        """Name of the theory that has an area for such a contact, and that area, m^2; None without one.
+
+        Of a separable solid: Persson's, for the rms slope of the scan and the effective load, under which an
+        elastic half-space of E* has this contact. Of one that creeps by Eyring's law with nothing beside it:
+        contacts that flow, through the last area.
         """
-        series, slope = self.fit.series, statistics(self.dataset["heights"].values, self.spacing).rms_slope
-        pressure = self.series("load") / self.nominal_area * series.modulus * series.compliance_at(self.time)
-        return self.nominal_area * persson_area(pressure, modulus=self.modulus, slope=slope)
+        load = self.series("load")
+        if (relaxing := self.relaxing) is not None:
+            slope = statistics(self.dataset["heights"].values, self.spacing).rms_slope
+            pressure = load / self.nominal_area * relaxing.modulus * relaxing.compliance_at(self.time)
+            area = self.nominal_area * persson_area(pressure, modulus=self.modulus, slope=slope)
+            return "Persson's theory, from the rms slope", area
+        law, last = self.solid.creep, float(self.series("contact_area")[-1])
+        if not isinstance(law, Eyring) or self.solid.yields or "permanent" in self.solid.parameters:
+            return None
+        if load[-1] < _FLOWING * law.stress * last or last > _FULL * self.nominal_area:
+            return None
+        area = flowing_area(self.time, load=load[-1], area=last, at=self.time[-1], stress=law.stress)
+        return "contacts that flow, through the last area", area
 
     @property
     def friction_force(self) -> Field | None:
@@ -190,17 +250,18 @@ class Prediction(views.InNotebooks):
         return np.asarray(static_friction(area, load, self.shear_strength))
 
 
-def growth_of(dataset: xr.Dataset, found: Fit, *, seed: int = 0) -> Growth:
+def growth_of(dataset: xr.Dataset, found: Fit | None, *, seed: int = 0) -> Growth:
     """Measure the growth of a history, and how sure it is; see the module.
 
-    The history, with maps, is of a separable solid with the branches of the fit under a constant load;
-    the seed is that of the draws.
+    The history, with maps, is under a constant load; where a table was fitted, it is of a solid with the
+    branches of the fit. The seed is that of the draws.
     """
     time, area = (np.asarray(dataset[name])[1:] for name in ("time", "contact_area_corrected"))
     line = growth_rate(time, area, initial=float(area[0]))
     slope = _slope(time, area)
     random = np.random.default_rng(seed)
-    of_table, of_scan = _of_tables(time, area, found, random), _of_tiles(dataset, random)
+    of_table = np.ones(_DRAWS) if found is None else _of_tables(time, area, found, random)
+    of_scan = _of_tiles(dataset, random)
     return Growth(
         per_decade=slope,
         band=_band(slope, of_table * of_scan),
@@ -239,7 +300,8 @@ def _of_tables(time: Field, area: Field, found: Fit, random: np.random.Generator
     free = max(x.size - len(found.series.branches) - 1, 1)
     wider = math.sqrt(x.size / free)
     compliance, whole = np.log(found.series.compliance_at(time)), _slope(time, area)
-    if whole == 0 or not np.ptp(compliance) > 0:  # it does not grow, whatever the table
+    grown = np.flatnonzero(np.diff(compliance, prepend=-np.inf) > _ROUNDING)  # a table may end in a plateau
+    if whole == 0 or grown.size < 2:  # it does not grow, whatever the table
         return np.ones(_DRAWS)
     slopes = []
     for _ in range(_DRAWS):
@@ -254,23 +316,28 @@ def _of_tables(time: Field, area: Field, found: Fit, random: np.random.Generator
         except InputError:  # deviations so large that a draw is no relaxation
             continue
         there = np.log(again.series.compliance_at(time))
-        slopes.append(_slope(time, np.exp(_continued(there, compliance, np.log(area)))))
+        slopes.append(_slope(time, np.exp(_continued(there, compliance[grown], np.log(area[grown])))))
     return np.resize(np.array(slopes or [whole]), _DRAWS) / whole
 
 
 def _of_tiles(dataset: xr.Dataset, random: np.random.Generator) -> Floats:
     """Slopes that other scans would have given, over the slope; shape (draws,)."""
-    touching = np.asarray(dataset["in_contact"], dtype=np.float64)
-    for axis in (1, 2):
-        ends = np.linspace(0, touching.shape[axis], _TILES + 1).astype(int)[:-1]
-        touching = np.add.reduceat(touching, ends, axis=axis)
-    tiles = touching.reshape(touching.shape[0], -1)
+    area, load = (_in_tiles(np.asarray(dataset[name])) for name in ("in_contact", "pressure"))
     time = np.asarray(dataset["field_time"])
-    chosen = random.integers(0, tiles.shape[1], (_DRAWS, tiles.shape[1]))
-    areas = tiles[:, chosen].sum(axis=-1).T
-    slopes = np.array([_slope(time, drawn) for drawn in areas if drawn[0] > 0])
-    whole = _slope(time, tiles.sum(axis=1))
-    return np.resize(slopes, _DRAWS) / whole if whole and slopes.size else np.ones(_DRAWS)
+    chosen = random.integers(0, area.shape[1], (_DRAWS, area.shape[1]))
+    drawn, borne = area[:, chosen].sum(axis=-1).T, load[:, chosen].sum(axis=-1).T
+    slopes = np.array([_slope(time, a / f) for a, f in zip(drawn, borne, strict=True) if (f > 0).all()])
+    whole = _slope(time, area.sum(axis=1))
+    factors = np.resize(slopes, _DRAWS) / whole if whole and slopes.size else np.ones(_DRAWS)
+    return np.asarray(1 + _WIDER * (factors - 1))
+
+
+def _in_tiles(maps: Field) -> Field:
+    """Sums over the tiles; shape (maps, tiles)."""
+    for axis in (1, 2):
+        ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
+        maps = np.add.reduceat(maps, ends, axis=axis, dtype=np.float64)
+    return maps.reshape(maps.shape[0], -1)
 
 
 def _slope(time: Field, area: Field) -> float:

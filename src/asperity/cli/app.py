@@ -114,29 +114,31 @@ def run(
         open_results(out)
 
 
-@_command("scan")
+@_command("scan", "yielding")
 def predict(
-    relaxation: Path,
+    material: Path | None = None,
     /,
     *,
-    surface: Path,
+    surface: Path | None = None,
     wanted: PredictFlags = _PREDICT,
     out: Out = Path("prediction"),
     overwrite: Switch = False,
     quiet: Quiet = False,
     show: Open = False,
     scan: Flags | None = None,
+    yielding: Flags | None = None,
 ) -> None:
-    """Predict how the real contact grows, from a relaxation table, a scan and a load, with units.
+    """Predict how the real contact grows, from a material, a scan and a load that stays, with units.
 
     The result is a folder with a page to read, prediction.html, tables and pictures. Beyond the edges of the
-    scan comes its mirror image, each contact counted once.
+    scan comes its mirror image, each contact counted once. Slides and loads that change are for asperity run.
 
     Parameters
     ----------
-    relaxation
+    material
         Table of relaxation modulus or creep compliance against time, or of storage and loss modulus against
-        frequency; the names of its columns say which, and the units: time_s, E_MPa.
+        frequency; the names of its columns say which, and the units: time_s, E_MPa. Or a TOML file as for
+        asperity run, which flags override. Without: a half-space of --young and --creep.
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
     out
@@ -148,13 +150,12 @@ def predict(
     show
         Open the page of the results when they are written.
     """
-    from asperity.config.models import Scan
-    from asperity.config.reading import file_surface
-
-    settings = file_surface(surface, given(scan).get("surface", {}), Scan)
+    flags = given(scan, yielding)
+    if surface is not None:
+        flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
     from asperity.cli.predict import predict as predict_it
 
-    predict_it(relaxation, settings, wanted, out=out, overwrite=overwrite, quiet=quiet)
+    predict_it(material, flags, wanted, out=out, overwrite=overwrite, quiet=quiet)
     if show:
         open_results(out)
 
@@ -546,6 +547,7 @@ def _complain(status: int, *problems: str) -> int:
 
 _NO_SUCH_FLAG = {
     "--E": "; the elastic constants are --k0 and --k1, or --modulus of --solid half_space",
+    "--leg": "; a prediction is of a load that stays: asperity run takes legs and slides",
     "--half-space": "; try --solid half_space --modulus 3.8GPa",
     "--activation-energy": "; that of creep is --creep-energy",
     "--activation-volume": "; that of creep is --creep-volume",

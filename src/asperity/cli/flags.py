@@ -62,11 +62,12 @@ class Flags:
 def flags_for(section: str) -> type[Flags]:
     """Make the flags of a section.
 
-    ``"preparation"`` stands for the keys that prepare a measured surface, ``"scan"`` for the same of a scan.
+    ``"preparation"`` stands for the keys that prepare a measured surface, ``"scan"`` for the same of a scan,
+    ``"yielding"`` for those of a half-space that creeps by a law or has a hardness.
     """
     from asperity.config.mistakes import ORDER
 
-    owner = "surface" if section in ("preparation", "scan") else section
+    owner = {"preparation": "surface", "scan": "surface", "yielding": "solid"}.get(section, section)
     group = Group(owner.capitalize(), sort_key=1 + ORDER.index(owner))
     keys = {key.name: key for key in _keys(section)}
     fields = [(name, _annotation(owner, key), None) for name, key in keys.items()]
@@ -107,7 +108,11 @@ def _keys(section: str) -> Iterator[Key]:
     """Keys of a section; of several kinds, each key with what is said of all."""
     from asperity.config.keys import Key, keys_of, sections
     from asperity.config.models import MeasuredSurface, Scan
+    from asperity.config.solids import YIELDING, HalfSpace
 
+    if section == "yielding":
+        yield from (key for key in keys_of(HalfSpace).values() if key.name in YIELDING)
+        return
     if section in ("preparation", "scan"):
         measured = keys_of(Scan if section == "scan" else MeasuredSurface)
         yield from (key for key in measured.values() if key.name != "path")

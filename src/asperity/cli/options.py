@@ -42,7 +42,7 @@ def _flags(kind: type[_Flags]) -> type[_Flags]:
 
 @_flags
 class PredictFlags:
-    """What a prediction is made of besides table and scan; texts have units.
+    """What a prediction is made of besides material and scan; texts have units.
 
     Parameters
     ----------
@@ -56,13 +56,15 @@ class PredictFlags:
         Names or numbers, from 0, of its columns: time and modulus, time and compliance, or frequency,
         storage and loss modulus. [default: those that are named so]
     noise
-        Largest relative change in the wrong direction that is taken for noise of the table.
+        Largest relative change in the wrong direction that is taken for noise of the table. [default: 0.05]
     modulus
         What the table measures: Young's modulus, the shear modulus, or the contact modulus E*.
+        [default: young]
     poisson
-        Poisson's ratio, which does not relax.
+        Poisson's ratio, which does not relax. [default: 0.35]
     temperature
-        Temperature of the contact, such as 40degC, if it is not that of the table.
+        Temperature of the contact, such as 40degC: of creep that is activated, or if it is not that of
+        the table.
     reference
         Temperature of the table.
     activation_energy
@@ -70,14 +72,14 @@ class PredictFlags:
     wlf
         The same by Williams, Landel and Ferry, for the decimal logarithm: C1 C2, C2 in K.
     first
-        First time, such as 10ms. [default: that of the table]
+        First time, such as 10ms. [default: that of the table, else as asperity run has it]
     last
-        Last time, such as 10days. [default: that of the table]
+        Last time, such as 10days. [default: likewise]
     per_decade
-        Times recorded in each decade.
+        Times recorded in each decade. [default: 4]
     branches_per_decade
         Relaxation times that the fit has in each decade of the table: more of them for data with few
-        distinct times, fewer for noisy data.
+        distinct times, fewer for noisy data. [default: 1]
     shear_strength
         Shear strength of the contacts, such as 50MPa: gives friction.
     pixel
@@ -92,17 +94,17 @@ class PredictFlags:
     load: str | None = None
     kind: Literal["relaxation", "creep", "dynamic"] | None = None
     columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None
-    noise: float = 0.05
-    modulus: Literal["young", "shear", "contact"] = "young"
-    poisson: float = 0.35
+    noise: float | None = None
+    modulus: Literal["young", "shear", "contact"] | None = None
+    poisson: float | None = None
     temperature: str | None = None
     reference: str | None = None
     activation_energy: str | None = None
     wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None
     first: str | None = None
     last: str | None = None
-    per_decade: Whole = 4
-    branches_per_decade: float = 1.0
+    per_decade: Whole | None = None
+    branches_per_decade: float | None = None
     shear_strength: str | None = None
     pixel: str | None = None
     blur: str | None = None

@@ -1,12 +1,14 @@
-"""The command ``asperity predict``: from a relaxation table, a scan and a load to a page to read."""
+"""The command ``asperity predict``: from a material, a scan and a load to a page to read."""
 
 from __future__ import annotations
 
 import csv
+import functools
 import re
 import shlex
 import sys
 import time as clock
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,11 @@ from asperity.cli.progress import progress_shown
 from asperity.cli.report import Row, aligned
 from asperity.cli.resuming import place_beside, tell_results
 from asperity.config import MeasuredSurface
+from asperity.config.keys import keys_of
+from asperity.config.mistakes import Sections
+from asperity.config.models import Scan
+from asperity.config.reading import file_surface, read_config
+from asperity.config.solids import YIELDING, HalfSpace
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.relaxation import arrhenius, wlf
@@ -28,6 +35,7 @@ from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
 from asperity.runs.loops import compile_loops
 from asperity.runs.prediction import predict as predict_it
+from asperity.runs.prediction import predict_config
 from asperity.words import counted as how_many
 
 _CHECKPOINT_EVERY = 3.0
@@ -45,8 +53,27 @@ _UNITS = {
 }
 """Flags that are quantities, and the units in which they go on."""
 
-_AS_WRITTEN = ("kind", "columns", "noise", "modulus", "poisson", "per_decade", "branches_per_decade")
-"""Flags that go on as they are."""
+_OF_TABLES, _COUNTS = (
+    ("kind", "columns", "noise", "modulus"),
+    ("poisson", "per_decade", "branches_per_decade"),
+)
+"""Flags that go on as they are: about a relaxation table alone, and others."""
+
+_KEYS = {
+    "pressure": ("contact", "pressure"),
+    "load": ("contact", "load"),
+    "first": ("aging", "first"),
+    "last": ("aging", "last"),
+    "per_decade": ("aging", "per_decade"),
+    "shear_strength": ("friction", "shear_strength"),
+    "pixel": ("output", "pixel"),
+    "blur": ("output", "blur"),
+    "threshold": ("output", "threshold"),
+    "poisson": ("solid", "poisson"),
+    "temperature": ("solid", "temperature"),
+    "branches_per_decade": ("solid", "per_decade"),
+}
+"""Flags that are keys of a run's configuration."""
 
 _COLUMNS = {
     "time": "s",
@@ -63,30 +90,34 @@ _COLUMNS = {
 
 
 def predict(
-    relaxation: Path, scan: MeasuredSurface, wanted: PredictFlags, *, out: Path, overwrite: bool, quiet: bool
+    material: Path | None, flags: Sections, wanted: PredictFlags, *, out: Path, overwrite: bool, quiet: bool
 ) -> None:
     """Compute, and write the results to a folder; a long run keeps its place in a file beside it.
 
     `AsperityError` as `asperity.predict`; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
-    with (
-        place_beside(out, repr((relaxation, scan, wanted))) as place,
-        progress_shown(quiet=quiet) as progress,
-    ):
-        arguments = _arguments(wanted)
+    known = keys_of(HalfSpace)
+    for name, value in flags.get("solid", {}).items():
+        if unit := known[name].unit:
+            for one in value if isinstance(value, list) else [value]:
+                _quantity(name, str(one), unit)
+    numbers = {name: _quantity(name, getattr(wanted, name), unit) for name, unit in _UNITS.items()}
+    compute: Callable[..., Prediction]
+    if material is None or material.suffix == ".toml":
+        config = read_config(material, _sections(material, flags, wanted))
+        compute, asked = functools.partial(predict_config, config), repr(config)
+    else:
+        scan, arguments = _scan(flags), _arguments(flags, wanted, numbers)
+        compute = lambda **more: predict_it(material, scan.build(), **arguments, **more)  # noqa: E731
+        asked = repr((material, scan, arguments))
+    with place_beside(out, asked) as place, progress_shown(quiet=quiet) as progress:
         compile_loops(progress.stage, progress.remark)
         started = clock.perf_counter()
         if place.exists():
             progress.stage(f"going on from {place}")
         try:
-            prediction = predict_it(
-                relaxation,
-                scan.build(),
-                **arguments,
-                progress=progress,
-                checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY),
-            )
+            prediction = compute(progress=progress, checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY))
         except InputError as error:
             raise _of_flags(error) from error
         rows = _report(prediction, seconds=clock.perf_counter() - started)
@@ -96,15 +127,58 @@ def predict(
         tell_results(rows, out)
 
 
-def _arguments(wanted: PredictFlags) -> dict[str, Any]:
-    """What `asperity.predict` takes besides table and scan."""
+def _scan(flags: Sections) -> MeasuredSurface:
+    """The surface file that the flags name."""
+    given = dict(flags.get("surface", {}))
+    if "path" not in given:
+        raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
+    return file_surface(Path(str(given.pop("path"))), given, Scan)
+
+
+def _sections(path: Path | None, flags: Sections, wanted: PredictFlags) -> Sections:
+    """The flags as keys of a run's configuration, where there is no relaxation table."""
+    for name in (*_OF_TABLES, "reference", "activation_energy", "wlf"):
+        if (value := getattr(wanted, name)) is not None:
+            raise InputError(
+                _flag(name), expected="a relaxation table, which it is about", got=f"{path or 'none'}"
+            )
+    sections: Sections = {name: dict(keys) for name, keys in flags.items()}
+    for name, (section, key) in _KEYS.items():
+        if (value := getattr(wanted, name)) is not None:
+            sections.setdefault(section, {})[key] = value
+    if "path" in sections.get("surface", {}):
+        sections["surface"].setdefault("periodic", "reflect")
+    if path is None:
+        _one_load(wanted)
+        solid = sections.setdefault("solid", {})
+        if "young" not in solid:
+            expected = "a relaxation table, a TOML file, or --young"
+            raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
+        solid |= {"kind": "half_space", "poisson": solid.get("poisson", 0.35)}
+        _scan(flags)
+    return sections
+
+
+def _one_load(wanted: PredictFlags) -> None:
+    """Refuse none and two."""
     if (wanted.pressure is None) == (wanted.load is None):
         got = "neither" if wanted.load is None else "both"
         raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
+
+
+def _arguments(flags: Sections, wanted: PredictFlags, numbers: dict[str, float | None]) -> dict[str, Any]:
+    """What `asperity.predict` takes besides table and scan."""
+    _one_load(wanted)
     if wanted.threshold is not None and wanted.pixel is None and wanted.blur is None:
         expected = "a pixel or a blur of the instrument beside it"
         raise InputError("--threshold", expected=expected, got="neither", advice="--pixel 1um")
-    numbers = {name: _quantity(name, getattr(wanted, name), unit) for name, unit in _UNITS.items()}
+    if others := set(flags.get("solid", {})) - {"hardness"}:
+        raise InputError(
+            _flag(min(others)),
+            expected="no relaxation table beside it: that is the table of a linear solid",
+            got="both",
+            advice="--young 3GPa in place of the table",
+        )
     temperature, reference = numbers.pop("temperature"), numbers.pop("reference")
     energy, constants = numbers.pop("activation_energy"), wanted.wlf
     shift = 1.0
@@ -123,10 +197,11 @@ def _arguments(wanted: PredictFlags) -> dict[str, Any]:
             if energy is not None
             else wlf(*(constants or (0.0, 1.0)), temperature, reference)
         )
+    plain = {name: getattr(wanted, name) for name in (*_OF_TABLES, *_COUNTS, "threshold")}
     return {
         **numbers,
-        **{name: getattr(wanted, name) for name in _AS_WRITTEN},
-        **({} if wanted.threshold is None else {"threshold": wanted.threshold}),
+        **{name: value for name, value in plain.items() if value is not None},
+        **flags.get("solid", {}),
         "shift": shift,
     }
 
@@ -149,7 +224,7 @@ def _flag(name: str) -> str:
 
 def _of_flags(error: InputError) -> InputError:
     """The same error, about the flag."""
-    named = {*_UNITS, *_AS_WRITTEN, "threshold", "surface"} - {"kind"}
+    named = {*_UNITS, *_COUNTS, *_OF_TABLES, *YIELDING, "threshold", "surface"} - {"kind"}
     name = _flag(error.name) if error.name in named else error.name
     advice = re.sub(r"\b(noise|kind|columns)=\S", lambda found: f"--{found[1]} {found[0][-1]}", error.advice)
     return InputError(name, expected=error.expected, got=error.got, advice=advice)
@@ -162,15 +237,18 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
     pixels = " x ".join(map(str, dataset["heights"].shape))
     sides = " x ".join(written(side, "m", 4) for side in prediction.spacing)
     load = float(dataset["load"][0])
-    begin, end = fit.series.span
-    rows = [
-        ("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}"),
-        (
-            "relaxation",
-            f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
-            f"{len(fit.series.branches)} branches, missed by {100 * fit.series.error:.2g} % at most",
-        ),
-        ("solid", f"half-space, E* = {written(prediction.modulus, 'Pa')} at once"),
+    rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}")]
+    if fit is not None:
+        begin, end = fit.series.span
+        rows.append(
+            (
+                "relaxation",
+                f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
+                f"{len(fit.series.branches)} branches, missed by {100 * fit.series.error:.2g} % at most",
+            )
+        )
+    rows += [
+        ("solid", "; ".join(prediction.words)),
         (
             "held",
             f"load {written(load, 'N')}, {written(load / prediction.nominal_area, 'Pa')} "
@@ -207,7 +285,12 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
     for which, place in (("first", 0), ("last", -1)) if prediction.observed else ():
         seen = prediction.observed[place]
         rows.append((f"seen at {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
-    exact = "exact contact" if dataset.attrs.get("exact_contact") == "at all times" else "time steps"
+    if prediction.solid.yields:
+        begun, left = (int(prediction.series("yielding_area")[place]) for place in (0, -1))
+        rows.append(("yields", f"{how_many(begun, 'pixel', 'pixels')} at first, {left} at last"))
+    exact = "exact contact"
+    if dataset.attrs.get("exact_contact") != "at all times":
+        exact = f"{int(dataset['steps'].sum())} time steps"
     rows += [
         ("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"),
         ("effort", f"{exact}, {int(dataset['iterations'].sum())} iterations, {seconds:.1f} s"),

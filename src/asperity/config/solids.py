@@ -26,7 +26,7 @@ from asperity.config.sections import (
 from asperity.errors import InputError
 
 if TYPE_CHECKING:  # these need numpy, for which the help does not wait
-    from asperity.relaxation import PronySeries
+    from asperity.relaxation import Fit, PronySeries
     from asperity.solids import LocalCreep, Solid
 
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
@@ -39,6 +39,9 @@ _SPAN = (1e-3, 1e6)
 ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
 OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | ACTIVATION
 """Keys of local laws of creep."""
+
+YIELDING = (OF_LAWS | {"young", "creep", "permanent", "hardness"}) - {"temperature"}
+"""Keys of a half-space without a relaxation table, and of what yields, but for the temperature."""
 
 _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
@@ -211,12 +214,17 @@ class Continuum(SolidSection):
         if bodies != ratios:
             raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}")
 
-    def _series(self) -> PronySeries | None:
+    @property
+    def fit(self) -> Fit | None:
+        """The table, fitted."""
         if self.relaxation is None:
             return None
         path = Path(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
         return _fitted(path, self.per_decade or 1.0, changed)
+
+    def _series(self) -> PronySeries | None:
+        return None if self.fit is None else self.fit.series
 
     @property
     def maxwell(self) -> list[Branch]:
@@ -404,9 +412,9 @@ AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(
 
 
 @functools.lru_cache(maxsize=8)
-def _fitted(path: Path, per_decade: float, changed: int) -> PronySeries:
-    """Branches of a table; ``changed`` tells one state of the file from another."""
+def _fitted(path: Path, per_decade: float, changed: int) -> Fit:
+    """A table, fitted; ``changed`` tells one state of the file from another."""
     from asperity.relaxation import fit, read
 
     del changed
-    return fit(read(path), per_decade=per_decade).series
+    return fit(read(path), per_decade=per_decade)

@@ -53,11 +53,15 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     friction = "" if prediction.friction is None else " Bottom: the coefficient of static friction."
+    beside = ""
+    if prediction.relaxing is not None:
+        beside = ", beside that of Persson's theory for a random surface of the same rms slope [7]"
+    elif prediction.theory is not None:
+        beside = ", beside that of contacts that flow and bear all of the load, d ln A/d ln t = s0/s"
     captions: dict[str, tuple[Figure, str]] = {
         "growth": (
             drawn.growth_figure(prediction),
-            "Real contact area against the time under load, beside that of Persson's theory for a random "
-            "surface of the same rms slope [7]; and its growth per decade." + friction,
+            f"Real contact area against the time under load{beside}; and its growth per decade.{friction}",
         ),
         "contacts": (
             drawn.contact_maps_figure(prediction),
@@ -69,12 +73,13 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
             "Distribution of the contact pressure over the contact area; dotted: means. The highest 2 % is "
             "beyond the axis.",
         ),
-        "relaxation": (
+    }
+    if prediction.fit is not None:
+        captions["relaxation"] = (
             relaxation_figure(prediction.fit),
             "The relaxation table, the sum of exponentials that stands for it, what that misses, and its "
             "branches.",
-        ),
-    }
+        )
     if prediction.observed:
         captions["observed"] = (
             drawn.observed_figure(prediction),
@@ -108,7 +113,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         lstrip_blocks=True,
     )
     environment.filters["measured"] = quantity
-    dataset, series, scan = prediction.dataset, prediction.fit.series, prediction.origin
+    dataset, scan, fit, relaxing = prediction.dataset, prediction.origin, prediction.fit, prediction.relaxing
     known = ("file", "sha256", "reader", "channel", "undefined_pixels", "tilt_rule", "periodic_rule")
     shape = dataset["heights"].shape
     rows = _rows(prediction)
@@ -127,8 +132,11 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         residual_power=-math.ceil(math.log10(max(float(dataset["residual"].max()), 1e-16))),
         nominal=prediction.nominal_area,
         load=float(dataset["load"][0]),
-        late_modulus=prediction.modulus * float(series.modulus_at(rows[-1]["time"])) / series.modulus,
-        series=series,
+        modulus=prediction.modulus,
+        late_modulus=None if relaxing is None else float(relaxing.modulus_at(rows[-1]["time"])),
+        series=None if fit is None else fit.series,
+        words=prediction.words,
+        theory=prediction.theory,
         assumed=prediction.assumed,
         rows=rows,
         pictures=list(pictures.values()),

@@ -53,22 +53,17 @@ def growth_figure(prediction: Prediction) -> Figure:
 
 
 def draw_growth(axes: Axes, prediction: Prediction) -> None:
-    """Draw the area against the logarithm of time, as counted and less its rim, beside Persson's theory."""
+    """Draw the area against the logarithm of time, as counted and less its rim, and what theory has."""
     unit, square = _areas(prediction)
     counted, corrected = (
         square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
     )
     _draw(axes, prediction.time, counted, style.GRAY, "s", "sites counted")
     _draw(axes, prediction.time, corrected, style.INK, "o", "less the rim")
-    persson = square * prediction.persson_area
-    axes.plot(
-        prediction.time,
-        persson,
-        "--",
-        color=style.BLUE,
-        linewidth=1.2,
-        label="Persson's theory, from the rms slope",
-    )
+    if prediction.theory is not None:
+        name, area = prediction.theory
+        shown = np.where(square * area < 1.2 * counted.max(), square * area, np.nan)
+        axes.plot(prediction.time, shown, "--", color=style.BLUE, linewidth=1.2, label=name)
     axes.set_xscale("log")
     axes.set_ylabel(f"real contact area [{unit}]")
     style.count_nominal_area(axes, 100.0 / (prediction.nominal_area * square))

@@ -142,7 +142,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     rough = config.surface.build()
     if made is None:
         _require_memory(rough.shape, solid, config)
-    _check_units(config, solid, rough)
+    check_units(config, solid, rough)
     _shear_strength(config)  # refuses before hours have passed, as does the next
     if config.protocol:
         check_slides(legs_of(config.legs), bodies_of(rough, solid).lattice, solid)
@@ -165,18 +165,22 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
 
 def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
     """Refuse a run that would be killed for want of memory after minutes or hours."""
-    springs, more = solid.springs, max(len(solid.branches) - 1, 0)
-    cycles = len(shape) == 2 and min(shape) >= 8 and springs is not None and springs.k0 > 0
     maps = config.output.maps_at
-    a_map = _MAP + _MAPPED_BRANCH * more
-    needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
-    if springs is None and solid.creep is not None:
-        needed = _SHARED if "permanent" in solid.parameters else _LOCAL
-    needed += a_map * (USUAL_MAPS if maps is None else len(maps))
+    needed = bytes_a_site(solid, shape, USUAL_MAPS if maps is None else len(maps))
     require(needed, shape, power_of_two=config.surface.only_powers_of_two)
 
 
-def _check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
+def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int) -> int:
+    """Bytes of memory a site that a run needs, with so many maps."""
+    springs, more = solid.springs, max(len(solid.branches) - 1, 0)
+    cycles = len(shape) == 2 and min(shape) >= 8 and springs is not None and springs.k0 > 0
+    needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
+    if springs is None and solid.creep is not None:
+        needed = _SHARED if "permanent" in solid.parameters else _LOCAL
+    return needed + maps * (_MAP + _MAPPED_BRANCH * more)
+
+
+def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
     """Refuse numbers with units where nothing else has any."""
     if solid.in_lengths and rough.has_lengths:
         return

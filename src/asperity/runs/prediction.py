@@ -1,9 +1,9 @@
-"""From a relaxation table, a scan and a load to the growth of the real contact: the prediction."""
+"""From a relaxation table or a solid, a scan and a load to the growth of the real contact: the prediction."""
 
 from __future__ import annotations
 
-import functools
 import hashlib
+import inspect
 import json
 import math
 import warnings
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -20,6 +20,8 @@ import asperity.units as units
 from asperity.analysis.observation import observe
 from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
+from asperity.config import MeasuredSurface, RunConfig
+from asperity.config.solids import HalfSpace
 from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.memory import require
@@ -29,15 +31,22 @@ from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
 from asperity.runs.defaults import USUAL_MAPS, hold_times
-from asperity.runs.pipeline import Progress, Silent
+from asperity.runs.pipeline import (
+    Progress,
+    Silent,
+    bytes_a_site,
+    check_units,
+    completed,
+    recorded_times,
+)
 from asperity.simulate import age, press
-from asperity.solids import contact_modulus, half_space
+from asperity.solids import Solid, contact_modulus, half_space
 from asperity.surfaces import Surface, read
 
 Modulus = Literal["young", "shear", "contact"]
 
 _SITE, _BRANCH = 340, 85
-"""Bytes a site that a run needs, and that each branch adds; and each branch of a map 8 of them.
+"""Bytes a site that a separable solid needs, and that each branch adds; and each branch of a map 8 of them.
 
 Measured on 512 x 512 sites with six maps: 418 with one branch, 1323 with eight.
 """
@@ -47,9 +56,12 @@ _LEAST_TIMES = 5
 _UNEVEN = 1.5
 """Ratio of steps across rows to steps along them, above which a remark is made."""
 
+_OF_TABLES = ("kind", "columns", "noise", "modulus", "poisson", "shift", "branches_per_decade")
+"""Arguments that are about a relaxation table."""
+
 
 def predict(
-    relaxation: str | Path | Measured,
+    material: str | Path | Measured | Solid,
     surface: str | Path | Surface,
     *,
     load: float | str | None = None,
@@ -60,6 +72,7 @@ def predict(
     modulus: Modulus = "young",
     poisson: float = 0.35,
     shift: float = 1.0,
+    hardness: float | str | None = None,
     first: float | str | None = None,
     last: float | str | None = None,
     per_decade: int = 4,
@@ -68,18 +81,20 @@ def predict(
     pixel: float | str | None = None,
     blur: float | str | None = None,
     threshold: float = 0.5,
+    protocol: None = None,
     progress: Progress | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
 ) -> Prediction:
-    """Predict how the contact of a rough rigid surface with a viscoelastic half-space grows under a load.
+    """Predict how the contact of a rough rigid surface with a half-space grows under a load that stays.
 
     Numbers are in SI units, or texts with a unit: ``"1 MPa"``.
 
     Parameters
     ----------
-    relaxation
+    material
         Relaxation modulus, creep compliance, or storage and loss modulus: a file for
-        `asperity.relaxation.read`, or what that returns.
+        `asperity.relaxation.read`, or what that returns. Or a half-space whose numbers are known, such as one
+        with a local law of creep, from `asperity.solids.half_space`.
     surface
         The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. One
         that is made of a scan and its mirror images is taken as that scan with reflecting edges.
@@ -94,8 +109,11 @@ def predict(
     shift
         Factor on all times of the table, for another temperature; see `asperity.relaxation.arrhenius` and
         ``wlf``.
+    hardness
+        Pressure under which the rough surface yields, Pa; see `asperity.solids.Solid.with_hardness`.
     first, last
-        Times, s, between which to predict; by default all that the table spans, and never more.
+        Times, s, between which to predict; by default all that the table spans, and never more. Without a
+        table both are needed.
     per_decade
         Times recorded in each decade.
     branches_per_decade
@@ -105,6 +123,8 @@ def predict(
         Of the contacts, Pa: gives friction (Tabor).
     pixel, blur, threshold
         An instrument through which to look at the contact, see `asperity.observe`; by default none.
+    protocol
+        None: the load stays. Slides and loads that change are refused; `asperity.age` follows them.
     progress
         True for a bar, in notebooks as on terminals; or who is told how far it has come.
     checkpoint
@@ -122,79 +142,198 @@ def predict(
     Notes
     -----
     A generalized Maxwell half-space is separable, and the load never falls: the contact at each time is the
-    exact one, see `asperity.age`. Neither holds for local laws of creep or while a surface slides, for which
-    there are `asperity.age` and `asperity.protocols`.
+    exact one, see `asperity.age`. Local laws of creep and a hardness are followed in time steps.
 
     References
     ----------
     H. Farain, D. Bonn, Nat. Commun. 14, 3606 (2023): frictional aging from bulk relaxation.
     """
+    given = locals()
     which = checks.one_of('pressure="1 MPa"', load=load, pressure=pressure)
-    given = load if which == "load" else pressure
-    amount = _quantity(which, given, "N" if which == "load" else "Pa")
+    amount = _quantity(which, given[which], "N" if which == "load" else "Pa")
     strength = None if shear_strength is None else _quantity("shear_strength", shear_strength, "Pa")
     if modulus not in get_args(Modulus):
         raise InputError("modulus", expected="'young', 'shear' or 'contact'", got=checks.shown(modulus))
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
     fineness = checks.number("branches_per_decade", branches_per_decade, least=0.2, most=10)
+    if protocol:
+        raise _no_protocol("protocol", "asperity.press, and asperity.age with the protocol")
+    facts: dict[str, object] = {}
+    found: Fit | None = None
     with _told(progress) as tell:
-        tell.stage("reading the relaxation table")
-        factor = checks.number("shift", shift, above=0)
-        if isinstance(relaxation, str | Path):
-            table = _table_with_units(relaxation, kind, columns, noise)
+        if isinstance(material, Solid):
+            for name in _OF_TABLES:
+                if given[name] != inspect.signature(predict).parameters[name].default:
+                    expected = "none beside a solid, for it is about a relaxation table"
+                    raise InputError(name, expected=expected, got=checks.shown(given[name]))
+            solid = material
         else:
-            table = relaxation
-        found = fit(table, per_decade=fineness)
-        if factor != 1:
-            found = fit(found.data.shifted(factor), per_decade=fineness)
-        times = _times(found, first, last, density)
-        stiffness = _contact_modulus(found.series.modulus, modulus, poisson)
+            tell.stage("reading the relaxation table")
+            factor = checks.number("shift", shift, above=0)
+            if isinstance(material, str | Path):
+                table = _table_with_units(material, kind, columns, noise)
+            else:
+                table = material
+            found = fit(table, per_decade=fineness)
+            if factor != 1:
+                found = fit(found.data.shifted(factor), per_decade=fineness)
+            stiffness = _contact_modulus(found.series.modulus, modulus, poisson)
+            solid = half_space(modulus=stiffness, branches=found.series.branches)
+            facts = {"measured": modulus, "poisson": None if modulus == "contact" else poisson}
+            facts |= {"shift": factor, **_origin(material, found)}
+        solid = solid.with_hardness(hardness)
+        times = _times(None if found is None else found.series.span, first, last, density)
         tell.stage("reading the scan")
         scan = surface if isinstance(surface, Surface) else read(surface, periodic="reflect")
-        if scan.heights.ndim != 2:
-            raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
-        scan.in_meters()
         if scan.provenance.get("periodic_rule") == "mirror":
             scan = replace(scan.scan, provenance={**scan.provenance, "periodic_rule": "reflect"})
-        branches = len(found.series.branches)
-        maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
-        require(_SITE + branches * (_BRANCH + 8 * len(maps)), scan.shape)
-        solid = half_space(modulus=stiffness, branches=found.series.branches)
-        tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
-        by_load = which == "load"
-        contact = press(scan, solid, load=amount if by_load else None, pressure=None if by_load else amount)
-        look = functools.partial(
-            observe, pixel=pixel, blur=0.0 if blur is None else blur, threshold=threshold
-        )
-        looks = pixel is not None or blur is not None
-        if looks:
-            look(contact)  # refuses before minutes have passed
-        tell.stage("aging", times=times.tolist())
-        history = age(contact, times, fields_at=maps, progress=tell.reached, checkpoint=checkpoint)
-        dataset = history.dataset.drop_vars("u0")
-        assumed = {
-            "measured": modulus,
-            "poisson": None if modulus == "contact" else poisson,
-            "shift": shift,
-            "table": Path(relaxation).name if isinstance(relaxation, str | Path) else "",
-            "table_sha256": _checksum(relaxation) if isinstance(relaxation, str | Path) else "",
-            "kind": type(found.data).__name__,
-            "points": int(found.data.columns[0].size),
-            "shear_strength": strength,
-            "pressed_by": which,
-        }
-        dataset = dataset.assign_attrs(prediction=json.dumps(assumed))
-        tell.stage("weighing the spread of the table and of the scan")
-        prediction = Prediction(
-            dataset,
+        return _predicted(
+            scan,
+            solid,
             found,
-            stiffness,
-            growth_of(dataset, found),
-            resolved(dataset),
-            shear_strength=strength,
-            observed=tuple(look(dataset.isel(field_time=n)) for n in range(len(maps) if looks else 0)),
+            times,
+            pressed={which: amount},
+            strength=strength,
+            instrument={"pixel": pixel, "blur": blur, "threshold": threshold},
+            facts=facts,
+            tell=tell,
+            checkpoint=checkpoint,
         )
-        return replace(prediction, remarks=(*scan.remarks, *_remarks(prediction, scan)))
+
+
+def predict_config(
+    config: RunConfig,
+    progress: Progress,
+    *,
+    checkpoint: Checkpoint | None = None,
+) -> Prediction:
+    """Predict from the configuration of a run: the same solid, surface, load and times as `execute` takes.
+
+    `AsperityError` as `predict`; or the configuration asks for what is no prediction.
+    """
+    if config.protocol:
+        raise _no_protocol("[[protocol]]", "asperity run, which takes the same file")
+    for name, value in (
+        ("[contact] separation", config.contact.separation),
+        ("[aging] hold", config.aging.hold),
+    ):
+        if value not in (None, "load"):
+            advice = "asperity run, which takes the same file"
+            raise InputError(name, expected="a load that stays", got=value, advice=advice)
+    section = config.solid
+    if not isinstance(section, HalfSpace):
+        raise _no_half_space("[solid] kind", section.kind)
+    chosen = config.surface
+    if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
+        if config.contact.load is not None:
+            expected = (
+                "a pressure, or reflect beside a load: a load on mirrored copies is that of all of them"
+            )
+            raise InputError("[surface] periodic", expected=expected, got="'mirror'", advice="'reflect'")
+        chosen = chosen.model_copy(update={"periodic": "reflect"})
+    progress.stage("reading the scan")
+    scan, solid, found = chosen.build(), section.build(), section.fit
+    check_units(config, solid, scan)
+    config, remarks = completed(config.model_copy(update={"surface": chosen}), scan)
+    times = recorded_times(config)
+    times = times[times > 0]
+    if times.size < _LEAST_TIMES:
+        expected = f"{_LEAST_TIMES} times or more after 0"
+        raise InputError("[aging] times", expected=expected, got=f"{times.size}")
+    facts: dict[str, object] = {}
+    if found is not None:
+        whole = section.modulus is not None or section.young is not None
+        facts = {
+            "measured": "shares" if whole else "young",
+            "poisson": next(iter(section.poisson or []), None),
+        }
+        facts |= {"shift": 1.0, **_origin(section.relaxation, found)}
+    prediction = _predicted(
+        scan,
+        solid,
+        found,
+        times,
+        pressed=config.contact.model_dump(exclude_none=True),
+        strength=config.friction.shear_strength,
+        instrument={"threshold": 0.5, **config.output.instrument},
+        facts=facts,
+        tell=progress,
+        checkpoint=checkpoint,
+        rtol=config.aging.rtol,
+    )
+    return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *prediction.remarks))))
+
+
+def _predicted(
+    scan: Surface,
+    solid: Solid,
+    found: Fit | None,
+    times: Field,
+    *,
+    pressed: dict[str, Any],
+    strength: float | None,
+    instrument: dict[str, Any],
+    facts: dict[str, object],
+    tell: Progress,
+    checkpoint: str | Path | Checkpoint | None,
+    rtol: float = 2e-3,
+) -> Prediction:
+    """Press a scan, follow the contact, and weigh what is known of the spread."""
+    if scan.heights.ndim != 2:
+        raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
+    scan.in_meters()
+    if solid.kind != "half_space":
+        raise _no_half_space("material", solid.kind)
+    branches = len(solid.branches)
+    maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
+    separable = _SITE + branches * (_BRANCH + 8 * len(maps))
+    require(separable if solid.separable else bytes_a_site(solid, scan.shape, len(maps)), scan.shape)
+    tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
+    contact = press(scan, solid, **pressed)
+    looks = instrument.get("pixel") is not None or instrument.get("blur") is not None
+    settings: dict[str, Any] = {**instrument, "blur": instrument.get("blur") or 0.0}
+    if looks:
+        observe(contact, **settings)  # refuses before minutes have passed
+    tell.stage("aging", times=times.tolist())
+    history = age(contact, times, fields_at=maps, rtol=rtol, progress=tell.reached, checkpoint=checkpoint)
+    facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol}
+    dataset = history.dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
+    tell.stage("weighing the spread of the table and of the scan")
+    prediction = Prediction(
+        dataset,
+        found,
+        solid,
+        growth_of(dataset, found),
+        resolved(dataset),
+        shear_strength=strength,
+        observed=tuple(
+            observe(dataset.isel(field_time=n), **settings) for n in range(len(maps) if looks else 0)
+        ),
+    )
+    return replace(prediction, remarks=(*scan.remarks, *_remarks(prediction, scan)))
+
+
+def _no_protocol(name: str, advice: str) -> InputError:
+    """What is said of slides and of loads that change."""
+    return InputError(
+        name, expected="none, for a prediction is of a load that stays", got="legs", advice=advice
+    )
+
+
+def _no_half_space(name: str, kind: str) -> InputError:
+    """What is said of other solids."""
+    advice = "asperity run, or asperity.press and asperity.age, which follow it without a band"
+    return InputError(name, expected="a relaxation table or a half_space", got=kind, advice=advice)
+
+
+def _origin(table: object, found: Fit) -> dict[str, object]:
+    """What identifies a table."""
+    path = Path(table) if isinstance(table, str | Path) else None
+    facts: dict[str, object] = {"table": "", "table_sha256": ""}
+    if path is not None:
+        with path.open("rb") as stream:
+            facts = {"table": path.name, "table_sha256": hashlib.file_digest(stream, "sha256").hexdigest()}
+    return facts | {"kind": type(found.data).__name__, "points": int(found.data.columns[0].size)}
 
 
 def _told(progress: Progress | bool | None) -> AbstractContextManager[Progress]:
@@ -219,14 +358,14 @@ def _quantity(name: str, given: object, unit: str) -> float:
     return checks.number(name, units.quantity(given, unit, name), above=0, expected=f"more than 0 {unit}")
 
 
-def _checksum(path: str | Path) -> str:
-    with Path(path).open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def _times(found: Fit, first: float | str | None, last: float | str | None, per_decade: int) -> Field:
+def _times(
+    known: tuple[float, float] | None, first: float | str | None, last: float | str | None, per_decade: int
+) -> Field:
     """Times to record: of the table, and no others."""
-    begin, end = found.series.span
+    if known is None and (first is None or last is None):
+        name, expected = "first" if first is None else "last", "a time, for no table spans any"
+        raise InputError(name, expected=expected, got="none", advice='first="1 ms", last="10 days"')
+    begin, end = known or (0.0, math.inf)
     start = begin if first is None else _quantity("first", first, "s")
     stop = end if last is None else _quantity("last", last, "s")
     if not start < stop:
@@ -270,19 +409,19 @@ def _remarks(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
         )
     if first.patches < 30:
         remarks.append(f"{first.patches} patches at first: too few for the statistics of a surface")
-    if strain > 0.05:
+    if strain > 0.05 and not prediction.solid.yields:
         remarks.append(
             f"the mean contact pressure is {written(pressure, 'Pa')} at first, {100 * strain:.2g} % of E*: "
-            "real asperities would flow, and nothing flows here"
+            "real asperities would flow, and nothing flows at once here; try a hardness"
         )
     if fraction > 0.5:
         remarks.append(
             f"{100 * fraction:.0f} % of the surface touches at last: waves longer than the scan, "
             "which it does not have, would keep bodies further apart"
         )
-    if prediction.fit.series.error > 0.05:
+    if prediction.fit is not None and (error := prediction.fit.series.error) > 0.05:
         remarks.append(
-            f"the fit misses the table by up to {100 * prediction.fit.series.error:.2g} %: "
+            f"the fit misses the table by up to {100 * error:.2g} %: "
             "more branches per decade may follow it, if that is not noise"
         )
     if last.patches < first.patches / 2 and fraction <= 0.5:

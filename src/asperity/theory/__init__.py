@@ -4,7 +4,7 @@ One contact: `compliance`, its rate, asymptotes and finite-lattice form, `site_s
 beside the load, `response` to any force. Many contacts, far apart: `dilute_area`, `dilute_history` and what
 follows from them for a law of heights. Every site in contact: `full_contact_load`. What the paper prints
 differently is here as well, by the same name and ``_paper``. Friction: `static_friction`. Elastic
-half-spaces: `hertz`, `westergaard_area`, `persson_area`.
+half-spaces: `hertz`, `westergaard_area`, `persson_area`. Activated creep: `flowing_area`.
 """
 
 from asperity.theory.asymptotes import (
@@ -26,6 +26,7 @@ from asperity.theory.dilute import (
     winkler_area,
 )
 from asperity.theory.dip import displacement
+from asperity.theory.flow import flowing_area
 from asperity.theory.friction import static_friction
 from asperity.theory.full_contact import full_contact_load, full_contact_load_relaxed
 from asperity.theory.heights import EmpiricalHeights, ExponentialHeights, GaussianHeights, HeightLaw
@@ -55,6 +56,7 @@ __all__ = [
     "displacement",
     "exponential_growth",
     "exponential_growth_paper",
+    "flowing_area",
     "full_contact_load",
     "full_contact_load_relaxed",
     "hertz",

@@ -1,0 +1,274 @@
+"""``asperity predict`` of solids that creep by a local law, or yield: against simulations, and refusals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.analysis.prediction import Prediction
+from asperity.cli import predict as command
+from asperity.figures.page import prediction_page
+from tests.cli.conftest import Asperity
+from tests.refusals import refuses
+
+SURFACE = {"hurst": 0.8, "roll_off": 3.2, "cutoff": 1.6, "rms_height": 0.05, "spacing": 0.2}
+LAW = asp.solids.Eyring(rate="1e-5 nm/s", stress="20 MPa")
+SPAN: dict[str, Any] = {"first": 1e-2, "last": 1e3, "per_decade": 2}
+TIMES = np.geomspace(1e-2, 1e3, 11)
+
+TOML = """
+[surface]
+kind = "spectral"
+shape = [64, 64]
+hurst = 0.8
+roll_off = 3.2
+cutoff = 1.6
+rms_height = 0.05
+spacing = 0.2
+unit = "um"
+[solid]
+kind = "half_space"
+young = "3.3 GPa"
+poisson = 0.35
+creep = "eyring"
+creep_rate = "1e-5 nm/s"
+creep_stress = "20 MPa"
+[contact]
+pressure = "10 MPa"
+[aging]
+first = 1e-2
+last = 1e3
+per_decade = 2
+"""
+
+
+def scan(seed: int, sites: int = 64) -> asp.surfaces.Surface:
+    heights = asp.surfaces.spectral((sites, sites), **SURFACE, seed=seed)
+    return asp.surfaces.Surface(heights, unit="um", pixel_size=(0.2, 0.2), length_unit="um")
+
+
+def solids() -> dict[str, asp.solids.Solid]:
+    modulus = asp.solids.contact_modulus(3.3e9, 0.35)
+    branches = [(0.2, 0.1), (0.2, 10.0), (0.2, 1e3)]
+    own = asp.solids.CreepLaw(
+        lambda s: 1e-14 * np.sinh(np.clip(s / 2e7, -600, 600)),
+        lambda s: 1e-14 / 2e7 * np.cosh(np.clip(s / 2e7, -600, 600)),
+    )
+    return {
+        "eyring": asp.solids.half_space(modulus=modulus, creep=LAW),
+        "norton": asp.solids.half_space(modulus=modulus, creep=asp.solids.Norton(1e-11, 1e8, 8)),
+        "permanent": asp.solids.half_space(modulus=modulus, creep=LAW, permanent=0.3),
+        "of its own": asp.solids.half_space(modulus=modulus, creep=own),
+        "hard": asp.solids.half_space(modulus=modulus, branches=branches, hardness="0.3 GPa"),
+    }
+
+
+def slope(area: Any) -> float:
+    return float(np.polyfit(np.log10(TIMES), area / area[0], 1)[0])
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> list[Prediction]:
+    """What the command predicts from now on, without pictures."""
+    found: list[Prediction] = []
+    monkeypatch.setattr(command, "_write", lambda prediction, *_, **__: found.append(prediction))
+    return found
+
+
+@pytest.mark.parametrize("kind", ["eyring", "norton", "permanent", "hard"])
+def test_other_surfaces_grow_within_the_band(kind: str) -> None:
+    # The band stands for other scans of the same size: their mean is the slope of the whole surface.
+    solid, others = solids()[kind], []
+    for seed in range(100, 124):
+        contact = asp.press(scan(seed), solid, pressure="10 MPa")
+        history = asp.age(contact, TIMES, rtol=1e-3)
+        others.append(slope(history.dataset["contact_area_corrected"].values[1:]))
+    mean = np.mean(others)
+    inside, widths = [], []
+    for seed in range(12):
+        growth = asp.predict(solid, scan(seed), pressure="10 MPa", **SPAN).growth
+        inside.append(growth.band[0] <= mean <= growth.band[1])
+        widths.append(growth.band[1] - growth.band[0])
+        assert growth.of_table == (growth.per_decade, growth.per_decade)
+    assert sum(inside) >= 9  # of twelve; 95 % each
+    assert np.mean(widths) == pytest.approx(2 * 1.96 * np.std(others, ddof=1), rel=0.35)
+
+
+def test_steps_in_time_add_little_to_the_band() -> None:
+    for kind in ("eyring", "permanent", "hard"):
+        ours = asp.predict(solids()[kind], scan(1), pressure="10 MPa", **SPAN)
+        finer = asp.age(asp.press(scan(1), solids()[kind], pressure="10 MPa"), TIMES, rtol=2e-4)
+        exact = slope(finer.dataset["contact_area_corrected"].values[1:])
+        low, high = ours.growth.band
+        assert ours.growth.per_decade == pytest.approx(exact, abs=0.02 * (high - low))
+
+
+def test_a_law_of_its_own_is_followed_as_eyrings() -> None:
+    one, other = (
+        asp.predict(solids()[kind], scan(2), pressure="10 MPa", **SPAN) for kind in ("eyring", "of its own")
+    )
+    np.testing.assert_allclose(other.series("contact_area"), one.series("contact_area"), rtol=1e-3)
+    assert one.theory is not None
+    assert other.theory is None
+    page = prediction_page(other, {})
+    assert "creeps by a law of its own" in page
+    assert "v0 sinh(s/s0), v0 = 0.01 pm/s, s0 = 20 MPa" in prediction_page(one, {})
+
+
+def test_where_contacts_flow_they_grow_as_theory_has_it() -> None:
+    # d ln A/d ln t is at most s0/s, for contacts that do not flow yet bear a part of the load.
+    law = asp.solids.Eyring(rate="1e-4 pm/s", stress="5 MPa")
+    solid = asp.solids.half_space(modulus="3.8 GPa", creep=law)
+    ours = asp.predict(solid, scan(3, 96), pressure="3 MPa", first=1.0, last=1e4)
+    assert ours.theory is not None
+    _, flowing = ours.theory
+    ratio = flowing / ours.series("contact_area")
+    assert ratio[-1] == pytest.approx(1.0)
+    assert (ratio < 1.01).all()
+    assert ratio[0] > 0.8
+    grown = np.log(ours.series("contact_area")[-1] / ours.series("contact_area")[8]) / np.log(100)
+    pressure = 3e6 * (96 * 0.2e-6) ** 2 / ours.series("contact_area")[12]
+    assert 0.6 < grown * pressure / law.stress < 1.0
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_another_table_under_a_hardness_has_the_area_of_its_compliance(seed: int) -> None:
+    # What the band of the table takes for granted there.
+    time = np.geomspace(1e-2, 1e3, 26)
+    modulus = 3e9 * (0.4 + 0.3 * np.exp(-time / 0.3) + 0.3 * np.exp(-time / 30))
+    noise = 1 + 0.05 * np.random.default_rng(seed).normal(size=26)
+    tables = [asp.relaxation.Relaxation(time, modulus * by, noise=0.5) for by in (1.0, noise)]
+    one, other = (asp.predict(table, scan(4), pressure="10 MPa", hardness="0.1 GPa") for table in tables)
+    assert one.fit is not None
+    assert other.fit is not None
+    assert one.series("yielding_area")[0] > 50
+    known, wanted = (p.fit.series.compliance_at(p.time) for p in (one, other) if p.fit is not None)
+    inside = (known[0] <= wanted) & (wanted <= known[-1])
+    area = np.exp(np.interp(np.log(wanted), np.log(known), np.log(one.series("contact_area_corrected"))))
+    np.testing.assert_allclose(area[inside], other.series("contact_area_corrected")[inside], rtol=0.01)
+
+
+def test_a_file_flags_and_python_agree(undrawn: list[Prediction], tmp_path: Path, asperity: Asperity) -> None:
+    rough = scan(0)
+    np.savetxt(tmp_path / "scan.txt", rough.heights)
+    (tmp_path / "run.toml").write_text(TOML)
+    file = ("predict", tmp_path / "run.toml", "--quiet", "--out", tmp_path / "out")
+    lengths = ("--file-unit", "um", "--pixel-size", "0.2", "--length-unit", "um", "--tilt", "none")
+    flags = ("--young", "3.3GPa", "--creep", "eyring", "--creep-rate", "1e-5nm/s", "--creep-stress", "20MPa")
+    more = ("--pressure", "10MPa", "--first", "10ms", "--last", "1000s", "--per-decade", "2")
+    named = ("predict", "--surface", tmp_path / "scan.txt", *lengths, "--periodic", "wrap", *flags, *more)
+    assert asperity(*file) == (0, "", "")
+    assert asperity(*named, "--quiet", "--out", tmp_path / "out") == (0, "", "")
+    assert asperity(*file, "--permanent", "0.3", "--shear-strength", "40MPa") == (0, "", "")
+    undrawn.append(asp.predict(solids()["eyring"], rough, pressure="10 MPa", **SPAN))
+    from_file, from_flags, shared, in_python = undrawn
+    for ours in (from_file, from_flags):
+        np.testing.assert_allclose(ours.time, in_python.time)
+        np.testing.assert_allclose(ours.series("contact_area"), in_python.series("contact_area"), rtol=1e-9)
+        assert ours.growth.band == pytest.approx(in_python.growth.band, rel=1e-6)
+    assert shared.friction is not None
+    assert shared.words[2] == "a share of 0.3 does not creep"
+    again = asp.predict(solids()["permanent"], rough, pressure="10 MPa", **SPAN)
+    np.testing.assert_allclose(shared.series("contact_area"), again.series("contact_area"), rtol=1e-9)
+
+
+def test_a_table_in_a_file_is_the_table(
+    undrawn: list[Prediction], tmp_path: Path, asperity: Asperity
+) -> None:
+    time = np.geomspace(1e-2, 1e3, 16)
+    lines = [f"{t:.8g},{1000 + 2000 * np.exp(-t):.8g}" for t in time]
+    (tmp_path / "table.csv").write_text("\n".join(["time_s,E_MPa", *lines]))
+    solid = "relaxation = 'table.csv'\npoisson = 0.35\nhardness = '0.2 GPa'"
+    text = TOML[: TOML.index("young")] + solid + TOML[TOML.index("\n[contact]") :]
+    (tmp_path / "run.toml").write_text(text)
+    assert asperity("predict", tmp_path / "run.toml", "--quiet", "--out", tmp_path / "out") == (0, "", "")
+    ours = asp.predict(tmp_path / "table.csv", scan(0), pressure="10 MPa", hardness="0.2 GPa", per_decade=2)
+    np.testing.assert_allclose(undrawn[0].series("contact_area"), ours.series("contact_area"), rtol=1e-9)
+    assert undrawn[0].growth == ours.growth
+    assert undrawn[0].assumed["table"] == "table.csv"
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (
+            "\n[[protocol]]\nkind = 'slide'\ndistance = '1 um'\nvelocity = '1 um/s'",
+            "[[protocol]]: expected none",
+        ),
+        ("hold = 'separation'", "[aging] hold: expected a load that stays, got separation; try asperity run"),
+        ("[friction]\nrate_coefficient = 0.1", "expected shear_strength beside it"),
+    ],
+)
+def test_what_a_file_may_not_ask(more: str, said: str, tmp_path: Path, asperity: Asperity) -> None:
+    text = TOML.replace("last = 1e3\n", "") if "protocol" in more else TOML
+    (tmp_path / "run.toml").write_text(text + more)
+    status, out, error = asperity("predict", tmp_path / "run.toml", "-q", "--out", tmp_path / "out")
+    assert (status, out) == (2, "")
+    assert said in error
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ("--leg", "slide distance=8 velocity=5"),
+            "unknown option --leg; a prediction is of a load that stays",
+        ),
+        ((), "material: expected a relaxation table, a TOML file, or --young, got none"),
+        (("--young", "3"), "--young: expected a number with its unit, got 3"),
+        (("--young", "3GPa", "--creep", "eyring"), "creep: expected creep_rate, creep_stress"),
+        (
+            ("--young", "3GPa", "--creep-stress", "20MPa"),
+            "creep: expected eyring or norton beside creep_stress",
+        ),
+        (
+            ("--young", "3GPa", "--permanent", "0.01", "--creep", "norton"),
+            "--permanent: expected 0, or a share",
+        ),
+        (("--young", "3GPa", "--noise", "0.1"), "--noise: expected a relaxation table"),
+        (("--young", "3GPa", "--surface", "none.txt"), "none.txt"),
+        (("run.toml", "--wlf", "17", "51"), "--wlf: expected a relaxation table"),
+        (("run.toml", "--creep", "none", "--solid-kind"), "unknown option --solid-kind"),
+        (("table.csv", "--creep", "eyring"), "--creep: expected no relaxation table beside it"),
+        (("table.csv", "--hardness", "0MPa"), "--hardness: expected a finite number > 0"),
+        (("table.csv",), "--surface: expected the file of a scan, got none"),
+    ],
+)
+def test_what_flags_may_not_ask(
+    words: tuple[str, ...], said: str, tmp_path: Path, asperity: Asperity, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("run.toml").write_text(TOML)
+    Path("table.csv").write_text("time_s,E_MPa\n0.1,1000\n1,900\n10,800\n100,700\n1000,600\n")
+    np.savetxt("scan.txt", scan(0).heights)
+    lengths = ("--file-unit", "um", "--pixel-size", "0.2", "--length-unit", "um")
+    alone = words[:1] == ("run.toml",) or "--surface" in words or words == ("table.csv",)
+    surface = () if alone else ("--surface", "scan.txt", *lengths)
+    status, out, error = asperity("predict", *words, *surface, "--pressure", "10MPa", "-q")
+    assert (status, out) == (2, "")
+    assert said in error
+    assert not Path("prediction").exists()
+
+
+def test_what_python_refuses() -> None:
+    solid = solids()["eyring"]
+    with refuses("protocol"):
+        asp.predict(solid, scan(0), pressure=1e7, protocol=[asp.protocols.Slide(1e-6, 1e-6)], **SPAN)  # type: ignore[arg-type]
+    with refuses("first"):
+        asp.predict(solid, scan(0), pressure=1e7)
+    with refuses("poisson"):
+        asp.predict(solid, scan(0), pressure=1e7, poisson=0.3, **SPAN)
+    with refuses("material"):
+        asp.predict(asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), scan(0), pressure=1e7, **SPAN)
+    with refuses("creep"):
+        asp.predict(
+            asp.solids.half_space(modulus="3 GPa", creep=asp.solids.Eyring("1 nm/s", "1 kPa")),
+            scan(0),
+            pressure=1e7,
+            **SPAN,
+        )
