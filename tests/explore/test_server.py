@@ -33,6 +33,30 @@ SI: dict[str, Any] = {
     "solid": {"kind": "half_space", "modulus": "3 GPa", "branches": [[0.3, 1.0]], "apparatus": "inf"},
     "contact": {"pressure": "2 MPa"},
 }
+YIELDING = QUICK | {
+    "solid": {
+        "R": 0.5,
+        "creep": "norton",
+        "creep_rate": 0.1,
+        "creep_stress": 0.5,
+        "creep_exponent": 3.0,
+        "hardness": 2.0,
+    },
+}
+ACTIVATED = SI | {
+    "solid": {
+        "kind": "half_space",
+        "modulus": "3 GPa",
+        "creep": "eyring",
+        "creep_energy": "100 kJ/mol",
+        "creep_volume": "1 nm^3",
+        "creep_prefactor": "1 m/s",
+        "temperature": "20 degC",
+        "permanent": 0.4,
+        "hardness": "0.5 GPa",
+    },
+    "aging": {"first": 0.1, "last": 1e3},
+}
 MANY = {"aging": {"first": 1e-3, "last": 1e6, "per_decade": 100}}
 """Times enough to do something meanwhile."""
 
@@ -59,7 +83,11 @@ def test_a_page_is_told_what_there_is(server: Server) -> None:
     }
 
 
-@pytest.mark.parametrize("config", [QUICK, STEPPED, SI], ids=["springs", "protocol", "si"])
+@pytest.mark.parametrize(
+    "config",
+    [QUICK, STEPPED, SI, YIELDING, ACTIVATED],
+    ids=["springs", "protocol", "si", "yielding", "activated"],
+)
 def test_a_run_has_the_numbers_of_the_command_line(server: Server, config: dict[str, Any]) -> None:
     with server.page() as page:
         page.receive()
