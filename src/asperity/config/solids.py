@@ -78,11 +78,12 @@ class SolidSection(Section):
 
 
 def _kept(share: float) -> float:
-    from asperity.solids.continua import LEAST_PERMANENT
+    from asperity.solids.continua import checked_permanent
 
-    if 0 < share < LEAST_PERMANENT:
-        raise ValueError(f"expected 0, or a share from {LEAST_PERMANENT:g}, got {share:g}")
-    return share
+    try:
+        return checked_permanent(share)
+    except InputError as error:
+        raise ValueError(f"expected {error.expected}, got {error.got}") from None
 
 
 def _given(word: str | None) -> str | None:

@@ -24,7 +24,7 @@ from asperity.solids.solid import CreepBranch, Parameters, Solid
 
 Branches = Sequence[tuple[float, float | str]]
 
-LEAST_PERMANENT = 0.02
+_LEAST_PERMANENT = 0.02
 """Least share above 0 that may stand beside a local law: steps with less may not converge."""
 
 
@@ -128,10 +128,7 @@ def half_space(
     apparatus = checked_apparatus(apparatus)
     law = WaveNumberSpectrum(modulus / 2)
     parameters = {"modulus": modulus}
-    permanent = checks.number("permanent", permanent, least=0, most=0.99)
-    if 0 < permanent < LEAST_PERMANENT:
-        expected = f"0, or a share from {LEAST_PERMANENT:g} to 0.99"
-        raise InputError("permanent", expected=expected, got=f"{permanent:g}")
+    permanent = checked_permanent(permanent)
     if permanent and creep is None:
         raise InputError(
             "permanent",
@@ -255,6 +252,15 @@ def checked_apparatus(stiffness: float | str | None) -> float | None:
         return None if stiffness is None else math.inf
     expected = "a stiffness above 0, or math.inf"
     return units.number("apparatus", stiffness, "N/m", above=0, expected=expected)
+
+
+def checked_permanent(share: float) -> float:
+    """Check the share of the modulus beside a local law."""
+    expected = f"0, or a share from {_LEAST_PERMANENT:g} to 0.99"
+    share = checks.number("permanent", share, least=0, most=0.99, expected=expected)
+    if 0 < share < _LEAST_PERMANENT:
+        raise InputError("permanent", expected=expected, got=f"{share:g}")
+    return share
 
 
 def checked_poisson(name: str, ratio: float) -> float:

@@ -1,15 +1,10 @@
 r"""Study: the growth of a contact of PMMA, from its activation volume, its modulus and a hardness.
 
-Each site of a half-space flows by Eyring's law v0 sinh(s/s0) under its own pressure s. A contact that has
-flowed for a time t over a length L bears s = s0 ln(2 L/(v0 t)), which falls by s0 in every e-fold of time.
-If contacts that flow bear all of the load F, the area is A = F/s, with s their mean pressure, and
-
-    B = d ln A/d ln t = s0/s,        s0 = kT/Omega.
-
-Contacts that do not flow yet bear a part of the load without growing, so B is at most that.
-The pressure of a contact that flows is 3 sqrt(3) times its shear stress (D. Tabor and R. von Mises), so Omega
-is the shear activation volume over 3 sqrt(3). Its energy of activation Q is such that the surface
-sinks by 1 nm/s under a hardness H at room temperature: Q = kT ln(prefactor/(2 nm/s)) + H Omega.
+Each site of a half-space flows by Eyring's law v0 sinh(s/s0), s0 = kT/Omega, under its own pressure s. B is
+at most s0/s, see `asperity.theory.flowing_area`. The pressure of a contact that flows is 3 sqrt(3) times its
+shear stress (D. Tabor and R. von Mises), so Omega is the shear activation volume over 3 sqrt(3). Its energy
+of activation Q is such that the surface sinks by 1 nm/s under a hardness H at room temperature:
+Q = kT ln(prefactor/(2 nm/s)) + H Omega.
 """
 
 from __future__ import annotations
