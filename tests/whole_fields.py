@@ -111,6 +111,30 @@ class WholeFields:
         del sites
         w += unit * f
 
+    def measure_law(self, surface, law, springs, tangent, scales, into, lag, sites):
+        (u, w, heights), (k0, k1, spread, _), (lagging, beside, bend) = surface, springs, tangent
+        into.bound[...] = (heights - u) / scales[1]
+        into.b[...] = -(k0 * lap(u, sites) + k1 * w) / scales[0]
+        lacking = u - law.anchors - law.position - lagging * w - spread * lap(w, sites)
+        lacking -= law.tau * law.velocity
+        rise = law.tau * k1 * law.derivative
+        own = lagging + beside + rise
+        into.c[...], lag[...] = lacking / scales[1], np.minimum(lagging + rise, law.largest)
+        alone = lacking / own
+        left = rise * alone**2 / (own * bend)
+        return [w.sum(), alone.sum(), (alone**2).sum(), (left**2).sum(), (1 / own).sum()]
+
+    def settle_law(self, surface, correction, bound, lag, tangent, unit, sites):
+        (u, w, heights), (e, f), (lagging, beside, bend) = surface, correction, tangent
+        self.settle(u, heights, e, bound, unit, sites)
+        self.add(w, f, unit, sites)
+        left = (lag - lagging) * (unit * f) ** 2 / ((lag + beside) * bend)
+        return (left**2).sum()
+
+    def coarser_lag(self, lag, cells, beside, sites, out):
+        weights = cells / (lag + beside)
+        out[...] = restricted(weights * lag, sites) / restricted(weights, sites)
+
     def pin(self, e, bound, sites, strength, out, coarse):
         del coarse
         out[...] = restricted(np.where(e <= bound, strength, 0.0), sites)

@@ -1,6 +1,7 @@
 """The multigrid solver: its parts against their definitions, its results against the Fourier solver."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -296,18 +297,23 @@ def test_a_second_backend_finds_the_same_states(monkeypatch, edges):
     assert {name for name in vars(WholeFields) if not name.startswith("_")} >= operations
     heights = replace(asp.surfaces.Surface(uncorrelated(32)[:28, :23].copy()), edges=edges)
     solid = asp.solids.spring_lattice(k0=1.0, k1=10.0, R_viscous=0.1)
-    found = []
+    found: list[Any] = []
+    creeping = asp.solids.spring_lattice(k0=1.0, k1=10.0, creep=asp.solids.Eyring(rate=0.1, stress=0.3))
     for backend in (Processor, WholeFields):
         monkeypatch.setattr(solver, "Processor", backend)
+        monkeypatch.setattr("asperity.contact.lattice_creep.Processor", lambda _, kind=backend: kind(1))
         contact = asp.press(heights, solid, load=30.0, solver=Multigrid())
         history = asp.age(contact, [1.0, 100.0], solver=Multigrid(), exact=False)
-        found.append((contact, asp.relax(contact, solver=Multigrid()), history.final, history.dataset))
+        by_law = asp.age(asp.press(heights, creeping, load=30.0), [0.1, 10.0])
+        states = (contact, asp.relax(contact, solver=Multigrid()), history.final, by_law.final)
+        found.append((*states, history.dataset, by_law.dataset))
     spread = contact.u.std()
-    for one, other, allowed in zip(*(states[:3] for states in found), (1e-6, 1e-6, 1e-4), strict=True):
+    for one, other, allowed in zip(*(states[:4] for states in found), (1e-6, 1e-6, 1e-4, 1e-4), strict=True):
         np.testing.assert_array_equal(one.in_contact, other.in_contact)
         np.testing.assert_allclose(one.u, other.u, atol=allowed * spread)
-    cycles = [states[3]["iterations"].values[1:].sum() for states in found]
-    assert cycles[1] == pytest.approx(cycles[0], rel=0.2)
+    for number in (4, 5):
+        cycles = [states[number]["iterations"].values[1:].sum() for states in found]
+        assert cycles[1] == pytest.approx(cycles[0], rel=0.2)
 
 
 @pytest.mark.parametrize("shape", [(64, 48), (57, 61)])

@@ -21,18 +21,17 @@ import numpy as np
 
 from asperity.contact.arrays import largest
 from asperity.contact.local_creep import LocalState, Stage, stretches_of
-from asperity.contact.multigrid.loops import Sites, Surface
+from asperity.contact.multigrid.loops import ByLaw, Sites, Springs, Surface, Tangent
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
-from asperity.contact.problem import SpringStep
-from asperity.contact.stencils import balanced, lattice_force, newton_steps
+from asperity.contact.stencils import balanced, lattice_force
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
 from asperity.solids import SpringConstants
 from asperity.solids.creep_laws import LocalCreep
 
-_SOLVED = 1e-2
-"""Change of the stretch, relative to how far the law bends in it, below which a site counts as solved."""
+_UNNOTICED = 0.3
+"""Error of the tangent of the law, in units of the error allowed, which need not be made up for."""
 
 _MOST_REVISIONS = 40
 """Revisions of the set of sites that yield after which a step is given up."""
@@ -137,22 +136,16 @@ class LatticeCreep:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def under(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """Solve a step whose yielding sites are known."""
-        run = self.run = _Run(self, stage, guess)
-        size, change = math.inf, math.inf
-        for cycle in range(_MOST_CYCLES):
-            change, size = run.cycle(), change
-            if not math.isfinite(change):
-                break
-            rate = min(max(change / size, 0.1), 0.9) if cycle and size > 0 else _USUAL_RATE
-            if run.missing is not None and run.contacts == 0:
-                continue  # something must carry the load
-            rounding = _ROUNDING * run.largest
-            carried = run.missing is None or rate * abs(run.missing) <= _FORCE_ERROR * abs(run.total)
-            if rate * change <= max(allowed_error, rounding) and carried:
+        run = self.run = _Run(self, stage, guess, allowed_error)
+        cycles, done, left = 0, True, math.inf
+        while done and cycles < _MOST_CYCLES:
+            done, more, left = run.improve(_MOST_CYCLES - cycles)
+            cycles += more
+            if done and left <= run.allowed:
                 u, w = (field.reshape(self.shape) for field in (run.u, run.w))
-                return LocalState(u, self.springs.k1 * w, run.position), cycle + 1
+                return LocalState(u, self.springs.k1 * w, run.position), cycles
         raise ConvergenceError(
-            f"creep: a step of {stage.tau:.1e} changes by {change:.1e} after {_MOST_CYCLES} cycles, expected "
+            f"creep: a step of {stage.tau:.1e} changes by {left:.1e} after {cycles} cycles, expected "
             f"{allowed_error:.1e}; try a larger rtol"
         )
 
@@ -166,110 +159,95 @@ class LatticeCreep:
 class _Run:
     """One step being solved."""
 
-    def __init__(self, solver: LatticeCreep, stage: Stage, guess: LocalState) -> None:
-        self.solver, self.stage, self.springs = solver, stage, solver.springs
+    def __init__(self, solver: LatticeCreep, stage: Stage, guess: LocalState, allowed_error: float) -> None:
+        self.solver, self.stage, springs = solver, stage, solver.springs
         self.heights = solver.heights
         self.given: Any = None
         if stage.yielding is not None:
             self.heights = np.where(stage.yielding, -np.inf, solver.heights)
             self.given = stage.yielding * solver.bound
         self.u = np.maximum(np.atleast_2d(guess.u), self.heights)
-        self.w = np.atleast_2d(guess.force) / self.springs.k1
+        self.w = np.atleast_2d(guess.force) / springs.k1
         self.before = np.atleast_2d(stage.before)
         self.position = float(stage.position if stage.load is None else guess.position)
-        k1, tau = self.springs.k1, stage.tau
-        self.spread, self.drag = tau * k1 * self.springs.R, tau * k1 * self.springs.R_viscous
-        self.total, self.contacts = float(self.w.sum()), 0
-        self.missing: float | None = None
+        k1, tau = springs.k1, stage.tau
+        self.springs = Springs(springs.k0, k1, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
         self.largest = max(largest(field, np) for field in (self.u, self.w, self.before))
-        self.unit, self.asked, self.answer, self.prepared = self.largest or 1.0, 0.0, 1.0, False
-        self.find_stretch()
+        self.unit = self.largest or 1.0
+        self.stiffness = max(springs.k0, _SOFTEST * k1)
+        self.allowed = max(allowed_error, _ROUNDING * self.largest)
+        solver.work.yielding = 0 if self.given is None else int(np.count_nonzero(self.given))
+        solver.work.prepare(k1 / self.stiffness, self.springs.spread, self.springs.drag)
+        self.measure()
 
-    def linearize(self) -> None:
-        """Give multigrid the equations, linear in the law, for corrections to the fields as they are."""
-        solver, springs, work = self.solver, self.springs, self.solver.work
-        k0 = max(springs.k0, _SOFTEST * springs.k1)
-        drag = np.minimum(self.slope + self.drag, _LARGEST_LAG)
-        if self.prepared:
-            work.set_drag(drag)
-        else:
-            work.prepare(springs.k1 / k0, self.spread, drag)
-        self.prepared = True
-        anchors = self.before + self.value
-        anchors += self.position
-        step = SpringStep(k0, springs.k1, self.spread, self.drag, False, anchors, None, solver.mirrored)
-        work.measure(step, Surface(self.u, self.w, self.heights), self.unit)
-        if springs.k0 == 0:
-            work.source.e[...] = work.backend.packed(self.w * (-springs.k1 / k0 / self.unit))
+    def measure(self) -> float:
+        """Linearize the law at the stretches as they are; rms change that sites would make alone."""
+        solver, work, stage, springs, unit = (
+            self.solver,
+            self.solver.work,
+            self.stage,
+            self.springs,
+            self.unit,
+        )
+        force = springs.k1 * self.w
+        self.velocity, self.derivative = solver.law.velocity(force)
+        law = ByLaw(self.before, self.velocity, self.derivative, self.position, stage.tau, _LARGEST_LAG)
+        bend: Any = solver.law.bend(force) / springs.k1
+        self.tangent = Tangent(1.0 + springs.drag, 4.0 * springs.spread, bend)
+        scales, surface = (self.stiffness * unit, unit), Surface(self.u, self.w, self.heights)
+        total = None if stage.load is None else stage.load / springs.k1
+        change, left = work.measure_law(surface, law, springs, self.tangent, scales, total)
+        self.straight = left <= _UNNOTICED * self.allowed
         if self.given is not None:
-            work.source.e[...] += work.backend.packed(self.given / (k0 * self.unit))
-        if self.stage.load is not None:
-            self.total = self.stage.load / springs.k1
-            self.missing = self.total - work.known_stretch * self.unit
-            work.wanted = self.missing / self.unit
+            work.source.e[...] += work.backend.packed(self.given / scales[0])
+        return change
 
-    def cycle(self) -> float:
-        """One cycle; how much the creeping shape changed, rms over the sites."""
-        work, before = self.solver.work, self.u - self.w
-        self.linearize()
-        found = work.descend(correcting=False)
-        missing, _ = work.judge(found)
-        if self.asked:
-            self.answer *= min(max((self.asked - missing) / self.asked, 0.5), 2.0)
-        self.asked = missing
-        work.find_correction(found.contacts, missing / self.answer, 0, math.inf)
-        work.descend(correcting=True, restricting=False)
-        work.settle(Surface(self.u, self.w, self.heights), self.unit)
-        shift = work.shift * self.unit
-        self.position -= shift
-        self.contacts = work.backend.touching(work.correction.e, work.bound)
-        self.contacts += 0 if self.given is None else int(np.count_nonzero(self.given))
-        self.find_stretch()
-        before -= self.u
-        before += self.w
-        before -= shift
-        return float(np.sqrt(np.mean(before * before)))
+    def follow_law(self) -> None:
+        """Where the tangent does not do, find the stretch of a site alone by the law; and linearize anew."""
+        (lagging, beside, bend), springs, tau = self.tangent, self.springs, self.stage.tau
+        own, rise = lagging + beside, tau * springs.k1 * self.derivative
+        wanted = self.u - self.before - self.position
+        if beside:
+            wanted += beside * self.w - springs.spread * self.solver.laplacian(self.w)
+        change = (wanted - own * self.w - tau * self.velocity) / (own + rise)
+        bent = ~(rise * change * change <= _UNNOTICED * self.allowed * bend * (own + rise))
+        start = np.nan_to_num(self.w[bent] + change[bent])
+        self.w[bent] = stretches_of(self.solver.law, own, tau, springs.k1, wanted[bent], start)
+        self.measure()
 
-    def find_stretch(self) -> None:
-        """The stretch of each site for its surface, the stretches of its neighbors as they are."""
-        k1, tau, law, w = self.springs.k1, self.stage.tau, self.solver.law, self.w
-        value, slope = law.velocity(k1 * w)
-        value *= tau
-        slope *= tau * k1
-        own, solved = 1.0 + self.drag + 4.0 * self.spread, np.empty_like(w)
-        solved[...] = _SOLVED / k1 * law.bend(k1 * w)
-        found, wanted, bent = np.empty_like(w), np.empty_like(w), np.empty(w.shape, bool)
-        fields, numbers = (self.u, self.before, w, value, slope), (self.position, own, self.spread)
-        newton_steps(*fields, *numbers, solved, found, wanted, bent, self.solver.mirrored)
-        if bent.any():
-            exact = stretches_of(law, own, tau, k1, wanted[bent], found[bent])
-            found[bent] = exact
-            velocity, rise = law.velocity(k1 * exact)
-            value[bent], slope[bent] = tau * velocity, tau * k1 * rise
-        self.w, self.value, self.slope = found, value, slope
+    def improve(self, most: int) -> tuple[bool, int, float]:
+        """Solve the linear step; whether that was possible, the cycles taken, and the error left."""
+        work = self.solver.work
+        if not self.straight:
+            self.follow_law()
+        work.relag()
+        done, cycles = work.improve(self.allowed / self.unit, most)
+        left = work.settle_law(Surface(self.u, self.w, self.heights), self.tangent, self.unit)
+        self.position -= work.shift * self.unit
+        if not (self.solver.law.smooth and left <= _UNNOTICED * self.allowed):
+            left = self.measure()
+        return done, cycles, left
 
     def damped(self, error: Field) -> Field:
         """An error of the creeping shape after an implicit step, the contacts staying what they are."""
         scale = largest(error, np)
         if not 0 < scale < math.inf:
             return error
-        work = self.solver.work  # with the law as it was linearized in the last cycle
-        work.shift = 0.0
-        for field in work.correction:
-            field.fill(0.0)
-        free = self.u > self.heights
-        packed = work.backend.packed
-        work.bound[...] = packed(np.where(free, -np.inf, 0.0))
-        work.source.e[...] = packed(np.where(free, 0.0, -_HEAVY))
-        work.source.f[...] = packed(error / -scale)
+        work = self.solver.work  # with the law as it was linearized last
+        touching = work.correction.e <= work.bound
+        work.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
+        work.source.e.fill(0.0)
+        work.source.e[touching] = -_HEAVY
+        work.source.f[...] = work.backend.packed(error / -scale)
         if work.wanted is not None:
             work.wanted = 0.0
-        found = work.descend(correcting=False)
-        missing, _ = work.judge(found)
-        work.find_correction(found.contacts, missing / self.answer, 0, math.inf)
-        work.descend(correcting=True, restricting=False)
-        e, f = (work.backend.unpacked(field, work.sites) for field in work.correction)
-        left: Field = e - f
+        work.shift, work.known_stretch = 0.0, math.inf
+        for field in work.correction:
+            field.fill(0.0)
+        size = float(np.sqrt(np.mean(np.square(error / scale))))
+        work.improve(_USUAL_RATE * size, _MOST_CYCLES)
+        e, f = work.correction
+        left = work.backend.unpacked(e - f, work.sites)
         left += work.shift
         left *= scale
         return left

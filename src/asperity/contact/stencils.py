@@ -181,35 +181,3 @@ def carry(u: Field, w: Field, heights: Field, scale: float, out: Field) -> None:
         for j in range(u.shape[1]):
             force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
             row[j] += scale * force
-
-
-@compiled
-def newton_steps(
-    u: Field,
-    before: Field,
-    w: Field,
-    value: Field,
-    slope: Field,
-    position: float,
-    own: float,
-    spread: float,
-    solved: Field,
-    found: Field,
-    wanted: Field,
-    bent: Mask,
-    mirrored: bool,
-) -> None:
-    """One step of Newton's method at each site; ``value``, that of the law times tau, goes with it.
-
-    ``wanted`` is what own w and the law make up; ``bent``, where a step is larger than ``solved``.
-    """
-    for i in range(u.shape[0]):
-        row = wanted[i]
-        force_row(-spread, w, 4.0 * spread - own, w, i, mirrored, row)
-        for j in range(u.shape[1]):
-            lacking = u[i, j] - before[i, j] - position - value[i, j] + row[j]
-            change = lacking / (own + slope[i, j])
-            row[j] = lacking + own * w[i, j] + value[i, j]
-            found[i, j] = w[i, j] + change
-            value[i, j] += slope[i, j] * change
-            bent[i, j] = not abs(change) <= solved[i, j]

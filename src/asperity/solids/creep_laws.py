@@ -43,6 +43,9 @@ class LocalCreep(ABC):
     greatest_stress: float = math.inf
     """Largest magnitude of the stress that the law takes."""
 
+    smooth: bool = False
+    """Whether `bend` bounds how fast the derivative changes: then it tells the error of a tangent."""
+
     @property
     @abstractmethod
     def parameters(self) -> Mapping[str, float]:
@@ -104,6 +107,7 @@ class Eyring(LocalCreep):
 
     rate: float
     stress: float
+    smooth = True
 
     def __init__(self, rate: float | str, stress: float | str) -> None:
         object.__setattr__(self, "rate", units.number("rate", rate, "m/s", above=0))
@@ -224,6 +228,10 @@ class Norton(LocalCreep):
         """See `LocalCreep`."""
         facts = {"creep_rate": self.rate, "creep_stress": self.stress}
         return facts | {"creep_exponent": self.exponent}
+
+    def bend(self, stress: Field) -> Field:
+        """See `LocalCreep`."""
+        return np.abs(stress) / max(self.exponent - 1.0, 0.1)
 
     def velocity(self, stress: Field) -> tuple[Field, Field]:
         """See `LocalCreep`."""

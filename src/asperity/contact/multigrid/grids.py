@@ -155,15 +155,10 @@ class Hierarchy:
         A site that differs from its neighbors relaxes as w = 1 / (lag + 4 spread / mass). The mean weighted
         by w is harmonic where spread is small, arithmetic where it is large.
         """
-        lags: list[Single] = []
-        sites, backend = self.sites, self.backend
+        lags, sites, backend = [lag], self.sites, self.backend
         for grid, cells in zip(self.grids, self.cells, strict=True):
-            beside = np.float32(4.0 * spread * math.prod(sites[:2]) / math.prod(self.sites[:2]))
-            weights = cells / (lag + beside + (cells == 0))
-            response, lagging = backend.zeros(grid.sites), backend.zeros(grid.sites)
-            backend.coarser_pins(weights, sites, 0.0, 0.0, response)
-            backend.coarser_pins(weights * lag, sites, 0.0, 0.0, lagging)
-            lag = np.divide(lagging, response, out=lagging, where=response > 0)
-            lags.append(lag)
+            beside = 4.0 * spread * math.prod(sites[:2]) / math.prod(self.sites[:2])
+            lags.append(backend.zeros(grid.sites))
+            backend.coarser_lag(lags[-2], cells, beside, sites, lags[-1])
             sites = grid.sites
-        return lags
+        return lags[1:]

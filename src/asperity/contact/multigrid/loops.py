@@ -172,6 +172,28 @@ class Measured(NamedTuple):
     c: Single
 
 
+class ByLaw(NamedTuple):
+    """A step of tau by a law from anchors v: its velocity and derivative by site, where they are taken.
+
+    The body is at the position, and no lag exceeds the largest.
+    """
+
+    anchors: Field
+    velocity: Field
+    derivative: Field
+    position: float
+    tau: float
+    largest: float
+
+
+class Tangent(NamedTuple):
+    """Of a law: 1 + drag without it, 4 spread, and how far a stretch moves until the slope is another."""
+
+    lagging: float
+    beside: float
+    bend: Any
+
+
 class Past(NamedTuple):
     """What a stage is guessed from: weights of the last two changes; rate and flow at the step's start."""
 
@@ -484,6 +506,31 @@ def coarser_pins(pins: Single, sites: Sites, softening: Scalar, mean: Scalar, ou
         restrict_rows(rows[0], rows[1], rows[2], k, sites, line, out[k])
 
 
+@compiled
+def coarser_lag(lag: Single, cells: Single, beside: Scalar, sites: Sites, out: Single) -> None:
+    """A lag by site on the next coarser grid: its mean, weighted by the size of a cell over lag + beside."""
+    width = lag.shape[2]
+    weights, lagging = np.zeros((3, 2, width), np.float32), np.zeros((3, 2, width), np.float32)
+    line, response = np.empty(width - 1, np.float32), np.zeros(out.shape[1:], np.float32)
+    for k in range(out.shape[0]):
+        for offset in range(-1, 2):
+            i, n = fine_row(k, offset, sites), offset + 1
+            if i < 0:
+                weights[n] = np.float32(0.0)
+                lagging[n] = np.float32(0.0)
+                continue
+            for side in range(2):
+                for j in range(side, end_of(side, sites.columns)):
+                    weight = cells[i, side, j] / (lag[i, side, j] + beside)
+                    weights[n, side, j] = weight
+                    lagging[n, side, j] = weight * lag[i, side, j]
+        restrict_rows(weights[0], weights[1], weights[2], k, sites, line, response)
+        restrict_rows(lagging[0], lagging[1], lagging[2], k, sites, line, out[k])
+        for side in range(2):
+            for j in range(side, end_of(side, (sites.columns + 1) // 2)):
+                out[k, side, j] /= response[side, j]
+
+
 # Between states and corrections. ``bound`` is the least correction of u that does not penetrate: minus
 # the gap u - heights, in the unit of the correction.
 
@@ -570,6 +617,12 @@ def settle(u: Field, heights: Field, e: Single, bound: Single, unit: float, low:
 
 
 @inlined
+def error_of_tangent(rise: float, change: float, bend: float, own: float) -> float:
+    """What a tangent leaves of a stretch that changes; over a bend the slope changes by its own size."""
+    return rise * change * change / (own * bend + 1e-300)
+
+
+@inlined
 def add_row(row: Field, move: Single, unit: float, offset: float) -> None:
     """Add a correction and a constant to a row."""
     for j in range(row.shape[0]):
@@ -583,6 +636,40 @@ def add(w: Field, f: Single, unit: float, low: int, high: int) -> None:
     for i in range(low, high):
         join(f[i], move)
         add_row(w[i], move, unit, 0.0)
+
+
+@compiled
+def settle_law(
+    surface: Surface,
+    correction: Pair,
+    bound: Single,
+    lag: Single,
+    tangent: Tangent,
+    unit: float,
+    sums: Field,
+    low: int,
+    high: int,
+) -> None:
+    """Add corrections to u and w; ``sums``: squares of what the tangent of the law leaves of w."""
+    u, w, heights = surface
+    e, f = correction
+    lagging, beside, bend = tangent
+    nx = u.shape[1]
+    move, stretch, least = np.empty(nx, np.float32), np.empty(nx, np.float32), np.empty(nx, np.float32)
+    lags = np.empty(nx, np.float32)
+    for i in range(low, high):
+        join(e[i], move)
+        join(f[i], stretch)
+        join(bound[i], least)
+        join(lag[i], lags)
+        settle_row(u[i], heights[i], move, least, unit)
+        squares = 0.0
+        for j in range(nx):
+            change = unit * stretch[j]
+            w[i, j] += change
+            left = error_of_tangent(lags[j] - lagging, change, at(bend, (i, j)), lags[j] + beside)
+            squares += left * left
+        sums[i, 0] = squares
 
 
 @compiled
@@ -619,6 +706,62 @@ def measure_2(
             line[j] = (rough[j] - row[j]) * inverse
         part(line, bound[i])
         sums[i, 0] = total_stretch
+
+
+@compiled
+def measure_law(
+    surface: Surface,
+    law: ByLaw,
+    springs: Springs,
+    tangent: Tangent,
+    scales: tuple[float, float],
+    into: Measured,
+    lag: Single,
+    sites: Sites,
+    sums: Field,
+    low: int,
+    high: int,
+) -> None:
+    """As `measure_2`, for a step by a law, linear about the stretches as they are; ``lag`` has its slope too.
+
+    The scales: units of force and length. ``sums``: of w; of the changes by which each site would make up for
+    what it lacks, its neighbors as they are; of their squares; of the squares of what the tangent would leave
+    of them; of what a shift of 1 would change.
+    """
+    u, w, heights = surface
+    v, velocity, derivative, position, tau, largest = law
+    bound, b, c = into
+    k0, k1, spread, _ = springs
+    lagging, beside, bend = tangent
+    nx = u.shape[1]
+    line, lags = np.empty(nx), np.empty(nx)
+    force, inverse, rising = -1.0 / scales[0], 1.0 / scales[1], tau * k1
+    for i in range(low, high):
+        row, stretch, rough, anchors = u[i], w[i], heights[i], v[i]
+        stencil_row(force * k0, u, force * k1, w, i, sites, line)
+        part(line, b[i])
+        stencil_row(spread, w, lagging, w, i, sites, line)
+        total = alone = squares = bends = response = 0.0
+        for j in range(nx):
+            lacking = row[j] - anchors[j] - position - line[j] - tau * velocity[i, j]
+            rise = rising * derivative[i, j]
+            own = lagging + beside + rise
+            change = lacking / own
+            left = error_of_tangent(rise, change, at(bend, (i, j)), own)
+            total += stretch[j]
+            alone += change
+            squares += change * change
+            bends += left * left
+            response += 1.0 / own
+            line[j] = lacking * inverse
+            lags[j] = min(lagging + rise, largest)
+        part(line, c[i])
+        part(lags, lag[i])
+        for j in range(nx):
+            line[j] = (rough[j] - row[j]) * inverse
+        part(line, bound[i])
+        sums[i, 0], sums[i, 1], sums[i, 2] = total, alone, squares
+        sums[i, 3], sums[i, 4] = bends, response
 
 
 # A time step of creep, from one state to the next.

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from asperity.contact.multigrid import loops
 from asperity.contact.multigrid.loops import (
+    ByLaw,
     CoarseOne,
     CoarseTwo,
     Measured,
@@ -28,6 +29,7 @@ from asperity.contact.multigrid.loops import (
     Sites,
     Springs,
     Surface,
+    Tangent,
     Two,
 )
 from asperity.contact.multigrid.team import Team
@@ -187,6 +189,38 @@ class Processor:
         """Add a correction to a field."""
         self._over(loops.add, sites, w, f, unit)
 
+    def settle_law(
+        self,
+        surface: Surface,
+        correction: Pair,
+        bound: Single,
+        lag: Single,
+        tangent: Tangent,
+        unit: float,
+        sites: Sites,
+    ) -> float:
+        """Add corrections to u and w; squares of what the tangent of a law leaves of w."""
+        sums = self._sums(sites)
+        self._over(loops.settle_law, sites, surface, correction, bound, lag, tangent, unit, sums)
+        return float(sums[:, 0].sum())
+
+    def measure_law(
+        self,
+        surface: Surface,
+        law: ByLaw,
+        springs: Springs,
+        tangent: Tangent,
+        scales: tuple[float, float],
+        into: Measured,
+        lag: Single,
+        sites: Sites,
+    ) -> list[float]:
+        """Bound, sources and lag of a step by a law; the sums of `loops.measure_law`."""
+        sums = self._sums(sites)
+        self._over(loops.measure_law, sites, surface, law, springs, tangent, scales, into, lag, sites, sums)
+        found: list[float] = sums[:, :5].sum(axis=0).tolist()
+        return found
+
     # Coefficients of coarse grids.
 
     def pin(
@@ -198,6 +232,10 @@ class Processor:
     def coarser_pins(self, pins: Single, sites: Sites, softening: float, mean: float, out: Single) -> None:
         """Pins on the next coarser grid, less what stands out from a mean softens; 0 only restricts."""
         loops.coarser_pins(pins, sites, np.float32(softening), np.float32(mean), out)
+
+    def coarser_lag(self, lag: Single, cells: Single, beside: float, sites: Sites, out: Single) -> None:
+        """A lag by site on the next coarser grid, weighted by the sizes of cells over lag + beside."""
+        loops.coarser_lag(lag, cells, np.float32(beside), sites, out)
 
     # One field.
 

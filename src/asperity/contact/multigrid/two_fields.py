@@ -26,7 +26,18 @@ import numpy as np
 
 from asperity.contact.arrays import largest
 from asperity.contact.multigrid.grids import Hierarchy
-from asperity.contact.multigrid.loops import Measured, Moves, Pair, Single, Sites, Springs, Surface, Two
+from asperity.contact.multigrid.loops import (
+    ByLaw,
+    Measured,
+    Moves,
+    Pair,
+    Single,
+    Sites,
+    Springs,
+    Surface,
+    Tangent,
+    Two,
+)
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
@@ -69,6 +80,8 @@ class TwoFields:
         Whether a correction of this problem was hardly smaller than the one before.
     wanted
         Sum of f with which the load is carried, a length, or None where the separation is prescribed.
+    yielding
+        Number of sites that carry a force that is given, off the obstacle.
     known_stretch
         Sum of w before the correction, a length.
     """
@@ -82,6 +95,7 @@ class TwoFields:
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
         self.weights, self.last_shift, self.keeping, self.overshooting = (1.0, 0.0), 0.0, False, False
         self.wanted: float | None = None
+        self.yielding = 0
         self.latest: Single = np.zeros(0, np.float32)
 
     def pair(self) -> Pair:
@@ -151,9 +165,9 @@ class TwoFields:
             size, rate = self.find_correction(found.contacts, missing, cycle, size)
             if not math.isfinite(size):
                 break
-            if self.wanted is not None and found.contacts == 0:
+            if self.wanted is not None and found.contacts + self.yielding == 0:
                 continue  # something must carry the load
-            if self.wanted is None:
+            if self.wanted is None and found.contacts > 0:
                 missing = self.weights[0] * self.size * float(np.mean(self.hierarchy.joined.f, dtype=float))
             good = rate * size <= max(allowed_error, _ROUNDING * far)
             if good and rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch):
@@ -177,6 +191,48 @@ class TwoFields:
             field.fill(0.0)
         self.shift, self.known_stretch = 0.0, stretch / unit
         self.wanted = None if s.load is None else s.load / (s.k1 * unit) - self.known_stretch
+
+    def measure_law(
+        self,
+        surface: Surface,
+        law: ByLaw,
+        springs: Springs,
+        tangent: Tangent,
+        scales: tuple[float, float],
+        total: float | None,
+    ) -> tuple[float, float]:
+        """Begin a correction to the fields as they are, the sum of w being given or None.
+
+        The shift is at first what sites alone would need for that sum. Returns the rms of their changes
+        alone, and of what the tangent would leave of those.
+        """
+        if not isinstance(self.lag, np.ndarray):
+            self.lag = self.backend.zeros(self.sites)
+            self.lag.fill(1.0)
+        places, unit = (Measured(self.bound, *self.source), self.lag, self.sites), scales[1]
+        found = self.backend.measure_law(surface, law, springs, tangent, scales, *places)
+        stretch, alone, squares, left, response = found
+        for field in self.correction:
+            field.fill(0.0)
+        self.shift, self.known_stretch, self.wanted = 0.0, stretch / unit, None
+        if total is not None:
+            self.wanted = (total - stretch) / unit
+            self.shift = (self.wanted - alone / unit) / response
+            squares -= alone * alone / self.size
+        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(left / self.size)
+
+    def relag(self) -> None:
+        """Bring the lag by site to the coarse grids."""
+        self.coarse_lags = self.hierarchy.coarser_lags(self.lag, self.spread)
+        self.factorized = False
+        if self.pinned < 0:
+            self.mean_lag = float(np.mean(self.hierarchy.grids[-1].in_order(self.coarse_lags[-1])))
+            self.response = Response(self.bed, self.spread, self.mean_lag - 1.0)
+
+    def settle_law(self, surface: Surface, tangent: Tangent, unit: float) -> float:
+        """As `settle`; what the tangent of the law leaves of w, rms."""
+        places = (surface, self.correction, self.bound, self.lag, tangent, unit, self.sites)
+        return math.sqrt(self.backend.settle_law(*places) / self.size)
 
     def settle(self, surface: Surface, unit: float) -> None:
         """Add the correction."""
