@@ -301,7 +301,7 @@ def test_a_second_backend_finds_the_same_states(monkeypatch, edges):
     creeping = asp.solids.spring_lattice(k0=1.0, k1=10.0, creep=asp.solids.Eyring(rate=0.1, stress=0.3))
     for backend in (Processor, WholeFields):
         monkeypatch.setattr(solver, "Processor", backend)
-        monkeypatch.setattr("asperity.contact.lattice_creep.Processor", lambda _, kind=backend: kind(1))
+        monkeypatch.setattr("asperity.contact.lattice_creep.Processor", lambda kind=backend: kind(1))
         contact = asp.press(heights, solid, load=30.0, solver=Multigrid())
         history = asp.age(contact, [1.0, 100.0], solver=Multigrid(), exact=False)
         by_law = asp.age(asp.press(heights, creeping, load=30.0), [0.1, 10.0])
