@@ -20,6 +20,12 @@ LAW = asp.solids.Eyring(rate="1e-5 nm/s", stress="20 MPa")
 SPAN: dict[str, Any] = {"first": 1e-2, "last": 1e3, "per_decade": 2}
 TIMES = np.geomspace(1e-2, 1e3, 11)
 
+ACTIVATED = (
+    *("--young", "3.3GPa", "--creep", "eyring", "--creep-energy", "130 kJ/mol", "--creep-volume", "0.34nm^3"),
+    *("--creep-prefactor", "1e4 m/s", "--temperature", "25degC", "--hardness", "0.5 GPa"),
+)
+"""Creep by its activation, as flags."""
+
 TOML = """
 [surface]
 kind = "spectral"
@@ -160,9 +166,9 @@ def test_a_file_flags_and_python_agree(undrawn: list[Prediction], tmp_path: Path
     lengths = ("--file-unit", "um", "--pixel-size", "0.2", "--length-unit", "um", "--tilt", "none")
     flags = ("--young", "3.3GPa", "--creep", "eyring", "--creep-rate", "1e-5nm/s", "--creep-stress", "20MPa")
     more = ("--pressure", "10MPa", "--first", "10ms", "--last", "1000s", "--per-decade", "2")
-    named = ("predict", "--surface", tmp_path / "scan.txt", *lengths, "--periodic", "wrap", *flags, *more)
+    surface = ("predict", "--surface", tmp_path / "scan.txt", *lengths, "--periodic", "wrap")
     assert asperity(*file) == (0, "", "")
-    assert asperity(*named, "--quiet", "--out", tmp_path / "out") == (0, "", "")
+    assert asperity(*surface, *flags, *more, "--quiet", "--out", tmp_path / "out") == (0, "", "")
     assert asperity(*file, "--permanent", "0.3", "--shear-strength", "40MPa") == (0, "", "")
     undrawn.append(asp.predict(solids()["eyring"], rough, pressure="10 MPa", **SPAN))
     from_file, from_flags, shared, in_python = undrawn
@@ -170,6 +176,10 @@ def test_a_file_flags_and_python_agree(undrawn: list[Prediction], tmp_path: Path
         np.testing.assert_allclose(ours.time, in_python.time)
         np.testing.assert_allclose(ours.series("contact_area"), in_python.series("contact_area"), rtol=1e-9)
         assert ours.growth.band == pytest.approx(in_python.growth.band, rel=1e-6)
+    assert asperity(*surface, *ACTIVATED, *more, "--quiet", "--out", tmp_path / "out") == (0, "", "")
+    law = undrawn[-1].solid.creep
+    assert isinstance(law, asp.solids.Eyring)
+    assert law.stress == pytest.approx(1.380649e-23 * 298.15 / 0.34e-27)
     assert shared.friction is not None
     assert shared.words[2] == "a share of 0.3 does not creep"
     again = asp.predict(solids()["permanent"], rough, pressure="10 MPa", **SPAN)

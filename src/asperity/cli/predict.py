@@ -37,6 +37,7 @@ from asperity.runs.loops import compile_loops
 from asperity.runs.prediction import predict as predict_it
 from asperity.runs.prediction import predict_config
 from asperity.words import counted as how_many
+from asperity.words import number
 
 _CHECKPOINT_EVERY = 3.0
 _UNITS = {
@@ -101,7 +102,7 @@ def predict(
     for name, value in flags.get("solid", {}).items():
         if unit := known[name].unit:
             for one in value if isinstance(value, list) else [value]:
-                _quantity(name, str(one), unit)
+                _with_unit(name, str(one), unit)
     numbers = {name: _quantity(name, getattr(wanted, name), unit) for name, unit in _UNITS.items()}
     compute: Callable[..., Prediction]
     if material is None or material.suffix == ".toml":
@@ -209,13 +210,16 @@ def _arguments(flags: Sections, wanted: PredictFlags, numbers: dict[str, float |
 def _quantity(name: str, text: str | None, unit: str) -> float | None:
     if text is None:
         return None
-    flag = _flag(name)
-    value = units.quantity(text, unit, flag)
-    try:
-        float(text)
-    except ValueError:
-        return value
-    raise InputError(flag, expected="a number with its unit", got=text, advice=f"{flag} {text}{unit}")
+    value = units.quantity(text, unit, _flag(name))
+    _with_unit(name, text, unit)
+    return value
+
+
+def _with_unit(name: str, text: str, unit: str) -> None:
+    """Refuse a number alone."""
+    if isinstance(number(text), float | int):
+        flag = _flag(name)
+        raise InputError(flag, expected="a number with its unit", got=text, advice=f"{flag} {text}{unit}")
 
 
 def _flag(name: str) -> str:

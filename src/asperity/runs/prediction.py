@@ -17,6 +17,7 @@ import numpy as np
 
 import asperity.checks as checks
 import asperity.units as units
+from asperity.aging.march import DEFAULT_RTOL
 from asperity.analysis.observation import observe
 from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
@@ -58,6 +59,8 @@ _UNEVEN = 1.5
 
 _OF_TABLES = ("kind", "columns", "noise", "modulus", "poisson", "shift", "branches_per_decade")
 """Arguments that are about a relaxation table."""
+
+_RUN = "asperity run, which takes the same file"
 
 
 def predict(
@@ -194,7 +197,7 @@ def predict(
             times,
             pressed={which: amount},
             strength=strength,
-            instrument={"pixel": pixel, "blur": blur, "threshold": threshold},
+            instrument=_instrument(pixel=pixel, blur=blur, threshold=threshold),
             facts=facts,
             tell=tell,
             checkpoint=checkpoint,
@@ -212,24 +215,19 @@ def predict_config(
     `AsperityError` as `predict`; or the configuration asks for what is no prediction.
     """
     if config.protocol:
-        raise _no_protocol("[[protocol]]", "asperity run, which takes the same file")
-    for name, value in (
-        ("[contact] separation", config.contact.separation),
-        ("[aging] hold", config.aging.hold),
-    ):
+        raise _no_protocol("[[protocol]]", _RUN)
+    asked = {"[contact] separation": config.contact.separation, "[aging] hold": config.aging.hold}
+    for name, value in asked.items():
         if value not in (None, "load"):
-            advice = "asperity run, which takes the same file"
-            raise InputError(name, expected="a load that stays", got=value, advice=advice)
+            raise InputError(name, expected="a load that stays", got=value, advice=_RUN)
     section = config.solid
     if not isinstance(section, HalfSpace):
         raise _no_half_space("[solid] kind", section.kind)
     chosen = config.surface
     if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
         if config.contact.load is not None:
-            expected = (
-                "a pressure, or reflect beside a load: a load on mirrored copies is that of all of them"
-            )
-            raise InputError("[surface] periodic", expected=expected, got="'mirror'", advice="'reflect'")
+            expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
+            raise InputError("[surface] periodic", expected=expected, got="'mirror'", advice="a pressure")
         chosen = chosen.model_copy(update={"periodic": "reflect"})
     progress.stage("reading the scan")
     scan, solid, found = chosen.build(), section.build(), section.fit
@@ -242,12 +240,9 @@ def predict_config(
         raise InputError("[aging] times", expected=expected, got=f"{times.size}")
     facts: dict[str, object] = {}
     if found is not None:
-        whole = section.modulus is not None or section.young is not None
-        facts = {
-            "measured": "shares" if whole else "young",
-            "poisson": next(iter(section.poisson or []), None),
-        }
-        facts |= {"shift": 1.0, **_origin(section.relaxation, found)}
+        measured = "young" if section.modulus is None and section.young is None else "shares"
+        facts = {"measured": measured, "poisson": next(iter(section.poisson or []), None), "shift": 1.0}
+        facts |= _origin(section.relaxation, found)
     prediction = _predicted(
         scan,
         solid,
@@ -255,7 +250,7 @@ def predict_config(
         times,
         pressed=config.contact.model_dump(exclude_none=True),
         strength=config.friction.shear_strength,
-        instrument={"threshold": 0.5, **config.output.instrument},
+        instrument=_instrument(**config.output.instrument),
         facts=facts,
         tell=progress,
         checkpoint=checkpoint,
@@ -276,7 +271,7 @@ def _predicted(
     facts: dict[str, object],
     tell: Progress,
     checkpoint: str | Path | Checkpoint | None,
-    rtol: float = 2e-3,
+    rtol: float = DEFAULT_RTOL,
 ) -> Prediction:
     """Press a scan, follow the contact, and weigh what is known of the spread."""
     if scan.heights.ndim != 2:
@@ -290,10 +285,8 @@ def _predicted(
     require(separable if solid.separable else bytes_a_site(solid, scan.shape, len(maps)), scan.shape)
     tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
     contact = press(scan, solid, **pressed)
-    looks = instrument.get("pixel") is not None or instrument.get("blur") is not None
-    settings: dict[str, Any] = {**instrument, "blur": instrument.get("blur") or 0.0}
-    if looks:
-        observe(contact, **settings)  # refuses before minutes have passed
+    if instrument:
+        observe(contact, **instrument)  # refuses before minutes have passed
     tell.stage("aging", times=times.tolist())
     history = age(contact, times, fields_at=maps, rtol=rtol, progress=tell.reached, checkpoint=checkpoint)
     facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol}
@@ -307,10 +300,19 @@ def _predicted(
         resolved(dataset),
         shear_strength=strength,
         observed=tuple(
-            observe(dataset.isel(field_time=n), **settings) for n in range(len(maps) if looks else 0)
+            observe(dataset.isel(field_time=n), **instrument) for n in range(len(maps) if instrument else 0)
         ),
     )
     return replace(prediction, remarks=(*scan.remarks, *_remarks(prediction, scan)))
+
+
+def _instrument(
+    pixel: float | str | None = None, blur: float | str | None = None, threshold: float = 0.5
+) -> dict[str, Any]:
+    """What looks at the contact, for `asperity.observe`; empty for none."""
+    if pixel is None and blur is None:
+        return {}
+    return {"pixel": pixel, "blur": 0.0 if blur is None else blur, "threshold": threshold}
 
 
 def _no_protocol(name: str, advice: str) -> InputError:
