@@ -27,6 +27,7 @@ from asperity.contact.arrays import largest
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
 from asperity.contact.state import Contact
+from asperity.contact.stencils import combined, extrapolated
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field
@@ -141,29 +142,34 @@ class LocalSteps:
 
     def _attempt(self, duration: float, allowed_errors: tuple[float, float]) -> Attempt:
         tau, f0, known = DIAGONAL * duration, self.rate, self.moments
-        before = self.shape + tau * f0
-        middle, f1, spent, _ = self._stage(tau, self.time + 2 * tau, before, known, allowed_errors[0])
+        before = combined(self.shape, (tau, f0))
+        middle, f1, spent, _ = self._stage(tau, self.time + 2 * tau, before, known, allowed_errors[0], False)
         known = [_Moment(self.time + 2 * tau, middle), *known]
-        before = self.shape + (WEIGHT * duration) * (f0 + f1)
-        end, f2, more, stage = self._stage(tau, self.time + duration, before, known, allowed_errors[1])
-        defect = (duration * ERROR_WEIGHTS[0]) * f0
-        defect += (duration * ERROR_WEIGHTS[1]) * f1
-        defect += (duration * ERROR_WEIGHTS[2]) * f2
+        before = combined(self.shape, (WEIGHT * duration, f0), (WEIGHT * duration, f1))
+        end, f2, more, stage = self._stage(tau, self.time + duration, before, known, allowed_errors[1], True)
+        first, second, third = ERROR_WEIGHTS
+        defect = combined(f0, (second / first, f1), (third / first, f2))
+        defect *= duration * first
         left = self.solver.damped(self._about_mean(defect), stage, self._in_frame(end))
         self.tried, self.tried_rate = end, f2
         return Attempt(rms(self._about_mean(left)), spent + more)
 
     def _stage(
-        self, tau: float, time: float, before: Field, known: list[_Moment], allowed_error: float
+        self,
+        tau: float,
+        time: float,
+        before: Field,
+        known: list[_Moment],
+        allowed_error: float,
+        again: bool,
     ) -> tuple[LocalState, Field, int, Stage]:
         """Solve the stage that ends at a time; its end, the rate there, and the iterations spent."""
         system = self.system.at(time)
-        stage = Stage(tau, before, system.load, self.system.drift * time + self.crept)
+        stage = Stage(tau, before, system.load, self.system.drift * time + self.crept, again=again)
         guess = self._in_frame(self._extrapolated(known, time))
         end, spent = self.solver.solve(stage, guess, allowed_error)
-        rate = end.u - end.position
-        rate -= self.solver.stretch(end.force)
-        rate -= before
+        rate = combined(end.u, (-1.0, self.solver.stretch(end.force)), (-1.0, before))
+        rate -= end.position
         rate /= tau
         return LocalState(end.u, end.force, end.position - self.crept), rate, spent, stage
 
@@ -177,16 +183,17 @@ class LocalSteps:
         weights = extrapolation([math.log(moment.time + origin) for moment in known], math.log(time + origin))
         latest, *earlier = (moment.state for moment in known)
 
-        def at(name: str) -> Any:
-            """As changes of the latest state, so that no contact is lost to rounding."""
-            now = getattr(latest, name)
-            return now + sum(
-                weight * (getattr(state, name) - now)
-                for weight, state in zip(weights[1:], earlier, strict=True)
-                if weight
+        position = latest.position
+        for weight, state in zip(weights[1:], earlier, strict=True):
+            position += weight * (state.position - latest.position)
+        u, force = (
+            extrapolated(
+                getattr(latest, name),
+                *((w, getattr(state, name)) for w, state in zip(weights[1:], earlier, strict=True) if w),
             )
-
-        return LocalState(at("u"), at("force"), float(at("position")))
+            for name in ("u", "force")
+        )
+        return LocalState(u, force, position)
 
     def _about_mean(self, field: Field) -> Field:
         """A field less its mean, where the load decides that."""

@@ -177,7 +177,8 @@ class _Run:
         self.stiffness = max(springs.k0, _SOFTEST * k1)
         self.allowed = max(allowed_error, _ROUNDING * self.largest)
         solver.work.yielding = 0 if self.given is None else int(np.count_nonzero(self.given))
-        solver.work.prepare(k1 / self.stiffness, self.springs.spread, self.springs.drag)
+        if not stage.again:
+            solver.work.prepare(k1 / self.stiffness, self.springs.spread, self.springs.drag)
         self.measure()
 
     def measure(self) -> float:
@@ -230,7 +231,7 @@ class _Run:
 
     def damped(self, error: Field) -> Field:
         """An error of the creeping shape after an implicit step, the contacts staying what they are."""
-        scale = largest(error, np)
+        scale = float(np.sqrt(np.vdot(error, error) / error.size))
         if not 0 < scale < math.inf:
             return error
         work = self.solver.work  # with the law as it was linearized last
@@ -244,8 +245,7 @@ class _Run:
         work.shift, work.known_stretch = 0.0, math.inf
         for field in work.correction:
             field.fill(0.0)
-        size = float(np.sqrt(np.mean(np.square(error / scale))))
-        work.improve(_USUAL_RATE * size, _MOST_CYCLES)
+        work.improve(_USUAL_RATE, _MOST_CYCLES)
         e, f = work.correction
         left = work.backend.unpacked(e - f, work.sites)
         left += work.shift

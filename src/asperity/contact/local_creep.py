@@ -41,7 +41,8 @@ class Stage:
     """An implicit step of duration ``tau`` from the creeping shape ``before``.
 
     Under load control ``load`` is the normal load; else it is None and ``position`` that of the rigid body.
-    At sites that are ``yielding`` the contact force is given, and the surface is not held up.
+    At sites that are ``yielding`` the contact force is given, and the surface is not held up. A stage that
+    comes ``again`` follows one of the same duration, for which coarse grids have been prepared.
     """
 
     tau: float
@@ -49,6 +50,7 @@ class Stage:
     load: float | None
     position: float
     yielding: Mask | None = None
+    again: bool = False
 
 
 def stretches_of(

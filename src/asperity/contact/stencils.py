@@ -157,6 +157,36 @@ def balanced(
     return out
 
 
+def combined(first: Field, *terms: tuple[float, Field]) -> Field:
+    """A field plus up to three others times their weights."""
+    (a, y), (b, z), (c, t), *_ = (*terms, *3 * ((0.0, first),))
+    out = np.empty_like(first)
+    combine(first.ravel(), y.ravel(), z.ravel(), t.ravel(), a, b, c, out.reshape(-1))
+    return out
+
+
+def extrapolated(latest: Field, *terms: tuple[float, Field]) -> Field:
+    """A field plus its differences from up to three others times weights; exact where all are the same."""
+    (a, y), (b, z), (c, t), *_ = (*terms, *3 * ((0.0, latest),))
+    out = np.empty_like(latest)
+    extrapolate(latest.ravel(), y.ravel(), z.ravel(), t.ravel(), a, b, c, out.reshape(-1))
+    return out
+
+
+@compiled
+def combine(x: Field, y: Field, z: Field, t: Field, a: float, b: float, c: float, out: Field) -> None:
+    """X + a y + b z + c t."""
+    for i in range(x.shape[0]):
+        out[i] = x[i] + a * y[i] + b * z[i] + c * t[i]
+
+
+@compiled
+def extrapolate(x: Field, y: Field, z: Field, t: Field, a: float, b: float, c: float, out: Field) -> None:
+    """X + a (y - x) + b (z - x) + c (t - x)."""
+    for i in range(x.shape[0]):
+        out[i] = x[i] + (a * (y[i] - x[i]) + b * (z[i] - x[i]) + c * (t[i] - x[i]))
+
+
 @compiled
 def balance(
     u: Field, w: Field, heights: Field, k0: float, k1: float, mirrored: bool, out: Field, carried: Field

@@ -30,7 +30,7 @@ _AVOGADRO = 6.02214076e23
 LARGEST_EXPONENT = 600.0
 """Largest s/s0 that Eyring's law takes: sinh overflows at 710, and velocities are multiplied by times."""
 
-_BLOCK = 2**12
+_BLOCK = 2**13
 """Stresses taken at a time, which stay in the cache."""
 
 _SMALLEST_RATE = 1e-290
@@ -180,14 +180,11 @@ class Eyring(LocalCreep):
         flat = [field.reshape(-1) for field in (stress, rate, slope)]
         for start in range(0, stress.size, _BLOCK):
             s, v, dv = (field[start : start + _BLOCK] for field in flat)
-            y = np.minimum(np.abs(s / self.stress), LARGEST_EXPONENT)
-            # sinh x = (y + y / (1 + y)) / 2 with y = exp(x) - 1, which does not cancel where x is small.
-            np.expm1(y, out=y)
-            np.divide(1.0, 1.0 + y, out=dv)
-            np.multiply(y * dv + y, 0.5 * self.rate, out=v)
+            x = np.clip(s / self.stress, -LARGEST_EXPONENT, LARGEST_EXPONENT)
+            np.sinh(x, out=v)
+            np.cosh(x, out=dv)
+            v *= self.rate
             dv *= self.rate / self.stress
-            dv += v * (1.0 / self.stress)
-            np.copysign(v, s, out=v)
         return rate, slope
 
 

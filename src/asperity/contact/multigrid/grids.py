@@ -93,6 +93,7 @@ class Grid:
         for joined, values in zip(self.joined, np.split(found, len(self.joined)), strict=True):
             joined[...] = values.reshape(joined.shape)
 
+    @cached_property
     def laplacian(self) -> Field:
         """Minus the Laplacian as a matrix; for the coarsest grid."""
         ny, nx, _ = self.sites

@@ -146,7 +146,7 @@ class OneField:
         self.hierarchy.set_pins(self.correction, self.bound, fraction, Response(self.bed))
         grid = self.hierarchy.grids[-1]
         cells = grid.areas.ravel()
-        matrix = grid.laplacian() + np.diag(grid.in_order(grid.pins) + self.bed * cells)
+        matrix = grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * cells)
         matrix += self.coupling * np.outer(cells, cells)
         self.coarsest = np.linalg.pinv(matrix, hermitian=True)
 

@@ -310,7 +310,7 @@ class TwoFields:
             self.hierarchy.set_pins(self.correction.e, self.bound, contacts / self.size, self.response)
         self.factorized = True
         grid = self.hierarchy.grids[-1]
-        lap, cells, lag = grid.laplacian(), grid.areas.ravel(), self.coarse_lags[-1]
+        lap, cells, lag = grid.laplacian, grid.areas.ravel(), self.coarse_lags[-1]
         lags = grid.in_order(lag) if lag.ndim else self.mean_lag
         n = cells.size
         matrix = np.zeros((2 * n + 1, 2 * n + 1))
