@@ -147,6 +147,15 @@ class Lattice:
             modes = scipy.fft.rfftn(field, axes=axes, workers=threads)
         return modes
 
+    def forward_near(self, field: Field, near: Field, modes: Modes) -> Modes:
+        """Fourier modes of a field from those of one near it: their difference is in single precision."""
+        xp = array_namespace(field)
+        change = field - near
+        scale = float(xp.max(xp.abs(change)))
+        if not 0 < scale < math.inf:
+            return modes + scale
+        return modes + scale * self.forward(xp.astype(change / scale, xp.float32))
+
     def backward(self, modes: Modes, *, overwrite: bool = False) -> Field:
         """Field of given Fourier modes, which may be overwritten; the inverse of `forward`."""
         axes, threads = tuple(range(-self.dimension, 0)), self._threads

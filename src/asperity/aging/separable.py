@@ -191,7 +191,8 @@ class SeparableSteps:
         load = now.load + system.control.rate * duration
         total = max(load + float(effective.shares @ own), float(self.loads[0]))
         ahead = self._ahead(total)
-        guess = Guess(self.u + ahead * (self.u - self.before), disposable=True)
+        u = self.u + ahead * (self.u - self.before)
+        guess = Guess(u, disposable=True, near=(self.u, self.modes))
         lattice = system.mechanics.lattice
         rhs = lattice.flat_modes(-total / system.sites)
         problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)

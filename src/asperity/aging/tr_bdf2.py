@@ -191,7 +191,11 @@ def _stage(
         solution = solver.solve(problem, guess, tolerance, allowed_error, settled=settled)
     else:
         solution = solver.solve(problem, guess, tolerance)
-    modes = system.mechanics.lattice.forward(solution.u)
+    lattice, (_, latest) = system.mechanics.lattice, known
+    if settled or not allowed_error:  # steps begin with modes that are exact
+        modes = lattice.forward(solution.u)
+    else:
+        modes = lattice.forward_near(solution.u, latest.u, latest.modes)
     stretch, position = implicit.spectral.stretch_modes(modes, before, held)
     return Point(time, solution.u, modes, stretch, position), solution.iterations
 
@@ -199,10 +203,10 @@ def _stage(
 def _extrapolate(time: float, earlier: Past | None, latest: Point) -> Guess:
     """Continue the surface in the logarithm of time, which is how contacts grow."""
     if earlier is None:
-        return Guess(latest.u)
+        return Guess(latest.u, near=(latest.u, latest.modes))
     factor = ahead(earlier.time, latest.time, time)
     u = latest.u + factor * (latest.u - earlier.u)  # contacts stay where they are, to the last digit
-    return Guess(u, disposable=True)
+    return Guess(u, disposable=True, near=(latest.u, latest.modes))
 
 
 def ahead(earlier: float, latest: float, time: float) -> float:

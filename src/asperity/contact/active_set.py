@@ -35,7 +35,7 @@ from asperity.contact.free_sites import Accuracy, FreeSites
 from asperity.contact.loaded_sites import SpringSites, spring_sites
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpectralProblem, residual
 from asperity.errors import ConvergenceError
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field, Mask, Modes
 
 _SUM_TOLERANCE = 0.002
 """Largest sum of the forces off contact, relative to tolerance times load: it shifts the separation."""
@@ -183,12 +183,10 @@ class _Run:
         self.patience = method.patience
         self.reduction = method.reduction
         self.single = problem.lattice.sites > _SMALL
-        self.begun = False
-        self.start(xp.asarray(guess.u))
-        self.begun = True
+        self.start(xp.asarray(guess.u), guess.near)
 
-    def start(self, u: Field) -> None:
-        """Begin on the present set of contacts."""
+    def start(self, u: Field, near: tuple[Field, Modes] | None = None) -> None:
+        """Begin on the present set of contacts, with the modes of a surface near it if they are known."""
         xp = self.xp
         self.contacts = int(xp.count_nonzero(self.in_contact))
         if self.contacts == 0:
@@ -209,10 +207,12 @@ class _Run:
         self.u = xp.where(self.in_contact, self.heights, u)
         self.free_sites: FreeSites | SpringSites | None = None
         self.left_over = math.inf
-        if self.begun and self.allowed_error and self.single:
+        if not (self.allowed_error and self.single):
+            self.evaluate_force()
+        elif self.set_changes:
             self.update_force(self.u - u)
         else:
-            self.evaluate_force()
+            self.evaluate_force(near)
 
     def update_force(self, change: Field) -> None:
         """Add what a small change of the surface does to the force, in single precision."""
@@ -227,13 +227,20 @@ class _Run:
             return
         self.measure_force()
 
-    def evaluate_force(self) -> None:
-        """Evaluate the force afresh, in double precision."""
-        lattice = self.problem.lattice
-        modes = lattice.forward(self.u)
+    def evaluate_force(self, near: tuple[Field, Modes] | None = None) -> None:
+        """Evaluate the force afresh, in double precision; from a surface near it, to the digits of single."""
+        xp, lattice, scale = self.xp, self.problem.lattice, 1.0
+        if near is None:
+            modes = lattice.forward(self.u)
+        else:
+            modes = lattice.forward_near(self.u, *map(xp.asarray, near))
         modes *= self.stiffness
         modes -= self.rhs
-        self.force: Field = lattice.backward(modes, overwrite=True)
+        if near is not None:
+            scale = float(xp.max(xp.abs(modes))) or 1.0
+            modes = xp.astype(modes / scale, xp.float32 if lattice.reflecting else xp.complex64)
+        force = lattice.backward(modes, overwrite=True)
+        self.force: Field = force if near is None else scale * xp.astype(force, self.heights.dtype)
         if self.yielding is not None:
             self.force -= self.bound * self.xp.astype(self.yielding, self.force.dtype)
         self.measure_force()
