@@ -54,7 +54,8 @@ def test_histories_are_those_of_conjugate_gradients(edges, control, creep, monke
     def history():
         contact = asp.press(rough, solid, **control)
         frames: list[asp.Frame] = []
-        return asp.age(contact, np.geomspace(1e-2, 10, 4), progress=frames.append), frames
+        times, solver = np.geomspace(1e-2, 10, 4), asp.ActiveSet()
+        return asp.age(contact, times, progress=frames.append, solver=solver), frames
 
     direct, frames = history()
     solutions = sum(frame.iterations for frame in frames)
@@ -74,6 +75,6 @@ def test_linear_solutions_are_few(load):
     ball = asp.surfaces.Surface(-(axis[:, np.newaxis] ** 2 + axis**2) / 20)
     frames: list[asp.Frame] = []
     contact = asp.press(ball, asp.solids.spring_lattice(k0=0.0, k1=1.0), load=load)
-    asp.age(contact, [1.0, 10.0, 100.0], progress=frames.append)
+    asp.age(contact, [1.0, 10.0, 100.0], progress=frames.append, solver=asp.ActiveSet())
     steps = sum(frame.steps + frame.rejected for frame in frames)
     assert sum(frame.iterations for frame in frames) < 12 * steps  # conjugate gradients need 40

@@ -400,7 +400,7 @@ class _March:
             if taken > many and isinstance(self.now, SpringSteps):
                 self.now = FieldSteps.going_on(self.now)
                 begun, since = self.steps + self.rejected, self.now.time
-            if isinstance(self.now, FieldSteps):
+            if isinstance(self.now, FieldSteps | SpringSteps):
                 self.now.published = published
             stuck = taken > _MOST_STEPS
             if stuck or not (landing or self.now.time + length > self.now.time):

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.aging.step_errors import rms
+from asperity.aging.step_errors import PASSING, rms
 from asperity.aging.tr_bdf2 import (
     DIAGONAL,
     ERROR_WEIGHTS,
@@ -28,7 +28,8 @@ from asperity.aging.tr_bdf2 import (
 )
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.mechanics import SpringMechanics
-from asperity.contact.multigrid import Multigrid, StageSolver
+from asperity.contact.multigrid import IndependentSprings, Multigrid, StageSolver
+from asperity.contact.multigrid.loops import Single
 from asperity.contact.state import Contact
 from asperity.contact.system import System
 
@@ -52,6 +53,8 @@ class SpringSteps:
     by_fields
         The step that was tried, where cycles did not solve it.
     """
+
+    published = 0.0
 
     def __init__(self, system: System, solver: Multigrid, arrays: Mapping[str, NDArray[Any]]) -> None:
         assert isinstance(system.mechanics, SpringMechanics)
@@ -139,8 +142,20 @@ class SpringSteps:
         if not done:
             return False, cycles + more, math.nan
         error = stages.finish([duration * part for part in ERROR_WEIGHTS])
-        touching = stages.moments.contacts / self.system.sites
-        return True, cycles + more, stages.unit * self.system.damped_rms(error, tau, touching)
+        return True, cycles + more, self._left(error, max(self.published - self.time - duration, 0.0))
+
+    def _left(self, error: Single, ahead: float) -> float:
+        """What is left of the error of the step that was tried, a length; see `take_step`."""
+        stages = self.stages
+        if not isinstance(stages.work, IndependentSprings):
+            touching = stages.moments.contacts / self.system.sites
+            return stages.unit * self.system.damped_rms(error, stages.tau, touching)
+        if stages.work.opened:
+            ahead = 0.0
+        left = stages.left_of(error, stages.tau + ahead)
+        if ahead > 0 and left < PASSING * stages.unit * rms(error):
+            left = max(left, PASSING * stages.left_of(error, stages.tau))
+        return left
 
     def _improve(self, ahead: float, allowed_error: float) -> tuple[bool, int]:
         """Solve the stage that ends a time ahead; whether it was solved, and the cycles taken."""

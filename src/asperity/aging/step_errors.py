@@ -6,22 +6,23 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
 from asperity.contact.free_sites import Accuracy, FreeSites
 from asperity.contact.loaded_sites import SpringSites, spring_sites
 from asperity.contact.mechanics import SpectralStep
 from asperity.contact.system import System
-from asperity.lattice import Field, Mask, Modes
+from asperity.lattice import Mask, Modes
 
 _GOAL, _ITERATIONS = 0.1, 100
 """How far forces off contact fall where an error is damped, and the most iterations spent on it."""
 
-_PASSING = 0.1
+PASSING = 0.1
 """Least part of the error of a step that counts, even if less is left when the next state is published."""
 
 
-def rms(field: Field) -> float:
+def rms(field: NDArray[np.floating]) -> float:
     """Root mean square over the sites."""
     scale = largest(field, np)
     if not 0 < scale < math.inf:
@@ -83,4 +84,4 @@ def filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask)
 def left_of(error: Modes, system: System, ahead: float, in_contact: Mask) -> tuple[float, int]:
     """Rms of what is left of an error of the anchors after a time, or a tenth of it; the iterations spent."""
     defect, iterations = filtered(error, system, system.mechanics.implicit_step(ahead).spectral, in_contact)
-    return max(_PASSING * modes_rms(error, system), modes_rms(defect, system)), iterations
+    return max(PASSING * modes_rms(error, system), modes_rms(defect, system)), iterations

@@ -442,7 +442,7 @@ class SpectralStep(ImplicitStep):
 
 @final
 class SpringMechanics(Mechanics):
-    """The lattice of springs in two dimensions, k0 > 0 and k1 > 0, in terms of neighbors.
+    """The lattice of springs in two dimensions, k1 > 0, in terms of neighbors.
 
     Attributes
     ----------
@@ -466,8 +466,9 @@ class SpringMechanics(Mechanics):
 
     @property
     def soft_modes(self) -> tuple[bool, bool]:
-        """None: k0 > 0."""
-        return False, False
+        """All where k0 = 0, unless nothing creeps, else none."""
+        soft = self.springs.k0 == 0 and self.springs.creep
+        return soft, soft
 
     def implicit_step(self, tau: float) -> NeighborStep:
         """See `Mechanics`."""
@@ -548,6 +549,6 @@ def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:
     Forces that have a bound are found in Fourier modes: multigrid knows none.
     """
     spectral, springs = SpectralMechanics(solid, lattice), solid.springs
-    if springs is None or lattice.dimension != 2 or not (springs.k0 > 0 and springs.k1 > 0) or solid.yields:
+    if springs is None or lattice.dimension != 2 or springs.k1 == 0 or solid.yields:
         return spectral
     return SpringMechanics(springs, spectral)

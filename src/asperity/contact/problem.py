@@ -96,7 +96,7 @@ class SpringStep:
     Parameters
     ----------
     k0, k1
-        Stiffness of the springs between neighbors and to the bulk, both > 0.
+        Stiffness of the springs between neighbors and to the bulk; k1 > 0.
     spread, drag
         tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite. The drag may be a field by
         site, which only multigrid solves.

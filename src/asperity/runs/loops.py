@@ -8,6 +8,7 @@ from contextlib import suppress
 import numpy as np
 
 from asperity.contact import asperities, line_sites, loaded_sites, stencils
+from asperity.contact.active_set import ActiveSet
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
 from asperity.contact.multigrid import loops
 from asperity.simulate import age, press, relax
@@ -40,7 +41,8 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
         contact = press(heights, solid, load=80.0)
         relax(press(age(contact, [1.0, 100.0], exact=False).final, load=40.0))
     age(press(heights[0], spring_lattice(k0=1.0, k1=3.0), load=1.2), [1.0])
-    age(press(heights, spring_lattice(k0=0.0, k1=3.0), load=80.0), [1.0])
+    for solver in (None, ActiveSet()):
+        age(press(heights, spring_lattice(k0=0.0, k1=3.0), load=80.0), [1.0], solver=solver)
     age(press(heights, spring_lattice(k0=1.0, k1=3.0, creep=Eyring(rate=1.0, stress=1.0)), load=80.0), [1.0])
     # Contacts in patches, where cycles are slow and corrections are combined.
     patches = self_affine(64, hurst=0.8, delta=0.05, seed=0)

@@ -786,7 +786,7 @@ def advance_row(
     nx = u.shape[1]
     row, stretch, rough = u[i], w[i], heights[i]
     inverse = 1.0 / unit
-    stencil_row(-inverse, u, -inverse * k1 / k0, w, i, sites, line)
+    stencil_row(-inverse * k0, u, -inverse * k1, w, i, sites, line)
     part(line, b[i])
     stencil_row(inverse * spreading, w, inverse * dragging, w, i, sites, line)
     part(line, flow[i])
@@ -824,7 +824,8 @@ def advance(
 ) -> None:
     """Add corrections to a state, and an offset to w; then the bound, source and flow of the new one.
 
-    The flow is spread L w + drag w. ``sums``: w, u - level, their squares, the largest u, contacts.
+    The source is minus the force k0 L u + k1 w. The flow is spread L w + drag w.
+    ``sums``: w, u - level, their squares, the largest u, contacts.
     Phases: all rows, measured a row behind; the first row and the last.
     """
     e, f = correction
@@ -1117,6 +1118,93 @@ def correct_1(
     for i in range(low, high):
         interpolate_row(coarse, i, eq.sites, line)
         move_row(line, previous[i], eq.e[i], eq.bound[i], eq.sites, alpha, beta)
+
+
+# The same where it is the stretch of springs that no others join.
+
+
+@compiled
+def begin_1(
+    eq: One, e: Single, least: Single, c: Single, spread: Scalar, creep: Single, low: int, high: int
+) -> None:
+    """From guesses of both changes: eq.e within its bound, the source of its equation, and e - eq.e.
+
+    The equation is (spread lap + lag) f - e = c + shift with f = eq.e, divided by the spread, and e as small
+    as ``least`` where f is not.
+    """
+    f, bound, b, _, _, _, sites = eq
+    inverse = np.float32(1.0) / spread
+    for i in range(low, high):
+        for side in range(2):
+            for k in range(side, end_of(side, sites.columns)):
+                stretch = max(f[i, side, k], bound[i, side, k])
+                f[i, side, k], creep[i, side, k] = stretch, e[i, side, k] - stretch
+                b[i, side, k] = (c[i, side, k] + least[i, side, k]) * inverse
+        wrap(f[i], sites)
+
+
+@compiled
+def begin_error(
+    eq: One, f: Single, least: Single, error: Single, c: Single, spread: Scalar, low: int, high: int
+) -> None:
+    """The same for an error of u0, rows in order: no change yet, and none where f is ``least``."""
+    change, bound, b, _, _, _, sites = eq
+    zero, inverse = np.float32(0.0), np.float32(1.0) / spread
+    unbounded, heavy = np.float32(-np.inf), np.float32(-1e30)
+    for i in range(low, high):
+        part(error[i], c[i])
+        change[i] = zero
+        for side in range(2):
+            for k in range(side, end_of(side, sites.columns)):
+                touching, source = f[i, side, k] > least[i, side, k], -c[i, side, k]
+                c[i, side, k] = source
+                bound[i, side, k] = unbounded if touching else zero
+                b[i, side, k] = source * inverse if touching else heavy
+
+
+@compiled
+def surface_1(
+    eq: One,
+    e: Single,
+    least: Single,
+    c: Single,
+    spread: Scalar,
+    creep: Single,
+    sums: Field,
+    low: int,
+    high: int,
+) -> None:
+    """The change e of the surface that belongs to eq.e; ``creep`` becomes their difference.
+
+    ``sums``: squares of the change of ``creep``, sum of eq.e, squares of e, contacts that opened.
+    """
+    f, bound, _, _, diagonal, uniform, sites = eq
+    zero, one = np.float32(0.0), np.float32(1.0)
+    shift = spread * uniform
+    for i in range(low, high):
+        above, below = neighbors(i, sites)
+        squares = stretch = moves = opened = zero
+        for side in range(2):
+            row, other, up, down = f[i, side], f[i, 1 - side], f[above, side], f[below, side]
+            rest, floor, known, out, was = (
+                bound[i, side],
+                least[i, side],
+                c[i, side],
+                e[i, side],
+                creep[i, side],
+            )
+            for k in range(side, end_of(side, sites.columns)):
+                beside = up[k] + down[k] + other[k - side] + other[k - side + 1]
+                lifted = spread * (diagonal * row[k] - beside) + shift - known[k]
+                move = floor[k] if row[k] > rest[k] else lifted
+                change = move - row[k] - was[k]
+                out[k] = move
+                was[k] = move - row[k]
+                squares += change * change
+                stretch += row[k]
+                moves += move * move
+                opened += one if floor[k] == zero and move > zero else zero
+        sums[i, 0], sums[i, 1], sums[i, 2], sums[i, 3] = squares, stretch, moves, opened
 
 
 # One field on a coarse grid.

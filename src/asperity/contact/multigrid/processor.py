@@ -61,6 +61,15 @@ class Extremes(NamedTuple):
     contacts: float
 
 
+class Creep(NamedTuple):
+    """Of a stretch: squares of the last change of u0, sum of f, squares of e, contacts that opened."""
+
+    squares: float
+    stretch: float
+    moves: float
+    opened: float
+
+
 class Forces(NamedTuple):
     """Of a state: largest force off contact, largest tension in a row, load, contacts, imbalance."""
 
@@ -260,6 +269,22 @@ class Processor:
         """Move free sites by alpha times the correction plus beta times the previous move, and project."""
         weights = (np.float32(alpha), np.float32(beta))
         self._over(loops.correct_1, eq.sites, eq, coarse, previous, *weights)
+
+    def begin_1(self, eq: One, e: Single, least: Single, c: Single, spread: float, creep: Single) -> None:
+        """From guesses of e and of eq.e: the latter within its bound, its source, and the difference."""
+        self._over(loops.begin_1, eq.sites, eq, e, least, c, np.float32(spread), creep)
+
+    def begin_error(
+        self, eq: One, touching: tuple[Single, Single], error: Single, c: Single, spread: float
+    ) -> None:
+        """The same for an error of u0, rows in order, off contact where the two fields are equal."""
+        self._over(loops.begin_error, eq.sites, eq, *touching, error, c, np.float32(spread))
+
+    def surface_1(self, eq: One, e: Single, least: Single, c: Single, spread: float, creep: Single) -> Creep:
+        """The change e of the surface that belongs to eq.e, and their difference."""
+        sums = self._sums(eq.sites)
+        self._over(loops.surface_1, eq.sites, eq, e, least, c, np.float32(spread), creep, sums)
+        return Creep(*sums[:, :4].sum(axis=0).tolist())
 
     def descend_1(self, grid: CoarseOne, coupling: float, out: Single) -> float:
         """A sweep from nothing and the defect on the next coarser grid; the sum of the correction."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from asperity.contact.active_set import ActiveSet
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.cascade import interpolated
 from asperity.contact.mechanics import Mechanics, SpringMechanics
+from asperity.contact.multigrid.independent import IndependentSprings
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
@@ -34,7 +35,7 @@ _SMOOTH = 0.5
 _COARSE_TOLERANCE = 3e-2
 """Tolerance on coarser lattices, whose solution is only a guess; relative to the mean contact force."""
 
-W = TypeVar("W", OneField, TwoFields)
+W = TypeVar("W", OneField, TwoFields, IndependentSprings)
 
 _FEWEST_SITES = 4
 """Smallest length of an axis, in sites, for which multigrid is used."""
@@ -78,7 +79,7 @@ class Multigrid:
         if not isinstance(mechanics, SpringMechanics) or min(mechanics.lattice.shape) < _FEWEST_SITES:
             return False
         springs = mechanics.springs
-        return _SOFTEST * springs.k0 <= springs.k1 <= _STIFFEST * springs.k0
+        return springs.k0 == 0 or _SOFTEST * springs.k0 <= springs.k1 <= _STIFFEST * springs.k0
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
@@ -94,12 +95,16 @@ class Multigrid:
         if not isinstance(problem, SpringProblem):
             raise InputError(
                 "solver",
-                expected="springs in two dimensions, k0 > 0, k1 > 0 and no hardness, for Multigrid",
+                expected="springs in two dimensions, k1 > 0 and no hardness, for Multigrid",
                 got="another solid or lattice",
                 advice="solver=ActiveSet()",
             )
         springs = problem.step
         by_site = isinstance(springs.drag, np.ndarray)  # not a spectrum: no other solver takes it
+        if springs.k0 == 0:
+            if springs.spread > 0 or by_site:  # steps of creep are `IndependentSprings`'s
+                return ActiveSet().solve(problem, guess, tolerance)
+            return _independent(springs, problem.heights)
         if guess is None:
             guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
         if not by_site and springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
@@ -156,10 +161,14 @@ class Multigrid:
         done, cycles = work.solve(springs, heights, u, stretch, tolerance, self.max_cycles)
         return done, cycles, stretch
 
-    def work_on(self, mechanics: SpringMechanics) -> TwoFields:
+    def work_on(self, mechanics: SpringMechanics) -> TwoFields | IndependentSprings:
         """Work space for steps of creep on a lattice."""
         rows, columns = mechanics.lattice.shape
-        return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
+        kind: Any = TwoFields if mechanics.springs.k0 else IndependentSprings
+        work: TwoFields | IndependentSprings = self._workspace(
+            kind, Sites(rows, columns, mechanics.lattice.reflecting)
+        )
+        return work
 
     def stages(
         self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[np.floating]]
@@ -173,6 +182,20 @@ class Multigrid:
         if not isinstance(space, kind) or space.sites != sites:
             self._work["space"] = space = kind(sites, Processor(self.threads))
         return space
+
+
+def _independent(springs: SpringStep, heights: Field) -> Solution:
+    """The contact of springs that no others join, in a step in which nothing spreads: each for itself."""
+    overlap, level = heights - springs.anchors, 0.0
+    if springs.load is not None:
+        highest = float(overlap.max())
+        wanted = springs.load * (1.0 + float(springs.drag)) / springs.k1
+        level = highest + level_of_overlap(overlap - highest, wanted)
+        for _ in range(2):  # to the last digit
+            touching = overlap > level
+            level = (float(overlap[touching].sum()) - wanted) / max(int(np.count_nonzero(touching)), 1)
+    u = np.where(overlap > level, heights, springs.anchors + level)
+    return Solution(u, u <= heights, 1, 0)
 
 
 def _sites(heights: Field, springs: SpringStep) -> Sites:
