@@ -168,7 +168,7 @@ class IndependentSprings:
         cells = grid.areas.ravel()
         n = cells.size
         matrix = np.zeros((n + 1, n + 1))
-        matrix[:n, :n] = grid.laplacian() + np.diag(grid.in_order(grid.pins) + self.bed * cells)
+        matrix[:n, :n] = grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * cells)
         if self.wanted is None:
             matrix[-1, -1] = 1.0
         else:
