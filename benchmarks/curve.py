@@ -6,7 +6,9 @@
 between neighbors (k0_zero), and on a line of as many sites (line). One spike on flat ground, k1/k0 = 27,
 where most sites touch (spike). On a half-space, at 1 % contact, self-affine heights (H = 0.8) and twelve
 branches of 8 %, with times from 1e-3 to 1e6: with the exact contact (half_space), and with the general march
-(half_space_march).
+(half_space_march). With a local law in place of linear creep (eyring, norton), or beside it (eyring_beside):
+then the history of springs is timed before and after in the same process, for the cost of a step in units of
+a linear one.
 
 In the same process and on the same threads, 500 forward-and-back pairs of scipy.fft.rfftn and irfftn of that
 size are timed before, and 500 after. The transforms of that size that the run itself took are counted, those
@@ -29,6 +31,7 @@ import synthetic
 
 PAIRS = 1000
 RTOLS = (2e-3, 1e-2)
+LAWS = ("eyring", "eyring_beside", "norton")
 
 
 def run(size: int, threads: int, rtol: float, solid: str) -> dict[str, Any]:
@@ -64,6 +67,10 @@ def case(solid: str, size: int) -> tuple[Any, Any, float]:
     if solid in ("springs", "line"):
         heights = white.ravel() if solid == "line" else white
         return heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load
+    if solid in LAWS:
+        rate = 1.0 if solid == "eyring_beside" else 0.0
+        law = asp.solids.Norton(0.5, 1.0, 3.0) if solid == "norton" else asp.solids.Eyring(1e-3, 0.1)
+        return white, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=rate, creep=law), load
     if solid == "k0_zero":
         return white, asp.solids.spring_lattice(k0=0.0, k1=3.0), load
     if solid == "spike":
@@ -115,6 +122,7 @@ def measure(size: int, threads: int, rtol: float, kind: str) -> dict[str, Any]:
         heights, solid, load = case(kind, size)
         pairs(heights, 5, threads)
         transforms, count = pairs(heights, PAIRS // 2, threads), Transforms(heights.size)
+        linear = [linear_step(size, times, settings)] if kind in LAWS else []
         marks = [time.perf_counter()]
         contact = asp.press(heights, solid, load=load)
         marks.append(time.perf_counter())
@@ -123,9 +131,12 @@ def measure(size: int, threads: int, rtol: float, kind: str) -> dict[str, Any]:
         marks.append(time.perf_counter())
         counted = {"pairs_double": count.double, "pairs_single": count.single}
         transforms += pairs(heights, PAIRS - PAIRS // 2, threads)
+        linear += [linear_step(size, times, settings)] if kind in LAWS else []
         settings["rtol"] = rtol / 10
         exact = asp.age(contact, times, **settings).dataset["area"].values
     area = data["area"].values
+    steps = int((data["steps"] + data["rejected"]).sum())
+    beside = {"linear_steps": (marks[2] - marks[1]) / steps / min(linear)} if linear else {}
     return {
         "solid": kind,
         "size": size,
@@ -136,6 +147,7 @@ def measure(size: int, threads: int, rtol: float, kind: str) -> dict[str, Any]:
         "pairs_seconds": transforms,
         "pairs": PAIRS * (marks[2] - marks[1]) / transforms,
         **counted,
+        **beside,
         "steps": int(data["steps"].sum()),
         "iterations": int(data["iterations"].sum()),
         "residual": float(data["residual"].max()),
@@ -144,17 +156,29 @@ def measure(size: int, threads: int, rtol: float, kind: str) -> dict[str, Any]:
     }
 
 
+def linear_step(size: int, times: Any, settings: dict[str, Any]) -> float:
+    """Seconds of a step of linear creep, tried or taken, over the whole history."""
+    import asperity as asp
+
+    heights, solid, load = case("springs", size)
+    contact = asp.press(heights, solid, load=load)
+    begin = time.perf_counter()
+    data = asp.age(contact, times, **settings).dataset
+    return (time.perf_counter() - begin) / int((data["steps"] + data["rejected"]).sum())
+
+
 def words(curve: dict[str, Any]) -> str:
     """One line about a curve."""
     if "failure" in curve:
         return f"{curve['solid']} at {curve['size']}^2, rtol {curve['rtol']:g}: {curve['failure']}"
+    beside = f"a step costs {curve['linear_steps']:.2f} linear ones, " if "linear_steps" in curve else ""
     return (
         f"{curve['solid']}, nine decades at {curve['size']}^2, "
         f"rtol {curve['rtol']:g}: {curve['age_seconds']:.2f} s = "
         f"{curve['pairs']:.0f} pairs of transforms ({PAIRS} took {curve['pairs_seconds']:.2f} s); "
         f"{curve['pairs_double']:.0f} of its own and {curve['pairs_single']:.0f} in single precision, "
         f"{curve['steps']} steps, {curve['iterations']} iterations, residual {curve['residual']:.1e}, "
-        f"area within {100 * curve['area_error']:.2f} % of a run at rtol / 10"
+        f"{beside}area within {100 * curve['area_error']:.2f} % of a run at rtol / 10"
     )
 
 
@@ -163,7 +187,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=[200, 1024])
     parser.add_argument("--rtols", type=float, nargs="+", default=list(RTOLS))
     parser.add_argument("--threads", type=int, default=1)
-    kinds = ["springs", "line", "k0_zero", "spike", "half_space", "half_space_march"]
+    kinds = ["springs", "line", "k0_zero", "spike", "half_space", "half_space_march", *LAWS]
     parser.add_argument("--solid", choices=kinds, default="springs")
     parser.add_argument("--json", action="store_true", help="measure here, and print numbers for programs")
     options = parser.parse_args()

@@ -121,14 +121,15 @@ class WholeFields:
         own = lagging + beside + rise
         into.c[...], lag[...] = lacking / scales[1], np.minimum(lagging + rise, law.largest)
         alone = lacking / own
-        left = rise * alone**2 / (own * bend)
+        left = np.minimum(rise * alone**2 / (own * bend), np.abs(alone))
         return [w.sum(), alone.sum(), (alone**2).sum(), (left**2).sum(), (1 / own).sum()]
 
     def settle_law(self, surface, correction, bound, lag, tangent, unit, sites):
         (u, w, heights), (e, f), (lagging, beside, bend) = surface, correction, tangent
         self.settle(u, heights, e, bound, unit, sites)
         self.add(w, f, unit, sites)
-        left = (lag - lagging) * (unit * f) ** 2 / ((lag + beside) * bend)
+        change = unit * f
+        left = np.minimum((lag - lagging) * change**2 / ((lag + beside) * bend), np.abs(change))
         return (left**2).sum()
 
     def coarser_lag(self, lag, cells, beside, sites, out):

@@ -232,10 +232,13 @@ class Norton(LocalCreep):
 
     def velocity(self, stress: Field) -> tuple[Field, Field]:
         """See `LocalCreep`."""
-        x = np.abs(stress) / self.stress
-        power = x ** (self.exponent - 1.0)
-        slope = (self.rate * self.exponent / self.stress) * power
-        return np.copysign(self.rate * power * x, stress), slope
+        rate = np.abs(stress)
+        rate /= self.stress
+        slope = rate ** (self.exponent - 1.0)
+        rate *= slope
+        rate *= self.rate
+        slope *= self.rate * self.exponent / self.stress
+        return np.copysign(rate, stress, out=rate), slope
 
 
 @dataclass(frozen=True)

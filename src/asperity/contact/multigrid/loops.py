@@ -619,7 +619,7 @@ def settle(u: Field, heights: Field, e: Single, bound: Single, unit: float, low:
 @inlined
 def error_of_tangent(rise: float, change: float, bend: float, own: float) -> float:
     """What a tangent leaves of a stretch that changes; over a bend the slope changes by its own size."""
-    return rise * change * change / (own * bend + 1e-300)
+    return min(rise * change * change / (own * bend + 1e-300), abs(change))
 
 
 @inlined
