@@ -11,6 +11,7 @@ import scipy.fft
 import asperity as asp
 from asperity import lattice
 from asperity.contact.multigrid import loops, processor
+from asperity.contact.multigrid import team as module
 from asperity.contact.multigrid.team import Team
 from asperity.threads import cores, usual_threads
 
@@ -98,6 +99,30 @@ def test_a_thread_does_not_wait_at_a_gate_for_one_that_failed():
     with pytest.raises(MemoryError, match="no more"):
         team.do(failing, [(equation, 2, gate, 0, 16), (equation, 2, gate, 16, 32)])
     team.do(loops.total, calls)
+
+
+@pytest.mark.parametrize("name", ["call", "announce"])
+def test_an_interrupt_leaves_a_team_that_works(monkeypatch, name):
+    team, (calls, sums) = Team(3), shares(3)
+    usual, caller = getattr(module, name), threading.current_thread()
+
+    def interrupted(*arguments):
+        usual(*arguments)
+        if threading.current_thread() is caller:
+            raise KeyboardInterrupt
+
+    def failing(*arguments):
+        if arguments[3] == 0:
+            raise KeyboardInterrupt
+        loops.total(*arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module, name, interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            team.do(failing, calls)
+    sums[:] = 0.0
+    team.do(loops.total, calls)
+    assert np.count_nonzero(sums[:, 0]) == len(sums)
 
 
 def test_threads_end_with_their_team():

@@ -31,6 +31,7 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     tell(COMPILING)
     counts = np.zeros(2, np.int64)
     loops.announce(counts, 0)
+    loops.call(counts, 1)
     loops.watch(counts, 0, 1, 1)
     # Even, and large enough for the Fourier solver to start from a coarser lattice.
     heights = np.random.default_rng(0).normal(size=(66, 66))

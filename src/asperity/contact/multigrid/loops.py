@@ -49,6 +49,12 @@ Scalar: TypeAlias = Any
 """A number in single precision."""
 
 
+APART = 16
+"""Distance between counts that different threads write: 128 bytes."""
+
+MET, FAILED, ASKED, DONE = 0, 1, 2, APART
+"""Counts of a team: arrivals at a gate, failures, shares asked for and done; then of calls, by threads."""
+
 _LOOKS = 1000
 """How often a waiting thread looks before it lets another one use the core: about a microsecond."""
 
@@ -270,8 +276,8 @@ def meet(gate: Gate, phase: int) -> None:
     """Wait, before any phase but the first, until every thread has come here, or one has failed."""
     counts, threads = gate
     if phase > 0 and threads > 1:
-        count(counts, 0)
-        while not wait(counts, 0, phase * threads, _LOOKS) and seen(counts, 1) == 0:
+        count(counts, MET)
+        while not wait(counts, MET, phase * threads, _LOOKS) and seen(counts, FAILED) == 0:
             pass
 
 
@@ -279,6 +285,14 @@ def meet(gate: Gate, phase: int) -> None:
 def announce(counts: NDArray[np.int64], place: int) -> None:
     """Add one to a count."""
     count(counts, place)
+
+
+@compiled
+def call(counts: NDArray[np.int64], threads: int) -> None:
+    """Tell all of so many threads but the first that there is a share to do."""
+    for place in range(1, threads):
+        count(counts, ASKED)
+        count(counts, APART * (place + 1))
 
 
 @compiled

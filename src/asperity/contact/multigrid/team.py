@@ -10,31 +10,29 @@ import threading
 import time
 import weakref
 from collections.abc import Callable, Sequence
+from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
 
-from asperity.contact.multigrid.loops import Gate, announce, watch
+from asperity.contact.multigrid.loops import APART, ASKED, DONE, FAILED, MET, Gate, announce, call, watch
 
-_LOOKS = 100_000
+_LOOKS_BEFORE_SLEEP = 100_000
 """How often a thread looks for the next loop before it sleeps: about 100 microseconds."""
-
-_MET, _FAILED, _CALLED, _DONE = 0, 1, 16, 32
-"""Places of counts: arrivals and failures, as `Gate` has them; loops called; shares done. 128 bytes apart."""
 
 
 class Team:
-    """The thread that calls, and others, which begin with the first loop that is shared.
+    """The thread that calls, and others, which begin with the first loop that they share.
 
     Parameters
     ----------
     size
-        Number of threads, the one that calls included.
+        Most threads, the one that calls included.
     """
 
     def __init__(self, size: int) -> None:
-        self._others, self._calls = size - 1, 0
-        self._counts, self._job = np.zeros(48, np.int64), _Job()
+        self._counts, self._job, self._others = np.zeros(APART * (size + 1), np.int64), _Job(), 0
+        weakref.finalize(self, _dismiss, self._counts, self._job, size)
 
     def gate(self, threads: int) -> Gate:
         """Where so many threads meet within a loop."""
@@ -46,19 +44,19 @@ class Team:
             loop(*shares[0])
             return
         counts, job = self._counts, self._job
-        if self._calls == 0:
-            self._begin()
+        while self._others < len(shares) - 1:
+            place = self._others + 1
+            threading.Thread(target=_help, args=(counts, job, place), daemon=True).start()
+            self._others = place
         self._wait()  # an interrupt may have ended the last call early
-        counts[_MET] = counts[_FAILED] = 0
+        counts[MET] = counts[FAILED] = 0
         job.loop, job.shares, job.failure = loop, shares, None
-        self._calls += 1
-        announce(counts, _CALLED)
-        for event in tuple(job.asleep):
-            event.set()
         try:
+            call(counts, len(shares))
+            job.wake(len(shares))
             loop(*shares[0])
         except BaseException:
-            announce(counts, _FAILED)
+            announce(counts, FAILED)
             raise
         finally:
             self._wait()
@@ -66,53 +64,51 @@ class Team:
         if job.failure is not None:
             raise job.failure
 
-    def _begin(self) -> None:
-        """Start the other threads, which end with this object."""
-        for place in range(1, self._others + 1):
-            threading.Thread(target=_help, args=(self._counts, self._job, place), daemon=True).start()
-        weakref.finalize(self, _dismiss, self._counts, self._job)
-
     def _wait(self) -> None:
-        """Wait until the others have nothing to do."""
-        while not watch(self._counts, _DONE, self._calls * self._others, _LOOKS):
+        """Wait until the others have done all that they were asked."""
+        while not watch(self._counts, DONE, int(self._counts[ASKED]), _LOOKS_BEFORE_SLEEP):
             time.sleep(0)
 
 
 class _Job:
-    """What threads have to do, and what those that sleep wait for."""
+    """What threads have to do, and where those that sleep are woken; nothing here takes a lock twice."""
 
     def __init__(self) -> None:
         self.loop: Callable[..., None] | None = None
         self.shares: Sequence[tuple[Any, ...]] = ()
         self.failure: BaseException | None = None
-        self.asleep: set[threading.Event] = set()
+        self.asleep: dict[int, SimpleQueue[None]] = {}
+
+    def wake(self, threads: int) -> None:
+        """Wake those of the first so many threads that sleep."""
+        for place in range(1, threads):
+            bell = self.asleep.get(place)
+            if bell is not None:
+                bell.put(None)
 
 
 def _help(counts: Any, job: _Job, place: int) -> None:
     """Do the share in this place of every loop, until none is left to do."""
-    called, event = 0, threading.Event()
+    called, bell = 0, SimpleQueue[None]()
     while True:
         called += 1
-        if not watch(counts, _CALLED, called, _LOOKS):
-            job.asleep.add(event)
-            while not watch(counts, _CALLED, called, 1):  # looked at once more, now that it would be woken
-                event.wait()
-                event.clear()
-            job.asleep.discard(event)
+        if not watch(counts, APART * (place + 1), called, _LOOKS_BEFORE_SLEEP):
+            job.asleep[place] = bell
+            while not watch(counts, APART * (place + 1), called, 1):  # once more, now that it would be woken
+                bell.get()
+            del job.asleep[place]
         if job.loop is None:
             return
         try:
-            if place < len(job.shares):
-                job.loop(*job.shares[place])
+            job.loop(*job.shares[place])
         except BaseException as failure:
             job.failure = failure
-            announce(counts, _FAILED)
-        announce(counts, _DONE)
+            announce(counts, FAILED)
+        announce(counts, DONE)
 
 
-def _dismiss(counts: Any, job: _Job) -> None:
+def _dismiss(counts: Any, job: _Job, size: int) -> None:
     """End the threads."""
     job.loop = None
-    announce(counts, _CALLED)
-    for event in tuple(job.asleep):
-        event.set()
+    call(counts, size)
+    job.wake(size)
