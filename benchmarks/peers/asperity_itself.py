@@ -6,8 +6,7 @@ Its tolerance is fixed: every state that it returns was solved to 1e-9 and shows
 from functools import lru_cache
 
 import numpy as np
-import scipy.fft
-from problem import THREADS, Answer, Problem, Watch
+from problem import Answer, Problem, Watch
 
 import asperity as asp
 from asperity.solids import Solid
@@ -21,10 +20,10 @@ def solve(problem: Problem, tolerance: float) -> Answer:
     solid = _solid(problem)
     if problem.law.kind == "relaxed":
         before = _pressed(problem)
-        with scipy.fft.set_workers(THREADS), Watch() as watch:
+        with Watch() as watch:
             contact = asp.relax(before)
     else:
-        with scipy.fft.set_workers(THREADS), Watch() as watch:
+        with Watch() as watch:
             contact = asp.press(_surface(problem), solid, load=problem.load)
     note = {"residual": contact.residual, "separation": contact.separation}
     watched = watch.seconds, watch.cpu_seconds
@@ -34,7 +33,7 @@ def solve(problem: Problem, tolerance: float) -> Answer:
 def age(problem: Problem, times: list[float]) -> tuple[dict[str, np.ndarray], dict[str, object]]:
     """Age from the first time to the last, timed; the state at the first is prepared before."""
     before = _aged(problem, times[0]) if times[0] > 0 else _pressed(problem)
-    with scipy.fft.set_workers(THREADS), Watch() as watch:
+    with Watch() as watch:
         data = asp.age(before, [time - times[0] for time in times[1:]]).dataset
     fields = {"u": before.u, "u0": before.u0, "force": before.force, "area": data["area"].values}
     numbers = {

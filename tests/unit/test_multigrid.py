@@ -8,7 +8,7 @@ import pytest
 
 import asperity as asp
 from asperity.contact import ActiveSet, Load, Multigrid, Separation
-from asperity.contact.multigrid import loops, processor, solver
+from asperity.contact.multigrid import loops, solver
 from asperity.contact.multigrid.grids import Axis, Hierarchy
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.pins import Response
@@ -226,19 +226,6 @@ def test_a_drag_by_site_that_is_not_solved_is_no_solution():
     step = SpringStep(1.0, 3.0, 0.0, np.ones_like(heights), False, heights - 1.0, 30.0)
     with pytest.raises(ConvergenceError, match="drag differs by site"):
         Multigrid(max_cycles=1).solve(SpringProblem(heights, step, never), None, 1e-9)
-
-
-@pytest.mark.parametrize("shape", [(300, 250), (301, 249)])
-def test_results_do_not_depend_on_the_number_of_threads(monkeypatch, shape):
-    monkeypatch.setattr(processor, "_WORTH_SHARING", 2**10)
-    heights = np.random.default_rng(0).normal(size=shape)
-    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
-    one, three = (
-        asp.press(heights, solid, load=0.02 * heights.size, solver=Multigrid(threads=n)) for n in (1, 3)
-    )
-    np.testing.assert_array_equal(one.u, three.u)
-    ends = [asp.age(one, [1.0], solver=Multigrid(threads=n)).final for n in (1, 3)]
-    np.testing.assert_array_equal(ends[0].u0, ends[1].u0)
 
 
 @pytest.mark.parametrize("k1", [0.1, 3.0])

@@ -4,10 +4,10 @@ r"""Implicit steps of creep on the lattice of springs whose creep is local and n
     w + tau k1 R L w + tau v(k1 w) = u - X - v0
 
 v0 is the creeping shape before the step and X the rigid body, which is prescribed, or the sum of k1 w is.
-Both sides are monotone, so the step is a convex problem with one solution. Each cycle linearizes the law
-at the present stretches, corrects u and w by one cycle of `asperity.contact.multigrid.two_fields` with the
-slope of the law as a drag by site, and then finds the stretch of each site for its u, which no law
-overflows: the local equation has one root, which is bracketed. (Newton's method, with contacts that are
+Both sides are monotone, so the step is a convex problem with one solution. A stage linearizes the law at its
+guess and solves the linear step by the cycles of `asperity.contact.multigrid.two_fields`, with the slope of
+the law as a drag by site. Where the tangent errs too much, the stretch of a site is found for its u, which no
+law overflows: the local equation has one root, which is bracketed. (Newton's method, with contacts that are
 found while relaxing: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).)
 """
 
@@ -39,8 +39,8 @@ _MOST_REVISIONS = 40
 _MOST_CYCLES = 60
 """Cycles after which a step is given up."""
 
-_USUAL_RATE = 0.3
-"""Ratio of successive errors expected before two are known."""
+_DAMPED = 0.3
+"""Error allowed where an error is damped, in units of it."""
 
 _FORCE_ERROR = 1e-3
 """Error of the sum of the forces that is allowed."""
@@ -75,10 +75,6 @@ class LatticeCreep:
         rows, columns = self.heights.shape
         self.work = TwoFields(Sites(rows, columns, self.mirrored), Processor())
 
-    def laplacian(self, x: Field) -> Field:
-        """Minus the Laplacian."""
-        return lattice_force(x, x, 1.0, 0.0, mirrored=self.mirrored)
-
     def stretch(self, force: Field) -> Field:
         """See `LocalCreepSolver`."""
         return force / self.springs.k1
@@ -88,7 +84,7 @@ class LatticeCreep:
         s = self.springs
         rate = self.law.velocity(force)[0]
         if s.R > 0:
-            rate += s.R * self.laplacian(np.atleast_2d(force)).reshape(force.shape)
+            rate += s.R * _laplacian(np.atleast_2d(force), self.mirrored).reshape(force.shape)
         if s.R_viscous > 0:
             rate += s.R_viscous * force
         return rate
@@ -101,7 +97,7 @@ class LatticeCreep:
         if self.bound == math.inf:
             return balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored).reshape(state.u.shape)
         given = u > self.heights
-        free = -k0 / k1 * self.laplacian(u)
+        free = -k0 / k1 * _laplacian(u, self.mirrored)
         w = np.where(given, free, w)
         while True:
             if total is not None and not given.all():
@@ -121,7 +117,7 @@ class LatticeCreep:
         yielding = np.zeros(self.heights.shape, dtype=bool)
         for _ in range(_MOST_REVISIONS):
             u = np.ascontiguousarray(np.atleast_2d(end.u))
-            force = self.springs.k0 * self.laplacian(u) + np.atleast_2d(end.force)
+            force = self.springs.k0 * _laplacian(u, self.mirrored) + np.atleast_2d(end.force)
             found = np.where(yielding, u < self.heights, (u <= self.heights) & (force > self.bound))
             if (found == yielding).all():
                 return end, cycles
@@ -156,11 +152,17 @@ class LatticeCreep:
         return self.run.damped(np.atleast_2d(error)).reshape(error.shape)
 
 
+def _laplacian(x: Field, mirrored: bool) -> Field:
+    """Minus the Laplacian."""
+    return lattice_force(x, x, 1.0, 0.0, mirrored=mirrored)
+
+
 class _Run:
     """One step being solved."""
 
     def __init__(self, solver: LatticeCreep, stage: Stage, guess: LocalState, allowed_error: float) -> None:
-        self.solver, self.stage, springs = solver, stage, solver.springs
+        self.law, self.work, self.mirrored = solver.law, solver.work, solver.mirrored
+        self.stage, springs = stage, solver.springs
         self.heights = solver.heights
         self.given: Any = None
         if stage.yielding is not None:
@@ -183,17 +185,11 @@ class _Run:
 
     def measure(self) -> float:
         """Linearize the law at the stretches as they are; rms change that sites would make alone."""
-        solver, work, stage, springs, unit = (
-            self.solver,
-            self.solver.work,
-            self.stage,
-            self.springs,
-            self.unit,
-        )
+        work, stage, springs, unit = self.work, self.stage, self.springs, self.unit
         force = springs.k1 * self.w
-        self.velocity, self.derivative = solver.law.velocity(force)
+        self.velocity, self.derivative = self.law.velocity(force)
         law = ByLaw(self.before, self.velocity, self.derivative, self.position, stage.tau, _LARGEST_LAG)
-        bend: Any = solver.law.bend(force) / springs.k1
+        bend: Any = self.law.bend(force) / springs.k1
         self.tangent = Tangent(1.0 + springs.drag, 4.0 * springs.spread, bend)
         scales, surface = (self.stiffness * unit, unit), Surface(self.u, self.w, self.heights)
         total = None if stage.load is None else stage.load / springs.k1
@@ -209,23 +205,23 @@ class _Run:
         own, rise = lagging + beside, tau * springs.k1 * self.derivative
         wanted = self.u - self.before - self.position
         if beside:
-            wanted += beside * self.w - springs.spread * self.solver.laplacian(self.w)
+            wanted += beside * self.w - springs.spread * _laplacian(self.w, self.mirrored)
         change = (wanted - own * self.w - tau * self.velocity) / (own + rise)
         bent = ~(rise * change * change <= _UNNOTICED * self.allowed * bend * (own + rise))
         start = np.nan_to_num(self.w[bent] + change[bent])
-        self.w[bent] = stretches_of(self.solver.law, own, tau, springs.k1, wanted[bent], start)
+        self.w[bent] = stretches_of(self.law, own, tau, springs.k1, wanted[bent], start)
         self.measure()
 
     def improve(self, most: int) -> tuple[bool, int, float]:
         """Solve the linear step; whether that was possible, the cycles taken, and the error left."""
-        work = self.solver.work
+        work = self.work
         if not self.straight:
             self.follow_law()
         work.relag()
         done, cycles = work.improve(self.allowed / self.unit, most)
         left = work.settle_law(Surface(self.u, self.w, self.heights), self.tangent, self.unit)
         self.position -= work.shift * self.unit
-        if not (self.solver.law.smooth and left <= _UNNOTICED * self.allowed):
+        if not (self.law.smooth and left <= _UNNOTICED * self.allowed):
             left = self.measure()
         return done, cycles, left
 
@@ -234,7 +230,7 @@ class _Run:
         scale = float(np.sqrt(np.vdot(error, error) / error.size))
         if not 0 < scale < math.inf:
             return error
-        work = self.solver.work  # with the law as it was linearized last
+        work = self.work  # with the law as it was linearized last
         touching = work.correction.e <= work.bound
         work.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
         work.source.e.fill(0.0)
@@ -245,7 +241,8 @@ class _Run:
         work.shift, work.known_stretch = 0.0, math.inf
         for field in work.correction:
             field.fill(0.0)
-        work.improve(_USUAL_RATE, _MOST_CYCLES)
+        if not work.improve(_DAMPED, _MOST_CYCLES)[0]:
+            return error
         e, f = work.correction
         left = work.backend.unpacked(e - f, work.sites)
         left += work.shift

@@ -159,16 +159,16 @@ def balanced(
 
 def combined(first: Field, *terms: tuple[float, Field]) -> Field:
     """A field plus up to three others times their weights."""
-    (a, y), (b, z), (c, t), *_ = (*terms, *3 * ((0.0, first),))
-    out = np.empty_like(first)
+    (a, y), (b, z), (c, t) = (*terms, *(3 - len(terms)) * ((0.0, first),))
+    out = np.empty(first.shape)
     combine(first.ravel(), y.ravel(), z.ravel(), t.ravel(), a, b, c, out.reshape(-1))
     return out
 
 
 def extrapolated(latest: Field, *terms: tuple[float, Field]) -> Field:
     """A field plus its differences from up to three others times weights; exact where all are the same."""
-    (a, y), (b, z), (c, t), *_ = (*terms, *3 * ((0.0, latest),))
-    out = np.empty_like(latest)
+    (a, y), (b, z), (c, t) = (*terms, *(3 - len(terms)) * ((0.0, latest),))
+    out = np.empty(latest.shape)
     extrapolate(latest.ravel(), y.ravel(), z.ravel(), t.ravel(), a, b, c, out.reshape(-1))
     return out
 

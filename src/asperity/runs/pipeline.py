@@ -173,7 +173,7 @@ def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> No
 def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int) -> int:
     """Bytes of memory a site that a run needs, with so many maps."""
     springs, more = solid.springs, max(len(solid.branches) - 1, 0)
-    cycles = len(shape) == 2 and min(shape) >= 8 and springs is not None and springs.k0 > 0
+    cycles = len(shape) == 2 and min(shape) >= 4 and springs is not None and springs.k0 > 0
     needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
     if springs is None and solid.creep is not None:
         needed = _SHARED if "permanent" in solid.parameters else _LOCAL

@@ -232,13 +232,13 @@ class Norton(LocalCreep):
 
     def velocity(self, stress: Field) -> tuple[Field, Field]:
         """See `LocalCreep`."""
-        rate = np.abs(stress)
+        rate = np.abs(np.asarray(stress, dtype=float))
         rate /= self.stress
         slope = rate ** (self.exponent - 1.0)
         rate *= slope
         rate *= self.rate
         slope *= self.rate * self.exponent / self.stress
-        return np.copysign(rate, stress, out=rate), slope
+        return np.copysign(rate, stress), slope
 
 
 @dataclass(frozen=True)

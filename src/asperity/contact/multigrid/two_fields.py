@@ -217,7 +217,7 @@ class TwoFields:
         self.shift, self.known_stretch, self.wanted = 0.0, stretch / unit, None
         if total is not None:
             self.wanted = (total - stretch) / unit
-            self.shift = (self.wanted - alone / unit) / response
+            self.shift = (self.wanted - alone / unit) / (response or math.nan)
             squares -= alone * alone / self.size
         return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(left / self.size)
 
