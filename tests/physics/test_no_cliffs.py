@@ -15,17 +15,14 @@ from asperity.aging.march import DEFAULT_RTOL
 
 TIMES = np.geomspace(1e-3, 1e6, 10)
 
-STEPS_A_DECADE = 80
-"""The most of 10,000 draws was 68; half take at most 12."""
+STEPS_A_DECADE = 100
+"""The most of 5,456 draws was 95, the next 86; half take at most 13."""
 
-ITERATIONS_A_STEP = 40
-"""Cycles, or iterations of conjugate gradients, on average over a history. The most was 35."""
+ITERATIONS_A_STEP = 50
+"""Cycles, or iterations of conjugate gradients, on average over a history. The most was 49."""
 
-PRESSING = 80
-"""Iterations of an instantaneous contact. The most was 69."""
-
-LARGEST = 500
-"""Longest side of a map, sites."""
+PRESSING = 90
+"""Iterations of an instantaneous contact. The most was 86."""
 
 
 def draw_heights(rng, shape):
@@ -66,13 +63,13 @@ class Drawn:
 
 
 def draw(number):
-    """The problem of a number; a line may have 500 sites."""
+    """The problem of a number: a line or a map, of 4 to 500 sites a side."""
     rng = np.random.default_rng([1, number])
 
-    def side(most):
-        return round(4 * (most / 4) ** rng.random())
+    def side():
+        return round(4 * 125 ** rng.random())
 
-    shape = (side(500),) if rng.random() < 0.25 else (side(LARGEST), side(LARGEST))
+    shape = (side(),) if rng.random() < 0.25 else (side(), side())
     kind, rough = draw_heights(rng, shape)
     k0 = 0.0 if rng.random() < 0.15 else 1.0
     k1 = 10 ** rng.uniform(-3, 3) if k0 else 1.0
@@ -111,7 +108,7 @@ def test_costs_stay_within_a_budget(count):
 
 
 @pytest.mark.parametrize(
-    "number", [9, pytest.param(70, marks=pytest.mark.slow), pytest.param(1510, marks=pytest.mark.slow)]
+    "number", [9, pytest.param(302, marks=pytest.mark.slow), pytest.param(1510, marks=pytest.mark.slow)]
 )
 def test_published_states_are_accurate_where_contacts_close_one_by_one(number):
     # Steps between frames may err by more, for creep forgets it.
