@@ -215,11 +215,127 @@ def test_a_table_in_a_file_is_the_table(
 )
 def test_what_a_file_may_not_ask(more: str, said: str, tmp_path: Path, asperity: Asperity) -> None:
     text = TOML.replace("last = 1e3\n", "") if "protocol" in more else TOML
-    (tmp_path / "run.toml").write_text(text + more)
+    refused(text + more, said, tmp_path, asperity)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "last = 1e3\nper_decade = 2",
+            "last = 0.1\nper_decade = 2",
+            "[aging] per_decade: expected 5 times or more after 0, got 3; try a later last or more",
+        ),
+        (
+            "first = 1e-2\nlast = 1e3\nper_decade = 2",
+            "times = [0.1, 1, 10]",
+            "[aging] times: expected 5 times or more after 0, got 3; try more times",
+        ),
+        (
+            "first = 1e-2\nlast = 1e3\nper_decade = 2",
+            "times = [1, 2, 3, 4, 5]",
+            "[aging] times: expected times that span a decade or more, got 1 s to 5 s",
+        ),
+        (
+            "first = 1e-2\nlast = 1e3\nper_decade = 2",
+            "first = 1\nlast = 9\nper_decade = 20",
+            "[aging] last: expected times that span a decade or more, got 1 s to 9 s; try a later last",
+        ),
+        ("poisson = 0.35\n", "", "expected one for each of 1 in young, got 0; try poisson = 0.35"),
+        (
+            'creep = "eyring"',
+            'creep = "none"\npermanent = 0.3',
+            "got none; try to drop creep_rate, creep_stress, permanent",
+        ),
+        (
+            'creep = "eyring"\ncreep_rate = "1e-5 nm/s"\ncreep_stress = "20 MPa"',
+            "permanent = 0.3",
+            "permanent: expected a local law of creep beside it, got none; of branches it is the rest; "
+            "try to drop permanent",
+        ),
+    ],
+)
+def test_what_a_file_has_to_change(old: str, new: str, said: str, tmp_path: Path, asperity: Asperity) -> None:
+    assert old in TOML
+    refused(TOML.replace(old, new), said, tmp_path, asperity)
+
+
+def refused(text: str, said: str, tmp_path: Path, asperity: Asperity) -> None:
+    (tmp_path / "run.toml").write_text(text)
     status, out, error = asperity("predict", tmp_path / "run.toml", "-q", "--out", tmp_path / "out")
     assert (status, out) == (2, "")
     assert said in error
     assert not (tmp_path / "out").exists()
+
+
+def test_edges_of_a_scan_are_those_of_the_file(
+    undrawn: list[Prediction], tmp_path: Path, asperity: Asperity
+) -> None:
+    np.savetxt(tmp_path / "scan.txt", scan(0, 16).heights)
+    lengths = 'path = "scan.txt"\nfile_unit = "um"\npixel_size = 0.2\nlength_unit = "um"'
+    surface = f'[surface]\nkind = "file"\n{lengths}\nperiodic = "wrap"\n'
+    text = surface + TOML[TOML.index("[solid]") :]
+    file = tmp_path / "run.toml"
+    file.write_text(text + "[output]\nmaps_at = [1.0]\n")
+    call = ("predict", file, "--surface", tmp_path / "scan.txt", "--quiet", "--out", tmp_path / "out")
+    assert asperity(*call) == (0, "", "")
+    assert undrawn[0].origin["periodic_rule"] == "wrap"
+    assert "a prediction does not use [output] maps_at" in undrawn[0].remarks
+    said = "[surface] periodic: expected 'reflect' beside a load"
+    for periodic, got in (('periodic = "mirror"', "'mirror'"), ("", "none, which is 'mirror'")):
+        changed = text.replace('periodic = "wrap"', periodic).replace('pressure = "10 MPa"', 'load = "1 mN"')
+        file.write_text(changed)
+        status, _, error = asperity(*call)
+        assert status == 2
+        assert said in error
+        assert f"got {got}; try periodic = 'reflect', or a pressure" in error
+
+
+def test_what_does_not_grow_is_remarked() -> None:
+    modulus = asp.solids.contact_modulus(3.3e9, 0.35)
+    slow = asp.solids.half_space(modulus=modulus, creep=asp.solids.Eyring(rate="1e-30 m/s", stress="90 MPa"))
+    for solid, said in (
+        (asp.solids.half_space(modulus=modulus), "nothing grows: the solid is elastic"),
+        (slow, "the contact does not grow by 1000 s: creep has not begun"),
+    ):
+        ours = asp.predict(solid, scan(0, 32), pressure="10 MPa", **SPAN)
+        assert ours.growth.per_decade == 0
+        assert said in ours.remarks
+
+
+def test_decades_that_grow_otherwise_are_remarked() -> None:
+    # One relaxation time: the first decades grow by nothing.
+    solid = asp.solids.half_space(modulus="3.8 GPa", branches=[(0.5, 100.0)])
+    ours = asp.predict(solid, scan(0), pressure="10 MPa", **SPAN)
+    slopes = [slope for *_, slope in ours.growth.decades]
+    assert min(slopes) < ours.growth.band[0]
+    said = f"the growth of single decades is {100 * min(slopes):.3g} to {100 * max(slopes):.3g} %"
+    assert any(remark.startswith(said) for remark in ours.remarks)
+    assert "1 relaxation time" in ours.words
+
+
+def test_the_summary_counts_what_has_yielded(tmp_path: Path, asperity: Asperity) -> None:
+    np.savetxt(tmp_path / "scan.txt", scan(0, 32).heights)
+    lengths = ("--file-unit", "um", "--pixel-size", "0.2", "--length-unit", "um")
+    flags = (
+        "--young",
+        "3.3GPa",
+        "--hardness",
+        "0.2GPa",
+        "--pressure",
+        "10MPa",
+        "--first",
+        "1s",
+        "--last",
+        "10s",
+    )
+    out = tmp_path / "out"
+    assert asperity("predict", "--surface", tmp_path / "scan.txt", *lengths, *flags, "--out", out)[0] == 0
+    lowered = asp.results.load(out)["permanent_indentation"].values
+    count = int((lowered[0] > 0).sum())
+    assert count > 1
+    said = f"{count} pixels lowered for good at first, {(lowered[-1] > 0).sum()} at last, by up to"
+    assert said in (out / "summary.txt").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
@@ -227,7 +343,7 @@ def test_what_a_file_may_not_ask(more: str, said: str, tmp_path: Path, asperity:
     [
         (
             ("--leg", "slide distance=8 velocity=5"),
-            "unknown option --leg; a prediction is of a load that stays",
+            "unknown option --leg; legs and slides are for asperity run",
         ),
         ((), "material: expected a relaxation table, a TOML file, or --young, got none"),
         (("--young", "3"), "--young: expected a number with its unit, got 3"),
@@ -245,7 +361,7 @@ def test_what_a_file_may_not_ask(more: str, said: str, tmp_path: Path, asperity:
         (("run.toml", "--wlf", "17", "51"), "--wlf: expected a relaxation table"),
         (("run.toml", "--creep", "none", "--solid-kind"), "unknown option --solid-kind"),
         (("table.csv", "--creep", "eyring"), "--creep: expected no relaxation table beside it"),
-        (("table.csv", "--hardness", "0MPa"), "--hardness: expected a finite number > 0"),
+        (("table.csv", "--creep", "none", "--hardness", "0MPa"), "--hardness: expected a finite number > 0"),
         (("table.csv",), "--surface: expected the file of a scan, got none"),
     ],
 )

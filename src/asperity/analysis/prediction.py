@@ -37,6 +37,7 @@ from asperity.relaxation.series import Branches
 from asperity.solids import Eyring, Norton, Solid
 from asperity.surfaces import statistics
 from asperity.theory import flowing_area, persson_area, static_friction
+from asperity.words import counted
 
 _DRAWS = 200
 _TILES = 4
@@ -200,7 +201,7 @@ class Prediction(views.InNotebooks):
             mobility, power = cast(tuple[float, float], known["flow"])
             said.append(f"flows with the mobility {mobility:.3g} (SI) times the wave number to {power:g}")
         if self.fit is None and known.get("branches"):
-            said.append(f"{len(self.solid.branches)} relaxation times")
+            said.append(counted(len(self.solid.branches), "relaxation time"))
         if self.solid.yields:
             said.append(f"the scan yields under {written(self.solid.hardness, 'Pa')}")
         return tuple(said)

@@ -131,7 +131,8 @@ def predict(
     """Predict how the real contact grows, from a material, a scan and a load that stays, with units.
 
     The result is a folder with a page to read, prediction.html, tables and pictures. Beyond the edges of the
-    scan comes its mirror image, each contact counted once. Slides and loads that change are for asperity run.
+    scan comes its mirror image unless --periodic says otherwise; each contact is counted once. Slides and
+    loads that change are for asperity run.
 
     Parameters
     ----------
@@ -547,7 +548,7 @@ def _complain(status: int, *problems: str) -> int:
 
 _NO_SUCH_FLAG = {
     "--E": "; the elastic constants are --k0 and --k1, or --modulus of --solid half_space",
-    "--leg": "; a prediction is of a load that stays: asperity run takes legs and slides",
+    "--leg": "; legs and slides are for asperity run",
     "--half-space": "; try --solid half_space --modulus 3.8GPa",
     "--activation-energy": "; that of creep is --creep-energy",
     "--activation-volume": "; that of creep is --creep-volume",

@@ -37,7 +37,7 @@ from asperity.runs.loops import compile_loops
 from asperity.runs.prediction import predict as predict_it
 from asperity.runs.prediction import predict_config
 from asperity.words import counted as how_many
-from asperity.words import number
+from asperity.words import number, thousands
 
 _CHECKPOINT_EVERY = 3.0
 _UNITS = {
@@ -147,8 +147,6 @@ def _sections(path: Path | None, flags: Sections, wanted: PredictFlags) -> Secti
     for name, (section, key) in _KEYS.items():
         if (value := getattr(wanted, name)) is not None:
             sections.setdefault(section, {})[key] = value
-    if "path" in sections.get("surface", {}):
-        sections["surface"].setdefault("periodic", "reflect")
     if path is None:
         _one_load(wanted)
         solid = sections.setdefault("solid", {})
@@ -157,6 +155,7 @@ def _sections(path: Path | None, flags: Sections, wanted: PredictFlags) -> Secti
             raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
         solid |= {"kind": "half_space", "poisson": solid.get("poisson", 0.35)}
         _scan(flags)
+        sections["surface"].setdefault("periodic", "reflect")
     return sections
 
 
@@ -173,7 +172,8 @@ def _arguments(flags: Sections, wanted: PredictFlags, numbers: dict[str, float |
     if wanted.threshold is not None and wanted.pixel is None and wanted.blur is None:
         expected = "a pixel or a blur of the instrument beside it"
         raise InputError("--threshold", expected=expected, got="neither", advice="--pixel 1um")
-    if others := set(flags.get("solid", {})) - {"hardness"}:
+    solid = {key: value for key, value in flags.get("solid", {}).items() if (key, value) != ("creep", "none")}
+    if others := set(solid) - {"hardness"}:
         raise InputError(
             _flag(min(others)),
             expected="no relaxation table beside it: that is the table of a linear solid",
@@ -202,7 +202,7 @@ def _arguments(flags: Sections, wanted: PredictFlags, numbers: dict[str, float |
     return {
         **numbers,
         **{name: value for name, value in plain.items() if value is not None},
-        **flags.get("solid", {}),
+        **solid,
         "shift": shift,
     }
 
@@ -290,8 +290,12 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
         seen = prediction.observed[place]
         rows.append((f"seen at {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
     if prediction.solid.yields:
-        begun, left = (int(prediction.series("yielding_area")[place]) for place in (0, -1))
-        rows.append(("yields", f"{how_many(begun, 'pixel', 'pixels')} at first, {left} at last"))
+        lowered = dataset["permanent_indentation"].values
+        begun, left = (int((lowered[place] > 0).sum()) for place in (0, -1))
+        said = f"{how_many(begun, 'pixel')} lowered for good at first, {thousands(left)} at last"
+        rows.append(
+            ("yields", said + (f", by up to {written(float(lowered[-1].max()), 'm')}" if left else ""))
+        )
     exact = "exact contact"
     if dataset.attrs.get("exact_contact") != "at all times":
         exact = f"{int(dataset['steps'].sum())} time steps"

@@ -118,7 +118,9 @@ class Creeping(SolidSection):
             laws = "eyring" if given & ACTIVATION else "eyring or norton"
             if "creep_exponent" in given:
                 laws = "norton"
-            raise ValueError(f"creep: expected {laws} beside {told}, got none")
+            drop = told if getattr(self, "permanent", None) is None else f"{told}, permanent"
+            advice = f"; try to drop {drop}" if "creep" in self.model_fields_set else ""
+            raise ValueError(f"creep: expected {laws} beside {told}, got none{advice}")
         if self.creep is not None and given not in needed:
             expected = " or ".join(", ".join(sorted(one)) for one in needed)
             raise ValueError(f"creep: expected {expected} beside {self.creep}, got {told}")
@@ -213,7 +215,8 @@ class Continuum(SolidSection):
     def _check_bodies(self) -> None:
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
         if bodies != ratios:
-            raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}")
+            advice = f"try poisson = {[0.35] * bodies if bodies > 1 else 0.35}"
+            raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}; {advice}")
 
     @property
     def fit(self) -> Fit | None:
@@ -321,7 +324,8 @@ class HalfSpace(Creeping, Continuum):
             raise ValueError("expected branches or flow, got both")
         if self.permanent and self.creep is None:
             raise ValueError(
-                "permanent: expected a local law of creep beside it, got none; of branches it is the rest"
+                "permanent: expected a local law of creep beside it, got none; of branches it is the rest; "
+                "try to drop permanent"
             )
         if self.creep is not None and (self.branches or self.relaxation is not None or self.flow is not None):
             raise ValueError("expected branches, flow or creep, got two of them")

@@ -62,8 +62,11 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     _draw(axes, prediction.time, corrected, style.INK, "o", "less the rim")
     if prediction.theory is not None:
         name, area = prediction.theory
-        shown = np.where(square * area < 1.2 * counted.max(), square * area, np.nan)
-        axes.plot(prediction.time, shown, "--", color=style.BLUE, linewidth=1.2, label=name)
+        shown = square * area
+        if prediction.relaxing is None:  # contacts that flow: before they do, the theory is far above
+            shown = np.where(shown < 1.2 * counted.max(), shown, np.nan)
+        if np.isfinite(shown).any():
+            axes.plot(prediction.time, shown, "--", color=style.BLUE, linewidth=1.2, label=name)
     axes.set_xscale("log")
     axes.set_ylabel(f"real contact area [{unit}]")
     style.count_nominal_area(axes, 100.0 / (prediction.nominal_area * square))

@@ -227,7 +227,9 @@ def predict_config(
     if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
         if config.contact.load is not None:
             expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
-            raise InputError("[surface] periodic", expected=expected, got="'mirror'", advice="a pressure")
+            got = "'mirror'" if "periodic" in chosen.model_fields_set else "none, which is 'mirror'"
+            advice = "periodic = 'reflect', or a pressure"
+            raise InputError("[surface] periodic", expected=expected, got=got, advice=advice)
         chosen = chosen.model_copy(update={"periodic": "reflect"})
     progress.stage("reading the scan")
     scan, solid, found = chosen.build(), section.build(), section.fit
@@ -235,9 +237,18 @@ def predict_config(
     config, remarks = completed(config.model_copy(update={"surface": chosen}), scan)
     times = recorded_times(config)
     times = times[times > 0]
+    listed = config.aging.times is not None
     if times.size < _LEAST_TIMES:
+        name, advice = (
+            ("times", "more times") if listed else ("per_decade", "a later last or more per_decade")
+        )
         expected = f"{_LEAST_TIMES} times or more after 0"
-        raise InputError("[aging] times", expected=expected, got=f"{times.size}")
+        raise InputError(f"[aging] {name}", expected=expected, got=f"{times.size}", advice=advice)
+    _check_span(f"[aging] {'times' if listed else 'last'}", times[0], times[-1])
+    idle = {"[friction] rate_coefficient": config.friction.rate_coefficient}
+    idle |= {"[output] maps_at": config.output.maps_at}
+    if unused := [name for name, value in idle.items() if value is not None]:
+        remarks = (*remarks, f"a prediction does not use {' and '.join(unused)}")
     facts: dict[str, object] = {}
     if found is not None:
         measured = "young" if section.modulus is None and section.young is None else "shares"
@@ -376,8 +387,16 @@ def _times(
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
             expected = f"a time that the table spans, {begin:.3g} s to {end:.3g} s"
             raise InputError(name, expected=expected, got=f"{time:.4g} s", advice="a table of more decades")
+    _check_span("last", start, stop)
     least = math.ceil(_LEAST_TIMES / math.log10(stop / start))
     return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
+
+
+def _check_span(name: str, first: float, last: float) -> None:
+    """Refuse times in less than a decade, of which no growth per decade can be told."""
+    if last < 10 * first * (1 - 1e-9):
+        expected, advice = "times that span a decade or more", "a later last"
+        raise InputError(name, expected=expected, got=f"{first:.4g} s to {last:.4g} s", advice=advice)
 
 
 def _contact_modulus(modulus: float, measured: Modulus, poisson: float) -> float:
@@ -395,6 +414,18 @@ def _remarks(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
     pressure = float(prediction.series("mean_contact_pressure")[0])
     strain = pressure / prediction.modulus
     remarks = []
+    known, growth = prediction.solid.parameters, prediction.growth
+    slopes = [slope for begin, end, slope in growth.decades if end > 9.9 * begin]
+    if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
+        remarks.append("nothing grows: the solid is elastic")
+    elif np.ptp(prediction.series("contact_area")) == 0:
+        reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
+        remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
+    elif min(slopes) < growth.band[0] or max(slopes) > growth.band[1]:
+        remarks.append(
+            f"the growth of single decades is {100 * min(slopes):.3g} to {100 * max(slopes):.3g} % "
+            "of the first area, beyond the band, which is that of the straight line over all"
+        )
     if between_rows > _UNEVEN * along_rows:
         remarks.append(
             f"heights change {between_rows / along_rows:.2g} times as much from row to row as along a row: "
