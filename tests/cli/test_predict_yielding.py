@@ -363,6 +363,10 @@ def test_the_summary_counts_what_has_yielded(tmp_path: Path, asperity: Asperity)
         (("table.csv", "--creep", "eyring"), "--creep: expected no relaxation table beside it"),
         (("table.csv", "--creep", "none", "--hardness", "0MPa"), "--hardness: expected a finite number > 0"),
         (("table.csv",), "--surface: expected the file of a scan, got none"),
+        (
+            ("--young", "3GPa", "--hardness", "9MPa"),
+            "--pressure: expected clearly less than the hardness, 9 MPa, got 10 MPa; try a lower pressure",
+        ),
     ],
 )
 def test_what_flags_may_not_ask(

@@ -245,9 +245,11 @@ def predict_config(
         expected = f"{_LEAST_TIMES} times or more after 0"
         raise InputError(f"[aging] {name}", expected=expected, got=f"{times.size}", advice=advice)
     _check_span(f"[aging] {'times' if listed else 'last'}", times[0], times[-1])
-    idle = {"[friction] rate_coefficient": config.friction.rate_coefficient}
-    idle |= {"[output] maps_at": config.output.maps_at}
-    if unused := [name for name, value in idle.items() if value is not None]:
+    idle = (
+        ("[friction] rate_coefficient", config.friction.rate_coefficient),
+        ("[output] maps_at", config.output.maps_at),
+    )
+    if unused := [name for name, value in idle if value is not None]:
         remarks = (*remarks, f"a prediction does not use {' and '.join(unused)}")
     facts: dict[str, object] = {}
     if found is not None:
@@ -295,7 +297,15 @@ def _predicted(
     separable = _SITE + branches * (_BRANCH + 8 * len(maps))
     require(separable if solid.separable else bytes_a_site(solid, scan.shape, len(maps)), scan.shape)
     tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
-    contact = press(scan, solid, **pressed)
+    try:
+        contact = press(scan, solid, **pressed)
+    except InputError as error:
+        name, amount = next(iter(pressed.items()))
+        if (error.name, name) != ("load", "pressure") or not solid.yields:
+            raise
+        expected = f"clearly less than the hardness, {written(solid.hardness, 'Pa')}"
+        got, advice = written(amount, "Pa"), "a lower pressure, or a greater hardness"
+        raise InputError(name, expected=expected, got=got, advice=advice) from None
     if instrument:
         observe(contact, **instrument)  # refuses before minutes have passed
     tell.stage("aging", times=times.tolist())
