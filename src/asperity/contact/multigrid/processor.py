@@ -97,13 +97,16 @@ class Processor:
     def __init__(self, threads: int | None = None) -> None:
         self.threads = threads or usual_threads()
         self._team = Team(self.threads)
+        self._alone = (self._team.gate(1),)
         self._kept: dict[int, Field] = {}
 
     def _over(self, loop: Callable[..., None], sites: Sites, *arguments: Any, meeting: bool = False) -> None:
         """Call ``loop(*arguments, [gate,] low, high)`` for slabs that together are all rows."""
         rows = sites.rows
-        shared = self.threads > 1 and rows * sites.columns >= _WORTH_SHARING
-        slabs = max(1, min(self.threads, rows // _LOWEST_SLAB)) if shared else 1
+        slabs = min(self.threads, rows // _LOWEST_SLAB)
+        if slabs < 2 or rows * sites.columns < _WORTH_SHARING:
+            loop(*arguments, *(self._alone if meeting else ()), 0, rows)
+            return
         gate = (self._team.gate(slabs),) if meeting else ()
         edges = [rows * slab // slabs for slab in range(slabs + 1)]
         self._team.do(loop, [(*arguments, *gate, low, high) for low, high in pairwise(edges)])

@@ -40,9 +40,6 @@ class Team:
 
     def do(self, loop: Callable[..., None], shares: Sequence[tuple[Any, ...]]) -> None:
         """Call the loop with each of the shares, one a thread; what fails in a thread is raised here."""
-        if len(shares) == 1:
-            loop(*shares[0])
-            return
         counts, job = self._counts, self._job
         while self._others < len(shares) - 1:
             place = self._others + 1
