@@ -193,6 +193,8 @@ class Job:
         What the process is told.
     watchers
         Called whenever there is something new.
+    lost
+        Whether a process ended before it began this.
     """
 
     recording: Recording
@@ -200,6 +202,7 @@ class Job:
     shown: Shown
     title: str
     watchers: set[Callable[[], None]] = field(default_factory=set)
+    lost: bool = False
 
     def end(self, kind: str, mistakes: list[Mistake]) -> None:
         """End without a result."""
@@ -274,14 +277,16 @@ class Jobs:
     def _next(self) -> None:
         """Give runs that wait to processes that do not work; a process that is stopping is waited for."""
         while self._waiting and not self._closed:
-            free = next((worker for worker in self._workers if worker.job is None), None)
+            alive = (worker for worker in self._workers if worker.process.is_alive())
+            free = next((worker for worker in alive if worker.job is None), None)
             if free is None:
                 if any(worker.stops for worker in self._workers) or len(self._workers) >= _MOST_AT_ONCE:
                     self._tell(self._waiting[0], "waiting for another run")
                     return
                 free = self._start_worker()
             free.job = job = self._waiting.popleft()
-            free.connection.send((job.config, job.shown, job.title))
+            with contextlib.suppress(OSError):  # it has just ended: see `_lost`
+                free.connection.send((job.config, job.shown, job.title))
 
     def _start_worker(self) -> _Worker:
         ours, theirs = self._context.Pipe()
@@ -336,7 +341,11 @@ class Jobs:
         if self._closed:
             return
         code = worker.process.exitcode
-        if (job := worker.job) is not None:
+        job = worker.job
+        if job is not None and job.recording.stage == "starting" and not (job.lost or worker.stops):
+            job.lost = True  # whatever ended the process, it was not this run
+            self._waiting.appendleft(job)
+        elif job is not None:
             cause = f"signal {-code}" if code < 0 else f"status {code}"
             said = f"the computing process was stopped by the system ({cause}); press again"
             job.end("failed", [{"where": "", "text": said}])
