@@ -281,6 +281,9 @@ def test_edges_of_a_scan_are_those_of_the_file(
     assert asperity(*call) == (0, "", "")
     assert undrawn[0].origin["periodic_rule"] == "wrap"
     assert "a prediction does not use [output] maps_at" in undrawn[0].remarks
+    file.write_text(text)
+    assert asperity(*call[:-1], tmp_path / "other") == (0, "", "")
+    assert not any("does not use" in remark for remark in undrawn[1].remarks)
     said = "[surface] periodic: expected 'reflect' beside a load"
     for periodic, got in (('periodic = "mirror"', "'mirror'"), ("", "none, which is 'mirror'")):
         changed = text.replace('periodic = "wrap"', periodic).replace('pressure = "10 MPa"', 'load = "1 mN"')

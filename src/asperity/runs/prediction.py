@@ -234,6 +234,7 @@ def predict_config(
     progress.stage("reading the scan")
     scan, solid, found = chosen.build(), section.build(), section.fit
     check_units(config, solid, scan)
+    maps_asked = config.output.maps_at
     config, remarks = completed(config.model_copy(update={"surface": chosen}), scan)
     times = recorded_times(config)
     times = times[times > 0]
@@ -247,7 +248,7 @@ def predict_config(
     _check_span(f"[aging] {'times' if listed else 'last'}", times[0], times[-1])
     idle = (
         ("[friction] rate_coefficient", config.friction.rate_coefficient),
-        ("[output] maps_at", config.output.maps_at),
+        ("[output] maps_at", maps_asked),
     )
     if unused := [name for name, value in idle if value is not None]:
         remarks = (*remarks, f"a prediction does not use {' and '.join(unused)}")
@@ -425,7 +426,7 @@ def _remarks(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
     strain = pressure / prediction.modulus
     remarks = []
     known, growth = prediction.solid.parameters, prediction.growth
-    slopes = [slope for begin, end, slope in growth.decades if end > 9.9 * begin]
+    slopes = [slope for begin, end, slope in growth.decades if end > 3 * begin]
     if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
         remarks.append("nothing grows: the solid is elastic")
     elif np.ptp(prediction.series("contact_area")) == 0:
