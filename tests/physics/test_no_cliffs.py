@@ -16,7 +16,7 @@ from asperity.aging.march import DEFAULT_RTOL
 TIMES = np.geomspace(1e-3, 1e6, 10)
 
 STEPS_A_DECADE = 100
-"""The most of 5,456 draws was 95, the next 86; half take at most 13."""
+"""The most of 5,556 draws was 95, the next 86; half take at most 12."""
 
 ITERATIONS_A_STEP = 50
 """Cycles, or iterations of conjugate gradients, on average over a history. The most was 49."""
