@@ -52,6 +52,8 @@ class SpringSteps:
         Time of the end of the first step.
     by_fields
         The step that was tried, where cycles did not solve it.
+    published
+        As `FieldSteps` has it; only springs that no others join count errors so.
     """
 
     published = 0.0

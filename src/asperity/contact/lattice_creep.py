@@ -42,9 +42,6 @@ _MOST_CYCLES = 60
 _DAMPED = 0.3
 """Error allowed where an error is damped, in units of it."""
 
-_FORCE_ERROR = 1e-3
-"""Error of the sum of the forces that is allowed."""
-
 _ROUNDING = 16 * float(np.finfo(float).eps)
 """Change of the creeping shape that rounding makes, in units of the largest length."""
 
