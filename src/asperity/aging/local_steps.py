@@ -115,7 +115,7 @@ class LocalSteps:
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.tried.u <= self.system.heights))
 
-    def state(self) -> State:
+    def state(self) -> State[Field]:
         """See `Steps`."""
         now = self.moments[0].state
         stretch = self.solver.balanced(now, self.system.at(self.time).load)

@@ -22,7 +22,7 @@ from asperity.contact.controls import Control, Load
 from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver, Solution
-from asperity.contact.state import Contact
+from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
@@ -349,10 +349,10 @@ class _March:
 
     def frame(self, start: Contact) -> Frame:
         """Publish the present state."""
-        system, (u, stretch, position, energy) = self.system.at(self.now.time), self.now.state()
-        stretch = system.balanced_stretch(u, stretch)
+        system, (u, creep, position) = self.system.at(self.now.time), self.now.state()
+        anchors = creep if isinstance(creep, AnchorModes) else u - system.balanced_stretch(u, creep)
         solution = Solution(u, u <= system.heights, self.iterations, 0)
-        state = start.become(system, solution, u - stretch, position, energy)
+        state = start.become(system, solution, anchors, position)
         approach = self.approach(state.separation)
         exact = isinstance(self.now, SeparableSteps)
         counts = (self.steps, self.rejected, self.iterations)
@@ -398,7 +398,7 @@ class _March:
             published = self.published(stop)
             many = _MANY_FORGOTTEN if published > self.now.time else _MANY_STEPS
             if taken > many and isinstance(self.now, SpringSteps):
-                self.now = FieldSteps.going_on(self.now)
+                self.now = FieldSteps.going_on(self.now.system, self.now.time, self.now.state())
                 begun, since = self.steps + self.rejected, self.now.time
             if isinstance(self.now, FieldSteps | SpringSteps):
                 self.now.published = published

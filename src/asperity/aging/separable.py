@@ -29,7 +29,7 @@ from asperity.aging.tr_bdf2 import Attempt, Extent, State
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
-from asperity.contact.state import Contact
+from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.system import System
 from asperity.lattice import Field, Spectrum
 from asperity.relaxation import PronySeries, interlacing
@@ -150,7 +150,7 @@ class SeparableSteps:
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.tried[0] <= self.system.heights))
 
-    def state(self) -> State:
+    def state(self) -> State[AnchorModes]:
         """See `Steps`."""
         mechanics, load = self.system.mechanics, self.system.at(self.time).load
         lattice, hanging = mechanics.lattice, mechanics.hanging
@@ -164,10 +164,8 @@ class SeparableSteps:
             drop = load / float(hanging[0]) if hanging[0] > 0 else 0.0
         position = float(self.u.mean()) - drop / self.system.sites
         held, touching = self.system.at(self.time).held(position), self.u <= self.system.heights
-        if self.eager:
-            stretch = mechanics.spectral.balanced_modes(self.modes, stretch, touching, held)
-        energy = mechanics.spectral.energy_of_modes(self.modes, stretch, held)
-        return State(self.u, lattice.backward(stretch), position, energy)
+        change = mechanics.spectral.balancing(self.modes, stretch, touching, held) if self.eager else 0.0
+        return State(self.u, AnchorModes((self.modes - change) - stretch), position)
 
     def extent(self) -> Extent:
         """How large the deformation is."""

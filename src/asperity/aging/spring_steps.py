@@ -32,6 +32,7 @@ from asperity.contact.multigrid import IndependentSprings, Multigrid, StageSolve
 from asperity.contact.multigrid.loops import Single
 from asperity.contact.state import Contact
 from asperity.contact.system import System
+from asperity.lattice import Field
 
 _LARGEST_WEIGHTS = 12.0
 """Largest sum of the magnitudes of the weights of an extrapolation: the factor on errors of the values."""
@@ -93,7 +94,7 @@ class SpringSteps:
             return int(np.count_nonzero(self.by_fields.end.u <= self.system.heights))
         return self.stages.contacts_tried
 
-    def state(self) -> State:
+    def state(self) -> State[Field]:
         """See `Steps`; the mean of w is exact: what creep conserves must not drift."""
         u, w = self.stages.u, self.stages.w
         mean = self.system.at(self.time).mean_stretch
@@ -120,7 +121,7 @@ class SpringSteps:
             done, cycles, error = self._attempt(duration, allowed_errors)
             if done:
                 return Attempt(error, cycles)
-        point = Point.of(self.system, self.time, *self.state()[:3])
+        point = Point.of(self.system, self.time, *self.state())
         step = take_step(self.system, ActiveSet(), duration, point, None, tolerances=tolerances)
         self.by_fields = step
         return Attempt(step.error, cycles + step.iterations)

@@ -29,7 +29,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.mechanics import ImplicitStep, SpectralMechanics
 from asperity.contact.problem import ContactSolver, Guess
-from asperity.contact.state import Contact
+from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.system import System
 from asperity.lattice import Field, Modes
 
@@ -236,13 +236,15 @@ class Extent:
     largest: float
 
 
-class State(NamedTuple):
-    """A state to publish: u, the stretches w_b, the position of the rigid body; the energy, if known."""
+Creep = TypeVar("Creep", covariant=True, bound=Field | AnchorModes)
+
+
+class State(NamedTuple, Generic[Creep]):
+    """A state to publish: u, w_b or the modes of the anchors, and the position of the rigid body."""
 
     u: Field
-    stretch: Field
+    creep: Creep
     position: float
-    energy: float | None = None
 
 
 class Steps(Protocol):
@@ -259,7 +261,7 @@ class Steps(Protocol):
         """Number of sites in contact at the end of the time step that was tried."""
         ...
 
-    def state(self) -> State:
+    def state(self) -> State[Field | AnchorModes]:
         """What is to be published; not to be changed."""
         ...
 
@@ -322,10 +324,9 @@ class FieldSteps:
         return cls(system, solver, _arrays(point))
 
     @classmethod
-    def going_on(cls, steps: Steps) -> FieldSteps:
-        """Where other steps have come to."""
-        point = Point.of(steps.system, steps.time, *steps.state()[:3])
-        return cls(steps.system, ActiveSet(), _arrays(point))
+    def going_on(cls, system: System, time: float, state: State[Field]) -> FieldSteps:
+        """From where other steps have come to."""
+        return cls(system, ActiveSet(), _arrays(Point.of(system, time, *state)))
 
     @property
     def time(self) -> float:
@@ -336,16 +337,14 @@ class FieldSteps:
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.end.u <= self.system.heights))
 
-    def state(self) -> State:
+    def state(self) -> State[Field | AnchorModes]:
         """See `Steps`."""
-        point, mechanics, stretch, energy = self.point, self.system.mechanics, self.point.stretch, None
-        held = self.system.at(point.time).held(point.position)
-        if self.eager:
-            touching = point.u <= self.system.heights
-            stretch = mechanics.spectral.balanced_modes(point.modes, stretch, touching, held)
-        if isinstance(mechanics, SpectralMechanics):
-            energy = mechanics.energy_of_modes(point.modes, stretch, held)
-        return State(point.u, mechanics.lattice.backward(stretch), point.position, energy)
+        point, mechanics = self.point, self.system.mechanics
+        if not self.eager:
+            return State(point.u, mechanics.lattice.backward(point.stretch), point.position)
+        held, touching = self.system.at(point.time).held(point.position), point.u <= self.system.heights
+        change = mechanics.spectral.balancing(point.modes, point.stretch, touching, held)
+        return State(point.u, AnchorModes((point.modes - change) - point.stretch), point.position)
 
     def extent(self) -> Extent:
         """How large the deformation is."""

@@ -223,15 +223,20 @@ class SpectralMechanics(Mechanics):
         if self.shares is not None:
             creeping = creeping.sum(axis=0, keepdims=True)
             stretch = np.einsum("b,b...->...", self.shares, stretch)[np.newaxis]
-        force = self.spectra.permanent * lattice.forward(u)
-        force.flat[0] -= self.hanging[0] * lattice.sites * held.position
+        return self._force(lattice.forward(u), creeping, map(lattice.forward, stretch), held)
+
+    def force_of_modes(self, u: Modes, stretch: Modes, held: Prescribed) -> Field:
+        """The same from Fourier modes."""
+        return self._force(u, self.spectra.creeping, stretch, held)
+
+    def _force(self, u: Modes, creeping: Spectrum, stretch: Iterable[Modes], held: Prescribed) -> Field:
+        force = self.spectra.permanent * u
+        force.flat[0] -= self.hanging[0] * self.lattice.sites * held.position
         for stiffness, w in zip(creeping, stretch, strict=True):
-            modes = lattice.forward(w)
-            modes *= stiffness
-            force += modes
+            force += stiffness * w
         if self.mean_stiffness == 0 and held.load is not None:
             force.flat[0] = held.load
-        return lattice.backward(force, overwrite=True)
+        return self.lattice.backward(force, overwrite=True)
 
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
         """See `Mechanics`."""
@@ -287,8 +292,8 @@ class SpectralMechanics(Mechanics):
         own = creeping >= _LEAST_CREEPING_SHARE * (creeping + self.spectra.permanent)
         return self.law is None and self.solid.springs is None and bool(own.flat[1:].all())
 
-    def balanced_modes(self, u: Modes, stretch: Modes, in_contact: Mask, held: Prescribed) -> Modes:
-        """Stretches with which a surface is in exact equilibrium, near some with which it almost is.
+    def balancing(self, u: Modes, stretch: Modes, in_contact: Mask, held: Prescribed) -> Modes:
+        """What added to all stretches puts a surface that almost is into exact equilibrium, Fourier modes.
 
         All anchors move alike, such that no force is left off contact and no tension in contact; all other
         forces are scaled, which keeps their sum.
@@ -302,23 +307,18 @@ class SpectralMechanics(Mechanics):
         held
             What is prescribed.
         """
-        lattice, spectra = self.lattice, self.spectra
-        modes = spectra.permanent * u + np.einsum("b...,b...->...", spectra.creeping, stretch)
-        modes.flat[0] -= self.hanging[0] * lattice.sites * held.position
-        if self.mean_stiffness == 0 and held.load is not None:
-            modes.flat[0] = held.load
-        force = lattice.backward(modes, overwrite=True)
+        force = self.force_of_modes(u, stretch, held)
         balanced = np.where(in_contact, np.maximum(force, 0.0), 0.0)
         load, kept = float(force.sum()), float(balanced.sum())
         if not (load > 0 and kept > 0):
-            return stretch
+            return np.zeros_like(u)
         balanced *= load / kept
         balanced -= force
-        change = lattice.forward(balanced)
-        creeping = spectra.creeping.sum(axis=0)
+        change = self.lattice.forward(balanced)
+        creeping = self.spectra.creeping.sum(axis=0)
         np.divide(change, creeping, out=change, where=creeping > 0)
         change.flat[0] = 0.0
-        return stretch + change
+        return change
 
     def rms(self, modes: Modes) -> float:
         """Rms over the sites of fields, one a branch, which count by the stiffness of the branches."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -18,7 +18,7 @@ from asperity.contact.problem import Solution, residual
 from asperity.contact.response import RIM, normal_stiffness, rim_sides
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
-from asperity.lattice import Field, Lattice, Mask
+from asperity.lattice import Field, Lattice, Mask, Modes
 from asperity.solids import Solid
 
 if TYPE_CHECKING:
@@ -32,6 +32,13 @@ _AT_THE_BOUND = 1e-6
 
 ACCEPTED_RESIDUAL = 1e-8
 """No state is returned whose residual, evaluated on the very fields it carries, is larger."""
+
+
+@dataclass(frozen=True, eq=False)
+class AnchorModes:
+    """Fourier modes of the anchors u_b relative to a system's datum, which go to sites when asked for."""
+
+    modes: Modes
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -53,8 +60,6 @@ class Contact(views.InNotebooks):
         What is prescribed: `Load` or `Separation`.
     u
         Height of the elastic surface, length; equal to `heights` in contact, above it elsewhere.
-    anchors
-        The creeping shapes u_b of the branches, length; shape ``(branches, *heights.shape)``.
     permanent_indentation
         By how much the rough surface is lower than it was before it yielded, length.
     force
@@ -69,8 +74,9 @@ class Contact(views.InNotebooks):
     residual
         Largest force off contact (or tension in contact, or excess over the hardness) that the fields above
         leave, relative to the
-        mean contact force; evaluated from `u` and `anchors` as they are, rounding included. Where the
-        separation is held and the load has died out, relative to the smallest force that double
+        mean contact force; evaluated from `u` and `anchors` as they are, rounding included. (From the Fourier
+        modes of `anchors` where several branches have crept; the fields are judged when they are asked for.)
+        Where the separation is held and the load has died out, relative to the smallest force that double
         precision can resolve to as many digits.
     residual_scale
         The force to which `residual` is relative.
@@ -87,7 +93,7 @@ class Contact(views.InNotebooks):
     solid: Solid
     control: Control
     u: Field
-    anchors: Field
+    _anchors: Field | Callable[[], Field]
     permanent_indentation: Field
     force: Field
     in_contact: Mask
@@ -117,9 +123,12 @@ class Contact(views.InNotebooks):
         vars(self).update(state)
         self._close()
 
+    def __getstate__(self) -> dict[str, object]:
+        return vars(self) | {"_anchors": self.anchors}
+
     def _close(self) -> None:
         indentation = self.permanent_indentation
-        for field in (self.heights, self.u, self.anchors, indentation, self.force, self.in_contact):
+        for field in (self.heights, self.u, indentation, self.force, self.in_contact):
             field.flags.writeable = False  # the residual vouches for exactly these numbers
 
     def __repr__(self) -> str:
@@ -129,6 +138,16 @@ class Contact(views.InNotebooks):
             f"<Contact: {self.area} of {shape} sites touch, load {self.load:g}{force}, "
             f"separation {self.separation:g}{length}, residual {self.residual:.1e}>"
         )
+
+    @property
+    def anchors(self) -> Field:
+        """The creeping shapes u_b of the branches, length; shape ``(branches, *heights.shape)``."""
+        fields = self._anchors
+        if callable(fields):
+            fields = fields()
+            vars(self)["_anchors"] = fields
+        fields.flags.writeable = False
+        return fields
 
     @property
     def u0(self) -> Field:
@@ -255,8 +274,9 @@ class Contact(views.InNotebooks):
         Nothing in the equations tells sites apart, so the residual is that of the same numbers.
         """
         axes = tuple(range(-self.lattice.dimension, 0))
-        names = ("heights", "u", "anchors", "permanent_indentation", "force", "in_contact")
+        names = ("heights", "u", "permanent_indentation", "force", "in_contact")
         fields = {name: np.roll(getattr(self, name), sites, axis=axes) for name in names}
+        fields["_anchors"] = np.roll(self.anchors, sites, axis=axes)
         return Contact._judged(**(vars(self) | fields))
 
     def resting_on(self, heights: Field, indentation: Field) -> Contact:
@@ -264,12 +284,10 @@ class Contact(views.InNotebooks):
         return Contact._judged(**(vars(self) | {"heights": heights, "permanent_indentation": indentation}))
 
     def become(
-        self, system: System, solution: Solution, anchors: Field, position: float, energy: float | None = None
+        self, system: System, solution: Solution, anchors: Field | AnchorModes, position: float
     ) -> Contact:
         """Publish what the same bodies have become; see `contact_from`. The load may have died out."""
-        return contact_from(
-            system, solution, anchors, position, bodies=self, load_may_vanish=True, energy=energy
-        )
+        return contact_from(system, solution, anchors, position, bodies=self, load_may_vanish=True)
 
 
 def control_of(contact: Contact, hold: Hold | None) -> Control:
@@ -297,12 +315,11 @@ def control_of(contact: Contact, hold: Hold | None) -> Control:
 def contact_from(
     system: System,
     solution: Solution,
-    anchors: Field | float,
+    anchors: Field | float | AnchorModes,
     position: float,
     *,
     bodies: Bodies | Contact,
     load_may_vanish: bool = False,
-    energy: float | None = None,
 ) -> Contact:
     """Publish a solution: fields measured like the user's heights, checked once more as published.
 
@@ -313,7 +330,7 @@ def contact_from(
     solution
         The solved contact problem.
     anchors
-        u_b relative to the system's datum: fields, or the level at which all are flat.
+        u_b relative to the system's datum: fields, the level at which all are flat, or Fourier modes.
     position
         That of the rigid body, relative to the datum.
     bodies
@@ -321,8 +338,6 @@ def contact_from(
     load_may_vanish
         Whether the load may be so small that the heights cannot resolve it, as it dies out at a held
         separation.
-    energy
-        The elastic energy, if it is known.
 
     Raises
     ------
@@ -330,30 +345,43 @@ def contact_from(
         In double precision the heights cannot resolve a load this small.
     """
     heights, indentation = _lowered(system, solution.u, bodies)
-    datum = system.datum
+    datum, branches = system.datum, system.mechanics.branches
     u = solution.u + datum
     np.maximum(u, heights, out=u)
     np.copyto(u, heights, where=solution.in_contact)
     in_contact = u == heights
-    published = _rounded(anchors, solution.u, u, datum, system.mechanics.branches)
-    relative, stretch = u - datum, u - published
-    position = system.position(relative, published - datum, position)
-    force = system.force(relative, stretch, position)
-    if energy is None:
-        energy = system.energy(relative, stretch, position)
     vanishing = load_may_vanish and system.load is None
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
-    left = residual(force, in_contact, floor)
-    if system.yields:
-        left = max(left, _excess(force, in_contact, solution.u < system.heights, system.mechanics.bound))
-    carried = system.carried(relative, stretch, position)
-    if system.load is not None and carried is not None:
-        left = max(left, abs(carried / system.load - 1))
-    if not left <= ACCEPTED_RESIDUAL:
-        raise ConvergenceError(
-            f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too "
-            "small for these heights in double precision; try heights without a large offset, or more load"
-        )
+    yielding = solution.u < system.heights if system.yields else None
+
+    def judged(state: _State) -> float:
+        left = residual(state.force, in_contact, floor)
+        if yielding is not None:
+            left = max(left, _excess(state.force, in_contact, yielding, system.mechanics.bound))
+        if system.load is not None and state.carried is not None:
+            left = max(left, abs(state.carried / system.load - 1))
+        if not left <= ACCEPTED_RESIDUAL:
+            raise ConvergenceError(
+                f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is "
+                "too small for these heights in double precision; try heights without a large offset, or "
+                "more load"
+            )
+        return left
+
+    def on_sites() -> Field:
+        fields = bodies.lattice.backward(modes)
+        fields = _rounded(fields, solution.u, u, datum, branches)
+        judged(_State.of(system, u - datum, fields - datum, position))
+        return fields
+
+    published: Field | Callable[[], Field]
+    if isinstance(anchors, AnchorModes):
+        modes, published = anchors.modes, on_sites
+        state = _State.of_modes(system, u - datum, modes, position)
+    else:
+        published = _rounded(anchors, solution.u, u, datum, branches)
+        state = _State.of(system, u - datum, published - datum, position)
+    left, force = judged(state), state.force
     np.clip(force, 0.0, system.mechanics.bound, out=force)
     force *= in_contact
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
@@ -363,18 +391,53 @@ def contact_from(
         solid=bodies.solid,
         control=system.control,
         u=u,
-        anchors=published,
+        _anchors=published,
         permanent_indentation=indentation,
         force=force,
         in_contact=in_contact,
-        separation=datum + position,
-        energy=energy,
+        separation=datum + state.position,
+        energy=state.energy,
         residual=left,
         residual_scale=max(mean_force, floor),
         iterations=solution.iterations,
         surface=bodies.surface,
         si=bodies.si,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """What follows from a surface and its anchors: the position of the rigid body, forces and the energy."""
+
+    position: float
+    force: Field
+    energy: float
+    carried: float | None
+
+    @classmethod
+    def of(cls, system: System, u: Field, anchors: Field, position: float) -> _State:
+        """Of fields."""
+        position, stretch = system.position(u, anchors, position), u - anchors
+        return cls(
+            position,
+            system.force(u, stretch, position),
+            system.energy(u, stretch, position),
+            system.carried(u, stretch, position),
+        )
+
+    @classmethod
+    def of_modes(cls, system: System, u: Field, anchors: Modes, position: float) -> _State:
+        """Of anchors in Fourier modes; those at wave vector 0 are sums over the sites."""
+        mechanics, lattice = system.mechanics.spectral, system.mechanics.lattice
+        position = system.position(u, anchors[lattice.mean].real / system.sites, position)
+        modes, held = lattice.forward(u), system.held(position)
+        stretch = modes - anchors
+        return cls(
+            position,
+            mechanics.force_of_modes(modes, stretch, held),
+            mechanics.energy_of_modes(modes, stretch, held),
+            system.carried(u, stretch[lattice.mean].real, position),
+        )
 
 
 def _lowered(system: System, u: Field, bodies: Bodies | Contact) -> tuple[Field, Field]:
