@@ -43,7 +43,7 @@ _CROWDING = 8.0
 """How fast the weight W_1 falls with the density rho of contacts; half as fast on each further level."""
 
 _DENSITY_WIDTH = 0.6
-"""Width of the Gaussian that turns contacts into a density, in sites of the coarse lattice."""
+"""Width over which contacts make a density (standard deviation), in sites of the coarse lattice."""
 
 _EXTRA = 5
 """Iterations that the sum of the forces off contact may cost beyond the largest of them."""
@@ -161,13 +161,12 @@ class FreeSites:
                 lattices.append(coarse)
                 cuts.append(min(cut, cuts[-1]))
         cuts = [cut / unit for cut in (*cuts, pinning)]
-        density = lattice.forward(contacts) if len(lattices) > 1 else None
         waves: _Waves | None = None
         for level in range(len(lattices) - 1, -1, -1):
             own, weight, long = lattices[level], mask, stiffness
             if level > 0:
                 crowding = _CROWDING / 2 ** (level - 1)
-                weight = 1.0 / (1.0 + crowding * _blurred(lattice, density, own, xp))
+                weight = 1.0 / (1.0 + crowding * _density(contacts, own, xp))
                 long = lattice.long_waves(stiffness, own)
             compliance = 1.0 / (long + cuts[level + 1])
             if level > 0:
@@ -299,10 +298,24 @@ def _stiffness_of_waves(spectrum: Spectrum, coarse: Lattice) -> float:
     return float(np.mean(values))
 
 
-def _blurred(lattice: Lattice, modes: Any, coarse: Lattice, xp: Any) -> Field:
-    """A field of these modes, smoothed, on a coarse lattice; between 0 and 1."""
-    long = lattice.long_waves(modes, coarse)
-    exponent = sum(q**2 for q in coarse.angles) * (_DENSITY_WIDTH**2 / 2)
-    long *= xp.asarray(np.exp(-exponent) * (coarse.sites / lattice.sites), dtype=xp.float32)
-    density: Field = xp.clip(coarse.backward(long, overwrite=True), 0.0, 1.0)
+def _density(contacts: Field, coarse: Lattice, xp: Any) -> Field:
+    """Density of contacts on a coarse lattice: their mean in each of its cells, smoothed; from 0 to 1."""
+    cells = contacts
+    for axis in reversed(range(coarse.dimension)):
+        count, length = coarse.shape[axis], contacts.shape[axis]
+        # A cell ends midway between two coarse sites, the last one at the edge or beyond it.
+        middle = 0.0 if coarse.reflecting else (1 - length / count) / 2
+        ends = np.arange(1, count + 1) * (length / count) + middle
+        below = np.minimum(ends.astype(int), length - 1)
+        sums = xp.cumulative_sum(cells, axis=axis, include_initial=True)
+        whole, part = (xp.take(sums, xp.asarray(below + n), axis=axis) for n in (0, 1))
+        rest = (ends - below).reshape(-1, *[1] * (coarse.dimension - 1 - axis))
+        part -= whole
+        whole += part * xp.asarray(rest, dtype=sums.dtype)
+        last, total = (xp.take(field, xp.asarray([-1]), axis=axis) for field in (whole, sums))
+        cells = xp.diff(xp.concat([last - total, whole], axis=axis), axis=axis) * (count / length)
+    # The mean over a cell has a variance of 1/12.
+    exponent = sum(q**2 for q in coarse.angles) * ((_DENSITY_WIDTH**2 - 1 / 12) / 2)
+    smoothed = coarse.apply(xp.asarray(np.exp(-exponent), dtype=cells.dtype), cells)
+    density: Field = xp.clip(smoothed, 0.0, 1.0)
     return density
