@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg
 
 import asperity as asp
-from asperity.aging.tr_bdf2 import FieldSteps
+from asperity.aging.tr_bdf2 import Aim, FieldSteps
 from asperity.contact import ActiveSet
 from asperity.contact.problem import TOLERANCE
 from asperity.solids import CreepBranch, LaplacianSpectrum, Solid
@@ -162,7 +162,7 @@ def test_equal_steps_of_several_branches_converge_at_second_order(name):
     for steps in (16, 32, 64):
         now = FieldSteps.begin(contact.system(), ActiveSet(), contact)
         for number in range(1, steps + 1):
-            now.attempt(1.0 / steps, (TOLERANCE, TOLERANCE), (1e-9, 1e-9))
+            now.attempt(1.0 / steps, Aim((TOLERANCE, TOLERANCE), (1e-9, 1e-9)))
             now.accept(number / steps)
         anchors = contact.lattice.backward(now.point.modes - now.point.stretch).reshape(-1, 64)
         errors.append(np.linalg.norm(anchors - anchors.mean(axis=1, keepdims=True) - exact))

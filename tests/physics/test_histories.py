@@ -7,7 +7,7 @@ import pytest
 
 import asperity as asp
 from asperity.aging.spring_steps import SpringSteps
-from asperity.aging.tr_bdf2 import FieldSteps
+from asperity.aging.tr_bdf2 import Aim, FieldSteps
 from asperity.contact import ActiveSet, Load, Multigrid, Separation
 from asperity.contact.problem import TOLERANCE
 from tests.history_reference import explicit_history
@@ -215,7 +215,7 @@ def test_ramps_converge_at_second_order(kind, control):
     def shape_after(steps):
         now = kind.begin(system, solver, contact)
         for index in range(steps):
-            now.attempt(1.0 / steps, (TOLERANCE, TOLERANCE), (1e-9, 1e-9))
+            now.attempt(1.0 / steps, Aim((TOLERANCE, TOLERANCE), (1e-9, 1e-9)))
             now.accept((index + 1) / steps)
         u, (stretch,), *_ = now.state()
         return u - stretch - (u - stretch).mean()

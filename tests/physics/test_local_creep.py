@@ -6,6 +6,7 @@ import scipy.integrate
 
 import asperity as asp
 from asperity.aging.local_steps import LocalSteps
+from asperity.aging.tr_bdf2 import Aim
 from asperity.solids import CreepLaw, Eyring, Norton, spring_lattice
 from tests.independent import laplacian
 
@@ -131,7 +132,7 @@ def test_equal_steps_converge_at_second_order(hold):
         system = start.system(control)
         steps = LocalSteps.begin(system, start)
         for number in range(1, count + 1):
-            steps.attempt(0.5 / count, (1e-9, 1e-9), (1e-12, 1e-12))
+            steps.attempt(0.5 / count, Aim((1e-9, 1e-9), (1e-12, 1e-12)))
             steps.accept(0.5 * number / count)
         u, (stretch,), *_ = steps.state()
         return u - stretch

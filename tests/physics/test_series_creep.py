@@ -8,6 +8,7 @@ import scipy.integrate
 
 import asperity as asp
 from asperity.aging.local_steps import LocalSteps
+from asperity.aging.tr_bdf2 import Aim
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
 from asperity.protocols import Hold, Step
@@ -259,7 +260,7 @@ def test_equal_steps_converge_at_second_order(permanent):
     def end(count):
         steps = LocalSteps.begin(start.system(), start)
         for number in range(1, count + 1):
-            steps.attempt(0.05 / count, (1e-9, 1e-9), (1e-22, 1e-22))
+            steps.attempt(0.05 / count, Aim((1e-9, 1e-9), (1e-22, 1e-22)))
             steps.accept(0.05 * number / count)
         u, (stretch,), *_ = steps.state()
         return u - stretch - (u - stretch).mean()

@@ -8,7 +8,7 @@ from asperity import press
 from asperity.aging import creep
 from asperity.aging.march import DEFAULT_RTOL
 from asperity.aging.spring_steps import SpringSteps
-from asperity.aging.tr_bdf2 import FieldSteps, take_step
+from asperity.aging.tr_bdf2 import Aim, FieldSteps, take_step
 from asperity.contact import ActiveSet, Load, Multigrid
 from asperity.contact.problem import TOLERANCE
 from asperity.contact.state import control_of
@@ -64,7 +64,7 @@ def end_of_steps(steps, contact, control, end, count):
     solver = Multigrid() if steps is SpringSteps else ActiveSet()
     state = steps.begin(system, solver, contact)
     for number in range(1, count + 1):
-        state.attempt(end / count, (TOLERANCE, TOLERANCE), (1e-8, 1e-8))
+        state.attempt(end / count, Aim((TOLERANCE, TOLERANCE), (1e-8, 1e-8)))
         others += getattr(state, "by_fields", None) is not None
         state.accept(end * number / count)
     u, (stretch,), *_ = state.state()

@@ -8,7 +8,7 @@ import pytest
 from asperity.contact import ActiveSet
 from asperity.contact.arrays import library
 from asperity.contact.cascade import cold_start, independent_asperities
-from asperity.contact.free_sites import FreeSites
+from asperity.contact.free_sites import FreeSites, _density
 from asperity.contact.problem import TOLERANCE, Guess
 from asperity.errors import MissingExtraError
 from asperity.lattice import Lattice
@@ -70,6 +70,22 @@ def test_preconditioner_is_symmetric_and_positive(shape):
     assert np.sum(a * mb) == pytest.approx(np.sum(b * ma), rel=1e-12)
     assert np.sum(a * ma) > 0
     assert not ma[in_contact].any()
+
+
+@pytest.mark.parametrize("edges", ["periodic", "reflecting"])
+@pytest.mark.parametrize(("shape", "few"), [((64, 96), (15, 21)), ((64,), (15,))])
+def test_a_density_of_contacts_has_their_number_and_place(shape, few, edges):
+    coarse, xp = Lattice(few, edges=edges), library("numpy")
+    np.testing.assert_allclose(_density(np.full(shape, 0.3), coarse, xp), 0.3, rtol=1e-12)
+    contacts = np.zeros(shape)
+    contacts[tuple(slice(n // 2 - 5, n // 2 + 3) for n in shape)] = 1.0
+    density = _density(contacts, coarse, xp)
+    assert density.mean() == pytest.approx(contacts.mean(), rel=0.01)  # ripples are clipped
+    for axis, (n, m) in enumerate(zip(shape, few, strict=True)):
+        part = density.sum(axis=tuple({0, 1}.intersection(range(len(few))) - {axis}))
+        # A coarse site stands on a fine one, or in the middle of its cell where edges reflect.
+        place = np.arange(m) * n / m if edges == "periodic" else (np.arange(m) + 0.5) * n / m - 0.5
+        assert part @ place / part.sum() == pytest.approx(n // 2 - 1.5, abs=0.05 * n / m)
 
 
 @pytest.mark.parametrize("heights", [correlated(160), uncorrelated(128), correlated(130)[:, :66]])

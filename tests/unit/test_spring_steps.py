@@ -5,7 +5,7 @@ import pytest
 
 import asperity as asp
 from asperity.aging.spring_steps import SpringSteps, extrapolation
-from asperity.aging.tr_bdf2 import FieldSteps
+from asperity.aging.tr_bdf2 import Aim, FieldSteps
 from asperity.contact import ActiveSet, Multigrid, Separation
 from asperity.contact.mechanics import SpringMechanics, mechanics_of
 from asperity.contact.multigrid import loops
@@ -100,7 +100,7 @@ def test_a_step_agrees_with_one_of_whole_fields(heights, k1, p, R_viscous, held)
     scale = contact.u.std()
     for duration in (0.1, 0.5, 3.0):
         errors = [
-            steps.attempt(duration, (TOLERANCE, TOLERANCE), (1e-9 * scale, 1e-9 * scale)).error
+            steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (1e-9 * scale, 1e-9 * scale))).error
             for steps in (quick, exact)
         ]
         assert quick.by_fields is None
@@ -154,7 +154,7 @@ def test_cycles_solve_every_step_where_the_creeping_springs_are_stiff():
     steps = SpringSteps.begin(contact.system(None), Multigrid(), contact)
     allowed, left, time, duration = 1e-4 * heights.std(), 0, 0.0, 1e-4
     while time < 100.0:
-        steps.attempt(duration, (TOLERANCE, TOLERANCE), (allowed, allowed))
+        steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (allowed, allowed)))
         left += steps.by_fields is not None
         time += duration
         steps.accept(time)

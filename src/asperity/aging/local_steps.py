@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from asperity.aging.spring_steps import extrapolation
 from asperity.aging.step_errors import rms
-from asperity.aging.tr_bdf2 import DIAGONAL, ERROR_WEIGHTS, WEIGHT, Attempt, Extent, State
+from asperity.aging.tr_bdf2 import DIAGONAL, ERROR_WEIGHTS, WEIGHT, Aim, Attempt, Extent, State
 from asperity.contact.arrays import largest
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
@@ -130,13 +130,10 @@ class LocalSteps:
         """Rate of the creeping shape, rms over the sites."""
         return rms(self._about_mean(self.rate))
 
-    def attempt(
-        self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
-    ) -> Attempt:
+    def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Try a time step; one whose stages are not solved has an infinite error."""
-        del tolerances
         try:
-            return self._attempt(duration, allowed_errors)
+            return self._attempt(duration, aim.allowed_errors)
         except ConvergenceError:
             return Attempt(math.inf, 0)
 

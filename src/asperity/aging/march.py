@@ -16,7 +16,7 @@ from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.spring_steps import SpringSteps
-from asperity.aging.tr_bdf2 import FieldSteps, Steps
+from asperity.aging.tr_bdf2 import Aim, FieldSteps, Steps
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Load
 from asperity.contact.mechanics import SpringMechanics
@@ -330,6 +330,7 @@ class _March:
                 self.length = 0.1 * self.tolerance ** (1 / 3) * self.deformation / speed
         else:
             self.now = _resume(self.system, solver, midway.resume_state)
+            self.extent = self.now.extent()
             self.separation, self.impulse = midway.separation, midway.impulse
             self.deformation, self.length = midway.deformation, midway.length
             self.steps, self.rejected, self.iterations = midway.steps, midway.rejected, midway.iterations
@@ -369,7 +370,7 @@ class _March:
 
     def raise_deformation(self) -> None:
         """Set the scale of the error to the largest deformation so far."""
-        extent = self.now.extent()
+        self.extent = extent = self.now.extent()
         scale = extent.spread
         if scale <= self.rounding() or self.system.free_mean:
             # A flat surface, or one whose mean creeps too: the stretch of the creeping springs.
@@ -378,7 +379,7 @@ class _March:
 
     def rounding(self) -> float:
         """Error of u0 that rounding alone makes."""
-        return 64 * float(np.finfo(float).eps) * self.now.extent().largest
+        return 64 * float(np.finfo(float).eps) * self.extent.largest
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite is found and refused
     def advance_to(self, stop: float) -> None:
@@ -400,19 +401,18 @@ class _March:
             if taken > many and isinstance(self.now, SpringSteps):
                 self.now = FieldSteps.going_on(self.now.system, self.now.time, self.now.state())
                 begun, since = self.steps + self.rejected, self.now.time
-            if isinstance(self.now, FieldSteps | SpringSteps):
-                self.now.published = published
             stuck = taken > _MOST_STEPS
             if stuck or not (landing or self.now.time + length > self.now.time):
                 raise ConvergenceError(
                     f"aging: steps shrank to {length:.1e} at time {self.now.time:.3e}, too short to get "
                     f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
                 )
-            step = self.now.attempt(
-                length,
+            aim = Aim(
                 (self.passing, TOLERANCE if landing else self.passing),
                 (unnoticed, unnoticed / 30 if landing else unnoticed),
+                published,
             )
+            step = self.now.attempt(length, aim)
             self.iterations += step.iterations
             error = self.relative(step.error)
             # The error of a step grows like its cube; 0.9 leaves a margin.

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.aging.tr_bdf2 import Attempt, Extent, State
+from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
@@ -177,9 +177,7 @@ class SeparableSteps:
         mechanics = self.system.mechanics.spectral
         return mechanics.rms(mechanics.spectra.rate * self._stretch())
 
-    def attempt(
-        self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
-    ) -> Attempt:
+    def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Find the contact a time later; the error is that of the anchors."""
         system, effective = self.system, self.effective
         now = system.at(self.time)
@@ -195,10 +193,10 @@ class SeparableSteps:
         rhs = lattice.flat_modes(-total / system.sites)
         problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)
         if self.eager and isinstance(self.solver, ActiveSet):
-            passing, allowed = allowed_errors
+            passing, allowed = aim.allowed_errors
             published = allowed < passing  # what it leaves is then the only error of the contacts
             allowed = _PUBLISHED * allowed if published else passing
-            solution = self.solver.solve(problem, guess, tolerances[1], allowed, settled=published)
+            solution = self.solver.solve(problem, guess, aim.tolerances[1], allowed, settled=published)
         else:  # forces relax; what is left off contact stays in the anchors, and is to be small beside them
             solution = self.solver.solve(problem, guess, TOLERANCE * load / total)
         error = 0.0

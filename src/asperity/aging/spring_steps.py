@@ -19,6 +19,7 @@ from asperity.aging.tr_bdf2 import (
     DIAGONAL,
     ERROR_WEIGHTS,
     WEIGHT,
+    Aim,
     Attempt,
     Extent,
     Point,
@@ -53,11 +54,7 @@ class SpringSteps:
         Time of the end of the first step.
     by_fields
         The step that was tried, where cycles did not solve it.
-    published
-        As `FieldSteps` has it; only springs that no others join count errors so.
     """
-
-    published = 0.0
 
     def __init__(self, system: System, solver: Multigrid, arrays: Mapping[str, NDArray[Any]]) -> None:
         assert isinstance(system.mechanics, SpringMechanics)
@@ -111,22 +108,20 @@ class SpringSteps:
         """Rate of u0, rms over the sites."""
         return rms(self.stages.rate_of_u0)
 
-    def attempt(
-        self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
-    ) -> Attempt:
+    def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Try a time step; the tolerances are for the Fourier solver, where cycles do not converge."""
         cycles = 0
         self.by_fields = None
         if self.system.control.load_controlled or self.stages.moments.contacts > 0:
-            done, cycles, error = self._attempt(duration, allowed_errors)
+            done, cycles, error = self._attempt(duration, aim)
             if done:
                 return Attempt(error, cycles)
         point = Point.of(self.system, self.time, *self.state())
-        step = take_step(self.system, ActiveSet(), duration, point, None, tolerances=tolerances)
+        step = take_step(self.system, ActiveSet(), duration, point, None, tolerances=aim.tolerances)
         self.by_fields = step
         return Attempt(step.error, cycles + step.iterations)
 
-    def _attempt(self, duration: float, allowed_errors: tuple[float, float]) -> tuple[bool, int, float]:
+    def _attempt(self, duration: float, aim: Aim) -> tuple[bool, int, float]:
         """Whether both stages were solved, the cycles taken and the error of the step."""
         stages, tau = self.stages, DIAGONAL * duration
         # Logarithms of time, but for times that are short against the first step.
@@ -136,16 +131,16 @@ class SpringSteps:
 
         _, *weights = extrapolation(points, middle)
         stages.begin(tau, WEIGHT * duration, weights)
-        done, cycles = self._improve(2 * tau, allowed_errors[0])
+        done, cycles = self._improve(2 * tau, aim.allowed_errors[0])
         if not done:
             return False, cycles, math.nan
         growth, _, *weights = extrapolation([middle, *points], end)
         stages.begin_second(growth, weights)
-        done, more = self._improve(duration, allowed_errors[1])
+        done, more = self._improve(duration, aim.allowed_errors[1])
         if not done:
             return False, cycles + more, math.nan
         error = stages.finish([duration * part for part in ERROR_WEIGHTS])
-        return True, cycles + more, self._left(error, max(self.published - self.time - duration, 0.0))
+        return True, cycles + more, self._left(error, max(aim.published - self.time - duration, 0.0))
 
     def _left(self, error: Single, ahead: float) -> float:
         """What is left of the error of the step that was tried, a length; see `take_step`."""

@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 from asperity.aging.step_errors import damped, filtered, left_of, modes_rms
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
+from asperity.contact.branches import add_creep
 from asperity.contact.mechanics import ImplicitStep, SpectralMechanics
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import AnchorModes, Contact
@@ -126,32 +127,32 @@ def take_step(
     end, or a tenth of what it is there if that is more; but what contacts that open no longer hold stays.
     """
     implicit = system.mechanics.implicit_step(DIAGONAL * duration)
-    anchors, f0 = start.modes - start.stretch, start.rate(system)
+    tau, weight = DIAGONAL * duration, WEIGHT * duration
     middle, spent = _stage(
         system,
         implicit,
         solver,
-        time=start.time + 2 * DIAGONAL * duration,
-        before=anchors + (DIAGONAL * duration) * f0,
+        time=start.time + 2 * tau,
+        before=_combined(system, start.modes, (-1.0, tau, start.stretch)),
         position=start.position,
         known=(earlier, start),
         tolerance=tolerances[0],
         allowed_error=allowed_errors[0],
         settled=False,
     )
-    f1 = middle.rate(system)
     end, spent_again = _stage(
         system,
         implicit,
         solver,
         time=start.time + duration,
-        before=anchors + (WEIGHT * duration) * (f0 + f1),
+        before=_combined(system, start.modes, (-1.0, weight, start.stretch), (0.0, weight, middle.stretch)),
         position=start.position,
         known=(Past.of(start), middle),
         tolerance=tolerances[1],
         allowed_error=allowed_errors[1],
     )
-    defect = ERROR_WEIGHTS[0] * f0 + ERROR_WEIGHTS[1] * f1 + ERROR_WEIGHTS[2] * end.rate(system)
+    points = zip(ERROR_WEIGHTS, (start, middle, end), strict=True)
+    defect = _combined(system, 0.0, *((0.0, weight, point.stretch) for weight, point in points))
     in_contact, more = end.u <= system.heights, 0
     if any(allowed_errors):
         defect = damped(defect, system, implicit.spectral, np.count_nonzero(in_contact) / system.sites)
@@ -163,6 +164,19 @@ def take_step(
         error, also = left_of(defect, system, ahead, in_contact)
         more += also
     return Step(end, duration * error, spent + spent_again + more)
+
+
+def _combined(system: System, u: Modes | float, *terms: tuple[float, float, Modes]) -> Modes:
+    """Modes u and a number of times w_b, and what u_b creeps at the rate there in a time, of each term."""
+    stretch = terms[0][2]
+    modes = np.zeros(stretch.shape, stretch.dtype)
+    modes += u
+    for number, duration, stretch in terms:
+        add_creep(modes, number, duration, system.mechanics.spectral.spectra.rate, stretch)
+    if system.drift:
+        drift = system.drift * system.sites
+        modes[system.mechanics.lattice.mean] += drift * sum(duration for _, duration, _ in terms)
+    return modes
 
 
 def _stage(
@@ -227,6 +241,25 @@ class Attempt:
     iterations: int
 
 
+class Aim(NamedTuple):
+    """How accurate a time step is to be.
+
+    Attributes
+    ----------
+    tolerances
+        Those of both contact problems.
+    allowed_errors
+        Errors of u0 that a solver may leave in both stages instead.
+    published
+        Time of the next state that is published: creep forgets errors, so those of steps on the lattice of
+        springs count by what is left of them then, if it is later than the end of the step.
+    """
+
+    tolerances: tuple[float, float]
+    allowed_errors: tuple[float, float]
+    published: float = 0.0
+
+
 @dataclass(frozen=True)
 class Extent:
     """How large a deformation is: u about its mean and w, rms over the sites, and the largest u; lengths."""
@@ -273,10 +306,8 @@ class Steps(Protocol):
         """Rate of the anchors, rms over the sites."""
         ...
 
-    def attempt(
-        self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
-    ) -> Attempt:
-        """Try a time step, to tolerances of both contact problems or errors of u0 allowed in both stages."""
+    def attempt(self, duration: float, aim: Aim) -> Attempt:
+        """Try a time step."""
         ...
 
     def accept(self, time: float) -> None:
@@ -295,12 +326,7 @@ class FieldSteps:
     ----------
     point
         The state.
-    published
-        Time of the next state that is published: creep forgets errors, so those of steps on the lattice of
-        springs count by what is left of them then.
     """
-
-    published = 0.0
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> None:
         self.system, self.solver = system, solver
@@ -355,9 +381,7 @@ class FieldSteps:
         """Rate of the anchors, rms over the sites."""
         return self.system.mechanics.spectral.rms(self.point.rate(self.system))
 
-    def attempt(
-        self, duration: float, tolerances: tuple[float, float], allowed_errors: tuple[float, float]
-    ) -> Attempt:
+    def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Try a time step; `ActiveSet` solves the contact problems to the errors allowed."""
         springs = self.system.mechanics.spectral.solid.springs is not None
         step = take_step(
@@ -366,9 +390,9 @@ class FieldSteps:
             duration,
             self.point,
             self.earlier,
-            tolerances=tolerances,
-            allowed_errors=allowed_errors if self.eager else (0.0, 0.0),
-            ahead=self.published - self.time - duration if springs else 0.0,
+            tolerances=aim.tolerances,
+            allowed_errors=aim.allowed_errors if self.eager else (0.0, 0.0),
+            ahead=aim.published - self.time - duration if springs else 0.0,
         )
         self.end = step.end
         return Attempt(step.error, step.iterations)

@@ -34,6 +34,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.contact.branches import damped_difference, weighted_power, weighted_sum
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
@@ -244,10 +245,10 @@ class SpectralMechanics(Mechanics):
 
     def energy_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> float:
         """The same from Fourier modes."""
-        density = self.spectra.permanent * np.abs(u) ** 2
+        density = weighted_power(self.spectra.permanent[np.newaxis], u[np.newaxis])
         density.flat[0] = self.hanging[0] * abs(u.flat[0] - self.lattice.sites * held.position) ** 2
         for stiffness, w in zip(self.spectra.creeping, stretch, strict=True):
-            density += stiffness * np.abs(w) ** 2
+            density += weighted_power(stiffness[np.newaxis], w[np.newaxis])
         return self.lattice.mean_over_modes(density) / 2
 
     @cached_property
@@ -322,9 +323,7 @@ class SpectralMechanics(Mechanics):
 
     def rms(self, modes: Modes) -> float:
         """Rms over the sites of fields, one a branch, which count by the stiffness of the branches."""
-        power = np.einsum("b...,b...->...", self.weights, modes.real**2)
-        if np.iscomplexobj(modes):
-            power += np.einsum("b...,b...->...", self.weights, modes.imag**2)
+        power = weighted_power(self.weights, modes)
         return float(np.sqrt(self.lattice.mean_over_modes(power) / self.lattice.sites))
 
     @cached_property
@@ -385,7 +384,7 @@ class SpectralStep(ImplicitStep):
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpectralProblem:
         """See `ImplicitStep`."""
-        return self._problem(heights, np.asarray((self.damped_stiffness * anchors).sum(axis=0)), held)
+        return self._problem(heights, weighted_sum(self.damped_stiffness, anchors), held)
 
     def _problem(self, heights: Field, rhs: Modes, held: Prescribed) -> SpectralProblem:
         mechanics, lattice, stiffness = self.mechanics, self.mechanics.lattice, self.stiffness
@@ -415,7 +414,7 @@ class SpectralStep(ImplicitStep):
 
     def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
         """The same in Fourier modes."""
-        modes = self.damping * (u - anchors)
+        modes = damped_difference(self.damping, u, anchors)
         if held.load is None:
             return modes, held.position
         mechanics, mean = self.mechanics, self.mechanics.lattice.mean

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 
-from asperity.contact import asperities, line_sites, loaded_sites, stencils
+from asperity.contact import asperities, branches, line_sites, loaded_sites, stencils
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
 from asperity.contact.multigrid import loops
@@ -22,7 +23,7 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     What takes so long is told before it begins, if anything has to be compiled; where the machine code is
     kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
-    of_sites = line_sites.substitute, loaded_sites.solve
+    of_sites = line_sites.substitute, loaded_sites.solve, branches.add_power
     stamp = stamp_of(loops.wrap, stencils.forces, asperities.overlap_by_rows, *of_sites)
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
@@ -33,6 +34,12 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     loops.announce(counts, 0)
     loops.call(counts, 1)
     loops.watch(counts, 0, 1, 1)
+    spectra = np.zeros((1, 2))
+    kinds: tuple[Any, ...] = (spectra, spectra.astype(complex))  # of reflecting edges, and of periodic ones
+    for modes in kinds:
+        branches.add_creep(modes, 1.0, 1.0, spectra, branches.damped_difference(spectra, modes[0], modes))
+        branches.weighted_sum(spectra, modes)
+        branches.weighted_power(spectra, modes)
     # Even, and large enough for the Fourier solver to start from a coarser lattice.
     heights = np.random.default_rng(0).normal(size=(66, 66))
     for solid in (

@@ -1,0 +1,49 @@
+"""Sums over branches against numpy, and branches that go to sites only when they are asked for."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.contact import branches, state
+from asperity.errors import ConvergenceError
+from tests.surfaces import correlated
+
+
+@pytest.mark.parametrize("shape", [(3, 5, 4), (2, 6), (0, 4)])
+@pytest.mark.parametrize("kind", [float, complex])
+def test_sums_over_branches_are_those_of_numpy(shape, kind):
+    rng = np.random.default_rng(0)
+    spectra, unit = rng.random(shape), 1 if kind is float else 1 - 2j
+    modes, stretch = unit * rng.normal(size=(2, *shape))
+    u = unit * rng.normal(size=shape[1:])
+    np.testing.assert_allclose(branches.weighted_sum(spectra, modes), (spectra * modes).sum(axis=0))
+    power = (spectra * np.abs(modes) ** 2).sum(axis=0)
+    np.testing.assert_allclose(branches.weighted_power(spectra, modes), power)
+    np.testing.assert_allclose(branches.damped_difference(spectra, u, modes), spectra * (u - modes))
+    expected = modes + (0.5 - 2 * spectra) * stretch
+    branches.add_creep(modes, 0.5, -2.0, spectra, stretch)
+    np.testing.assert_allclose(modes, expected)
+
+
+def aged():
+    solid = asp.solids.half_space(modulus=1.0, branches=[(0.3, 0.1), (0.5, 2.0)])
+    return asp.age(asp.press(correlated(32), solid, load=20.0), [1.0], exact=False).final
+
+
+def test_branches_asked_for_late_are_in_equilibrium_with_the_surface():
+    contact = aged()
+    system = contact.system()
+    u, stretch = contact.u - system.datum, contact.u - contact.anchors
+    force = system.force(u, stretch, contact.separation - system.datum)
+    assert np.abs(force[~contact.in_contact]).max() <= 1e-8 * contact.residual_scale
+    np.testing.assert_allclose(force[contact.in_contact], contact.force[contact.in_contact], rtol=1e-7)
+    assert contact.energy == pytest.approx(system.energy(u, stretch, 0.0), rel=1e-9)
+    assert contact.anchors is contact.anchors
+    assert not contact.anchors.flags.writeable
+
+
+def test_branches_asked_for_late_are_judged(monkeypatch):
+    contact = aged()
+    monkeypatch.setattr(state, "ACCEPTED_RESIDUAL", 1e-18)
+    with pytest.raises(ConvergenceError, match="after rounding"):
+        _ = contact.anchors
