@@ -4,16 +4,21 @@ import ast
 import importlib
 import inspect
 import os
+import platform
 import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
+import numba
+import numpy as np
 import pytest
 
 import asperity as asp
 from asperity.cli import main
 from asperity.contact import compiled
+from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, One, Sites, Two
 from asperity.contact.stencils import forces
 from asperity.errors import Remark
 from asperity.runs import loops
@@ -102,6 +107,29 @@ def test_loops_that_others_call_are_inlined(module):
     assert not imported & inside  # machine code that is kept would not notice a change elsewhere
 
 
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names of instructions")
+@pytest.mark.parametrize("name", ["defect_row_1", "coarse_defect_1", "defect_row_2", "coarse_defect_2"])
+def test_rows_take_vector_instructions(name, monkeypatch):
+    monkeypatch.setattr(compiled.watch, "told", True)
+    whole, parted, one = np.zeros((8, 2, 9), np.float32), np.zeros((2, 9), np.float32), np.float32(1.0)
+    sites, along = Sites(8, 16, False), np.zeros(8, np.float32)
+    mesh: Any = (whole, parted, along, parted, along, sites)
+    arguments = {
+        "defect_row_1": (One(*3 * (whole,), *3 * (one,), sites), 0, parted, np.zeros(7)),
+        "coarse_defect_1": (CoarseOne(whole, whole, one, *mesh), one, 0, parted),
+        "defect_row_2": (Two(*5 * (whole,), *4 * (one,), sites), 0, parted, parted, np.zeros(7)),
+        "coarse_defect_2": (CoarseTwo(*4 * (whole,), *3 * (one,), *mesh), 0, parted, parted),
+    }
+    loop = getattr(importlib.import_module("asperity.contact.multigrid.loops"), name)
+    njit: Any = numba.njit
+    anew = njit(_nrt=False, **compiled._OPTIONS)(loop.py_func)
+    anew(*arguments[name])
+    (code,) = anew.inspect_asm().values()
+    assert "gather" not in code  # sites are loaded side by side
+    assert "mulps" in code
+    assert ("maxps" in code) == (name == "defect_row_1")  # the largest of many
+
+
 @pytest.mark.slow
 def test_the_process_that_compiles_gets_what_others_get(tmp_path):
     found = [
@@ -149,6 +177,7 @@ from numba.core import caching
 caching.CacheImpl._locator_classes = [caching.UserProvidedCacheLocator]
 import numpy as np
 from asperity.contact import compiled
+from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, One, Sites, Two
 from asperity.contact.multigrid import loops
 print(loops.wrap.stats.cache_path)
 compiled.tell_of_place(print)

@@ -55,6 +55,9 @@ APART = 16
 MET, FAILED, ASKED, DONE = 0, 1, 2, APART
 """Counts of a team: arrivals at a gate, failures, shares asked for and done; then of calls, by threads."""
 
+_MOST = 2**31 - 1
+"""Most columns."""
+
 _LOOKS = 1000
 """How often a waiting thread looks before it lets another one use the core: about a microsecond."""
 
@@ -260,6 +263,19 @@ def give_way(_: Any) -> Any:
     return types.none(), generate
 
 
+@intrinsic
+def larger(_: Any, x: Any, y: Any) -> Any:
+    """The larger of two numbers. The largest of many takes vector instructions so, and none by `max`."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        del context, signature
+        kind = arguments[0].type
+        function = builder.module.declare_intrinsic("llvm.maxnum", [kind], ir.FunctionType(kind, 2 * [kind]))
+        return builder.call(function, arguments, fastmath=("nnan", "nsz"))
+
+    return x(x, y), generate
+
+
 @inlined
 def wait(counts: NDArray[np.int64], place: int, least: int, looks: int) -> bool:
     """Look at a count until it is at least so large, or for so many times; whether it is."""
@@ -306,9 +322,12 @@ def watch(counts: NDArray[np.int64], place: int, least: int, looks: int) -> bool
 
 @inlined
 def end_of(side: int, columns: int) -> int:
-    """One past the last site of a side of a parted row."""
-    m = (columns + 1) // 2
-    return m if side == 0 else 1 + columns - m
+    """One past the last site of a side of a parted row.
+
+    Written so that no sum can overflow. Else the compiler takes indices for possibly negative, which count
+    from the end, and loads sites one by one.
+    """
+    return side + (((columns & _MOST) + 1 - side) >> 1)
 
 
 @inlined
@@ -589,24 +608,20 @@ def measure_1(
         row, rough = u[i], heights[i]
         stencil_row(k0, u, bed, u, i, sites, force)
         worst = tension = load = free_sites = imbalance = 0.0
-        for j in range(nx):  # sums and the largest apart, and no branches: the compiler makes vectors of both
+        for j in range(nx):  # no branches: the compiler makes vectors of it
             free = 1.0 if row[j] > rough[j] else 0.0
-            force[j] += uniform
-            loose = force[j] * free
-            carried = force[j] - loose
+            total = force[j] + uniform
+            loose = total * free
+            carried = total - loose
             load += carried
             tension += -carried if carried < 0.0 else 0.0
             free_sites += free
             imbalance += loose
-            line[j] = loose
-        for j in range(nx):
-            value = abs(line[j])
-            worst = value if value > worst else worst
+            worst = larger(worst, abs(loose))
+            force[j] = total * scale
+            line[j] = (rough[j] - row[j]) * inverse
         found = sums[i]
         found[0], found[1], found[2], found[3], found[4] = worst, tension, load, nx - free_sites, imbalance
-        for j in range(nx):
-            line[j] = (rough[j] - row[j]) * inverse
-            force[j] *= scale
         part(line, bound[i])
         part(force, b[i])
 
@@ -813,10 +828,8 @@ def advance_row(
         sum_u += rise
         squares_w += stretch[j] * stretch[j]
         squares_u += rise * rise
+        largest = larger(largest, abs(row[j]))
     part(line, bound[i])
-    for j in range(nx):
-        size = abs(row[j])
-        largest = size if size > largest else largest
     sums[0], sums[1], sums[2], sums[3] = sum_w, sum_u, squares_w, squares_u
     sums[4], sums[5] = largest, nx - free_sites
 
@@ -1003,18 +1016,15 @@ def defect_row_1(eq: One, i: int, defect: Single, sums: Field) -> None:
     worst = far = free_sites = zero
     above, below = neighbors(i, sites)
     for side in range(2):
-        end = end_of(side, sites.columns)
         row, other, least, source, out = e[i, side], e[i, 1 - side], bound[i, side], b[i, side], defect[side]
         up, down = e[above, side], e[below, side]
-        for k in range(side, end):
+        for k in range(side, end_of(side, sites.columns)):
             beside = up[k] + down[k] + other[k - side] + other[k - side + 1]
             free = one if row[k] > least[k] else zero
             free_sites += free
-            out[k] = (beside + source[k] - uniform - diagonal * row[k]) * free
-        for k in range(side, end):
-            value, move = abs(out[k]), abs(row[k])
-            worst = value if value > worst else worst
-            far = move if move > far else far
+            value = (beside + source[k] - uniform - diagonal * row[k]) * free
+            worst, far = larger(worst, abs(value)), larger(far, abs(row[k]))
+            out[k] = value
     sums[0], sums[1], sums[2] = worst, far, sites.columns - free_sites
 
 
