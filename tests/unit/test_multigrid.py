@@ -26,7 +26,7 @@ from tests.whole_fields import WholeFields
 def test_coarser_axes_keep_their_length(n, mirrored):
     axis = Axis.fine(n, mirrored=mirrored)
     while axis.size.size > 1:
-        axis = axis.coarser()
+        axis = axis.coarser
         assert axis.size.sum() == pytest.approx(n)
         if axis.size.size > 1 and not mirrored:
             assert (1 / axis.coupling).sum() == pytest.approx(n)

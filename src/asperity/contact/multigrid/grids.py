@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,13 +29,15 @@ class Axis:
     size: Field
     mirrored: bool = False
 
-    @classmethod
-    def fine(cls, n: int, *, mirrored: bool = False) -> Axis:
+    @staticmethod
+    @lru_cache
+    def fine(n: int, *, mirrored: bool = False) -> Axis:
         """Sites one apart."""
         coupling = np.ones(n) if n > 1 else np.zeros(1)
         coupling[-1] *= not mirrored
-        return cls(coupling, np.ones(n), mirrored)
+        return Axis(coupling, np.ones(n), mirrored)
 
+    @cached_property
     def coarser(self) -> Axis:
         """Every other site; where n is odd, the last and the first are one old distance apart."""
         n = self.size.size
@@ -71,8 +73,6 @@ class Grid:
         self.correction, self.source = ([backend.zeros(sites) for _ in range(fields)] for _ in range(2))
         self.joined = [backend.joined(sites) for _ in range(fields)]
         """The corrections, for the next finer grid."""
-        self.areas = np.outer(y.size, x.size)
-        """Sizes of the cells."""
 
     def one(self, bed: float) -> CoarseOne:
         """The equation of one field."""
@@ -83,6 +83,12 @@ class Grid:
         """The equations of two fields."""
         (e, f), (b, c) = self.correction, self.source
         return CoarseTwo(e, f, b, c, np.float32(bed), np.float32(spread), lag, *self.mesh)
+
+    @cached_property
+    def areas(self) -> Field:
+        """Sizes of the cells."""
+        y, x = self.axes
+        return np.outer(y.size, x.size)
 
     def in_order(self, field: Single) -> Field:
         """A field as a vector; for the coarsest grid."""
@@ -120,8 +126,8 @@ class Hierarchy:
         self.sites, self.backend = sites, backend
         y, x = (Axis.fine(n, mirrored=sites.mirrored) for n in sites[:2])
         self.grids: list[Grid] = []
-        while not self.grids or self.grids[-1].areas.size > _COARSEST:
-            y, x = y.coarser(), x.coarser()
+        while not self.grids or math.prod(self.grids[-1].sites[:2]) > _COARSEST:
+            y, x = y.coarser, x.coarser
             self.grids.append(Grid(y, x, fields, backend))
 
     @cached_property

@@ -90,7 +90,8 @@ class OneField:
         uniform, _ = self.measure(tolerance)
         for cycle in range(1, max_cycles + 1):
             backend.sweep_1(self.equation(), 4)
-            found = backend.restrict_1(self.equation(), first.source[0], first.sites)
+            eq = self.equation()
+            found = backend.restrict_1(eq, first.source[0], first.sites)
             if found.contacts == 0 and springs.load is not None:
                 backend.touch(self.correction, self.bound)  # something must carry the load
                 continue
@@ -99,13 +100,14 @@ class OneField:
                 uniform, converged = self.measure(tolerance)
                 if converged:
                     return True, uniform, cycle
-                backend.restrict_1(self.equation(), first.source[0], first.sites)
+                eq = self.equation()
+                backend.restrict_1(eq, first.source[0], first.sites)
             if found.contacts != pinned:
                 self.set_pins(found.contacts)
                 pinned = found.contacts
             self.correct_on_grid(0)
             # Move by the combination of correction and previous move that has the lowest energy.
-            eq, directions = self.equation(), (first.joined[0], self.previous)
+            directions = first.joined[0], self.previous
             backend.correct_1(eq, *directions, *lowest(backend.products_1(eq, *directions), self.coupling))
         backend.settle(u, heights, self.correction, self.bound, self.unit, self.sites)
         return False, uniform, max_cycles

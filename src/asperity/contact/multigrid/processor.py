@@ -113,7 +113,9 @@ class Processor:
 
     def _sums(self, sites: Sites) -> Field:
         """A place for numbers by rows."""
-        return self._kept.setdefault(sites.rows, np.zeros((sites.rows, 7)))
+        if sites.rows not in self._kept:
+            self._kept[sites.rows] = np.zeros((sites.rows, 7))
+        return self._kept[sites.rows]
 
     # Fields.
 

@@ -277,7 +277,8 @@ class TwoFields:
         shift = self.correct_on_grid(0, missing)
         e, f = self.hierarchy.joined
         latest, self.latest = self.latest, e - f
-        size = math.sqrt(float(np.mean(self.latest**2, dtype=float)))
+        squares = np.vecdot(self.latest, self.latest)
+        size = math.sqrt(float(np.mean(squares, dtype=float)) / self.latest.shape[1])
         if not math.isfinite(size):
             return size, 1.0
         last, self.weights = self.weights[0], (1.0, 0.0)
