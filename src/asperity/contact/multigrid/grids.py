@@ -96,8 +96,8 @@ class Grid:
 
     def hand_over(self, found: Field) -> None:
         """Set the corrections, one after the other in a vector; for the coarsest grid."""
-        for joined, values in zip(self.joined, np.split(found, len(self.joined)), strict=True):
-            joined[...] = values.reshape(joined.shape)
+        for joined, values in zip(self.joined, found.reshape(-1, *self.sites[:2]), strict=True):
+            joined[...] = values
 
     @cached_property
     def laplacian(self) -> Field:
