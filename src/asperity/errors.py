@@ -27,11 +27,7 @@ __all__ = [
     "OutputError",
     "SurfaceFileError",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy
 
 
 class AsperityError(Exception):

@@ -3,8 +3,4 @@
 from asperity.aging.march import Frame, creep
 
 __all__ = ["Frame", "creep"]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

@@ -38,8 +38,4 @@ __all__ = [
     "turnover",
     "with_limit",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

@@ -119,10 +119,6 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
         Law of the heights, such as ``theory.GaussianHeights(rms=1.0)``, if the sites are independent;
         None for any other surface, about which the dilute theory says nothing.
 
-    Returns
-    -------
-    AgingSummary
-
     Raises
     ------
     InputError

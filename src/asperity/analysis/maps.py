@@ -170,10 +170,6 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         The dataset of a `History` that kept fields (``fields_at``), with the relaxed state if
         `with_limit` added it.
 
-    Returns
-    -------
-    ContactMaps
-
     Raises
     ------
     InputError

@@ -131,10 +131,6 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
     connectivity
         As `patches` takes it.
 
-    Returns
-    -------
-    PatchTracks
-
     Raises
     ------
     InputError

@@ -18,8 +18,4 @@ __all__ = [
     "table",
     "tally",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

@@ -20,8 +20,4 @@ __all__ = [
     "solve",
     "write",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

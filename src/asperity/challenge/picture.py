@@ -19,10 +19,6 @@ def score_figure(score: Score) -> Figure:
     ----------
     score
         From `asperity.challenge.score`.
-
-    Returns
-    -------
-    Figure
     """
     checks.instance("score", score, Score, "asperity.challenge.score(result)")
     count = len(score.quantities)

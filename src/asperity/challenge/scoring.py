@@ -109,10 +109,6 @@ def score(result: str | Path | Mapping[str, ArrayLike], name: str | None = None)
     name
         The problem; by default what the file says in a line ``# problem: NAME``.
 
-    Returns
-    -------
-    Score
-
     Raises
     ------
     InputError

@@ -6,8 +6,4 @@ from asperity.contact.multigrid import Multigrid
 from asperity.contact.state import Contact
 
 __all__ = ["ActiveSet", "Contact", "Control", "Load", "Multigrid", "Separation"]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

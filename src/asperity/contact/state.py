@@ -248,10 +248,6 @@ class Contact(views.InNotebooks):
         colorbar
             Whether to explain the colors.
 
-        Returns
-        -------
-        Axes
-
         Raises
         ------
         InputError

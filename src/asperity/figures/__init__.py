@@ -42,8 +42,4 @@ __all__ = [
     "sliding_figure",
     "surface_figure",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

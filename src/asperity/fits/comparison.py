@@ -84,10 +84,6 @@ def compare(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -
     """Fit both laws and say which the data prefer.
 
     Arguments and errors are those of `saturation`, but two values more are needed.
-
-    Returns
-    -------
-    Comparison
     """
     curve = Curve.checked(time, area, stderr, parameters=3)
     # Parameters besides C and t0 of both: q of one, A(0) if it is fitted, the variance if it is not given.

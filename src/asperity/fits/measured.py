@@ -115,10 +115,6 @@ def measured_growth(
     name
         What the values are, for messages.
 
-    Returns
-    -------
-    MeasuredGrowth
-
     Raises
     ------
     InputError

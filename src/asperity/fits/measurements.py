@@ -61,10 +61,6 @@ def read_measurements(
         The columns: a name in the file's header, or a number, counted from 0. By default time and value
         are the first two, after the index 0, 1, 2, ... that pandas writes before them, if there is one.
 
-    Returns
-    -------
-    Measurements
-
     Raises
     ------
     InputError

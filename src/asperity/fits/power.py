@@ -62,10 +62,6 @@ def power_law(x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None = None) -> Po
         Standard errors of y, shape (n,), if they are known; small beside y, for ln y has stderr/y then.
         Without them all relative errors of y are taken to be alike.
 
-    Returns
-    -------
-    PowerLawFit
-
     Raises
     ------
     InputError

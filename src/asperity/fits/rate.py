@@ -110,10 +110,6 @@ def growth_rate(
     initial, initial_stderr
         A(0) and its standard error; needed where no area at time 0 is given, and used in place of those.
 
-    Returns
-    -------
-    GrowthRate
-
     Raises
     ------
     InputError

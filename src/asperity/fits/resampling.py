@@ -61,10 +61,6 @@ def jackknife(
     samples
         One array of shape (runs, ...), or a tuple of such arrays for the same runs.
 
-    Returns
-    -------
-    Estimate
-
     Raises
     ------
     InputError

@@ -26,8 +26,4 @@ __all__ = [
     "synthetic_record",
     "velocity_steps",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

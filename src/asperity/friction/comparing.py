@@ -103,10 +103,6 @@ def compare_state_laws(
     a, V_0, events
         As in `rate_and_state`.
 
-    Returns
-    -------
-    StateLaws
-
     Raises
     ------
     InputError

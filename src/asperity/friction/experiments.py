@@ -127,10 +127,6 @@ def synthetic_record(
     strength_at_rest, si
         As in `Record`.
 
-    Returns
-    -------
-    Record
-
     Raises
     ------
     InputError

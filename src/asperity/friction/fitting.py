@@ -158,10 +158,6 @@ def rate_and_state(
         until the velocity steps, ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is
         followed through the whole record in any case.
 
-    Returns
-    -------
-    RateAndStateFit
-
     Raises
     ------
     InputError

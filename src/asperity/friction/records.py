@@ -325,10 +325,6 @@ def read_record(
     strength_at_rest
         As in `Record`.
 
-    Returns
-    -------
-    Record
-
     Raises
     ------
     InputError

@@ -24,8 +24,4 @@ __all__ = [
     "shapes_of",
     "turnover",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

@@ -121,10 +121,6 @@ def patches(in_contact: ArrayLike, connectivity: int = 1, *, edges: Edges = "per
     edges
         "periodic": the last site of an axis is a neighbor of the first; "reflecting": it is not.
 
-    Returns
-    -------
-    Patches
-
     Raises
     ------
     InputError

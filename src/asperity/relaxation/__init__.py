@@ -32,8 +32,4 @@ __all__ = [
     "read",
     "wlf",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

@@ -91,10 +91,6 @@ def fit(data: Measured, *, per_decade: float = 1.0, over: tuple[float, float] | 
     over
         First and last time, s, that the fit will be used for; refused where the data do not reach.
 
-    Returns
-    -------
-    Fit
-
     Raises
     ------
     InputError

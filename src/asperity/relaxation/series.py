@@ -273,10 +273,6 @@ def from_retardation(
     fluidity
         Rate of flow f under unit stress, compliance per time; 0 for a solid.
 
-    Returns
-    -------
-    PronySeries
-
     Raises
     ------
     InputError

@@ -5,8 +5,4 @@ from asperity.results.history import History
 from asperity.results.store import load, save
 
 __all__ = ["Checkpoint", "History", "load", "save"]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

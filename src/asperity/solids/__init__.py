@@ -35,8 +35,4 @@ __all__ = [
     "layer",
     "spring_lattice",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

@@ -135,10 +135,6 @@ class Eyring(LocalCreep):
         prefactor
             v0 where kT is far above Q, m/s: twice an attempt frequency times the length of a jump.
 
-        Returns
-        -------
-        Eyring
-
         Raises
         ------
         InputError

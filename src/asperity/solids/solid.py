@@ -134,10 +134,6 @@ class Solid(views.InNotebooks):
             A pressure > 0, in Pa or with a unit under a surface with units: ``"0.3 GPa"``; on the lattice of
             springs the force of a site. None returns the solid as it is.
 
-        Returns
-        -------
-        Solid
-
         Raises
         ------
         InputError

@@ -39,10 +39,6 @@ def spring_lattice(
         Largest force of a site, above which the rough surface yields; see
         `asperity.solids.Solid.with_hardness`.
 
-    Returns
-    -------
-    Solid
-
     Raises
     ------
     InputError

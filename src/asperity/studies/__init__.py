@@ -23,6 +23,7 @@ STUDIES = {study.name: study for study in _ALL}
 """All studies by name, in the order of the list."""
 
 __all__ = ["STUDIES", "Concluded", "Outcome", "Study", "conclude", "named", "run"]
+__dir__ = __all__.copy
 
 
 def named(name: str) -> Study:
@@ -75,8 +76,3 @@ def run(
     with one.prepared_in(directory, quick=quick, seed=seed) as prepared:
         run_campaigns(prepared, workers=workers)
         return conclude(one, directory, prepared, quick=quick, command=command, seed=seed)
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__

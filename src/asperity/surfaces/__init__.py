@@ -25,8 +25,4 @@ __all__ = [
     "spectral",
     "statistics",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

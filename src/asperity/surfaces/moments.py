@@ -89,10 +89,6 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
         Distance between sites along each axis, in the unit of the heights if the slope shall be a
         pure number; None counts in pixels.
 
-    Returns
-    -------
-    Statistics
-
     Raises
     ------
     InputError

@@ -167,10 +167,6 @@ def power_spectrum(
         exponent from 0 to 1 that is known to 0.25 or better, and whose first or last bins do not leave the
         line together.
 
-    Returns
-    -------
-    PowerSpectrum
-
     Raises
     ------
     InputError

@@ -71,8 +71,4 @@ __all__ = [
     "westergaard_area",
     "winkler_area",
 ]
-
-
-def __dir__() -> list[str]:
-    """List the public names."""
-    return __all__
+__dir__ = __all__.copy

@@ -81,10 +81,6 @@ def hertz(load: ArrayLike, *, modulus: ArrayLike, radius: ArrayLike, period: flo
         Of a square array (length): much larger than the contact. The approach is then measured to the mean of
         the surface, as it is on a periodic lattice. By default there is one sphere.
 
-    Returns
-    -------
-    Hertz
-
     Raises
     ------
     InputError
