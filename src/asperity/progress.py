@@ -6,10 +6,10 @@ import math
 import sys
 import time as clock
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from html import escape
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from asperity.aging import Frame
 from asperity.words import printable
@@ -21,8 +21,13 @@ _EVERY = 0.1
 """Seconds between changes of a bar in a notebook."""
 
 
+def told(progress: Progress | bool | None) -> AbstractContextManager[Progress]:
+    """Whom to tell how far a run has come: where the user is for True, the user's own, or nobody."""
+    return progress_shown() if progress is True else nullcontext(progress or Progress())
+
+
 @contextmanager
-def progress_shown() -> Iterator[Shown]:
+def progress_shown() -> Iterator[Progress]:
     """Show progress where the user is: in the notebook, or on the error stream, until the run ends."""
     notebook = _notebook()
     if notebook is not None:
@@ -35,7 +40,8 @@ def progress_shown() -> Iterator[Shown]:
         yield _Lines()
     else:
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+        from rich.progress import Progress as Shown
 
         columns = (
             SpinnerColumn(),
@@ -44,12 +50,12 @@ def progress_shown() -> Iterator[Shown]:
             TextColumn("{task.fields[state]}"),
             TimeElapsedColumn(),
         )
-        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        with Shown(*columns, console=Console(stderr=True), transient=True) as bar:
             yield _OnTerminal(bar)
 
 
-class Shown:
-    """Someone who is told how far a run has come, and shows nothing of it yet."""
+class Progress:
+    """Someone who is told how far a run has come; this one tells nobody."""
 
     def __init__(self) -> None:
         self.times: Sequence[float] = ()
@@ -57,8 +63,8 @@ class Shown:
     def stage(self, name: str, times: Sequence[float] = ()) -> None:
         """Begin a stage; aging passes the times that it will record."""
 
-    def completed(self, config: object) -> None:
-        """Nothing of the configuration is left open any more."""
+    def completed(self, config: Any) -> None:
+        """Nothing is left open any more: the configuration with its load and times."""
 
     def remark(self, text: str) -> None:
         """The user should know this before the run ends."""
@@ -74,7 +80,7 @@ class Shown:
         return f"t = {frame.time:.3g} of {self.times[-1]:.3g}, {_area(frame)}"
 
 
-class _Lines(Shown):
+class _Lines(Progress):
     """Plain lines, for logs."""
 
     def __init__(self) -> None:
@@ -99,7 +105,7 @@ class _Lines(Shown):
         print(printable(text), file=sys.stderr, flush=True)
 
 
-class _OnTerminal(Shown):
+class _OnTerminal(Progress):
     """A bar whose length is the number of times recorded."""
 
     def __init__(self, bar: Bar) -> None:
@@ -118,7 +124,7 @@ class _OnTerminal(Shown):
         self._bar.update(self._task, completed=self._done(frame), state=self._state(frame))
 
 
-class _InNotebook(Shown):
+class _InNotebook(Progress):
     """The same as HTML below the cell, which changes in place; no widgets are needed."""
 
     def __init__(self, display: ModuleType) -> None:

@@ -23,7 +23,7 @@ from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.progress import Shown, progress_shown
+from asperity.progress import told
 from asperity.protocols import Change, Leg, Schedule, checked_direction, legs_of, sites_along
 from asperity.protocols import Hold as HoldLeg
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
@@ -241,12 +241,12 @@ def age(
 @contextmanager
 def _told(progress: Callable[[Frame], None] | bool | None, stops: Field) -> Iterator[Callable[[Frame], None]]:
     """What is told how far aging has come: a bar, the user's own, or nobody."""
-    if progress is True:
-        with progress_shown() as shown:
-            shown.stage("aging", times=stops.tolist())
-            yield shown.reached
-    else:
-        yield progress or Shown().reached
+    if callable(progress):
+        yield progress
+        return
+    with told(progress) as shown:
+        shown.stage("aging", times=stops.tolist())
+        yield shown.reached
 
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:

@@ -15,7 +15,7 @@ from asperity.config import config_from
 from asperity.explore.export import exported_page
 from asperity.explore.scene import ending, recorded
 from asperity.results import save
-from asperity.runs.pipeline import Silent, execute
+from asperity.runs import Progress, execute
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FOLDER = Path(__file__).parent
@@ -113,10 +113,10 @@ def outcome():
         {},
         None,
     )
-    first = execute(config, Silent())
+    first = execute(config, Progress())
     times = np.unique(first.dataset["time"].values).tolist()
     maps = config.output.model_copy(update={"maps_at": times})
-    return execute(config.model_copy(update={"output": maps}), Silent())
+    return execute(config.model_copy(update={"output": maps}), Progress())
 
 
 @pytest.fixture(scope="session")

@@ -12,7 +12,7 @@ from PIL.GifImagePlugin import GifImageFile
 import asperity as asp
 from asperity.config import config_from
 from asperity.config.reading import read_tables
-from asperity.runs.pipeline import Silent, execute
+from asperity.runs import Progress, execute
 from tests.browser.conftest import finished, rows, state, until
 
 SMALL = {"surface": {"shape": [48, 48]}, "aging": {"per_decade": 2}}
@@ -43,7 +43,7 @@ def again(page, act):
 
 
 def computed(config):
-    return execute(config_from(config, {}, None), Silent()).dataset
+    return execute(config_from(config, {}, None), Progress()).dataset
 
 
 def test_the_usual_run(tab, served):
@@ -246,7 +246,7 @@ def test_what_is_copied_gives_the_same_numbers(live, tmp_path):
     path = tmp_path / "copied.toml"
     path.write_text(page.evaluate("navigator.clipboard.readText()"))
     config = config_from(read_tables(path), {}, path)
-    assert execute(config, Silent()).dataset["area"].values.tolist() == areas
+    assert execute(config, Progress()).dataset["area"].values.tolist() == areas
     page.click("#take summary")
     page.select_option("#language", "python")
     text = page.evaluate("document.querySelector('#text').value")

@@ -10,7 +10,7 @@ import pytest
 import asperity.campaign as campaign
 import asperity.campaign.forecast as forecast
 from asperity.campaign.store import Store
-from asperity.runs import Silent, execute
+from asperity.runs import Progress, execute
 from tests.campaign.conftest import do_here, written
 
 CASES = {
@@ -100,7 +100,7 @@ def test_within_a_factor_of_two_of_the_campaign(tmp_path, text):
     judged = campaign.estimate(plan, tmp_path / "out")
     begin = time.process_time()
     for run in plan.runs:
-        execute(run.config, Silent())
+        execute(run.config, Progress())
     truth = time.process_time() - begin
     assert truth / 2 < computing(judged) < 2 * truth
 

@@ -190,7 +190,7 @@ def test_defaults_in_the_help_are_those_of_a_run(asperity: Asperity) -> None:
     for words in (
         "200 200]",
         "--rms FLOAT Rms height. For gaussian, exponential. [default: 1]",
-        "By default 1e+06, or ten times",
+        "ten times the longest relaxation time, else 1e+06.",
     ):
         assert words in text
 

@@ -20,7 +20,7 @@ from asperity.cli import main
 from asperity.cli import predict as command
 from asperity.figures.page import quantity
 from asperity.figures.prediction import growth_figure
-from asperity.runs import Silent
+from asperity.runs import Progress
 from asperity.runs.prediction import Modulus
 from tests.cli.conftest import Asperity
 from tests.refusals import refuses
@@ -179,11 +179,16 @@ def test_what_the_table_measures(files: Path, scan: asp.surfaces.Surface, predic
 def test_another_temperature_shifts_every_time(
     files: Path, prediction: Prediction, undrawn: list[Prediction], tmp_path: Path
 ) -> None:
-    warm = ("--temperature", "40degC", "--reference", "293.15 K", "--activation-energy", "100kJ/mol")
-    assert main([*words(files, "--pressure", "40MPa", *warm, "-q", "--out", tmp_path / "out")]) == 0
-    factor = np.exp(1e5 / 8.31446261815324 * (1 / 313.15 - 1 / 293.15))
-    np.testing.assert_allclose(undrawn[0].time, factor * prediction.time, rtol=1e-6)
-    np.testing.assert_allclose(undrawn[0].series("area"), prediction.series("area"), atol=1)
+    # A value that begins with a minus is none of the flags.
+    for here, there, kelvin in (
+        ("40degC", "293.15 K", (313.15, 293.15)),
+        ("-5degC", "-15degC", (268.15, 258.15)),
+    ):
+        warm = ("--temperature", here, "--reference", there, "--activation-energy", "100kJ/mol")
+        assert main([*words(files, "--pressure", "40MPa", *warm, "-q", "--out", tmp_path / "out")]) == 0
+        factor = np.exp(1e5 / 8.31446261815324 * (1 / kelvin[0] - 1 / kelvin[1]))
+        np.testing.assert_allclose(undrawn[-1].time, factor * prediction.time, rtol=1e-6)
+        np.testing.assert_allclose(undrawn[-1].series("area"), prediction.series("area"), atol=1)
 
 
 def test_what_the_instrument_sees_is_in_the_summary(finished: Path) -> None:
@@ -353,19 +358,19 @@ def test_an_interrupted_prediction_goes_on(
     undrawn: list[Prediction],
     tmp_path: Path,
 ) -> None:
-    class Impatient(Silent):
+    class Impatient(Progress):
         def reached(self, frame: asp.Frame) -> None:
             if frame.time > 1.0:
                 raise KeyboardInterrupt
 
     monkeypatch.setattr(command, "_CHECKPOINT_EVERY", 0.0)
-    monkeypatch.setattr("asperity.cli.progress.Silent", Impatient)
+    monkeypatch.setattr("asperity.progress.Progress", Impatient)
     call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
     status, _, said = asperity(*call)
     assert status == 130
     assert "the same command goes on from" in said
     assert [path.suffix for path in tmp_path.iterdir()] == [".checkpoint"]
-    monkeypatch.setattr("asperity.cli.progress.Silent", Silent)
+    monkeypatch.setattr("asperity.progress.Progress", Progress)
     assert asperity(*call) == (0, "", "")
     assert list(tmp_path.iterdir()) == []
     for name in ("contact_area_corrected", "iterations", "in_contact"):
@@ -503,6 +508,8 @@ def test_what_python_refuses(files: Path, scan: asp.surfaces.Surface) -> None:
         asp.predict(table, asp.surfaces.Surface(scan.heights), pressure=1e6)
     with refuses("data"):
         asp.predict(3.5, scan, pressure=1e6)  # type: ignore[arg-type]
+    with refuses("surface"):
+        asp.predict(table, scan.heights, pressure=1e6)  # type: ignore[arg-type]
 
 
 @pytest.mark.skipif(not (DATA / "mi-1.mi").is_file(), reason="needs ASPERITY_DATA")

@@ -350,10 +350,13 @@ def test_the_summary_counts_what_has_yielded(tmp_path: Path, asperity: Asperity)
         ),
         ((), "material: expected a relaxation table, a TOML file, or --young, got none"),
         (("--young", "3"), "--young: expected a number with its unit, got 3"),
-        (("--young", "3GPa", "--creep", "eyring"), "creep: expected creep_rate, creep_stress"),
+        (
+            ("--young", "3GPa", "--creep", "eyring"),
+            "--creep: expected --creep-rate, --creep-stress or --creep-energy, --creep-prefactor",
+        ),
         (
             ("--young", "3GPa", "--creep-stress", "20MPa"),
-            "creep: expected eyring or norton beside creep_stress",
+            "--creep: expected eyring or norton beside --creep-stress, got none",
         ),
         (
             ("--young", "3GPa", "--permanent", "0.01", "--creep", "norton"),

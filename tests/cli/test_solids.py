@@ -13,7 +13,7 @@ from asperity.analysis.scan import written
 from asperity.cli import main
 from asperity.config import read_config
 from asperity.results import Checkpoint
-from asperity.runs import Silent, execute
+from asperity.runs import Progress, execute
 from tests.cli.conftest import Asperity
 
 BRANCHES = [(0.3, 0.01), (0.3, 1.0), (0.2, 100.0)]
@@ -143,7 +143,7 @@ class StopHereError(Exception):
     """Stands for a kill."""
 
 
-class Stopping(Silent):
+class Stopping(Progress):
     """Stops at a time."""
 
     def __init__(self, time):
@@ -178,14 +178,14 @@ def test_a_stopped_run_goes_on_to_the_identical_result(scan, tmp_path, protocol)
     else:
         flags["protocol"] = {"legs": protocol}
     config = read_config(path, flags)
-    undisturbed = execute(config, Silent()).dataset
+    undisturbed = execute(config, Progress()).dataset
     assert ("exact_contact" in undisturbed.attrs) or protocol
     for stops in ([0.1], [0.05, 1.0, 1.5]):
         checkpoint = Checkpoint(tmp_path / f"{len(stops)}.npz", every=0.0)
         for stop in stops:
             with pytest.raises(StopHereError):
                 execute(config, Stopping(stop), checkpoint=checkpoint)
-        resumed = execute(config, Silent(), checkpoint=checkpoint).dataset
+        resumed = execute(config, Progress(), checkpoint=checkpoint).dataset
         xr.testing.assert_identical(resumed, undisturbed)
 
 

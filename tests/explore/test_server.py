@@ -14,7 +14,7 @@ import pytest
 from asperity.config import config_from
 from asperity.config.python import to_python
 from asperity.explore.export import page_files
-from asperity.runs import Silent, execute, recorded_times
+from asperity.runs import Progress, execute, recorded_times
 from tests.explore.conftest import LARGE, QUICK, Server, column, maps, only
 
 pytest.importorskip("uvicorn", reason="needs the extra explore")
@@ -95,7 +95,7 @@ def test_a_run_has_the_numbers_of_the_command_line(server: Server, config: dict[
     scene = only(messages, "scene")[0]
     asked = config_from({**scene["config"], "solid": _finite(scene["config"]["solid"])}, {}, None)
     asked = asked.model_copy(update={"output": asked.output.model_copy(update={"maps_at": [0.0]})})
-    outcome = execute(asked, Silent())
+    outcome = execute(asked, Progress())
     dataset = outcome.dataset
     for name in ("time", "area", "load", "separation", "residual"):
         assert np.array_equal(column(messages, name), dataset[name].values)

@@ -43,7 +43,7 @@ def problems_of(path: Path | None, flags: dict[str, dict[str, object]] | None = 
 def flags_of(section: str, **words: str | list[str]) -> dict[str, dict[str, object]]:
     """What the flags of a section give that were written with these words."""
     made: Any = flags_for(section)
-    return given(made(**words))
+    return given(made(**{f"{section}_{key}": word for key, word in words.items()}))
 
 
 def test_without_a_file_the_conditions_are_the_papers() -> None:
@@ -209,8 +209,9 @@ def test_a_surface_file_is_looked_for_beside_the_configuration(tmp_path: Path) -
     surface = read_config(written(tmp_path, "[surface]\npath = 'a.npy'"), {}).surface
     assert isinstance(surface, MeasuredSurface)
     assert Path(surface.path) == tmp_path / "a.npy"
-    words: Any = [flags_for("surface"), flags_for("preparation")]
-    by_flag = read_config(None, given(words[0](path="a.npy"), words[1](channel="2", unit="µm"))).surface
+    words: Any = flags_for("surface", "preparation")
+    flags = words(surface_path="a.npy", surface_channel="2", surface_unit="µm")
+    by_flag = read_config(None, given(flags)).surface
     assert isinstance(by_flag, MeasuredSurface)
     assert (by_flag.path, by_flag.channel, by_flag.unit) == ("a.npy", 2, "um")
 
@@ -306,7 +307,7 @@ def test_whole_numbers_are_not_rounded(section: str, key: str) -> None:
 
 def test_every_key_has_one_flag_and_its_help() -> None:
     sections = ("surface", "preparation", "solid", "contact", "aging", "friction", "output")
-    keys = {(flags_for(name).section, key) for name in sections for key in flags_for(name).keys}
+    keys = {(section, key.name) for section, key in flags_for(*sections).keys.values()}
     models = {name: models_of(name) for name in ORDER}
     assert keys == {
         (section, key) for section, known in models.items() for model in known for key in model.model_fields

@@ -10,7 +10,7 @@ import pytest
 
 from asperity.config import RunConfig, config_from, to_toml
 from asperity.config.python import to_python
-from asperity.runs import Silent, execute, recorded_times
+from asperity.runs import Progress, execute, recorded_times
 from tests.refusals import refuses
 
 GAUSSIAN = {"kind": "gaussian", "shape": [16, 12], "rms": 0.7, "seed": 3}
@@ -76,7 +76,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 def completed(tables: dict[str, Any]) -> tuple[RunConfig, Any]:
     tables = {"aging": {} if "protocol" in tables else SHORT, **tables}
-    outcome = execute(config_from(tables, {}, None), Silent())
+    outcome = execute(config_from(tables, {}, None), Progress())
     return outcome.config, outcome.dataset
 
 

@@ -14,7 +14,7 @@ from asperity.config.reading import from_tables, read_config, to_tables, to_toml
 from asperity.config.solids import HalfSpace, Layer, SpringLattice
 from asperity.errors import ConfigError
 from asperity.lattice import Lattice
-from asperity.runs import Silent, execute
+from asperity.runs import Progress, execute
 from asperity.words import has_unit, numbers, written_with_units
 from tests.refusals import refuses
 
@@ -28,7 +28,9 @@ def configured(folder, text):
 
 
 def flagged(section, **words):
-    return read_config(None, given(flags_for(section)(**words)))
+    return read_config(
+        None, given(flags_for(section)(**{f"{section}_{key}": word for key, word in words.items()}))
+    )
 
 
 def spectra(solid):
@@ -228,7 +230,7 @@ def test_a_zero_with_a_unit_has_a_unit(tmp_path):
     (found,) = written_with_units(config.model_dump())
     assert (found, found.written) == (0.0, "0 s")
     with refuses("units"):
-        execute(config, Silent())
+        execute(config, Progress())
 
 
 @pytest.mark.parametrize(

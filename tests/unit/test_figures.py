@@ -540,6 +540,12 @@ def test_the_depth_of_what_has_yielded_has_a_unit() -> None:
     assert float(depth) == pytest.approx(deepest, rel=0.05)
 
 
+def test_maps_on_both_sides_of_a_shift_say_which_they_are(yielded: History) -> None:
+    figure = contact_figure(contact_maps(yielded.dataset))
+    titles = [axes.get_title().split(":")[0] for axes in figure.axes[1:6] if axes.get_title()]
+    assert titles[:3] == ["$t$ = $0$", "$t$ = $2$, just before", "$t$ = $2$, just after"]
+
+
 def test_gaps_are_above_the_surface_where_it_has_slid_and_yielded(yielded: History) -> None:
     assert yielded.dataset["field_shift_x"][-1] == 3
     *_, last = found = distributions(yielded.dataset)

@@ -6,7 +6,7 @@ import pytest
 import asperity.runs.pipeline as module
 from asperity.config import config_from
 from asperity.errors import ConvergenceError, InputError
-from asperity.runs import Silent, execute
+from asperity.runs import Progress, execute
 from asperity.runs.defaults import hold_times, map_times, modest_load
 from tests.refusals import refuses
 
@@ -19,7 +19,7 @@ def test_a_limit_that_is_not_found_is_a_remark_and_no_loss(monkeypatch):
         raise ConvergenceError("gave up")
 
     monkeypatch.setattr(module, "relax", fail)
-    outcome = execute(SMALL, Silent())
+    outcome = execute(SMALL, Progress())
     assert outcome.remarks[-1] == "no relaxed state: gave up"
     assert outcome.summary is not None
     assert outcome.summary.relaxed_ratio is None
@@ -36,7 +36,7 @@ def test_a_slide_that_cannot_be_is_refused_before_anything_is_pressed(monkeypatc
         solid = {"hardness": 10.0} if "substeps" in change else {}
         tables = {"surface": surface, "solid": solid, "protocol": [leg | change]}
         with refuses("direction" if "direction" in change else "slide"):
-            execute(config_from(tables, {}, None), Silent())
+            execute(config_from(tables, {}, None), Progress())
 
 
 def test_a_distance_without_a_unit_that_is_odd_in_si_gets_a_remark():

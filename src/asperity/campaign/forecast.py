@@ -29,7 +29,7 @@ from asperity.config.solids import Continuum
 from asperity.errors import AsperityError
 from asperity.patches import QUANTILES
 from asperity.results.quantities import OF_MAPS
-from asperity.runs import Silent, execute, recorded_times
+from asperity.runs import Progress, execute, recorded_times
 from asperity.surfaces import Surface
 from asperity.surfaces.prepare import is_length
 
@@ -213,7 +213,7 @@ def _seconds(config: RunConfig, most: int) -> tuple[int, float]:
         small, sites = _shrunk(config, most, Path(folder))
         begin = clock.process_time()
         with suppress(AsperityError):  # it would fail in the campaign too, after as long a time
-            execute(small, Silent())
+            execute(small, Progress())
         return sites, clock.process_time() - begin
 
 

@@ -12,6 +12,7 @@ import pandas as pd
 import xarray as xr
 
 import asperity.checks as checks
+import asperity.results.quantities as quantities
 from asperity._version import __version__
 from asperity.campaign.plan import Axis, Plan, Run, name_of, put, seeded, value_at
 from asperity.campaign.store import FITTED, QUANTITIES, Finished, Store
@@ -19,15 +20,6 @@ from asperity.config import RunConfig, from_tables, to_tables
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import in_words
-from asperity.results.quantities import (
-    OF_MAPS,
-    Units,
-    attribute_of,
-    of_parameter,
-    plain,
-    units_named,
-    units_of_parameters,
-)
 from asperity.words import reason_of, tables_to_toml
 
 _NO_ENSEMBLE = (
@@ -114,7 +106,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             long_name, unit = described[name]
             dataset[free] = ((*dims, along), values, {"long_name": long_name, "units": unit})
     dataset = dataset.assign(_of_maps(plan, finished, dims, shape))
-    units = units_named({name: unit for name, (_, unit) in described.items()})
+    units = quantities.units_named({name: unit for name, (_, unit) in described.items()})
     for row, name in enumerate(names):
         when, _, of_what = name.partition("_")
         long_name, unit = _SCALARS.get(name.removesuffix("_uncertainty"), (name.replace("_", " "), "1"))
@@ -128,7 +120,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             long_name = f"{long_name}, standard error of the fit"
         dataset[name] = (dims, scalars[row], {"long_name": long_name, "units": units.get(unit, unit)})
     for name in set(map(str, dataset.coords)) - {"field_time", "quantile"}:
-        long_name, unit = of_parameter(name) or described.get(name, ("", ""))
+        long_name, unit = quantities.of_parameter(name) or described.get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
     if "seed" in dims:
         dataset = _with_ensemble(dataset)
@@ -210,7 +202,9 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     for name, long_name in series.items():
         quantity = name.removesuffix("_history")
         values = dataset[name]
-        along, known = (over_time, QUANTITIES) if over_time in values.dims else ("field_time", tuple(OF_MAPS))
+        along, known = (
+            (over_time, QUANTITIES) if over_time in values.dims else ("field_time", tuple(quantities.OF_MAPS))
+        )
         if along not in values.dims or quantity in _NO_ENSEMBLE or quantity not in known:
             continue
         if "quantile" in values.dims:
@@ -315,7 +309,7 @@ def _holds_separation(run: Run) -> bool:
     return run.config.contact.separation is not None if hold is None else hold == "separation"
 
 
-def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
+def _in_common(plan: Plan, units: quantities.Units) -> dict[str, Any]:
     """What all runs have in common, key by key, and the file of the campaign."""
     tables = to_tables(plan.runs[0].config)
     tables["output"].pop("figures")
@@ -339,13 +333,13 @@ def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
     legs = tables.pop("protocol", None)
     tables["solid"]["solid"] = tables["solid"].pop("kind")
     facts = {key: value for name, table in tables.items() if name != "output" for key, value in table.items()}
-    facts = {name: one for key, value in facts.items() for name, one in plain(key, value).items()}
-    facts["parameter_units"] = units_of_parameters(facts, units)
+    facts = {name: one for key, value in facts.items() for name, one in quantities.plain(key, value).items()}
+    facts["parameter_units"] = quantities.units_of_parameters(facts, units)
     for axis in plan.axes:
         if axis.section == "protocol":
             put(legs, axis.name.partition(".")[2], "swept")
         elif "." in axis.name:
-            facts.pop(attribute_of(axis.name), None)
+            facts.pop(quantities.attribute_of(axis.name), None)
     if legs is not None:
         facts |= {"protocol": json.dumps(legs), "protocol_in_words": in_words(legs)}
     return facts | {"config": config}

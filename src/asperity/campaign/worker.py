@@ -12,7 +12,7 @@ from asperity.campaign.store import Store
 from asperity.config import RunConfig, from_tables
 from asperity.errors import AsperityError, CheckpointError, InputError, OutputError
 from asperity.results import Checkpoint
-from asperity.runs import Silent, execute
+from asperity.runs import Progress, execute
 
 State = Literal["done", "failed", "busy", "disk", "version"]
 Report = tuple[str, State, str]
@@ -55,10 +55,10 @@ def _compute(store: Store, identity: str, config: RunConfig, content: str) -> No
     begin = clock.perf_counter()
     place = Checkpoint(store.checkpoint(identity), every=_CHECKPOINT_EVERY)
     try:
-        outcome = execute(config, Silent(), checkpoint=place)
+        outcome = execute(config, Progress(), checkpoint=place)
     except CheckpointError:  # it only saves time: without it the run begins anew
         Path(place.path).unlink()
-        outcome = execute(config, Silent(), checkpoint=place)
+        outcome = execute(config, Progress(), checkpoint=place)
     read = json.loads(str(outcome.dataset.attrs["surface"])).get("sha256", "")
     if content and read != content:
         raise InputError("surface", expected="the file as it was planned", got="one that has changed since")

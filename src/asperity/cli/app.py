@@ -45,13 +45,13 @@ _ENSEMBLES, _WORK = Ensembles(), Work()
 def _command(
     *sections: str, name: str | None = None, of: App = app
 ) -> Callable[[Callable[_P, None]], Callable[_P, None]]:
-    """Add a command; parameters named after sections of the configuration take the flags of their keys."""
+    """Add a command; its parameter ``keys`` takes the flags for the keys of sections of the configuration."""
 
     def add(command: Callable[_P, None]) -> Callable[_P, None]:
         command.__doc__ = paragraphs(command.__doc__ or "")
         of.command(command, name=name)
-        for section in sections:  # words, which are read when the command is used
-            command.__annotations__[section] = f"flags_for({section!r}) | None"
+        if sections:  # words, which are read when the command is used
+            command.__annotations__["keys"] = f"flags_for{sections} | None"
         return command
 
     return add
@@ -67,13 +67,7 @@ def run(
     quiet: Quiet = False,
     show: Open = False,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
-    surface: Flags | None = None,
-    preparation: Flags | None = None,
-    solid: Flags | None = None,
-    contact: Flags | None = None,
-    aging: Flags | None = None,
-    friction: Flags | None = None,
-    output: Flags | None = None,
+    keys: Flags | None = None,
 ) -> None:
     """Press an elastic solid onto a rough surface and let the contact age.
 
@@ -99,7 +93,7 @@ def run(
         "repeat 3" (the legs so far).
         [default: one hold]
     """
-    flags = given(surface, preparation, solid, contact, aging, friction, output)
+    flags = given(keys)
     from asperity.config.legs import legs_from_words
     from asperity.config.reading import read_config
 
@@ -114,7 +108,7 @@ def run(
         open_results(out)
 
 
-@_command("scan", "yielding")
+@_command("prediction")
 def predict(
     material: Path | None = None,
     /,
@@ -125,10 +119,11 @@ def predict(
     overwrite: Switch = False,
     quiet: Quiet = False,
     show: Open = False,
-    scan: Flags | None = None,
-    yielding: Flags | None = None,
+    keys: Flags | None = None,
 ) -> None:
-    """Predict how the real contact grows, from a material, a scan and a load that stays, with units.
+    """Predict how the real contact grows, from a material, a scan and a load that stays.
+
+    Quantities are numbers with their units: --pressure 1MPa --last "10 days" --temperature -40degC.
 
     The result is a folder with a page to read, prediction.html, tables and pictures. Beyond the edges of the
     scan comes its mirror image unless --periodic says otherwise; each contact is counted once. Slides and
@@ -151,7 +146,7 @@ def predict(
     show
         Open the page of the results when they are written.
     """
-    flags = given(scan, yielding)
+    flags = given(keys, units=True)
     if surface is not None:
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
     from asperity.cli.predict import predict as predict_it
@@ -163,7 +158,7 @@ def predict(
 
 @_command("preparation", name="surface")
 def show_surface(
-    file: Path, /, *, out: Out | None = None, overwrite: Switch = False, preparation: Flags | None = None
+    file: Path, /, *, out: Out | None = None, overwrite: Switch = False, keys: Flags | None = None
 ) -> None:
     """Say what a surface file holds and what a run would make of it, and draw it.
 
@@ -178,7 +173,7 @@ def show_surface(
     """
     from asperity.config.reading import file_surface
 
-    settings = file_surface(file, given(preparation).get("surface", {}))
+    settings = file_surface(file, given(keys).get("surface", {}))
     from asperity.cli.show import show
 
     show(settings, out=out, overwrite=overwrite)

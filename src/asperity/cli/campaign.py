@@ -51,10 +51,7 @@ def dry_run(plan: Plan, out: Path, work: Work) -> None:
 def sweep(plan: Plan, out: Path, work: Work) -> None:
     """Do what is missing, and say how it ended.
 
-    Raises
-    ------
-    AsperityError
-        The disk or the scheduler refused; or some runs failed, after all others were done.
+    `AsperityError` if the disk or the scheduler refused; or some runs failed, after all others were done.
     """
     _check_out(out)
     before = campaign.tally(plan, out)

@@ -32,10 +32,7 @@ def list_problems() -> None:
 def write_inputs(folder: Path, names: Sequence[str], *, scan: Path | None, overwrite: bool) -> None:
     """Write the inputs of some problems, or of all.
 
-    Raises
-    ------
-    AsperityError
-        There is no such problem, the scan is another file, or the disk refused.
+    `AsperityError` if there is no such problem, the scan is another file, or the disk refused.
     """
     if folder.exists() and not folder.is_dir():
         raise InputError("folder", expected="a folder", got=f"{folder}, which is a file")
@@ -49,13 +46,7 @@ def write_inputs(folder: Path, names: Sequence[str], *, scan: Path | None, overw
 
 
 def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite: bool) -> None:
-    """Compare, say, and draw.
-
-    Raises
-    ------
-    AsperityError
-        The file is no answer, or the figure cannot be written.
-    """
+    """Compare, say, and draw; `AsperityError` if it is no answer, or the figure cannot be written."""
     if out is not None:
         check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
     try:

@@ -18,12 +18,8 @@ _PORTS = 65535
 def explore(folder: Path | None, *, port: int | None, browser: bool) -> None:
     """Serve the page until Ctrl-C.
 
-    Raises
-    ------
-    InputError
-        There is no such folder, or the port cannot be had.
-    MissingExtraError
-        The libraries of the server are not installed.
+    `InputError` if there is no such folder, or the port cannot be had; `MissingExtraError` without the
+    libraries of the server.
     """
     if folder is not None:
         _check_folder(folder)
@@ -41,10 +37,7 @@ def explore(folder: Path | None, *, port: int | None, browser: bool) -> None:
 def export(folder: Path | None, page: Path, *, overwrite: bool) -> None:
     """Write the page of a folder to one file: of a campaign its curves, and the maps of its first run.
 
-    Raises
-    ------
-    InputError
-        There is no such folder, or it holds none or several results, or the file cannot be written.
+    `InputError` if there is no such folder, it holds none or several results, or the file cannot be written.
     """
     if folder is None:
         raise InputError("--export", expected="a folder of results", got="none", advice="its name")

@@ -38,13 +38,7 @@ _FORMULAS: dict[Law, tuple[str, tuple[str, ...]]] = {
 
 
 def fit(file: Path, wanted: FitFlags) -> None:
-    """Read a table, fit, say and draw.
-
-    Raises
-    ------
-    AsperityError
-        The table cannot be used, or a file not written.
-    """
+    """Read a table, fit, say and draw; `AsperityError` if it cannot be used, or a file not be written."""
     check_new_file("--out", wanted.out, FIGURE_SUFFIXES, overwrite=wanted.overwrite)
     if wanted.json is not None:
         check_new_file("--json", wanted.json, (".json",), overwrite=wanted.overwrite)

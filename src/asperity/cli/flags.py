@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from cyclopts import Group, Parameter, Token
 
+from asperity.errors import InputError
 from asperity.words import number, numbers
 
 if TYPE_CHECKING:
@@ -53,37 +54,53 @@ _METAVARS = {
 
 
 class Flags:
-    """What was written for the keys of one section; None for a flag that was not given."""
+    """What was written for keys of the configuration; None for a flag that was not given."""
 
-    section: ClassVar[str]
-    keys: ClassVar[dict[str, Any]]  # of Key; the library evaluates this line
+    keys: ClassVar[dict[str, tuple[str, Any]]]  # section and Key of each; the library evaluates this line
 
 
-def flags_for(section: str) -> type[Flags]:
-    """Make the flags of a section.
+def flags_for(*sections: str) -> type[Flags]:
+    """Make the flags of sections.
 
-    ``"preparation"`` stands for the keys that prepare a measured surface, ``"scan"`` for the same of a scan,
-    ``"yielding"`` for those of a half-space that creeps by a law or has a hardness.
+    ``"preparation"`` stands for the keys that prepare a measured surface, ``"prediction"`` for those of a
+    prediction.
     """
-    from asperity.config.mistakes import ORDER
-
-    owner = {"preparation": "surface", "scan": "surface", "yielding": "solid"}.get(section, section)
-    group = Group(owner.capitalize(), sort_key=1 + ORDER.index(owner))
-    keys = {key.name: key for key in _keys(section)}
-    fields = [(name, _annotation(owner, key), None) for name, key in keys.items()]
-    facts = {"__module__": __name__, "section": owner, "keys": keys}
-    made = dataclasses.make_dataclass(section, fields, bases=(Flags,), namespace=facts, kw_only=True)
-    return Parameter(name="*", group=group)(made)
+    keys = {f"{section}_{key.name}": (section, key) for one in sections for section, key in keys_for(one)}
+    fields = [(name, _annotation(*key), None) for name, key in keys.items()]
+    facts = {"__module__": __name__, "keys": keys}
+    made = dataclasses.make_dataclass("flags", fields, bases=(Flags,), namespace=facts, kw_only=True)
+    return Parameter(name="*")(made)
 
 
-def given(*groups: Flags | None) -> dict[str, dict[str, object]]:
-    """Gather the flags that were given, by section and key."""
+def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, object]]:
+    """Gather the flags that were given, by section and key.
+
+    With `units`, quantities need theirs: `InputError` for a number alone.
+    """
+    from asperity.config.mistakes import flag_of
+
     sections: dict[str, dict[str, object]] = {}
-    for group in filter(None, groups):
-        for key, written in vars(group).items():
-            if written is not None:
-                sections.setdefault(group.section, {})[key] = _read(written, group.keys[key].what)
+    for name, (section, key) in flags.keys.items() if flags is not None else ():
+        if (written := getattr(flags, name)) is not None:
+            value = sections.setdefault(section, {})[key.name] = _read(written, key.what)
+            if units and key.unit:
+                check_unit(flag_of(section, key.name), value, key.unit)
     return sections
+
+
+def of_flags(error: InputError, flags: Mapping[str, str]) -> InputError:
+    """The same error about flags, by the names of arguments that they stand for; in its advice too."""
+    words = "|".join(flags)
+    advice = re.sub(rf"\b({words})=(?=\S)", lambda found: f"{flags[found[1]]} ", error.advice)
+    name = flags.get(error.name, error.name)
+    return InputError(name, expected=error.expected, got=error.got, advice=advice)
+
+
+def check_unit(flag: str, value: object, unit: str) -> None:
+    """Refuse numbers alone, or among others."""
+    for one in value if isinstance(value, list) else [value]:
+        if isinstance(one, float | int):
+            raise InputError(flag, expected="a number with its unit", got=one, advice=f"{flag} {one}{unit}")
 
 
 def _read(written: bool | str | list[str], what: What) -> object:
@@ -104,25 +121,24 @@ def _read(written: bool | str | list[str], what: What) -> object:
     return number(written)
 
 
-def _keys(section: str) -> Iterator[Key]:
-    """Keys of a section; of several kinds, each key with what is said of all."""
+def keys_for(section: str) -> Iterator[tuple[str, Key]]:
+    """Keys of a section, with its name; of several kinds, each key with what is said of all."""
     from asperity.config.keys import Key, keys_of, sections
-    from asperity.config.models import MeasuredSurface, Scan
-    from asperity.config.solids import YIELDING, HalfSpace
+    from asperity.config.models import MeasuredSurface
 
-    if section == "yielding":
-        yield from (key for key in keys_of(HalfSpace).values() if key.name in YIELDING)
+    if section == "prediction":
+        yield from _of_a_prediction()
         return
-    if section in ("preparation", "scan"):
-        measured = keys_of(Scan if section == "scan" else MeasuredSurface)
-        yield from (key for key in measured.values() if key.name != "path")
+    if section == "preparation":
+        yield from (("surface", key) for key in keys_of(MeasuredSurface).values() if key.name != "path")
         return
     kinds = sections()[section]
     if "" in kinds:
-        yield from kinds[""].values()
+        yield from ((section, key) for key in kinds[""].values())
         return
     said = f"Kind of {section}."
-    yield Key(name="kind", what="choice", choices=tuple(kinds), default=next(iter(kinds)), description=said)
+    usual = next(iter(kinds))
+    yield section, Key(name="kind", what="choice", choices=tuple(kinds), default=usual, description=said)
     measured = kinds.pop("file", {})
     for name in dict.fromkeys(name for keys in kinds.values() for name in keys if name not in measured):
         owners = {kind: keys[name] for kind, keys in kinds.items() if name in keys}
@@ -131,30 +147,59 @@ def _keys(section: str) -> Iterator[Key]:
         for kind, key in owners.items():
             if not key.required and key.default != first.default:
                 text += f" By default {key.default:g} for {kind}."
-        yield dataclasses.replace(first, description=text)
+        yield section, dataclasses.replace(first, description=text)
     if measured:
-        yield measured["path"]
+        yield section, measured["path"]
+
+
+def _of_a_prediction() -> Iterator[tuple[str, Key]]:
+    """Keys of a prediction: of a scan, a half-space, and what else there is."""
+    from asperity.config.keys import keys_of
+    from asperity.config.models import Aging, Contact, Friction, Output, Scan
+    from asperity.config.solids import PREDICTED, HalfSpace
+
+    words = {
+        "temperature": "Temperature of the contact: of creep that is activated, or if not that of the table.",
+        "poisson": "Poisson's ratio, which does not relax; of two bodies both. [default: 0.35]",
+        "pressure": "Load over nominal area, such as 1MPa.",
+        "load": "Normal load, such as 10N, in place of the pressure.",
+    }
+    for section, model, names in (
+        ("surface", Scan, set(Scan.model_fields) - {"path"}),
+        ("solid", HalfSpace, PREDICTED),
+        ("contact", Contact, {"load", "pressure"}),
+        ("aging", Aging, {"first", "last", "per_decade"}),
+        ("friction", Friction, {"shear_strength"}),
+        ("output", Output, {"pixel", "blur", "threshold"}),
+    ):
+        for name, key in keys_of(model).items():
+            if name in names:
+                yield section, dataclasses.replace(key, description=words.get(name, key.description))
 
 
 def _annotation(section: str, key: Key) -> object:
     """Annotation of one flag: a word, or a list of words, with its help."""
-    from asperity.config.mistakes import flag_of
+    from asperity.config.mistakes import ORDER, flag_of
 
+    name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=1 + ORDER.index(section))
     text = key.description + (f" [choices: {', '.join(key.choices)}]" if key.choices else "")
     if key.what == "switch":
-        help_only = Parameter(name=flag_of(section, key.name), help=text, negative=(), show_default=False)
-        return Annotated[bool | None, help_only]
+        switch = Parameter(name=name, group=group, help=text, negative=(), show_default=False)
+        return Annotated[bool | None, switch]
     if key.default not in (None, []):
         default = key.default if isinstance(key.default, list) else [key.default]
         words = [f"{one:g}" if isinstance(one, float) else str(one) for one in default]
         text += f" [default: {' '.join(words)}]"
     paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
+    quantity = f"FLOAT({key.unit})" if key.unit else ""
     parameter = Parameter(
-        name=flag_of(section, key.name),
+        name=name,
+        group=group,
         help=text,
-        metavar=_METAVARS.get(key.name) or _METAVARS[key.what.removesuffix("s")],
+        metavar=_METAVARS.get(key.name) or quantity or _METAVARS[key.what.removesuffix("s")],
         negative=(),
         consume_multiple=key.several and not paired,
         show_default=False,
+        allow_leading_hyphen=bool(key.unit) and not key.several,  # as in -40degC
     )
     return Annotated[(list[str] if key.several or paired else str) | None, parameter]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -12,6 +11,7 @@ import xarray as xr
 
 import asperity.campaign as campaign
 from asperity.analysis.scan import written
+from asperity.cli.flags import of_flags
 from asperity.cli.options import FrictionFlags
 from asperity.cli.output import check_free, write_figure
 from asperity.cli.report import aligned
@@ -52,7 +52,7 @@ def friction(
         reference = _number_or_text(wanted.reference_velocity)
         found = compare_state_laws(several, a=wanted.a, V_0=reference, events=wanted.events)
     except InputError as error:
-        raise _of_flags(error) from error
+        raise of_flags(error, _FLAGS) from error
     rows = _report(found, str(records[0]))
     with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
         for kind in ("toml", "csv"):
@@ -90,17 +90,6 @@ def _surfaces(path: Path) -> list[xr.Dataset]:
     runs = dataset.isel(dict.fromkeys(swept, 0))
     every = [runs.isel(seed=n) for n in range(runs.sizes["seed"])] if "seed" in runs.dims else [runs]
     return [run for run in every if run["load"].notnull().any()]
-
-
-def _of_flags(error: InputError) -> InputError:
-    """The same error, about the flag."""
-    name = _FLAGS.get(error.name, error.name)
-    advice = re.sub(r"\b(shear_strength|columns|a)=(\S)", _flag, error.advice)
-    return InputError(name, expected=error.expected, got=error.got, advice=advice)
-
-
-def _flag(found: re.Match[str]) -> str:
-    return f"--{found[1].replace('_', '-')} {found[2]}"
 
 
 def _report(found: StateLaws, first: str) -> list[tuple[str, str]]:

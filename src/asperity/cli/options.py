@@ -42,14 +42,10 @@ def _flags(kind: type[_Flags]) -> type[_Flags]:
 
 @_flags
 class PredictFlags:
-    """What a prediction is made of besides material and scan; texts have units.
+    """What a relaxation table holds, and for which temperature.
 
     Parameters
     ----------
-    pressure
-        Load over nominal area, such as 1MPa.
-    load
-        Normal load, such as 10N, in place of the pressure.
     kind
         What the table holds, if the names of its columns do not say.
     columns
@@ -60,55 +56,21 @@ class PredictFlags:
     modulus
         What the table measures: Young's modulus, the shear modulus, or the contact modulus E*.
         [default: young]
-    poisson
-        Poisson's ratio, which does not relax. [default: 0.35]
-    temperature
-        Temperature of the contact, such as 40degC: of creep that is activated, or if it is not that of
-        the table.
     reference
-        Temperature of the table.
+        Temperature of the table, such as 20degC.
     activation_energy
         How relaxation times depend on temperature, by Arrhenius, such as 100kJ/mol.
     wlf
         The same by Williams, Landel and Ferry, for the decimal logarithm: C1 C2, C2 in K.
-    first
-        First time, such as 10ms. [default: that of the table, else as asperity run has it]
-    last
-        Last time, such as 10days. [default: likewise]
-    per_decade
-        Times recorded in each decade. [default: 4]
-    branches_per_decade
-        Relaxation times that the fit has in each decade of the table: more of them for data with few
-        distinct times, fewer for noisy data. [default: 1]
-    shear_strength
-        Shear strength of the contacts, such as 50MPa: gives friction.
-    pixel
-        Pixel of an instrument that looks at the contact, such as 1um.
-    blur
-        Full width at half maximum of its point spread function, such as 0.6um.
-    threshold
-        Part of full contact from which such a pixel counts as contact. [default: 0.5]
     """
 
-    pressure: str | None = None
-    load: str | None = None
     kind: Literal["relaxation", "creep", "dynamic"] | None = None
     columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None
     noise: float | None = None
     modulus: Literal["young", "shear", "contact"] | None = None
-    poisson: float | None = None
-    temperature: str | None = None
-    reference: str | None = None
-    activation_energy: str | None = None
+    reference: Annotated[str | None, Parameter(metavar="FLOAT(K)", allow_leading_hyphen=True)] = None
+    activation_energy: Annotated[str | None, Parameter(metavar="FLOAT(J/mol)")] = None
     wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None
-    first: str | None = None
-    last: str | None = None
-    per_decade: Whole | None = None
-    branches_per_decade: float | None = None
-    shear_strength: str | None = None
-    pixel: str | None = None
-    blur: str | None = None
-    threshold: float | None = None
 
 
 @_flags

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import functools
-import re
 import shlex
 import sys
 import time as clock
@@ -17,19 +16,18 @@ import numpy as np
 import asperity.units as units
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
+from asperity.cli.flags import check_unit, keys_for, of_flags
 from asperity.cli.options import PredictFlags
 from asperity.cli.output import check_free, save_within
-from asperity.cli.progress import progress_shown
 from asperity.cli.report import Row, aligned
 from asperity.cli.resuming import place_beside, tell_results
 from asperity.config import MeasuredSurface
-from asperity.config.keys import keys_of
-from asperity.config.mistakes import Sections
+from asperity.config.mistakes import Sections, flag_of
 from asperity.config.models import Scan
 from asperity.config.reading import file_surface, read_config
-from asperity.config.solids import YIELDING, HalfSpace
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, prediction_pictures
+from asperity.progress import told
 from asperity.relaxation import arrhenius, wlf
 from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
@@ -40,41 +38,16 @@ from asperity.words import counted as how_many
 from asperity.words import number, thousands
 
 _CHECKPOINT_EVERY = 3.0
-_UNITS = {
-    "pressure": "Pa",
-    "load": "N",
-    "shear_strength": "Pa",
-    "first": "s",
-    "last": "s",
-    "pixel": "m",
-    "blur": "m",
-    "temperature": "K",
-    "reference": "K",
-    "activation_energy": "J/mol",
-}
-"""Flags that are quantities, and the units in which they go on."""
+_OF_TABLES = ("kind", "columns", "noise", "modulus")
+"""Flags about a relaxation table, which go on as they are."""
 
-_OF_TABLES, _COUNTS = (
-    ("kind", "columns", "noise", "modulus"),
-    ("poisson", "per_decade", "branches_per_decade"),
-)
-"""Flags that go on as they are: about a relaxation table alone, and others."""
-
-_KEYS = {
-    "pressure": ("contact", "pressure"),
-    "load": ("contact", "load"),
-    "first": ("aging", "first"),
-    "last": ("aging", "last"),
-    "per_decade": ("aging", "per_decade"),
-    "shear_strength": ("friction", "shear_strength"),
-    "pixel": ("output", "pixel"),
-    "blur": ("output", "blur"),
-    "threshold": ("output", "threshold"),
-    "poisson": ("solid", "poisson"),
-    "temperature": ("solid", "temperature"),
-    "branches_per_decade": ("solid", "per_decade"),
+_BESIDE_A_TABLE = {
+    "hardness": "hardness",
+    "per_decade": "branches_per_decade",
+    "poisson": "poisson",
+    "temperature": "temperature",
 }
-"""Flags that are keys of a run's configuration."""
+"""Keys of the solid that may stand beside a relaxation table, and what they are called in Python."""
 
 _COLUMNS = {
     "time": "s",
@@ -98,21 +71,15 @@ def predict(
     `AsperityError` as `asperity.predict`; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
-    known = keys_of(HalfSpace)
-    for name, value in flags.get("solid", {}).items():
-        if unit := known[name].unit:
-            for one in value if isinstance(value, list) else [value]:
-                _with_unit(name, str(one), unit)
-    numbers = {name: _quantity(name, getattr(wanted, name), unit) for name, unit in _UNITS.items()}
     compute: Callable[..., Prediction]
     if material is None or material.suffix == ".toml":
         config = read_config(material, _sections(material, flags, wanted))
         compute, asked = functools.partial(predict_config, config), repr(config)
     else:
-        scan, arguments = _scan(flags), _arguments(flags, wanted, numbers)
+        scan, arguments = _scan(flags), _arguments(flags, wanted)
         compute = lambda **more: predict_it(material, scan.build(), **arguments, **more)  # noqa: E731
         asked = repr((material, scan, arguments))
-    with place_beside(out, asked) as place, progress_shown(quiet=quiet) as progress:
+    with place_beside(out, asked) as place, told(not quiet) as progress:
         compile_loops(progress.stage, progress.remark)
         started = clock.perf_counter()
         if place.exists():
@@ -120,7 +87,7 @@ def predict(
         try:
             prediction = compute(progress=progress, checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY))
         except InputError as error:
-            raise _of_flags(error) from error
+            raise of_flags(error, _flags()) from error
         rows = _report(prediction, seconds=clock.perf_counter() - started)
         progress.stage("writing the results")
         _write(prediction, out, text=aligned(rows), overwrite=overwrite)
@@ -138,100 +105,89 @@ def _scan(flags: Sections) -> MeasuredSurface:
 
 def _sections(path: Path | None, flags: Sections, wanted: PredictFlags) -> Sections:
     """The flags as keys of a run's configuration, where there is no relaxation table."""
-    for name in (*_OF_TABLES, "reference", "activation_energy", "wlf"):
-        if (value := getattr(wanted, name)) is not None:
-            raise InputError(
-                _flag(name), expected="a relaxation table, which it is about", got=f"{path or 'none'}"
-            )
-    sections: Sections = {name: dict(keys) for name, keys in flags.items()}
-    for name, (section, key) in _KEYS.items():
-        if (value := getattr(wanted, name)) is not None:
-            sections.setdefault(section, {})[key] = value
-    if path is None:
-        _one_load(wanted)
-        solid = sections.setdefault("solid", {})
-        if "young" not in solid:
-            expected = "a relaxation table, a TOML file, or --young"
-            raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
-        solid |= {"kind": "half_space", "poisson": solid.get("poisson", 0.35)}
-        _scan(flags)
-        sections["surface"].setdefault("periodic", "reflect")
-    return sections
-
-
-def _one_load(wanted: PredictFlags) -> None:
-    """Refuse none and two."""
-    if (wanted.pressure is None) == (wanted.load is None):
-        got = "neither" if wanted.load is None else "both"
-        raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
-
-
-def _arguments(flags: Sections, wanted: PredictFlags, numbers: dict[str, float | None]) -> dict[str, Any]:
-    """What `asperity.predict` takes besides table and scan."""
-    _one_load(wanted)
-    if wanted.threshold is not None and wanted.pixel is None and wanted.blur is None:
-        expected = "a pixel or a blur of the instrument beside it"
-        raise InputError("--threshold", expected=expected, got="neither", advice="--pixel 1um")
-    solid = {key: value for key, value in flags.get("solid", {}).items() if (key, value) != ("creep", "none")}
-    if others := set(solid) - {"hardness"}:
-        raise InputError(
-            _flag(min(others)),
-            expected="no relaxation table beside it: that is the table of a linear solid",
-            got="both",
-            advice="--young 3GPa in place of the table",
-        )
-    temperature, reference = numbers.pop("temperature"), numbers.pop("reference")
-    energy, constants = numbers.pop("activation_energy"), wanted.wlf
-    shift = 1.0
-    if temperature is not None or reference is not None or energy is not None or constants is not None:
-        if temperature is None or reference is None:
-            name = "--temperature" if temperature is None else "--reference"
-            raise InputError(
-                name, expected="the temperatures of contact and table", got="none", advice=f"{name} 25degC"
-            )
-        if (energy is None) == (constants is None):
-            expected = "an activation energy, or the constants of WLF"
-            got = "neither" if energy is None else "both"
-            raise InputError("--activation-energy", expected=expected, got=got, advice="100kJ/mol")
-        shift = (
-            arrhenius(energy, temperature, reference)
-            if energy is not None
-            else wlf(*(constants or (0.0, 1.0)), temperature, reference)
-        )
-    plain = {name: getattr(wanted, name) for name in (*_OF_TABLES, *_COUNTS, "threshold")}
-    return {
-        **numbers,
-        **{name: value for name, value in plain.items() if value is not None},
-        **solid,
-        "shift": shift,
+    for name, value in vars(wanted).items():
+        if value is not None:
+            expected, got = "a relaxation table, which it is about", f"{path or 'none'}"
+            raise InputError(_flag(name), expected=expected, got=got)
+    if path is not None:
+        return flags
+    _one_load(flags)
+    solid: dict[str, Any] = flags.get("solid", {})
+    if "young" not in solid:
+        expected = "a relaxation table, a TOML file, or --young"
+        raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
+    _scan(flags)
+    return flags | {
+        "solid": {"kind": "half_space", "poisson": [0.35] * len(solid["young"]), **solid},
+        "surface": {"periodic": "reflect", **flags["surface"]},
     }
 
 
-def _quantity(name: str, text: str | None, unit: str) -> float | None:
-    if text is None:
-        return None
-    value = units.quantity(text, unit, _flag(name))
-    _with_unit(name, text, unit)
-    return value
+def _one_load(flags: Sections) -> None:
+    """Refuse none and two."""
+    if len(given := flags.get("contact", {})) != 1:
+        got = "both" if given else "neither"
+        raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
 
 
-def _with_unit(name: str, text: str, unit: str) -> None:
-    """Refuse a number alone."""
-    if isinstance(number(text), float | int):
-        flag = _flag(name)
-        raise InputError(flag, expected="a number with its unit", got=text, advice=f"{flag} {text}{unit}")
+def _arguments(flags: Sections, wanted: PredictFlags) -> dict[str, Any]:
+    """What `asperity.predict` takes besides table and scan."""
+    _one_load(flags)
+    keys = {
+        key: value for name in flags if name not in ("surface", "solid") for key, value in flags[name].items()
+    }
+    if "threshold" in keys and not {"pixel", "blur"} & set(keys):
+        expected = "a pixel or a blur of the instrument beside it"
+        raise InputError("--threshold", expected=expected, got="neither", advice="--pixel 1um")
+    keys |= {name: getattr(wanted, name) for name in _OF_TABLES if getattr(wanted, name) is not None}
+    for key, value in flags.get("solid", {}).items():
+        if key == "poisson" and isinstance(value, list):
+            keys[key] = value[0] if len(value) == 1 else value
+        elif key in _BESIDE_A_TABLE:
+            keys[_BESIDE_A_TABLE[key]] = value
+        elif (key, value) != ("creep", "none"):
+            raise InputError(
+                flag_of("solid", key),
+                expected="no relaxation table beside it: that is the table of a linear solid",
+                got="both",
+                advice="--young 3GPa in place of the table",
+            )
+    return keys | {"shift": _shift(keys.pop("temperature", None), wanted)}
+
+
+def _shift(temperature: object, wanted: PredictFlags) -> float:
+    """Factor on the times of the table, from its temperature to that of the contact."""
+    energy, constants = wanted.activation_energy, wanted.wlf
+    if temperature is None and wanted.reference is None and energy is None and constants is None:
+        return 1.0
+    kelvin = []
+    for flag, value in (("--temperature", temperature), ("--reference", wanted.reference)):
+        if value is None:
+            expected = "the temperatures of contact and table"
+            raise InputError(flag, expected=expected, got="none", advice=f"{flag} 25degC")
+        kelvin.append(_quantity(flag, value, "K"))
+    if constants is not None and energy is None:
+        return wlf(*constants, *kelvin)
+    if energy is None or constants is not None:
+        expected, got = "an activation energy, or the constants of WLF", "both" if energy else "neither"
+        raise InputError("--activation-energy", expected=expected, got=got, advice="100kJ/mol")
+    return arrhenius(_quantity("--activation-energy", energy, "J/mol"), *kelvin)
+
+
+def _quantity(flag: str, text: object, unit: str) -> float:
+    check_unit(flag, number(text) if isinstance(text, str) else text, unit)
+    return units.quantity(text, unit, flag)
+
+
+def _flags() -> dict[str, str]:
+    """Flags of arguments, by their names in Python."""
+    keys = {key.name: flag_of(section, key.name) for section, key in keys_for("prediction")}
+    others = ("surface", "branches_per_decade", *vars(PredictFlags()))
+    return keys | {name: _flag(name) for name in others}
 
 
 def _flag(name: str) -> str:
     return f"--{name.replace('_', '-')}"
-
-
-def _of_flags(error: InputError) -> InputError:
-    """The same error, about the flag."""
-    named = {*_UNITS, *_COUNTS, *_OF_TABLES, *YIELDING, "threshold", "surface"} - {"kind"}
-    name = _flag(error.name) if error.name in named else error.name
-    advice = re.sub(r"\b(noise|kind|columns)=\S", lambda found: f"--{found[1]} {found[0][-1]}", error.advice)
-    return InputError(name, expected=error.expected, got=error.got, advice=advice)
 
 
 def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
@@ -283,6 +239,10 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
     ]
     if several:
         rows.append(("", f"{100 * first:.3g} % in the first decade, {100 * last:.3g} % in the last"))
+    if prediction.theory is not None:
+        name, area = prediction.theory
+        ends = " to ".join(written(float(area[place]), "m^2") for place in (0, -1))
+        rows.append(("theory", f"{ends} by {name}: dashed in growth.png"))
     if prediction.friction is not None:
         mu = prediction.friction
         rows.append(("friction", f"{mu[0]:.3g} at first, {mu[-1]:.3g} at last"))

@@ -6,10 +6,10 @@ import time as clock
 from pathlib import Path
 
 from asperity.cli.output import check_free, write_results
-from asperity.cli.progress import progress_shown
 from asperity.cli.report import aligned, run_report
 from asperity.cli.resuming import place_beside, tell_results
 from asperity.config import RunConfig, to_toml
+from asperity.progress import told
 from asperity.results import Checkpoint
 from asperity.runs import execute
 from asperity.runs.loops import compile_loops
@@ -19,26 +19,12 @@ _CHECKPOINT_EVERY = 20.0
 
 
 def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
-    """Compute, and write the results.
+    """Compute, and write the results to a folder; a long run keeps its place in a file beside it.
 
-    Parameters
-    ----------
-    config
-        What to run.
-    out
-        Folder of the results. A long run keeps its place in a file beside it.
-    overwrite
-        Whether an earlier run's folder may be replaced.
-    quiet
-        Whether to say nothing.
-
-    Raises
-    ------
-    AsperityError
-        As the engine does; or the folder cannot be written. No results are left then.
+    `AsperityError` as the engine; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
-    with place_beside(out, to_toml(config)) as place, progress_shown(quiet=quiet) as progress:
+    with place_beside(out, to_toml(config)) as place, told(not quiet) as progress:
         resumed = place.exists()
         compile_loops(progress.stage, progress.remark)
         started = clock.perf_counter()

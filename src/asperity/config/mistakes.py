@@ -147,11 +147,23 @@ def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: s
         if detail["type"].startswith("union_tag"):
             place.append("kind")
         else:
-            return _where(path, f"[{place[0]}] {expected}")
+            return _of_section(str(place[0]), expected, flags, path)
     section, key = str(place[0]), str(place[1])
     if detail["type"] == "missing" and "kind" in flags.get(section, {}):
         return f"{flag_of(section, key)}: {expected}"
     return f"{_named(section, key, flags, path)}: {expected}"
+
+
+def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> str:
+    """One line for a mistake of a section; keys that came, or may come, as flags are named so."""
+    given = flags.get(section, {})
+
+    def named(found: re.Match[str]) -> str:
+        key = found[1] or found[2]
+        return flag_of(section, key) if key in given or (given and path is None) else key
+
+    said = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, said)
+    return said if said.startswith("--") else _where(path, f"[{section}] {said}")
 
 
 def _spelled_leg(place: list[Any], expected: str, flags: Sections, path: Path | None) -> str:

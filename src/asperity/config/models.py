@@ -95,9 +95,18 @@ class SurfaceSection(Section):
         """The law of the heights, where the sites are independent."""
         return None
 
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What the function of `asperity.surfaces` that makes it takes: the lattice, and what has a name."""
+        facts = self.model_dump(exclude_none=True, exclude={"kind"})
+        return tuple(facts.pop("shape")) if "shape" in facts else facts.pop("size"), facts
+
     def build(self) -> Surface:
         """Make or read the surface, and let it know where it comes from."""
-        raise NotImplementedError
+        import asperity.surfaces as surfaces
+
+        lattice, facts = self.arguments
+        return surfaces.Surface(getattr(surfaces, self.kind)(lattice, **facts), provenance=self.model_dump())
 
 
 class Independent(SurfaceSection):
@@ -125,13 +134,6 @@ class Gaussian(Independent):
 
         return GaussianHeights(rms=self.rms)
 
-    def build(self) -> Surface:
-        """Draw the heights."""
-        from asperity.surfaces import Surface, gaussian
-
-        heights = gaussian(self.lattice, rms=self.rms, seed=self.seed)
-        return Surface(heights, provenance=self.model_dump())
-
 
 class Exponential(Independent):
     """Independent exponential heights."""
@@ -144,13 +146,6 @@ class Exponential(Independent):
         from asperity.theory import ExponentialHeights
 
         return ExponentialHeights(rms=self.rms)
-
-    def build(self) -> Surface:
-        """Draw the heights."""
-        from asperity.surfaces import Surface, exponential
-
-        heights = exponential(self.lattice, rms=self.rms, seed=self.seed)
-        return Surface(heights, provenance=self.model_dump())
 
 
 class SelfAffine(SurfaceSection):
@@ -170,13 +165,6 @@ class SelfAffine(SurfaceSection):
     def lattice(self) -> tuple[int, ...]:
         """Sites along each axis."""
         return (self.size, self.size)
-
-    def build(self) -> Surface:
-        """Make the heights."""
-        from asperity.surfaces import Surface, self_affine
-
-        heights = self_affine(self.size, hurst=self.hurst, delta=self.delta, seed=self.seed)
-        return Surface(heights, provenance=self.model_dump())
 
 
 class Spectral(SurfaceSection):
@@ -212,23 +200,26 @@ class Spectral(SurfaceSection):
         """Sites along each axis."""
         return tuple(self.shape)
 
+    @property
+    def pixel_size(self) -> tuple[float, ...]:
+        """Distance between sites along each axis."""
+        return (*self.spacing, *self.spacing)[: len(self.shape)]
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What `asperity.surfaces.spectral` takes."""
+        lattice, facts = super().arguments
+        facts.pop("unit", None)
+        return lattice, facts | {"spacing": self.spacing[0] if len(self.spacing) == 1 else self.spacing}
+
     def build(self) -> Surface:
-        """Make the heights."""
+        """Make the heights, with their units."""
         from asperity.surfaces import Surface, spectral
 
-        facts = self.model_dump(exclude_none=True)
-        spacing = self.spacing[0] if len(self.spacing) == 1 else self.spacing
-        heights = spectral(
-            self.lattice,
-            spacing=spacing,
-            **{name: value for name, value in facts.items() if name not in _NOT_OF_THE_WAVES},
-        )
-        size = (*self.spacing, *self.spacing)[: heights.ndim]
-        origin = {**facts, "pixel_size": list(size), "length_unit": self.unit or ""}
-        return Surface(heights, self.unit or "1", size, self.unit, origin)
-
-
-_NOT_OF_THE_WAVES = ("kind", "shape", "spacing", "unit")
+        lattice, facts = self.arguments
+        origin = self.model_dump(exclude_none=True)
+        origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
+        return Surface(spectral(lattice, **facts), self.unit or "1", self.pixel_size, self.unit, origin)
 
 
 class MeasuredSurface(SurfaceSection):
@@ -285,14 +276,20 @@ class MeasuredSurface(SurfaceSection):
         default=None, description="Unit of that distance."
     )
 
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What `asperity.surfaces.read` takes: the file, and how to prepare it."""
+        facts = self.model_dump(exclude={"kind"})
+        if self.pixel_size is not None and len(self.pixel_size) == 1:
+            facts["pixel_size"] = self.pixel_size[0]
+        return facts.pop("path"), facts
+
     def build(self) -> Surface:
         """Read the file, and prepare what it holds."""
         from asperity.surfaces import read
 
-        settings = self.model_dump(exclude={"kind"})
-        if self.pixel_size is not None and len(self.pixel_size) == 1:
-            settings["pixel_size"] = self.pixel_size[0]
-        return read(**settings)
+        path, facts = self.arguments
+        return read(path, **facts)
 
 
 class Scan(MeasuredSurface):
@@ -350,11 +347,13 @@ class Aging(Section):
 
     first: Duration | None = Field(
         default=None,
-        description="First time to record. By default 0.001, or a tenth of the shortest relaxation time.",
+        description="First time to record. By default that of the table of relaxation, else a tenth of the "
+        "shortest relaxation time, else 0.001.",
     )
     last: Duration | None = Field(
         default=None,
-        description="Last time to record. By default 1e+06, or ten times the longest relaxation time.",
+        description="Last time to record. By default that of the table of relaxation, else ten times the "
+        "longest relaxation time, else 1e+06.",
     )
     per_decade: Annotated[int, Field(ge=1, le=1000)] = Field(
         default=4, description="Times to record in each decade."
@@ -510,7 +509,8 @@ class Output(Section):
     )
     threshold: Annotated[float, Field(ge=0, le=1)] | None = Field(
         default=None,
-        description="Part of full contact from which such a pixel counts. By default all light counts.",
+        description="Part of full contact from which such a pixel counts. By default all light counts, in a "
+        "prediction from half on.",
     )
 
     @property

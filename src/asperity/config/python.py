@@ -6,8 +6,7 @@ import textwrap
 from typing import Any
 
 from asperity._version import __version__
-from asperity.config.models import MeasuredSurface, RunConfig, SelfAffine, Spectral
-from asperity.config.solids import CoatedHalfSpace, Creeping, Layer, SolidSection, SpringLattice
+from asperity.config.models import MeasuredSurface, RunConfig, Spectral
 from asperity.errors import InputError
 from asperity.protocols import Leg, Repeat, described
 from asperity.solids import LocalCreep
@@ -72,55 +71,21 @@ def to_python(config: RunConfig, times: list[float]) -> str:
 
 def _surface(config: RunConfig) -> str:
     chosen = config.surface
-    facts = chosen.model_dump(exclude_none=True, exclude={"kind"})
+    first, facts = chosen.arguments
     if isinstance(chosen, MeasuredSurface):
         usual = {name: field.default for name, field in MeasuredSurface.model_fields.items()}
-        path = facts.pop("path")
-        if len(facts.get("pixel_size", [])) == 1:
-            facts["pixel_size"] = facts["pixel_size"][0]
         facts = {name: value for name, value in facts.items() if value != usual[name]}
-        return _call("asp.surfaces.read", repr(path), **facts)
-    if isinstance(chosen, SelfAffine):
-        return _call("asp.surfaces.self_affine", repr(facts.pop("size")), **facts)
-    shape = repr(tuple(facts.pop("shape")))
+        return _call("asp.surfaces.read", repr(first), **facts)
+    heights = _call(f"asp.surfaces.{chosen.kind}", repr(first), **facts)
     if not isinstance(chosen, Spectral):
-        return _call(f"asp.surfaces.{chosen.kind}", shape, **facts)
-    unit, spacing = facts.pop("unit", None), facts.pop("spacing")
-    size = tuple([*spacing, *spacing][: len(chosen.shape)])
-    heights = _call(
-        "asp.surfaces.spectral", shape, spacing=spacing[0] if len(spacing) == 1 else spacing, **facts
-    )
-    units = {} if unit is None else {"unit": unit, "length_unit": unit}
-    return _call("asp.surfaces.Surface", heights, pixel_size=size, **units)
+        return heights
+    units = {} if chosen.unit is None else {"unit": chosen.unit, "length_unit": chosen.unit}
+    return _call("asp.surfaces.Surface", heights, pixel_size=chosen.pixel_size, **units)
 
 
 def _solid(config: RunConfig) -> str:
     solid = config.solid.resolved()
-    hardness = {} if solid.hardness is None else {"hardness": solid.hardness}
-    if isinstance(solid, SpringLattice):
-        springs = {name: getattr(solid, name) for name in ("k0", "k1", "R", "R_viscous")}
-        return _call("asp.solids.spring_lattice", **springs, **_creep(solid), **hardness)
-    facts: dict[str, Any] = {"modulus": solid.contact_modulus}
-    if solid.maxwell:
-        facts["branches"] = solid.maxwell
-    if isinstance(solid, Layer | CoatedHalfSpace):
-        facts |= {"poisson": solid.poisson[0], "thickness": solid.thickness}
-    if isinstance(solid, Layer):
-        facts |= {"bonded": False} if solid.frictionless else {}
-    else:
-        facts |= {"apparatus": solid.apparatus}
-    if isinstance(solid, CoatedHalfSpace):
-        facts |= {"base_modulus": solid.base_modulus, "base_poisson": solid.base_poisson}
-        facts |= {"base_branches": solid.base_branches or None}
-    facts["flow"] = getattr(solid, "flow", None)
-    facts["permanent"] = getattr(solid, "permanent", None) or None
-    given = {name: value for name, value in facts.items() if value is not None}
-    return _call(f"asp.solids.{solid.kind}", **given, **_creep(solid), **hardness)
-
-
-def _creep(solid: SolidSection) -> dict[str, LocalCreep]:
-    law = solid.law if isinstance(solid, Creeping) else None
-    return {} if law is None else {"creep": law}
+    return _call(f"asp.solids.{solid.kind}", **solid.given)
 
 
 def _call(name: str, *positional: str, **named: object) -> str:

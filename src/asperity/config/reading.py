@@ -82,13 +82,7 @@ def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> R
 def file_surface(
     path: Path, flags: dict[str, object], kind: type[MeasuredSurface] = MeasuredSurface
 ) -> MeasuredSurface:
-    """Check how a surface file shall be prepared.
-
-    Raises
-    ------
-    ConfigError
-        With one line for each mistake.
-    """
+    """Check how a surface file shall be prepared; `ConfigError` with one line for each mistake."""
     given = {"path": str(path), **flags}
     try:
         return kind.model_validate(given)

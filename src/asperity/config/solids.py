@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
@@ -40,8 +41,8 @@ ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
 OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | ACTIVATION
 """Keys of local laws of creep."""
 
-YIELDING = (OF_LAWS | {"young", "creep", "permanent", "hardness"}) - {"temperature"}
-"""Keys of a half-space without a relaxation table, and of what yields, but for the temperature."""
+PREDICTED = OF_LAWS | {"young", "poisson", "per_decade", "creep", "permanent", "hardness"}
+"""Keys of a half-space that a prediction takes as flags."""
 
 _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
@@ -72,9 +73,22 @@ class SolidSection(Section):
         """The same solid without files: with the numbers that they give."""
         return self
 
-    def build(self) -> Solid:
-        """Make the solid."""
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What the function of `asperity.solids` that makes it takes; None for what is not given."""
         raise NotImplementedError
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The same without what is not given."""
+        return {name: value for name, value in self.arguments.items() if value is not None}
+
+    def build(self) -> Solid:
+        """Make the solid, by the function that is called like its kind."""
+        import asperity.solids as solids
+
+        make: Callable[..., Solid] = getattr(solids, self.kind)
+        return make(**self.given)
 
 
 def _kept(share: float) -> float:
@@ -89,6 +103,11 @@ def _kept(share: float) -> float:
 def _given(word: str | None) -> str | None:
     """A choice, or nothing for the word none."""
     return None if word == "none" else word
+
+
+def _listed(keys: set[str]) -> str:
+    """Keys for a message, marked, so that where they came as flags it can name these."""
+    return ", ".join(f"`{key}`" for key in sorted(keys))
 
 
 class Creeping(SolidSection):
@@ -113,16 +132,16 @@ class Creeping(SolidSection):
             needed.append(ACTIVATION)
         if self.creep == "norton":
             needed = [{"creep_rate", "creep_stress", "creep_exponent"}]
-        told = ", ".join(sorted(given)) or "none"
+        told = _listed(given) or "none"
         if self.creep is None and given:
             laws = "eyring" if given & ACTIVATION else "eyring or norton"
             if "creep_exponent" in given:
                 laws = "norton"
-            drop = told if getattr(self, "permanent", None) is None else f"{told}, permanent"
+            drop = told if getattr(self, "permanent", None) is None else f"{told}, `permanent`"
             advice = f"; try to drop {drop}" if "creep" in self.model_fields_set else ""
             raise ValueError(f"creep: expected {laws} beside {told}, got none{advice}")
         if self.creep is not None and given not in needed:
-            expected = " or ".join(", ".join(sorted(one)) for one in needed)
+            expected = " or ".join(map(_listed, needed))
             raise ValueError(f"creep: expected {expected} beside {self.creep}, got {told}")
         return self
 
@@ -151,13 +170,11 @@ class SpringLattice(Creeping):
     R_viscous: Constant = Field(default=0.0, description="Mobility of viscous creep.")
     hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
-    def build(self) -> Solid:
-        """Make the lattice."""
-        from asperity.solids import spring_lattice
-
-        return spring_lattice(
-            k0=self.k0, k1=self.k1, R=self.R, R_viscous=self.R_viscous, creep=self.law, hardness=self.hardness
-        )
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `asperity.solids.spring_lattice` takes."""
+        springs = {name: getattr(self, name) for name in ("k0", "k1", "R", "R_viscous")}
+        return {**springs, "creep": self.law, "hardness": self.hardness}
 
 
 class Continuum(SolidSection):
@@ -187,7 +204,9 @@ class Continuum(SolidSection):
         "that gives the branches; and Young's modulus, where no modulus is given.",
     )
     per_decade: Annotated[float, Field(ge=0.2, le=10)] | None = Field(
-        default=None, description="Relaxation times in each decade of that table. By default 1."
+        default=None,
+        description="Relaxation times in each decade of that table: more of them for data with few distinct "
+        "times, fewer for noisy data. By default 1.",
     )
 
     @model_validator(mode="after")
@@ -246,6 +265,11 @@ class Continuum(SolidSection):
         series = self._series()
         young = self.young or ([] if series is None else [series.modulus])
         return contact_modulus(young, self.poisson or [])
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What all functions of `asperity.solids` that make continua take."""
+        return {"modulus": self.contact_modulus, "branches": self.maxwell or None}
 
     @property
     def span(self) -> tuple[float, float]:
@@ -331,19 +355,11 @@ class HalfSpace(Creeping, Continuum):
             raise ValueError("expected branches, flow or creep, got two of them")
         return self
 
-    def build(self) -> Solid:
-        """Make the half-space."""
-        from asperity.solids import half_space
-
-        return half_space(
-            modulus=self.contact_modulus,
-            branches=self.maxwell,
-            flow=self.flow,
-            apparatus=self.apparatus,
-            creep=self.law,
-            permanent=self.permanent or 0.0,
-            hardness=self.hardness,
-        )
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `asperity.solids.half_space` takes."""
+        crept = {"flow": self.flow, "permanent": self.permanent or None, "creep": self.law}
+        return {**super().arguments, "apparatus": self.apparatus, **crept, "hardness": self.hardness}
 
 
 class Layer(Continuum):
@@ -357,18 +373,12 @@ class Layer(Continuum):
     )
     hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
-    def build(self) -> Solid:
-        """Make the layer."""
-        from asperity.solids import layer
-
-        return layer(
-            modulus=self.contact_modulus,
-            poisson=self.poisson[0],
-            thickness=self.thickness,
-            branches=self.maxwell,
-            bonded=not self.frictionless,
-            hardness=self.hardness,
-        )
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `asperity.solids.layer` takes."""
+        shape = {"poisson": self.poisson[0], "thickness": self.thickness}
+        bonded = False if self.frictionless else None
+        return {**super().arguments, **shape, "bonded": bonded, "hardness": self.hardness}
 
 
 class CoatedHalfSpace(Continuum):
@@ -390,21 +400,12 @@ class CoatedHalfSpace(Continuum):
         """Relaxation times of film and base."""
         return [*super().times, *(time for share, time in self.base_branches if share > 0)]
 
-    def build(self) -> Solid:
-        """Make the film and its base."""
-        from asperity.solids import coated_half_space
-
-        return coated_half_space(
-            modulus=self.contact_modulus,
-            poisson=self.poisson[0],
-            thickness=self.thickness,
-            branches=self.maxwell,
-            base_modulus=self.base_modulus,
-            base_poisson=self.base_poisson,
-            base_branches=self.base_branches,
-            apparatus=self.apparatus,
-            hardness=self.hardness,
-        )
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `asperity.solids.coated_half_space` takes."""
+        names = ("thickness", "apparatus", "base_modulus", "base_poisson", "hardness")
+        shape = {"poisson": self.poisson[0], **{name: getattr(self, name) for name in names}}
+        return {**super().arguments, **shape, "base_branches": self.base_branches or None}
 
 
 SOLIDS: dict[str, type[SpringLattice | HalfSpace | Layer | CoatedHalfSpace]] = {

@@ -31,7 +31,7 @@ from asperity.config.python import to_python
 from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError
 from asperity.explore.scene import Map, Recording, ending, mapped, of_frame, started
 from asperity.protocols import Schedule, legs_of
-from asperity.runs import Silent, execute
+from asperity.runs import Progress, execute
 from asperity.runs.loops import compile_loops
 from asperity.words import brief, reason_of
 
@@ -93,7 +93,7 @@ class _StoppedError(Exception):
     """The run is not wanted any more."""
 
 
-class _Teller(Silent):
+class _Teller(Progress):
     """Tells through a connection how far a run has come."""
 
     def __init__(self, connection: Connection, asked: RunConfig, shown: Shown, title: str) -> None:

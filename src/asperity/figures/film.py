@@ -14,19 +14,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 import asperity.checks as checks
+import asperity.figures.contacts as contacts
 from asperity.analysis import ContactMaps, SiteState, contact_maps
 from asperity.analysis.legs import numbers_of
 from asperity.errors import InputError, OutputError
 from asperity.figures import style
-from asperity.figures.contacts import (
-    caption,
-    draw_profile,
-    draw_scale_bar,
-    draw_states,
-    everywhere,
-    legend,
-    positions,
-)
 from asperity.figures.marks import COLORS
 from asperity.figures.plots import cells_in, check_series, draw_series, only, shown_figure
 from asperity.lattice import Field
@@ -103,7 +95,7 @@ def animate_history(
     figure = shown_figure(_SIZE)
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
     entries = draw_series(right, dataset, quantity)
-    legend(figure, maps)
+    contacts.legend(figure, maps)
     figure.draw_without_rendering()  # the axes have their size from here on
     show = _profiles(left, maps) if maps.heights.ndim == 1 else _maps(left, maps)
     pointer = right.axvline(right.get_xlim()[0], color=style.VERMILION, linewidth=1.4, zorder=5)
@@ -112,7 +104,7 @@ def animate_history(
     def update(number: int) -> list[Artist]:
         left.clear()
         show(number)
-        left.set_title(caption(maps, number), fontsize=9)
+        left.set_title(contacts.caption(maps, number), fontsize=9)
         pointer.set_xdata([places[number]] * 2)
         return [*left.get_children(), pointer]
 
@@ -135,8 +127,8 @@ def _maps(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
     states = maps.sampled(side) if side > 1 else maps.states
 
     def show(number: int) -> None:
-        draw_states(axes, states[number], everywhere(maps), side, maps.aspect)
-        draw_scale_bar(axes, maps, everywhere(maps))
+        contacts.draw_states(axes, states[number], contacts.everywhere(maps), side, maps.aspect)
+        contacts.draw_scale_bar(axes, maps, contacts.everywhere(maps))
 
     return show
 
@@ -144,12 +136,12 @@ def _maps(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
 def _profiles(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
     """How one elastic surface is drawn, above a profile whose axes do not move."""
     first, last = maps.window
-    step, across = positions(maps)
-    draw_profile(axes, maps, [""] * len(maps.times))
+    step, across = contacts.positions(maps)
+    contacts.draw_profile(axes, maps, [""] * len(maps.times))
     limits = axes.get_ylim()
 
     def show(number: int) -> None:
-        draw_profile(axes, only(maps, number), ["elastic surface"])
+        contacts.draw_profile(axes, only(maps, number), ["elastic surface"])
         for state, color in COLORS.items():
             at = first + np.flatnonzero(maps.states[number, first:last] == state)
             if state != SiteState.LOST:

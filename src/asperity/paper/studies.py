@@ -7,7 +7,9 @@ sizes of its fifth and sixth); those are chosen here to show what it describes.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -96,85 +98,78 @@ def studies(effort: Effort, *, seed: int = 0) -> tuple[Campaign, ...]:
     return tuple(one.seeded(seed) for one in every)
 
 
+def _campaign(
+    name: str, purpose: str, *, heights: Mapping[str, Field] | None = None, **tables: Any
+) -> Campaign:
+    """Return a campaign of these sections."""
+    return Campaign(name, purpose, tables, heights or {})
+
+
 def _uncorrelated(effort: Effort) -> tuple[Campaign, ...]:
     square, small = [effort.side] * 2, [effort.side // 2] * 2
     sites, small_sites = effort.side**2, (effort.side // 2) ** 2
     return (
-        Campaign(
+        _campaign(
             "load",
             "Area against load, before creep and relaxed: independent Gaussian heights",
-            {
-                "surface": {"kind": "gaussian", "shape": square},
-                "aging": _ONLY_ENDS,
-                "sweep": {
-                    "k1": [0.01, 0.1, 1.0, 10.0, 100.0],
-                    "load": [sites * p for p in _decades(1e-3, 1e3, effort.loads_per_decade)],
-                    "seeds": effort.pressed_seeds,
-                },
+            surface={"kind": "gaussian", "shape": square},
+            aging=_ONLY_ENDS,
+            sweep={
+                "k1": [0.01, 0.1, 1.0, 10.0, 100.0],
+                "load": [sites * p for p in _decades(1e-3, 1e3, effort.loads_per_decade)],
+                "seeds": effort.pressed_seeds,
             },
         ),
-        Campaign(
+        _campaign(
             "aging",
             "Growth of the area at constant load: independent Gaussian heights",
-            {
-                "surface": {"kind": "gaussian", "shape": square},
-                "sweep": {
-                    "k1": [1.0, 10.0],
-                    "load": [sites * p for p in effort.aging_loads],
-                    "seeds": effort.aging_seeds,
-                },
+            surface={"kind": "gaussian", "shape": square},
+            sweep={
+                "k1": [1.0, 10.0],
+                "load": [sites * p for p in effort.aging_loads],
+                "seeds": effort.aging_seeds,
             },
         ),
-        Campaign(
+        _campaign(
             "exponential",
             "Growth of the area of few contacts: exponential heights, with and without viscous creep",
-            {
-                "surface": {"kind": "exponential", "shape": square},
-                "contact": {"load": sites * 3e-3},
-                "aging": {"last": 1e3},
-                "sweep": {"k1": [1.0, 3.0], "R_viscous": [0.0, 1.0], "seeds": effort.light_seeds},
-            },
+            surface={"kind": "exponential", "shape": square},
+            contact={"load": sites * 3e-3},
+            aging={"last": 1e3},
+            sweep={"k1": [1.0, 3.0], "R_viscous": [0.0, 1.0], "seeds": effort.light_seeds},
         ),
-        Campaign(
+        _campaign(
             "mobility",
             "Growth of the area for several mobilities R",
-            {
-                "surface": {"kind": "gaussian", "shape": small},
-                "contact": {"load": small_sites * 0.02},
-                "sweep": {"R": [0.01, 1.0, 100.0], "seeds": effort.seeds},
-            },
+            surface={"kind": "gaussian", "shape": small},
+            contact={"load": small_sites * 0.02},
+            sweep={"R": [0.01, 1.0, 100.0], "seeds": effort.seeds},
         ),
-        Campaign(
+        _campaign(
             "separation",
             "The load under a rigid body that is held in place, with and without viscous creep",
-            {
-                "surface": {"kind": "gaussian", "shape": small},
-                "contact": {"load": small_sites * 0.02},
-                "aging": {"hold": "separation"},
-                "sweep": {"R_viscous": [0.0, 0.1, 1.0], "seeds": effort.seeds},
-            },
+            surface={"kind": "gaussian", "shape": small},
+            contact={"load": small_sites * 0.02},
+            aging={"hold": "separation"},
+            sweep={"R_viscous": [0.0, 0.1, 1.0], "seeds": effort.seeds},
         ),
-        Campaign(
+        _campaign(
             "no_lateral",
             "Creep without springs between neighbors",
-            {
-                "surface": {"kind": "gaussian", "shape": [64, 64]},
-                "solid": {"k0": 0.0, "k1": 1.0},
-                "aging": {"last": 1e8},
-                "sweep": {"load": [4.0, 40.0, 400.0], "seeds": effort.seeds},
-            },
+            surface={"kind": "gaussian", "shape": [64, 64]},
+            solid={"k0": 0.0, "k1": 1.0},
+            aging={"last": 1e8},
+            sweep={"load": [4.0, 40.0, 400.0], "seeds": effort.seeds},
         ),
-        Campaign(
+        _campaign(
             "sketch",
             "A line contact, to be drawn",
-            {
-                "surface": {"kind": "gaussian", "shape": [32]},
-                "solid": {"k1": 1.0},
-                "contact": {"load": 10.0},
-                "aging": {"times": [1.0, 10.0, 100.0]},
-                "output": {"maps_at": [0.0, 100.0]},
-                "sweep": {"seeds": 1},
-            },
+            surface={"kind": "gaussian", "shape": [32]},
+            solid={"k1": 1.0},
+            contact={"load": 10.0},
+            aging={"times": [1.0, 10.0, 100.0]},
+            output={"maps_at": [0.0, 100.0]},
+            sweep={"seeds": 1},
         ),
     )
 
@@ -183,64 +178,54 @@ def _self_affine(effort: Effort) -> tuple[Campaign, ...]:
     surface = {"kind": "self_affine", "hurst": HURST, "delta": DELTA}
     stiff = {"k1": SELF_AFFINE_RATIO}
     return (
-        Campaign(
+        _campaign(
             "self_affine_load",
             "Area against load, before creep and relaxed: self-affine surfaces of several sizes",
-            {
-                "surface": surface,
-                "solid": stiff,
-                "aging": _ONLY_ENDS,
-                "sweep": {
-                    "size": list(effort.sizes),
-                    "load": _decades(1.0, 1e4, effort.loads_per_decade),
-                    "seeds": effort.pressed_seeds,
-                },
+            surface=surface,
+            solid=stiff,
+            aging=_ONLY_ENDS,
+            sweep={
+                "size": list(effort.sizes),
+                "load": _decades(1.0, 1e4, effort.loads_per_decade),
+                "seeds": effort.pressed_seeds,
             },
         ),
-        Campaign(
+        _campaign(
             "self_affine_aging",
             "Growth of the area at constant load: self-affine surfaces of several sizes",
-            {
-                "surface": surface,
-                "sweep": {
-                    "size": list(effort.aging_sizes),
-                    "k1": [3.0, 10.0],
-                    "load": [5.0, 20.0, 80.0],
-                    "seeds": effort.aging_seeds,
-                },
+            surface=surface,
+            sweep={
+                "size": list(effort.aging_sizes),
+                "k1": [3.0, 10.0],
+                "load": [5.0, 20.0, 80.0],
+                "seeds": effort.aging_seeds,
             },
         ),
-        Campaign(
+        _campaign(
             "hurst",
             "Area against load, and its growth, for several Hurst exponents",
-            {
-                "surface": {"kind": "self_affine", "size": effort.aging_sizes[0], "delta": DELTA},
-                "solid": stiff,
-                "sweep": {"hurst": [0.3, 0.5, 0.8], "load": [5.0, 20.0, 80.0], "seeds": effort.seeds},
-            },
+            surface={"kind": "self_affine", "size": effort.aging_sizes[0], "delta": DELTA},
+            solid=stiff,
+            sweep={"hurst": [0.3, 0.5, 0.8], "load": [5.0, 20.0, 80.0], "seeds": effort.seeds},
         ),
-        Campaign(
+        _campaign(
             "maps",
             "Where a self-affine surface touches as the contact ages",
-            {
-                "surface": surface | {"size": effort.maps_size},
-                "solid": stiff,
-                "contact": {"load": 10.0},
-                "aging": {"first": 1e-2, "last": 1e6, "per_decade": 1},
-                "output": {"maps_at": [0.0, 1.0, 100.0, 1e4, 1e6]},
-                "sweep": {"seeds": effort.seeds},
-            },
+            surface=surface | {"size": effort.maps_size},
+            solid=stiff,
+            contact={"load": 10.0},
+            aging={"first": 1e-2, "last": 1e6, "per_decade": 1},
+            output={"maps_at": [0.0, 1.0, 100.0, 1e4, 1e6]},
+            sweep={"seeds": effort.seeds},
         ),
-        Campaign(
+        _campaign(
             "load_maps",
             "Where a self-affine surface touches as the load grows",
-            {
-                "surface": surface | {"size": effort.maps_size},
-                "solid": stiff,
-                "aging": _ONLY_ENDS,
-                "output": {"maps_at": [0.0]},
-                "sweep": {"load": [10.0, 100.0, 1000.0], "seeds": 1},
-            },
+            surface=surface | {"size": effort.maps_size},
+            solid=stiff,
+            aging=_ONLY_ENDS,
+            output={"maps_at": [0.0]},
+            sweep={"load": [10.0, 100.0, 1000.0], "seeds": 1},
         ),
     )
 
@@ -249,25 +234,21 @@ def _points() -> tuple[Campaign, ...]:
     """One asperity: the engine beside the closed form of the compliance."""
     alone = {"kind": "file", "path": "asperity.npy", "tilt": "none", "periodic": "wrap"}
     return (
-        Campaign(
+        _campaign(
             "point",
             "Indentation of the plane by one asperity under constant load",
-            {
-                "surface": alone,
-                "contact": {"load": 1.0},
-                "sweep": {"k1": [1.0, 3.0, 10.0], "R_viscous": [0.0, 0.1, 1.0]},
-            },
+            surface=alone,
+            contact={"load": 1.0},
+            sweep={"k1": [1.0, 3.0, 10.0], "R_viscous": [0.0, 0.1, 1.0]},
             heights=_asperity(128, 128),
         ),
-        Campaign(
+        _campaign(
             "line_point",
             "Indentation of the line by one asperity under constant load",
-            {
-                "surface": alone,
-                "contact": {"load": 1.0},
-                "aging": {"last": 1e9},
-                "sweep": {"k1": [1.0, 10.0]},
-            },
+            surface=alone,
+            contact={"load": 1.0},
+            aging={"last": 1e9},
+            sweep={"k1": [1.0, 10.0]},
             heights=_asperity(4096),
         ),
     )

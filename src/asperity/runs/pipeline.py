@@ -6,12 +6,10 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 import xarray as xr
 
-from asperity.aging import Frame
 from asperity.aging.legs import check_slides
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
 from asperity.analysis.scan import written
@@ -25,6 +23,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
 from asperity.memory import require
+from asperity.progress import Progress
 from asperity.protocols import Hold, Ramp, Schedule, Slide, legs_of
 from asperity.results import Checkpoint, History
 from asperity.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load, modest_pressure
@@ -57,42 +56,6 @@ _IN_RAMP = 12
 _MODULI, _LIGHT, _SOFT = (1e2, 2e12), 1e-9, 1e-7
 """Moduli of solids, Pa; in units of the modulus, the least pressure that leaves a contact to be seen, and the
 least hardness and shear strength."""
-
-
-class Progress(Protocol):
-    """Someone who is told how far a run has come."""
-
-    def stage(self, name: str, times: Sequence[float] = ()) -> None:
-        """Begin a stage; aging passes the times that it will record."""
-        ...
-
-    def completed(self, config: RunConfig) -> None:
-        """Nothing is left open any more: the configuration with its load and times."""
-        ...
-
-    def remark(self, text: str) -> None:
-        """The user should know this before the run ends."""
-        ...
-
-    def reached(self, frame: Frame) -> None:
-        """Aging has come to this moment."""
-        ...
-
-
-class Silent:
-    """A `Progress` that tells nobody."""
-
-    def stage(self, name: str, times: Sequence[float] = ()) -> None:
-        """Say nothing."""
-
-    def completed(self, config: RunConfig) -> None:
-        """Say nothing."""
-
-    def remark(self, text: str) -> None:
-        """Say nothing."""
-
-    def reached(self, frame: Frame) -> None:
-        """Say nothing."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,6 @@ import json
 import math
 import warnings
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -26,20 +25,13 @@ from asperity.config.solids import HalfSpace
 from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.memory import require
-from asperity.progress import progress_shown
+from asperity.progress import Progress, told
 from asperity.relaxation import Fit, Measured, fit
 from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
 from asperity.runs.defaults import USUAL_MAPS, hold_times
-from asperity.runs.pipeline import (
-    Progress,
-    Silent,
-    bytes_a_site,
-    check_units,
-    completed,
-    recorded_times,
-)
+from asperity.runs.pipeline import bytes_a_site, check_units, completed, recorded_times
 from asperity.simulate import age, press
 from asperity.solids import Solid, contact_modulus, half_space
 from asperity.surfaces import Surface, read
@@ -163,7 +155,7 @@ def predict(
         raise _no_protocol("protocol", "asperity.press, and asperity.age with the protocol")
     facts: dict[str, object] = {}
     found: Fit | None = None
-    with _told(progress) as tell:
+    with told(progress) as tell:
         if isinstance(material, Solid):
             for name in _OF_TABLES:
                 if given[name] != inspect.signature(predict).parameters[name].default:
@@ -187,7 +179,10 @@ def predict(
         solid = solid.with_hardness(hardness)
         times = _times(None if found is None else found.series.span, first, last, density)
         tell.stage("reading the scan")
-        scan = surface if isinstance(surface, Surface) else read(surface, periodic="reflect")
+        if isinstance(surface, str | Path):
+            surface = read(surface, periodic="reflect")
+        advice = "asperity.surfaces.Surface(heights, unit='m', pixel_size=(dy, dx), length_unit='m')"
+        scan = checks.instance("surface", surface, Surface, advice)
         if scan.provenance.get("periodic_rule") == "mirror":
             scan = replace(scan.scan, provenance={**scan.provenance, "periodic_rule": "reflect"})
         return _predicted(
@@ -205,10 +200,7 @@ def predict(
 
 
 def predict_config(
-    config: RunConfig,
-    progress: Progress,
-    *,
-    checkpoint: Checkpoint | None = None,
+    config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None
 ) -> Prediction:
     """Predict from the configuration of a run: the same solid, surface, load and times as `execute` takes.
 
@@ -358,11 +350,6 @@ def _origin(table: object, found: Fit) -> dict[str, object]:
         with path.open("rb") as stream:
             facts = {"table": path.name, "table_sha256": hashlib.file_digest(stream, "sha256").hexdigest()}
     return facts | {"kind": type(found.data).__name__, "points": int(found.data.columns[0].size)}
-
-
-def _told(progress: Progress | bool | None) -> AbstractContextManager[Progress]:
-    """Whom to tell how far it has come: a bar, the user's own, or nobody."""
-    return progress_shown() if progress is True else nullcontext(progress or Silent())
 
 
 def _table_with_units(

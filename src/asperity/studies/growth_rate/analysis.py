@@ -9,42 +9,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+import asperity.studies.growth_rate.grown as grown
 import asperity.theory as theory
 from asperity.checks import Floats
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.lattice import Field
 from asperity.studies.evidence import Evidence
-from asperity.studies.growth_rate.grown import (
-    CUTOFFS,
-    END,
-    ENDING,
-    EXPONENTIAL,
-    GAUSSIAN,
-    HURST,
-    LIGHT,
-    LIGHTEST,
-    LOADS,
-    RATIO,
-    RATIOS,
-    RMS,
-    SIDE,
-    SIZE_LOAD,
-    SIZES,
-    VISCOUS,
-    WINDOW,
-    ZERO,
-    Grown,
-    Key,
-    Number,
-    by_hurst,
-    by_load,
-    closed_area,
-    end,
-    rate,
-    relative_rate,
-    sets_of,
-    straightness,
-)
+from asperity.studies.growth_rate.grown import Grown, Key, Number, rate
 from asperity.studies.ledger import Finding
 from asperity.studies.numbers import columns, power
 from asperity.studies.study import Outcome
@@ -96,11 +67,11 @@ def _row(key: Key, found: Grown) -> dict[str, Any]:
         "load": found.load,
         "sites": found.sites,
         "area_at_first": found.area[:, 0].mean(),
-        "area_at_last": found.area[:, found.time <= WINDOW[1] * (1 + 1e-9)][:, -1].mean(),
+        "area_at_last": found.area[:, found.time <= grown.WINDOW[1] * (1 + 1e-9)][:, -1].mean(),
         **columns("B", _estimate(_only, found)),
         **columns("over_closed", _over_limit(found)),
-        **columns("relative", _estimate(_only, found, of=relative_rate)),
-        **columns("straightness", _estimate(_only, found, of=straightness)),
+        **columns("relative", _estimate(_only, found, of=grown.relative_rate)),
+        **columns("straightness", _estimate(_only, found, of=grown.straightness)),
         "closed": found.limit,
         "runs": len(found.area),
     }
@@ -111,7 +82,7 @@ def _exponent_of_end(sets: Sequence[Grown]) -> Estimate:
 
     def statistic(*arrays: Field) -> float:
         pairs = zip(sets, arrays[::2], arrays[1::2], strict=True)
-        at, area = np.array([end(one.time, simulated, closed) for one, simulated, closed in pairs]).T
+        at, area = np.array([grown.end(one.time, simulated, closed) for one, simulated, closed in pairs]).T
         return power(area, at)
 
     return jackknife(statistic, tuple(array for one in sets for array in (one.area, one.closed)))
@@ -121,13 +92,15 @@ _DILUTE, _HERE, _PAPER = "dilute theory", "this study", "Jagla, Eq. (log)"
 _B, _K = "<i>B</i>", "<i>k</i><sub>1</sub>/<i>k</i><sub>0</sub>"
 _BEND = f"{_B} in the second decade over that in the first"
 _RELATIVE = "d ln <i>A</i>/d ln <i>t</i>"
-_ENDED = f"d ln (time at which the area is {END:g} of that of the closed form)/d ln (contact fraction then)"
+_ENDED = (
+    f"d ln (time at which the area is {grown.END:g} of that of the closed form)/d ln (contact fraction then)"
+)
 
 
 def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
     """Judge all claims."""
 
-    def chosen(of: str, surfaces: str = GAUSSIAN) -> dict[float, Grown]:
+    def chosen(of: str, surfaces: str = grown.GAUSSIAN) -> dict[float, Grown]:
         return {at: found for (what, kind, at), found in sets.items() if (what, kind) == (of, surfaces)}
 
     def part(some: Mapping[float, Grown], low: float, high: float = math.inf) -> dict[float, Grown]:
@@ -139,9 +112,9 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
         }
 
     ratios, loads = chosen("k1/k0"), chosen("load")
-    viscous = {load: chosen("R_viscous/R", by_load(load)) for load in (LIGHTEST, LIGHT)}
-    waves = {hurst: chosen("cutoff", by_hurst(hurst)) for hurst in HURST}
-    law = sets["law", EXPONENTIAL, 1.0]
+    viscous = {load: chosen("R_viscous/R", grown.by_load(load)) for load in (grown.LIGHTEST, grown.LIGHT)}
+    waves = {hurst: chosen("cutoff", grown.by_hurst(hurst)) for hurst in grown.HURST}
+    law = sets["law", grown.EXPONENTIAL, 1.0]
     yield Finding.within(
         NEAR, "ratio", _DILUTE, "Under a light load B is that of the closed form", closed(_K, ratios)
     )
@@ -150,7 +123,9 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
         f"d ln {_B}/d ln({_K}), {_K} from 3 on": _exponent(part(ratios, 3.0)),
     }
     yield Finding.within(NEAR, "proportional", "Jagla, Eq. (ndet2)", "B is in proportion to k1/k0", numbers)
-    numbers = {f"d ln({_RELATIVE})/d ln({_K}), {_K} from 1 on": _exponent(part(ratios, 1.0), relative_rate)}
+    numbers = {
+        f"d ln({_RELATIVE})/d ln({_K}), {_K} from 1 on": _exponent(part(ratios, 1.0), grown.relative_rate)
+    }
     yield Finding.within(FLAT, "relative", _DILUTE, "d ln A/d ln t does not depend on k1/k0", numbers)
     for load, some in viscous.items():
         words = f"B is that of the closed form at all R_viscous/R under the load {load:g} a site"
@@ -168,35 +143,35 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
     )
     numbers = {
         f"d ln {_B}/d ln <i>F</i>, load a site from {low:g} to {high:g}": _exponent(part(loads, low, high))
-        for low, high in ((LIGHTEST, LIGHT), (SIZE_LOAD, 0.3))
+        for low, high in ((grown.LIGHTEST, grown.LIGHT), (grown.SIZE_LOAD, 0.3))
     }
     yield Finding.within(FLAT, "load_free", "Jagla, after Eq. (ndet2)", "B does not depend on load", numbers)
     numbers = {
-        f"{_BEND}: load a site {load:g}": _estimate(_only, one, of=straightness)
+        f"{_BEND}: load a site {load:g}": _estimate(_only, one, of=grown.straightness)
         for load, one in loads.items()
     }
     yield Finding.within(
         NEAR, "logarithm", _PAPER, "On independent heights the area grows like ln t in the window", numbers
     )
     numbers = {
-        f"{_BEND}: {by_hurst(hurst)}": _estimate(_only, some[4.0], of=straightness)
+        f"{_BEND}: {grown.by_hurst(hurst)}": _estimate(_only, some[4.0], of=grown.straightness)
         for hurst, some in waves.items()
     }
     yield Finding.within(
         NEAR, "logarithm_waves", _PAPER, "On waves the area grows like ln t in the window", numbers
     )
     words = "The closed form ends at a time in proportion to (contact fraction)^-2, when dips meet"
-    numbers = {_ENDED: _exponent_of_end([loads[load] for load in ENDING])}
+    numbers = {_ENDED: _exponent_of_end([loads[load] for load in grown.ENDING])}
     yield Finding.within((-2.2, -1.8), "end", "dilute horizon", words, numbers)
     numbers = {
-        f"{_B} at heights and load times {RMS:g} over that before": _over(
-            sets["rms", GAUSSIAN, RMS], loads[LIGHT]
+        f"{_B} at heights and load times {grown.RMS:g} over that before": _over(
+            sets["rms", grown.GAUSSIAN, grown.RMS], loads[grown.LIGHT]
         )
     }
     yield Finding.within(
         (0.999, 1.001), "rms", "scaling", "Heights and load times a number leave B alone", numbers
     )
-    late = float(theory.late_slope(RATIO))
+    late = float(theory.late_slope(grown.RATIO))
     numbers = {
         f"{_B} over <i>k</i><sub>eff</sub>/(8 pi <i>k</i><sub>0</sub>)": _estimate(
             lambda rates: float(rates[0] / late), law
@@ -205,7 +180,7 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
     }
     yield Finding.within(NEAR, "law", _DILUTE, "On exponential heights B is k_eff/(8 pi k0)", numbers)
     numbers = {
-        f"d ln {_B}/d ln (shortest wavelength): {by_hurst(hurst)}": _exponent(some)
+        f"d ln {_B}/d ln (shortest wavelength): {grown.by_hurst(hurst)}": _exponent(some)
         for hurst, some in waves.items()
     }
     yield Finding.within(FLAT, "waves", _HERE, "B does not depend on the shortest wavelength", numbers)
@@ -213,23 +188,25 @@ def _findings(sets: Mapping[Key, Grown]) -> Iterator[Finding]:
         f"{_B} at the Hurst exponent 0.8 over that at 0.2, waves from {cutoff:g} sites": _over(
             waves[0.8][cutoff], waves[0.2][cutoff]
         )
-        for cutoff in CUTOFFS
+        for cutoff in grown.CUTOFFS
     }
     yield Finding.within(NEAR, "hurst", _HERE, "B does not depend on the Hurst exponent", numbers)
     numbers = {
-        f"{_B} at {side} sites along a side over that at {SIDE}: {words}": _over(some[side], some[SIDE])
-        for words, some in (
-            (GAUSSIAN, chosen("side")),
-            ("waves from 4 sites", chosen("side", by_hurst(0.8))),
+        f"{_B} at {side} sites along a side over that at {grown.SIDE}: {words}": _over(
+            some[side], some[grown.SIDE]
         )
-        for side in SIZES[:-1]
+        for words, some in (
+            (grown.GAUSSIAN, chosen("side")),
+            ("waves from 4 sites", chosen("side", grown.by_hurst(0.8))),
+        )
+        for side in grown.SIZES[:-1]
     }
     yield Finding.within(NEAR, "size", _HERE, "B does not depend on the size of the surface", numbers)
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Find B for all parameters, and compare it with the closed forms."""
-    sets = sets_of(evidence)
+    sets = grown.sets_of(evidence)
     courses = [
         pd.DataFrame(
             {
@@ -252,25 +229,25 @@ def analyse(evidence: Evidence) -> Outcome:
 
 def _lines() -> pd.DataFrame:
     """Closed forms on surfaces without end."""
-    time = np.append(0.0, np.geomspace(*WINDOW, 9))
+    time = np.append(0.0, np.geomspace(*grown.WINDOW, 9))
     law = theory.GaussianHeights(1.0)
 
-    def closed(load: float, x1: float = RATIO, r: float = 0.0) -> float:
-        return rate(time, closed_area(law, load, time, x1, r)[None])
+    def closed(load: float, x1: float = grown.RATIO, r: float = 0.0) -> float:
+        return rate(time, grown.closed_area(law, load, time, x1, r)[None])
 
-    ratios = np.geomspace(RATIOS[0], RATIOS[-1], 25).tolist()
-    loads = np.geomspace(LOADS[0], LOADS[-1], 25).tolist()
-    viscous = np.geomspace(ZERO, VISCOUS[-1], 31).tolist()
+    ratios = np.geomspace(grown.RATIOS[0], grown.RATIOS[-1], 25).tolist()
+    loads = np.geomspace(grown.LOADS[0], grown.LOADS[-1], 25).tolist()
+    viscous = np.geomspace(grown.ZERO, grown.VISCOUS[-1], 31).tolist()
     lines: list[tuple[str, str, list[float], list[float]]] = [
-        ("k1/k0", "closed form", ratios, [closed(LIGHT, x1) for x1 in ratios]),
+        ("k1/k0", "closed form", ratios, [closed(grown.LIGHT, x1) for x1 in ratios]),
         ("k1/k0", "late, exponential", ratios, theory.late_slope(ratios).tolist()),
         ("k1/k0", "paper", ratios, theory.late_slope_paper(ratios).tolist()),
         ("load", "closed form", loads, [closed(load) for load in loads]),
         *(
-            ("R_viscous/R", by_load(load), viscous, [closed(load, r=r) for r in viscous])
-            for load in (LIGHTEST, LIGHT)
+            ("R_viscous/R", grown.by_load(load), viscous, [closed(load, r=r) for r in viscous])
+            for load in (grown.LIGHTEST, grown.LIGHT)
         ),
-        ("side", "closed form", list(SIZES), [closed(SIZE_LOAD)] * len(SIZES)),
+        ("side", "closed form", list(grown.SIZES), [closed(grown.SIZE_LOAD)] * len(grown.SIZES)),
     ]
     names = ("of", "line", "at", "B")
     parts = [pd.DataFrame(dict(zip(names, one, strict=True))) for one in lines]
