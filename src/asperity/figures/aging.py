@@ -68,17 +68,8 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
 
 
 def _draw_computed(axes: Axes, time: Field, ratio: Field) -> None:
-    axes.plot(
-        time,
-        ratio,
-        "o",
-        color=style.INK,
-        markersize=4.5,
-        markerfacecolor="white",
-        label="computed",
-        zorder=4,
-        clip_on=False,  # the axis ends at full contact
-    )
+    # Not clipped: the axis ends at full contact.
+    style.curve(axes, time, ratio, "o", style.INK, "computed", markersize=4.5, zorder=4, clip_on=False)
 
 
 def _draw_load(axes: Axes, summary: AgingSummary, load: Field) -> None:

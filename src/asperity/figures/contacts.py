@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize, to_rgb, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
@@ -286,16 +285,10 @@ def _side(maps: ContactMaps, number: int) -> str:
 def legend(figure: Figure, maps: ContactMaps, *, topography: bool = False) -> None:
     """Explain the colors of the states that occur, and that of the topography, below all panels."""
     first = _moment(maps, float(maps.times[0]))
-    handles = [
-        Line2D([], [], ls="", marker="s", markersize=7, color=color, label=_WORDS[state].format(first=first))
-        for state, color in COLORS.items()
-        if (maps.states == state).any()
-    ]
+    found = {state: color for state, color in COLORS.items() if (maps.states == state).any()}
+    handles = [style.swatch(color, _WORDS[state].format(first=first)) for state, color in found.items()]
     if topography and maps.indentation.any():
-        mark = Line2D(
-            [], [], ls="", marker="s", markersize=7, color=_YIELDED, label="rough surface has yielded"
-        )
-        handles.append(mark)
+        handles.append(style.swatch(_YIELDED, "rough surface has yielded"))
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles) or 1, fontsize=9, frameon=False
     )

@@ -55,12 +55,12 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     time = dataset["field_time"].values.astype(np.float64)
     figure = style.Drawing(figsize=(7.2, 5.4), layout="constrained")
     (number, size), (growth, age) = figure.subplots(2, 2, sharex=True)
-    _draw(number, time, dataset["patches"].values, style.BLUE, "")
+    style.curve(number, time, dataset["patches"].values, "o-", style.BLUE, "")
     number.set_ylabel("patches")
     number.set_ylim(bottom=0)
     sizes = (("largest", style.VERMILION), ("mean", style.BLUE), ("median", style.GRAY))
     for name, color in sizes:
-        _draw(size, time, dataset[f"{name}_patch_size"].values, color, name)
+        style.curve(size, time, dataset[f"{name}_patch_size"].values, "o-", color, name)
     size.set_ylabel("size of a patch [sites]")
     low, high = size.get_ylim()
     drawn = np.concatenate([dataset[f"{name}_patch_size"].values for name, _ in sizes])
@@ -85,7 +85,7 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     ages = dataset["contact_age"]
     low, middle, high = (ages.sel(quantile=share).values for share in (0.05, 0.5, 0.95))
     age.fill_between(time, low, high, color=style.SKY, alpha=0.5, linewidth=0, label="5 to 95 % of the sites")
-    _draw(age, time, middle, style.BLUE, "median")
+    style.curve(age, time, middle, "o-", style.BLUE, "median")
     age.set_ylabel(style.over_time(dataset, "contact age").replace("  [", "\n["), multialignment="center")
     if "protocol" not in dataset.attrs:
         _scale(time, growth, "x")
@@ -98,12 +98,6 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     for axes in (growth, age):
         axes.set_xlabel(style.over_time(dataset, "time $t$"))
     return figure
-
-
-def _draw(axes: Axes, time: Field, values: Field, color: str, label: str) -> None:
-    axes.plot(
-        time, values, "o-", color=color, linewidth=1.2, markersize=4, markerfacecolor="white", label=label
-    )
 
 
 def _scale(values: Field, axes: Axes, which: str) -> None:

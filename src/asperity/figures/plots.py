@@ -10,7 +10,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.lines import Line2D
 
 import asperity.checks as checks
 from asperity.analysis import ContactMaps, SiteState
@@ -167,17 +166,7 @@ def draw_series(
         place = time
         axes.set_xscale("log")
         later = time > 0
-        axes.plot(
-            time[later],
-            values[later],
-            "o-",
-            color=color,
-            linewidth=1.2,
-            markersize=4,
-            markerfacecolor="white",
-            label=label or None,
-            zorder=3,
-        )
+        style.curve(axes, time[later], values[later], "o-", color, label or None, zorder=3)
         if not label:
             axes.axhline(values[0], color=style.GRAY, linewidth=0.8, label="at $t$ = 0", zorder=1)
         axes.set_ylabel(name, multialignment="center")
@@ -323,11 +312,8 @@ def only(maps: ContactMaps, number: int) -> ContactMaps:
 
 
 def _explain(axes: Axes, maps: ContactMaps) -> None:
-    handles = [
-        Line2D([], [], ls="", marker="s", markersize=6, color=color, label=_SINCE[state])
-        for state, color in COLORS.items()
-        if (maps.states[-1] == state).any()
-    ]
+    found = {state: color for state, color in COLORS.items() if (maps.states[-1] == state).any()}
+    handles = [style.swatch(color, _SINCE[state], 6) for state, color in found.items()]
     if handles:
         axes.legend(
             handles=handles,

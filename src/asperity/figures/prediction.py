@@ -8,14 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from asperity.analysis.maps import SiteState, color_range
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import readable
 from asperity.figures import style
 from asperity.figures.marks import COLORS
-from asperity.lattice import Field
 
 _BINS = 60
 
@@ -26,7 +24,7 @@ def growth_figure(prediction: Prediction) -> Figure:
     panels = 2 if friction is None else 3
     figure = style.Drawing(figsize=(6.8, 3.2 + 2.1 * (panels - 1)), layout="constrained")
     grid = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 2, 2)[:panels])
-    time, growth = prediction.time, prediction.growth
+    growth = prediction.growth
     draw_growth(grid[0], prediction)
     begin, end, slope = (np.array(column) for column in zip(*growth.decades, strict=True))
     edges = np.append(begin, end[-1])
@@ -41,7 +39,8 @@ def growth_figure(prediction: Prediction) -> Figure:
     )
     grid[1].set_ylabel("growth per decade\n[% of first area]")
     if friction is not None:
-        _draw(grid[2], time, friction, style.VERMILION, "o", "shear strength × area / load")
+        label = "shear strength × area / load"
+        style.curve(grid[2], prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
         grid[2].set_ylabel("static friction $\\mu$")
     for axes in grid:
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
@@ -58,8 +57,8 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     counted, corrected = (
         square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
     )
-    _draw(axes, prediction.time, counted, style.GRAY, "s", "sites counted")
-    _draw(axes, prediction.time, corrected, style.INK, "o", "less the rim")
+    style.curve(axes, prediction.time, counted, "s-", style.GRAY, "sites counted", linewidth=1.0)
+    style.curve(axes, prediction.time, corrected, "o-", style.INK, "less the rim", linewidth=1.0)
     if prediction.theory is not None:
         name, area = prediction.theory
         shown = square * area
@@ -123,11 +122,8 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
         image, ax=grid[1, :], label=f"contact pressure [{pressure_unit}]", shrink=0.9, extend="min"
     )
     handles = [
-        Line2D([], [], ls="", marker="s", markersize=7, color=COLORS[state], label=label)
-        for state, label in (
-            (SiteState.KEPT, "touches since the first time"),
-            (SiteState.NEW, "touches at the last time only"),
-        )
+        style.swatch(COLORS[SiteState.KEPT], "touches since the first time"),
+        style.swatch(COLORS[SiteState.NEW], "touches at the last time only"),
     ]
     figure.legend(handles=handles, loc="outside upper center", ncols=2, fontsize=9, frameon=False)
     return figure
@@ -192,20 +188,6 @@ def observed_figure(prediction: Prediction) -> Figure:
         axes.set_ylim(extent[2], extent[3])
     grid[0].set_ylabel(style.with_unit("y", unit))
     return figure
-
-
-def _draw(axes: Axes, time: Field, values: Field, color: str, marker: str, label: str) -> None:
-    axes.plot(
-        time,
-        values,
-        "-",
-        color=color,
-        marker=marker,
-        markersize=4,
-        markerfacecolor="white",
-        linewidth=1.0,
-        label=label,
-    )
 
 
 def _areas(prediction: Prediction) -> tuple[str, float]:

@@ -16,6 +16,7 @@ import xarray as xr
 from matplotlib import font_manager, rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import ArrayLike
 
@@ -135,6 +136,17 @@ def over_time(dataset: xr.Dataset, what: str) -> str:
     unit = dataset["time"].attrs.get("units", "")
     known = {"s": "  [s]", "time unit": ""}
     return what + known.get(unit, r"  [1 / (stiffness $\times$ mobility)]")
+
+
+def curve(axes: Axes, x: Field, y: Field, look: str, color: str, label: str | None, **more: Any) -> None:
+    """Draw computed values with open marks, joined or not; look and more are as matplotlib has them."""
+    usual = {"linewidth": 1.2, "markersize": 4, "markerfacecolor": "white"}
+    axes.plot(x, y, look, color=color, label=label, **{**usual, **more})
+
+
+def swatch(color: Any, label: str, size: float = 7) -> Line2D:
+    """A square for a legend."""
+    return Line2D([], [], ls="", marker="s", markersize=size, color=color, label=label)
 
 
 def count_nominal_area(axes: Axes, percent: float) -> None:
