@@ -109,6 +109,7 @@ def test_the_command_and_the_function_agree(finished: Path, prediction: Predicti
     assert "u0" not in stored
     assert json.loads(stored.attrs["prediction"])["table"] == "relaxation.csv"
     summary = (finished / "summary.txt").read_text()
+    assert " by Persson's theory, from the rms slope: dashed in growth.png" in summary
     assert (
         f"growth            {100 * prediction.growth.per_decade:.3g} % of the first area per decade"
         in summary

@@ -385,16 +385,12 @@ def _with_ensemble(dataset: xr.Dataset) -> xr.Dataset:
         count = values.count("seed")
         # With one seed there is no spread to judge by: NaN.
         spread = values.std("seed", ddof=0) / np.sqrt((count - 1).where(count > 1))
-        described = {"units": values.attrs["units"]}
-        long_name = values.attrs["long_name"]
-        dataset[f"{name}_mean"] = values.mean("seed").assign_attrs(
-            long_name=f"{long_name}, mean over the seeds", **described
-        )
+        long_name, unit = values.attrs["long_name"], values.attrs["units"]
+        found = {"mean": (values.mean("seed"), "mean over the seeds", unit)}
         if not (count == finished).all():  # a fit that failed, a limit that was not found
-            described_count = {"long_name": f"{long_name}, seeds that have it", "units": "1"}
-            dataset[f"{name}_count"] = count.assign_attrs(described_count)
-        dataset[f"{name}_stderr"] = spread.assign_attrs(
-            long_name=f"{long_name}, standard error of the mean", **described
-        )
+            found["count"] = (count, "seeds that have it", "1")
+        found["stderr"] = (spread, "standard error of the mean", unit)
+        for end, (number, said, its_unit) in found.items():
+            dataset[f"{name}_{end}"] = number.assign_attrs(long_name=f"{long_name}, {said}", units=its_unit)
     dataset["count"] = finished.assign_attrs(long_name="finished seeds", units="1")
     return dataset

@@ -167,10 +167,7 @@ class Store:
     def write(self, identity: str, outcome: Outcome, seconds: float) -> None:
         """Store a finished run.
 
-        Raises
-        ------
-        OutputError
-            The disk refused; the store is as it was.
+        `OutputError` if the disk refused; the store is as it was.
         """
         staging = self.work / "staging" / f"{identity}.{uuid.uuid4().hex}"
         try:
@@ -192,10 +189,7 @@ class Store:
     def read(self, identity: str) -> Finished:
         """Read a finished run.
 
-        Raises
-        ------
-        InputError
-            It is not there, or damaged.
+        `InputError` if it is not there, or damaged.
         """
         group, facts = self._opened(identity)
         try:
@@ -217,10 +211,7 @@ class Store:
     def fields(self, identity: str) -> xr.Dataset:
         """Read the fields that a finished run kept, as its history held them.
 
-        Raises
-        ------
-        InputError
-            The run is not there, kept none, or is damaged.
+        `InputError` if the run is not there, kept none, or is damaged.
         """
         group, facts = self._opened(identity)
         kept, lattice = facts.get("fields_checksum"), facts.get("lattice", {})

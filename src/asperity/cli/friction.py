@@ -18,14 +18,7 @@ from asperity.cli.report import aligned
 from asperity.cli.resuming import tell_results
 from asperity.errors import InputError
 from asperity.figures import rate_and_state_figure
-from asperity.friction import (
-    Record,
-    StateLaws,
-    compare_state_laws,
-    read_record,
-    record_of,
-    save_parameters,
-)
+from asperity.friction import Record, StateLaws, compare_state_laws, read_record, record_of, save_parameters
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.results.store import whole_folder
 from asperity.words import counted, uncertain

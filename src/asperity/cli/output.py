@@ -52,27 +52,17 @@ def check_free(out: Path, *, overwrite: bool) -> None:
         signs = (_SIGNS_OF_A_RUN, _SIGNS_OF_A_PREDICTION, _SIGNS_OF_FRICTION)
         is_run = any(all((out / name).exists() for name in names) for names in signs)
         foreign = sorted(path.name for path in out.iterdir() if not _is_ours(path.name))
-        if is_run and overwrite and foreign:
-            raise InputError(
-                "--out",
-                expected="a run's folder with nothing else in it",
-                got=f"{out}, which holds {foreign[0]} too and is kept",
-                advice="another name, or moving that away",
-            )
+        expected, held, advice = "a new folder", "", "another name"
         if not is_run:
-            raise InputError(
-                "--out",
-                expected="a new folder",
-                got=f"{out}, which holds something else than a run and is kept",
-                advice="another name",
-            )
-        if not overwrite:
-            raise InputError(
-                "--out",
-                expected="a new folder",
-                got=f"{out}, which holds a run and is kept",
-                advice="another name, or --overwrite",
-            )
+            held = "something else than a run"
+        elif not overwrite:
+            held, advice = "a run", "another name, or --overwrite"
+        elif foreign:
+            expected, held = "a run's folder with nothing else in it", f"{foreign[0]} too"
+            advice = "another name, or moving that away"
+        if held:
+            got = f"{out}, which holds {held} and is kept"
+            raise InputError("--out", expected=expected, got=got, advice=advice)
     ground = folder.parent
     while not ground.exists():
         ground = ground.parent

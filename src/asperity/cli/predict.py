@@ -241,8 +241,11 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
         rows.append(("", f"{100 * first:.3g} % in the first decade, {100 * last:.3g} % in the last"))
     if prediction.theory is not None:
         name, area = prediction.theory
-        ends = " to ".join(written(float(area[place]), "m^2") for place in (0, -1))
-        rows.append(("theory", f"{ends} by {name}: dashed in growth.png"))
+        first_to_last = " to ".join(written(float(area[place]), "m^2") for place in (0, -1))
+        ends = (
+            "" if prediction.relaxing is None else f"{first_to_last} by "
+        )  # before contacts flow: far above
+        rows.append(("theory", f"{ends}{name}: dashed in growth.png"))
     if prediction.friction is not None:
         mu = prediction.friction
         rows.append(("friction", f"{mu[0]:.3g} at first, {mu[-1]:.3g} at last"))

@@ -53,10 +53,7 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
         times, areas = seen["field_time"].values.tolist(), seen.values.tolist()
         rows += [(f"seen at t = {times[n]:g}", written(areas[n], seen.attrs["units"], 5)) for n in ends]
     rows += [
-        (
-            "worst residual",
-            f"{float(dataset['residual'].max()):.1e} of the mean contact force",
-        ),
+        ("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"),
         (
             "effort",
             f"{'exact contact, ' if attrs.get('exact_contact') == 'at all times' else ''}"

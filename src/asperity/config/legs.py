@@ -19,10 +19,7 @@ _BEFORE_A_UNIT = re.compile(r"(?<=[\d.])\s+(?=[^\W\d][^\s=]*(\s|$))")
 def legs_from_words(lines: Iterable[str]) -> list[dict[str, object]]:
     """Read legs, one a line: a kind, how long (of ``repeat``: how often), and key=value.
 
-    Raises
-    ------
-    ConfigError
-        A line is none; keys and values are checked later.
+    `ConfigError` if a line is none; keys and values are checked later.
     """
     legs: list[dict[str, object]] = []
     for line in lines:

@@ -25,6 +25,7 @@ from asperity.config.sections import (
     Speed,
     Time,
     Velocity,
+    by_kind,
     listed,
 )
 from asperity.config.solids import SOLIDS, AnySolid, SpringLattice
@@ -121,31 +122,25 @@ class Independent(SurfaceSection):
         """Sites along each axis."""
         return tuple(self.shape)
 
+    @property
+    def law(self) -> HeightLaw:
+        """The law of the heights."""
+        from asperity.theory import ExponentialHeights, GaussianHeights
+
+        rms = self.rms
+        return GaussianHeights(rms=rms) if self.kind == "gaussian" else ExponentialHeights(rms=rms)
+
 
 class Gaussian(Independent):
     """Independent Gaussian heights."""
 
     kind: Literal["gaussian"] = "gaussian"
 
-    @property
-    def law(self) -> HeightLaw:
-        """The law of the heights."""
-        from asperity.theory import GaussianHeights
-
-        return GaussianHeights(rms=self.rms)
-
 
 class Exponential(Independent):
     """Independent exponential heights."""
 
     kind: Literal["exponential"] = "exponential"
-
-    @property
-    def law(self) -> HeightLaw:
-        """The law of the heights."""
-        from asperity.theory import ExponentialHeights
-
-        return ExponentialHeights(rms=self.rms)
 
 
 class SelfAffine(SurfaceSection):
@@ -174,8 +169,7 @@ class Spectral(SurfaceSection):
     shape: Shape = Field(default=[200, 200], description=_SHAPE)
     hurst: Annotated[float, Field(ge=0, le=1)] = Field(default=0.8, description="Hurst exponent.")
     roll_off: Positive | None = Field(
-        default=None,
-        description="Wavelength above which the spectrum is flat. By default the longest side.",
+        default=None, description="Wavelength above which the spectrum is flat. By default the longest side."
     )
     cutoff: Positive | None = Field(
         default=None, description="Shortest wavelength. By default eight times the larger spacing."
@@ -247,8 +241,7 @@ class MeasuredSurface(SurfaceSection):
         default=None, description="Name or number of the channel. By default the file's."
     )
     resample: bool = Field(
-        default=False,
-        description="Average pixels that are not square to the larger spacing.",
+        default=False, description="Average pixels that are not square to the larger spacing."
     )
     crop: Annotated[list[Real], Field(min_length=2, max_length=4)] | None = Field(
         default=None,
@@ -300,13 +293,7 @@ class Scan(MeasuredSurface):
     )
 
 
-SURFACES: dict[str, type[Gaussian | Exponential | SelfAffine | Spectral | MeasuredSurface]] = {
-    "gaussian": Gaussian,
-    "exponential": Exponential,
-    "self_affine": SelfAffine,
-    "spectral": Spectral,
-    "file": MeasuredSurface,
-}
+SURFACES = by_kind(Gaussian, Exponential, SelfAffine, Spectral, MeasuredSurface)
 AnySurface = Annotated[
     Gaussian | Exponential | SelfAffine | Spectral | MeasuredSurface, Field(discriminator="kind")
 ]
@@ -458,13 +445,7 @@ class RepeatLeg(Section):
     count: Annotated[int, Field(ge=1, le=100_000)] = Field(description="How often in all.")
 
 
-LEGS: dict[str, type[HoldLeg | RampLeg | StepLeg | SlideLeg | RepeatLeg]] = {
-    "hold": HoldLeg,
-    "ramp": RampLeg,
-    "step": StepLeg,
-    "slide": SlideLeg,
-    "repeat": RepeatLeg,
-}
+LEGS = by_kind(HoldLeg, RampLeg, StepLeg, SlideLeg, RepeatLeg)
 AnyLeg = Annotated[HoldLeg | RampLeg | StepLeg | SlideLeg | RepeatLeg, Field(discriminator="kind")]
 
 
@@ -496,8 +477,7 @@ class Output(Section):
     """What is written."""
 
     maps_at: list[Time] | None = Field(
-        default=None,
-        description="Times at which to keep and draw the contact. By default 0 and five others.",
+        default=None, description="Times at which to keep and draw the contact. By default 0 and five others."
     )
     figures: list[Figure] = Field(default=["png"], description='Formats of the figures; "" for none.')
     pixel: Size | None = Field(

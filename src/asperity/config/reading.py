@@ -62,10 +62,7 @@ def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
 def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> RunConfig:
     """Check the tables of a file, with flags laid over them; ``path`` names the file in mistakes.
 
-    Raises
-    ------
-    ConfigError
-        With one line for each mistake.
+    `ConfigError` with one line for each mistake.
     """
     merged = _merged(tables, flags)
     problems = unknown_names(merged, flags, path)
@@ -120,10 +117,7 @@ def to_toml(config: RunConfig) -> str:
 def read_tables(path: str | Path) -> dict[str, Any]:
     """Read the tables of a TOML file; a relative path of a surface becomes relative to the file.
 
-    Raises
-    ------
-    ConfigError
-        It cannot be read, or is no TOML.
+    `ConfigError` if it cannot be read, or is no TOML.
     """
     path = Path(path)
     try:

@@ -19,6 +19,11 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
+def by_kind(*models: type[Section]) -> dict[str, type[Section]]:
+    """Models by the kind that each is of; the first is the usual one."""
+    return {model.model_fields["kind"].default: model for model in models}
+
+
 @dataclass(frozen=True)
 class InUnit:
     """Take a text with a unit for a number in SI; anything else is checked as it is."""

@@ -22,6 +22,7 @@ from asperity.config.sections import (
     Temperature,
     Velocity,
     Volume,
+    by_kind,
     listed,
 )
 from asperity.errors import InputError
@@ -408,12 +409,7 @@ class CoatedHalfSpace(Continuum):
         return {**super().arguments, **shape, "base_branches": self.base_branches or None}
 
 
-SOLIDS: dict[str, type[SpringLattice | HalfSpace | Layer | CoatedHalfSpace]] = {
-    "spring_lattice": SpringLattice,
-    "half_space": HalfSpace,
-    "layer": Layer,
-    "coated_half_space": CoatedHalfSpace,
-}
+SOLIDS = by_kind(SpringLattice, HalfSpace, Layer, CoatedHalfSpace)
 AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(discriminator="kind")]
 
 

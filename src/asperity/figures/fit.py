@@ -147,15 +147,9 @@ def _legend(law: Law, fit: SaturationFit | LogarithmFit, unit: str) -> str:
     numbers = [_number("$t_0$", fit.t0, fit.t0_stderr, unit)]
     if isinstance(fit, SaturationFit):
         formula = r"$A_0\,[a - (a-1)\,/\,(1+t/t_0)^q]$"
-        shape = [
-            rf"$a$ = {uncertain(fit.a, fit.a_stderr)}",
-            rf"$q$ = {uncertain(fit.q, fit.q_stderr)}",
-        ]
+        shape = [rf"$a$ = {uncertain(fit.a, fit.a_stderr)}", rf"$q$ = {uncertain(fit.q, fit.q_stderr)}"]
         if not fit.q_stderr < fit.q / 2:
-            shape = [
-                _number(r"$(a-1)\,q$", fit.C, fit.C_stderr),
-                r"($a$ and $q$ are not determined)",
-            ]
+            shape = [_number(r"$(a-1)\,q$", fit.C, fit.C_stderr), r"($a$ and $q$ are not determined)"]
         numbers = shape + numbers
     else:
         formula = r"$A_0\,[1 + C\,\ln(1+t/t_0)]$"

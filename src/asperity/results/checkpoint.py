@@ -75,10 +75,7 @@ class Keeper:
     def write(self, place: Place) -> None:
         """Write atomically: a kill at any moment leaves the old or the new checkpoint.
 
-        Raises
-        ------
-        OutputError
-            The disk refused; an earlier checkpoint is untouched.
+        `OutputError` if the disk refused; an earlier checkpoint is untouched.
         """
         arrays = _packed(place, self.fingerprint)
         try:
@@ -92,10 +89,7 @@ class Keeper:
     def read(self) -> Place | None:
         """Read the checkpoint, if there is one.
 
-        Raises
-        ------
-        CheckpointError
-            The file is no checkpoint, or that of a run with other parameters.
+        `CheckpointError` if the file is no checkpoint, or that of a run with other parameters.
         """
         remove_parts(self.path)
         if not self.path.exists():
@@ -150,14 +144,7 @@ def fingerprint_of(
     if solid.yields:
         facts = (*facts, solid.hardness, start.permanent_indentation.sum())
     digest = hashlib.sha256(repr(facts).encode())
-    for array in (
-        start.heights,
-        start.u,
-        start.anchors,
-        *laws,
-        times,
-        fields_at,
-    ):
+    for array in (start.heights, start.u, start.anchors, *laws, times, fields_at):
         digest.update(f"{array.shape} {array.dtype}".encode())
         digest.update(np.ascontiguousarray(array).tobytes())
     return digest.hexdigest()

@@ -36,7 +36,7 @@ OF_CONTINUA: dict[str, tuple[str, str]] = {
 """The same of those that continua, whose sites have an area, have besides or call otherwise."""
 
 OF_YIELDING: dict[str, tuple[str, str]] = {
-    "yielding_area": ("number of sites in contact whose pressure is the hardness", "sites"),
+    "yielding_area": ("number of sites in contact whose pressure is the hardness", "sites")
 }
 """The same of those that solids with a hardness have besides."""
 
@@ -58,7 +58,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "in_contact": ("whether the site is in contact", "1"),
 }
 FIELDS_OF_YIELDING: dict[str, tuple[str, str]] = {
-    "permanent_indentation": ("by how much the rough surface is lower where it has yielded", "length"),
+    "permanent_indentation": ("by how much the rough surface is lower where it has yielded", "length")
 }
 FIELDS_OF_CONTINUA: dict[str, tuple[str, str]] = {"pressure": ("contact pressure", "pressure")}
 

@@ -123,10 +123,7 @@ def _with_lost_chunks(folder: Path) -> set[str]:
 def whole_folder(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     """A folder to write into that takes the name ``path`` only when all is written.
 
-    Raises
-    ------
-    OutputError
-        ``path`` exists and is not to be overwritten, or the disk refused.
+    `OutputError` if ``path`` exists and is not to be overwritten, or the disk refused.
     """
     if path.exists() and not overwrite:
         raise OutputError(f"{path} exists already and is kept; choose another name, or overwrite it")
@@ -152,10 +149,7 @@ def whole_folder(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
 def whole_file(path: Path) -> Iterator[Path]:
     """A file to write that takes the name ``path``, replacing what is there, only when all is written.
 
-    Raises
-    ------
-    OutputError
-        The disk refused; what was there before is untouched.
+    `OutputError` if the disk refused; what was there before is untouched.
     """
     part = path.with_name(f"{_part_of(path)}{uuid.uuid4().hex}{path.suffix}")
     try:

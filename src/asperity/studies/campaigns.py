@@ -47,10 +47,7 @@ class Campaign:
     def write(self, folder: Path) -> Plan:
         """Write the campaign file, and its surfaces if it has any, and read the plan back.
 
-        Raises
-        ------
-        OutputError
-            The disk refused.
+        `OutputError` if the disk refused.
         """
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -67,10 +64,7 @@ class Campaign:
     def seeded(self, first: int) -> Campaign:
         """Return the same campaign with as many surfaces, whose seeds go on from a first one.
 
-        Raises
-        ------
-        InputError
-            For a negative seed.
+        `InputError` for a negative seed.
         """
         if first < 0:
             raise InputError("seed", expected="0 or more", got=first)
@@ -340,10 +334,7 @@ def run_campaigns(
 def finished(evidence: Evidence, prepared: Sequence[Prepared]) -> dict[str, int]:
     """Return the number of finished runs of every campaign, by name.
 
-    Raises
-    ------
-    AsperityError
-        A campaign is not finished.
+    `AsperityError` if a campaign is not finished.
     """
     counts = {one.campaign.name: int(evidence[one.campaign.name].attrs["finished"]) for one in prepared}
     for one in prepared:

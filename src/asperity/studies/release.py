@@ -78,12 +78,7 @@ _SOLIDS = {
             _HELD | {"branches": _POWER},
             (0.1,),
         ),
-        (
-            "one_time",
-            "half-space with one relaxation time, 10",
-            _HELD | {"branches": [[0.75, 10.0]]},
-            (0.1,),
-        ),
+        ("one_time", "half-space with one relaxation time, 10", _HELD | {"branches": [[0.75, 10.0]]}, (0.1,)),
         ("conserved", "lattice of springs, conserved creep (R = 1)", _SPRINGS | {"R": 1.0}, (0.05, 0.1)),
         (
             "viscous",

@@ -61,10 +61,7 @@ class Simulated:
 def write_drawing(folder: Path, name: str, figure: Figure) -> dict[str, Path]:
     """Write a drawing as ``NAME.svg``, ``.pdf`` and ``.png``; return its files by their suffixes.
 
-    Raises
-    ------
-    OutputError
-        The disk refused.
+    `OutputError` if the disk refused.
     """
     written: dict[str, Path] = {}
     for suffix, metadata in (("svg", {"Date": None}), ("pdf", {"CreationDate": None}), ("png", {})):
@@ -79,10 +76,7 @@ def write_drawing(folder: Path, name: str, figure: Figure) -> dict[str, Path]:
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
     """Write a table as ``NAME.csv``, with a hyphen for what no name of a file has; return the file.
 
-    Raises
-    ------
-    OutputError
-        The disk refused.
+    `OutputError` if the disk refused.
     """
     path = _in(folder) / f"{file_name(name)}.csv"
     with whole_file(path) as part:

@@ -17,11 +17,7 @@ STEADY = 8
 LATTICE = Solid("lattice of springs, conserved creep", {"k0": 1.0, "k1": 3.0, "R": 1.0}, 0.01)
 HALF_SPACE = Solid(
     "half-space, E(t) like ln t",
-    {
-        "kind": "half_space",
-        "modulus": 1.0,
-        "branches": [[0.06, 10.0**decade] for decade in range(-3, 7)],
-    },
+    {"kind": "half_space", "modulus": 1.0, "branches": [[0.06, 10.0**decade] for decade in range(-3, 7)]},
     0.02,
 )
 

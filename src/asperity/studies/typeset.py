@@ -25,10 +25,7 @@ def rich(text: str) -> Markup:
 
     2e-05 is written with a power of ten.
 
-    Raises
-    ------
-    InputError
-        A tag that is not closed, or not in its turn: it would reach into what follows.
+    `InputError` for a tag that is not closed, or not in its turn: it would reach into what follows.
     """
     pieces, opened = [], list[str]()
     for index, piece in enumerate(_TAG.split(text)):
