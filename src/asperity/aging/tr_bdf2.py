@@ -169,8 +169,8 @@ def take_step(
 def _combined(system: System, u: Modes | float, *terms: tuple[float, float, Modes]) -> Modes:
     """Modes u and a number of times w_b, and what u_b creeps at the rate there in a time, of each term."""
     stretch = terms[0][2]
-    modes = np.zeros(stretch.shape, stretch.dtype)
-    modes += u
+    modes = np.empty(stretch.shape, stretch.dtype)
+    modes[...] = u
     for number, duration, stretch in terms:
         add_creep(modes, number, duration, system.mechanics.spectral.spectra.rate, stretch)
     if system.drift:

@@ -25,11 +25,9 @@ def weighted_power(weights: Spectrum, modes: Modes) -> Spectrum:
     return total
 
 
-def damped_difference(damping: Spectrum, u: Modes, modes: Modes) -> Modes:
-    """D_b (u - u_b) of each branch."""
-    difference = np.empty(modes.shape, u.dtype)
-    damp_difference(_flat(damping), u.reshape(-1), _flat(modes), _flat(difference))
-    return difference
+def damp_difference(damping: Spectrum, u: Modes, modes: Modes) -> None:
+    """Put D_b (u - u_b) in the place of u_b."""
+    subtract_and_damp(_flat(damping), u.reshape(-1), _flat(modes))
 
 
 def add_creep(modes: Modes, number: float, duration: float, rate: Spectrum, stretch: Modes) -> None:
@@ -59,11 +57,11 @@ def add_power(weights: Any, modes: Any, total: Any) -> None:
 
 
 @compiled
-def damp_difference(damping: Any, u: Any, modes: Any, difference: Any) -> None:
-    """Write D_b (u - u_b)."""
+def subtract_and_damp(damping: Any, u: Any, modes: Any) -> None:
+    """Write D_b (u - u_b) to where u_b is."""
     for b in range(len(modes)):
         for q in range(len(u)):
-            difference[b, q] = damping[b, q] * (u[q] - modes[b, q])
+            modes[b, q] = damping[b, q] * (u[q] - modes[b, q])
 
 
 @compiled

@@ -34,7 +34,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.contact.branches import damped_difference, weighted_power, weighted_sum
+from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
@@ -413,14 +413,15 @@ class SpectralStep(ImplicitStep):
         return self.mechanics.lattice.backward(modes), position
 
     def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
-        """The same in Fourier modes."""
-        modes = damped_difference(self.damping, u, anchors)
+        """The same in Fourier modes, in the place of the anchors."""
+        before, modes = anchors[self.mechanics.lattice.mean].real.copy(), anchors
+        damp_difference(self.damping, u, modes)
         if held.load is None:
             return modes, held.position
         mechanics, mean = self.mechanics, self.mechanics.lattice.mean
         sites, springs = mechanics.lattice.sites, self.damped_stiffness[mean]
         hanging = float(mechanics.hanging[0] + springs.sum())
-        surface, before = float(u.flat[0].real), anchors[mean].real
+        surface = float(u.flat[0].real)
         if hanging == 0:  # nothing hangs, or all that hangs has yielded: the load is shared as it flows
             flow = np.where(mechanics.hanging[1:] > 0, mechanics.spectra.mean_mobility, np.inf)
             modes[mean] = 0.0
@@ -436,7 +437,7 @@ class SpectralStep(ImplicitStep):
         if isinstance(anchors, np.ndarray):
             return mechanics.lattice.forward(anchors)
         flat = mechanics.lattice.flat_modes(anchors)
-        return np.broadcast_to(flat, (mechanics.branches, *flat.shape))
+        return np.repeat(flat[np.newaxis], mechanics.branches, axis=0)
 
 
 @final

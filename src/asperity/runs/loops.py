@@ -37,7 +37,8 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     spectra = np.zeros((1, 2))
     kinds: tuple[Any, ...] = (spectra, spectra.astype(complex))  # of reflecting edges, and of periodic ones
     for modes in kinds:
-        branches.add_creep(modes, 1.0, 1.0, spectra, branches.damped_difference(spectra, modes[0], modes))
+        branches.damp_difference(spectra, modes[0], modes)
+        branches.add_creep(modes, 1.0, 1.0, spectra, modes)
         branches.weighted_sum(spectra, modes)
         branches.weighted_power(spectra, modes)
     # Even, and large enough for the Fourier solver to start from a coarser lattice.
