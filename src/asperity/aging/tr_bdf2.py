@@ -126,8 +126,8 @@ def take_step(
     problems. The error of a step whose problems are solved to them is what is left a time ``ahead`` of its
     end, or a tenth of what it is there if that is more; but what contacts that open no longer hold stays.
     """
-    implicit = system.mechanics.implicit_step(DIAGONAL * duration)
     tau, weight = DIAGONAL * duration, WEIGHT * duration
+    implicit = system.mechanics.implicit_step(tau)
     middle, spent = _stage(
         system,
         implicit,
