@@ -341,7 +341,7 @@ def contact_from(
         In double precision the heights cannot resolve a load this small.
     """
     heights, indentation = _lowered(system, solution.u, bodies)
-    datum, branches = system.datum, system.mechanics.branches
+    datum, lattice, branches = system.datum, system.mechanics.lattice, system.mechanics.branches
     u = solution.u + datum
     np.maximum(u, heights, out=u)
     np.copyto(u, heights, where=solution.in_contact)
@@ -365,8 +365,7 @@ def contact_from(
         return left
 
     def on_sites() -> Field:
-        fields = bodies.lattice.backward(modes)
-        fields = _rounded(fields, solution.u, u, datum, branches)
+        fields = _rounded(lattice.backward(modes), solution.u, u, datum, branches)
         judged(_State.of(system, u - datum, fields - datum, position))
         return fields
 
