@@ -347,7 +347,7 @@ def test_an_instrument_that_sees_nothing(tmp_path: Path, asperity: Asperity) -> 
         (("--pixel", "2", "--maps-at", ""), "pixel: expected maps to look at, got maps_at = []"),
         (("--pixel", "2um"), "expected plain numbers for a spring_lattice"),
         (("--threshold", "2"), "--threshold: expected a number of at most 1.0, got 2"),
-        (("--threshold", "0.5"), "[output] threshold: expected pixel or blur beside it, got neither"),
+        (("--threshold", "0.5"), "asperity: --threshold: expected --pixel or --blur beside it, got neither"),
         (
             ("--branch", "0.3", "10"),
             '10: No such file or directory; a pair of numbers is one word: --branch "0.3 10"',

@@ -501,7 +501,7 @@ class Output(Section):
     @model_validator(mode="after")
     def _check_maps(self) -> Self:
         if self.threshold is not None and self.pixel is None and self.blur is None:
-            raise ValueError("threshold: expected pixel or blur beside it, got neither")
+            raise ValueError("threshold: expected `pixel` or `blur` beside it, got neither")
         if self.maps_at == [] and self.instrument:
             raise ValueError(f"{next(iter(self.instrument))}: expected maps to look at, got maps_at = []")
         return self
