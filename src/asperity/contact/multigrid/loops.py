@@ -1554,24 +1554,12 @@ def _lagged(lag: Any, i: int, x: Any, y: Any, columns: int) -> Any:
 
 
 @inlined
-def form_2(
-    x: Single,
-    x1: Single,
-    f: Single,
-    f1: Single,
-    y: Single,
-    y1: Single,
-    g: Single,
-    g1: Single,
-    bed: Scalar,
-    spread: Scalar,
-    lag: Scalar,
-    i: int,
-    nx: int,
-) -> Any:
-    """Symmetric form of (x, f) and (y, g) on row i and its bonds to the next, x1, f1, y1 and g1."""
-    creep = spread * along_bonds(f, f1, g, g1, nx) + lagged(lag, i, f, g, nx)
-    return along_bonds(x, x1, y, y1, nx) + bed * (product(x, g, nx) + product(f, y, nx) - creep)
+def form_2(x: Pair, x_next: Pair, y: Pair, y_next: Pair, eq: Two, i: int) -> Any:
+    """Symmetric form of two pairs of fields on row i and its bonds to the next."""
+    nx = eq.sites.columns
+    creep = eq.spread * along_bonds(x.f, x_next.f, y.f, y_next.f, nx) + lagged(eq.lag, i, x.f, y.f, nx)
+    mixed = product(x.e, y.f, nx) + product(x.f, y.e, nx)
+    return along_bonds(x.e, x_next.e, y.e, y_next.e, nx) + eq.bed * (mixed - creep)
 
 
 @compiled
@@ -1580,7 +1568,7 @@ def products_2(eq: Two, moves: Moves, sums: Field, low: int, high: int) -> None:
 
     Gradient with either, then dd, dq, qq, the sum of p and that of g.
     """
-    e, f, bound, b, c, bed, spread, lag, shift, sites = eq
+    e, f, bound, b, c, bed, _, _, shift, sites = eq
     coarse, previous, _, _, _ = moves
     ny, _, width = e.shape
     nx = sites.columns
@@ -1597,17 +1585,18 @@ def products_2(eq: Two, moves: Moves, sums: Field, low: int, high: int) -> None:
         if i == low:
             continue
         x = i - 1
-        d0, d1, p0, p1, q0, q1 = d[1 - now], d[now], p[1 - now], p[now], q[1 - now], q[now]
-        g0, g1, e0, e1, f0, f1 = previous.f[x], previous.f[y], e[x], e[y], f[x], f[y]
-        sum_p, sum_g = product(p0, ones, nx), product(g0, ones, nx)
+        here, below = Pair(e[x], f[x]), Pair(e[y], f[y])
+        move, move_next = Pair(d[1 - now], p[1 - now]), Pair(d[now], p[now])
+        kept, kept_next = Pair(q[1 - now], previous.f[x]), Pair(q[now], previous.f[y])
+        sum_p, sum_g = product(move.f, ones, nx), product(kept.f, ones, nx)
         found = sums[x]
-        found[0] = form_2(e0, e1, f0, f1, d0, d1, p0, p1, bed, spread, lag, x, nx) - product(b[x], d0, nx)
-        found[0] += bed * (product(c[x], p0, nx) + shift * sum_p)
-        found[1] = form_2(e0, e1, f0, f1, q0, q1, g0, g1, bed, spread, lag, x, nx) - product(b[x], q0, nx)
-        found[1] += bed * (product(c[x], g0, nx) + shift * sum_g)
-        found[2] = form_2(d0, d1, p0, p1, d0, d1, p0, p1, bed, spread, lag, x, nx)
-        found[3] = form_2(d0, d1, p0, p1, q0, q1, g0, g1, bed, spread, lag, x, nx)
-        found[4] = form_2(q0, q1, g0, g1, q0, q1, g0, g1, bed, spread, lag, x, nx)
+        found[0] = form_2(here, below, move, move_next, eq, x) - product(b[x], move.e, nx)
+        found[0] += bed * (product(c[x], move.f, nx) + shift * sum_p)
+        found[1] = form_2(here, below, kept, kept_next, eq, x) - product(b[x], kept.e, nx)
+        found[1] += bed * (product(c[x], kept.f, nx) + shift * sum_g)
+        found[2] = form_2(move, move_next, move, move_next, eq, x)
+        found[3] = form_2(move, move_next, kept, kept_next, eq, x)
+        found[4] = form_2(kept, kept_next, kept, kept_next, eq, x)
         found[5], found[6] = sum_p, sum_g
 
 
