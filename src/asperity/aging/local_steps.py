@@ -69,6 +69,7 @@ class LocalSteps:
         self.crept, self.origin = arrays["crept"].tolist()
         self.tried = self.moments[0].state
         self.tried_rate = self.rate
+        self.known_extent: Extent | None = None
 
     @classmethod
     def begin(cls, system: System, start: Contact) -> LocalSteps:
@@ -123,8 +124,10 @@ class LocalSteps:
 
     def extent(self) -> Extent:
         """How large the deformation is."""
-        now = self.moments[0].state
-        return Extent(float(now.u.std()), rms(self.solver.stretch(now.force)), largest(now.u, np))
+        if self.known_extent is None:
+            u, force = self.moments[0].state.u, self.moments[0].state.force
+            self.known_extent = Extent(float(u.std()), rms(self.solver.stretch(force)), largest(u, np))
+        return self.known_extent
 
     def speed(self) -> float:
         """Rate of the creeping shape, rms over the sites."""
@@ -211,5 +214,6 @@ class LocalSteps:
             self.shape -= mean
             self.crept += mean
         self.moments = [_Moment(time, end), *self.moments][:_KEPT]
+        self.known_extent = None
         self.system = self.system.lowered(end.u)
         self.solver.heights = self.system.heights.reshape(self.solver.heights.shape)

@@ -54,6 +54,10 @@ _LARGEST_LAG = 1e30
 _SOFTEST = 1e-6
 """Least k0/k1 in the correction, which need not be exact."""
 
+_KEPT_BYTES = 31 * 2**20
+"""Size of a block that is freed at once: from then on glibc keeps freed blocks up to this size (32 MB are the
+most), where it gave them back to the system and got them anew, page by page, in every step."""
+
 
 class LatticeCreep:
     """Steps on one lattice."""
@@ -71,6 +75,7 @@ class LatticeCreep:
         self.heights = np.ascontiguousarray(np.atleast_2d(heights))
         rows, columns = self.heights.shape
         self.work = TwoFields(Sites(rows, columns, self.mirrored), Processor())
+        np.empty(_KEPT_BYTES, np.uint8)
 
     def stretch(self, force: Field) -> Field:
         """See `LocalCreepSolver`."""
@@ -89,22 +94,10 @@ class LatticeCreep:
     def balanced(self, state: LocalState, load: float | None) -> Field:
         """See `LocalCreepSolver`."""
         u, w = (np.ascontiguousarray(np.atleast_2d(field)) for field in (state.u, self.stretch(state.force)))
-        total = None if load is None else load / self.springs.k1
         k0, k1 = self.springs.k0, self.springs.k1
-        if self.bound == math.inf:
-            return balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored).reshape(state.u.shape)
-        given = u > self.heights
-        free = -k0 / k1 * _laplacian(u, self.mirrored)
-        w = np.where(given, free, w)
-        while True:
-            if total is not None and not given.all():
-                rest = total - float(w[given].sum())
-                w *= np.where(given, 1.0, rest / float(w[~given].sum()))
-            above = ~given & (w - free > self.bound / k1)
-            if not above.any():
-                return w.reshape(state.u.shape)
-            w[above] = free[above] + self.bound / k1
-            given |= above
+        total, largest = None if load is None else load / k1, self.bound / k1
+        found = balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored, largest=largest)
+        return found.reshape(state.u.shape)
 
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """See `LocalCreepSolver`."""
@@ -235,10 +228,10 @@ class _Run:
         work.source.f[...] = work.backend.packed(error / -scale)
         if work.wanted is not None:
             work.wanted = 0.0
-        work.shift, work.known_stretch = 0.0, math.inf
+        work.shift = 0.0
         for field in work.correction:
             field.fill(0.0)
-        if not work.improve(_DAMPED, _MOST_CYCLES)[0]:
+        if not work.improve(_DAMPED, _MOST_CYCLES, total_counts=False)[0]:
             return error
         e, f = work.correction
         left = work.backend.unpacked(e - f, work.sites)

@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.local_creep import LocalState, Stage, stretches_of
+from asperity.contact.stencils import bounded
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask, Spectrum
 from asperity.solids.creep_laws import LocalCreep
@@ -139,10 +140,9 @@ class SeriesCreep:
             p = p + self.lattice.apply(self.permanent, state.u)
             p += state.force.mean() / self.share - p.mean()
         p = np.where(touching, np.maximum(p, 0.0), 0.0)
-        if load is not None:
-            total, contacts = float(p.sum()), np.count_nonzero(touching)
-            p = p * (load / total) if total > 0 else touching * (load / contacts)
-        return np.minimum(p, self.bound)
+        if load is not None and not p.any():
+            p = touching * (load / np.count_nonzero(touching))
+        return bounded(p, load, self.bound)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:

@@ -5,6 +5,7 @@ A lattice is periodic, or its edges are mirrors: the site beyond an edge is the 
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -145,16 +146,45 @@ def extremes_of_rows(force: Field, in_contact: Mask, out: Field) -> None:
 
 
 def balanced(
-    u: Field, w: Field, heights: Field, k0: float, k1: float, total: float | None, *, mirrored: bool = False
+    u: Field,
+    w: Field,
+    heights: Field,
+    k0: float,
+    k1: float,
+    total: float | None,
+    *,
+    mirrored: bool = False,
+    largest: float = math.inf,
 ) -> Field:
-    """Stretch with which u is in equilibrium: w in contact, where it is no tension, or scaled to a total."""
+    """Stretch with which u is in equilibrium: w in contact, where it is no tension, or scaled to a total.
+
+    Forces over k1 above the ``largest`` are it, and the others bear what is left of the total.
+    """
     heights = np.ascontiguousarray(heights)
     out, rows = np.empty_like(u), np.empty(len(u))
     balance(u, w, heights, k0, k1, mirrored, out, rows)
-    carried = float(rows.sum())
-    scale = total / carried if total is not None and carried > 0 and total > 0 else 1.0
+    carried, scale = float(rows.sum()), 1.0
+    if math.isfinite(largest):
+        w = out + bounded(np.where(u <= heights, np.maximum(w - out, 0.0), 0.0), total, largest)
+    elif total is not None and carried > 0 and total > 0:
+        scale = total / carried
     carry(u, w, heights, scale, out)
     return out
+
+
+def bounded(forces: Field, total: float | None, largest: float) -> Field:
+    """Forces that are at most the largest; the smaller ones are scaled so that all add up to a total."""
+    forces = np.minimum(forces, largest)
+    below = forces < largest
+    while total is not None and (carried := float(forces[below].sum())) > 0:
+        rest = total - largest * (forces.size - below.sum()) if math.isfinite(largest) else total
+        forces[below] *= max(rest, 0.0) / carried
+        above = below & (forces > largest)
+        if not above.any():
+            break
+        forces[above] = largest
+        below &= ~above
+    return forces
 
 
 def combined(first: Field, *terms: tuple[float, Field]) -> Field:

@@ -150,12 +150,14 @@ class TwoFields:
         self.settle(surface, unit)
         return False, max_cycles
 
-    def improve(self, allowed_error: float, max_cycles: int) -> tuple[bool, int]:
+    def improve(
+        self, allowed_error: float, max_cycles: int, *, total_counts: bool = True
+    ) -> tuple[bool, int]:
         """Improve the correction until the error of e - f, rms over the sites, is small enough, or rounding.
 
         A time step starts near its end, and a cycle usually divides the error by four or more; the size of
         a change estimates the error before it, and so the one that is left. A surface that moves as a whole
-        leaves e - f alone: what the sum of f lacks is to be a small part of the whole, too.
+        leaves e - f alone: where it counts, what the sum of f lacks is to be a small part of the whole, too.
         """
         size = math.inf
         for cycle in range(max_cycles):
@@ -170,7 +172,8 @@ class TwoFields:
             if self.wanted is None and found.contacts > 0:
                 missing = self.weights[0] * self.size * float(np.mean(self.hierarchy.joined.f, dtype=float))
             good = rate * size <= max(allowed_error, _ROUNDING * far)
-            if good and rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch):
+            carried = rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch) or not total_counts
+            if good and carried:
                 self.descend(correcting=True, restricting=False)
                 return True, cycle + 1
         return False, max_cycles
