@@ -25,7 +25,7 @@ import asperity.units as units
 from asperity.errors import LARGEST, InputError
 
 __all__ = ["Hold", "Leg", "Ramp", "Repeat", "Slide", "Step"]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone
 
 
 _SAME_TIME = 1e-9

@@ -3,4 +3,4 @@
 from asperity.aging.march import Frame, creep
 
 __all__ = ["Frame", "creep"]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

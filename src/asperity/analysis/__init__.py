@@ -38,4 +38,4 @@ __all__ = [
     "turnover",
     "with_limit",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

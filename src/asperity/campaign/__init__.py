@@ -18,4 +18,4 @@ __all__ = [
     "table",
     "tally",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

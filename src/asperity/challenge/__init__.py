@@ -20,4 +20,4 @@ __all__ = [
     "solve",
     "write",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

@@ -6,4 +6,4 @@ from asperity.contact.multigrid import Multigrid
 from asperity.contact.state import Contact
 
 __all__ = ["ActiveSet", "Contact", "Control", "Load", "Multigrid", "Separation"]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

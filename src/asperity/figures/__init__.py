@@ -42,4 +42,4 @@ __all__ = [
     "sliding_figure",
     "surface_figure",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

@@ -32,4 +32,4 @@ __all__ = [
     "read_measurements",
     "saturation",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

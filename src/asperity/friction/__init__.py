@@ -26,4 +26,4 @@ __all__ = [
     "synthetic_record",
     "velocity_steps",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

@@ -24,4 +24,4 @@ __all__ = [
     "shapes_of",
     "turnover",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

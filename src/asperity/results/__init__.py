@@ -5,4 +5,4 @@ from asperity.results.history import History
 from asperity.results.store import load, save
 
 __all__ = ["Checkpoint", "History", "load", "save"]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

@@ -35,4 +35,4 @@ __all__ = [
     "layer",
     "spring_lattice",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

@@ -23,7 +23,6 @@ STUDIES = {study.name: study for study in _ALL}
 """All studies by name, in the order of the list."""
 
 __all__ = ["STUDIES", "Concluded", "Outcome", "Study", "conclude", "named", "run"]
-__dir__ = __all__.copy
 
 
 def named(name: str) -> Study:
@@ -76,3 +75,6 @@ def run(
     with one.prepared_in(directory, quick=quick, seed=seed) as prepared:
         run_campaigns(prepared, workers=workers)
         return conclude(one, directory, prepared, quick=quick, command=command, seed=seed)
+
+
+__dir__ = __all__.copy  # dir() lists the public names alone

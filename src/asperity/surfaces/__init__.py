@@ -25,4 +25,4 @@ __all__ = [
     "spectral",
     "statistics",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone

@@ -71,4 +71,4 @@ __all__ = [
     "westergaard_area",
     "winkler_area",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone
