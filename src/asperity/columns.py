@@ -75,6 +75,12 @@ def finite(table: Table, position: int, role: str) -> Floats:
     return values
 
 
+def named(table: Table) -> str:
+    """The columns of a table by their names, for messages."""
+    names = ", ".join(repr(name) for name in table.names if name)[:120]
+    return f"columns {names}" if names else f"{len(table.names)} columns without names"
+
+
 def position(table: Table, column: int | str) -> int:
     """Where a column stands, by its name or its number from 0; `InputError` where there is none."""
     name = str(column).strip()

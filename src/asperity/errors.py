@@ -27,7 +27,7 @@ __all__ = [
     "OutputError",
     "SurfaceFileError",
 ]
-__dir__ = __all__.copy
+__dir__ = __all__.copy  # dir() lists the public names alone
 
 
 class AsperityError(Exception):
@@ -60,6 +60,10 @@ class InputError(AsperityError, ValueError):
         self.name, self.expected, self.got, self.advice = name, expected, brief(str(got)), advice
         message = f"{brief(name)}: expected {expected}, got {self.got}"
         super().__init__(f"{message}; try {advice}" if advice else message)
+
+    def about(self, name: str) -> InputError:
+        """Return the same error about something else."""
+        return InputError(name, expected=self.expected, got=self.got, advice=self.advice)
 
     def __reduce__(self) -> tuple[object, ...]:
         # By default a copy would be made by calling the class with the message alone.

@@ -71,13 +71,19 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
     return found
 
 
+def lattice_of(dataset: xr.Dataset) -> Lattice:
+    """The lattice of a dataset; one that does not say is periodic, its spacing 1."""
+    shape = dataset["heights"].shape
+    spacing = json.loads(dataset.attrs.get("spacing", json.dumps([1.0] * len(shape))))
+    return Lattice(shape, tuple(spacing), dataset.attrs.get("edges", "periodic"))
+
+
 def _rough(one: xr.Dataset) -> Field:
     """Heights of the rough surface where they are in one map: slid, and lower where it has yielded."""
     heights = np.asarray(one["heights"], dtype=np.float64)
     if "field_shift_y" in one.coords or "field_shift_x" in one.coords:
-        lattice = Lattice(heights.shape, tuple(json.loads(one.attrs["spacing"])), one.attrs["edges"])
         axes = ("y", "x")[-heights.ndim :]
-        heights = lattice.shifted(heights, [float(one[f"field_shift_{axis}"]) for axis in axes])
+        heights = lattice_of(one).shifted(heights, [float(one[f"field_shift_{axis}"]) for axis in axes])
     if "permanent_indentation" in one:
         heights = heights - np.asarray(one["permanent_indentation"], dtype=np.float64)
     return heights
@@ -96,6 +102,6 @@ def pressure_of(one: xr.Dataset) -> Field | None:
     k0, k1, R, R_viscous = (float(attrs[name]) for name in springs)
     solid = spring_lattice(k0=k0, k1=k1, R=R, R_viscous=R_viscous)
     u = np.asarray(one["u"], dtype=np.float64)
-    mechanics = mechanics_of(solid, Lattice(u.shape, tuple(json.loads(attrs["spacing"])), attrs["edges"]))
+    mechanics = mechanics_of(solid, lattice_of(one))
     stretch = (u - np.asarray(one["u0"], dtype=np.float64))[np.newaxis]
     return mechanics.force(u, stretch, Prescribed(None, 0.0))

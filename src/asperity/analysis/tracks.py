@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 import asperity.views as views
-from asperity.analysis.field_values import pressure_of
+from asperity.analysis.field_values import lattice_of, pressure_of
 from asperity.checks import kind_of
 from asperity.contact.state import Contact
 from asperity.errors import InputError
@@ -105,7 +104,7 @@ def patch_table(image: Contact | xr.Dataset, connectivity: int = 1) -> xr.Datase
         lattice, touching, units = image.lattice, image.in_contact, units_of(image)
         in_lengths, pressure = image.solid.in_lengths, image.pressure
     elif isinstance(image, xr.Dataset) and image.get("in_contact", xr.DataArray()).ndim in (1, 2):
-        lattice, touching = _lattice(image), np.asarray(image["in_contact"], dtype=bool)
+        lattice, touching = lattice_of(image), np.asarray(image["in_contact"], dtype=bool)
         units, in_lengths, pressure = _units(image), "pressure" in image, pressure_of(image)
     else:
         raise InputError(
@@ -137,7 +136,7 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
         The history kept no fields; a connectivity other than 1 or 2.
     """
     times, maps = _maps(dataset)
-    lattice, units = _lattice(dataset), _units(dataset)
+    lattice, units = lattice_of(dataset), _units(dataset)
     entries: list[dict[str, NDArray[Any]]] = []
     links: list[dict[str, NDArray[Any]]] = []
     birth, death, origin, parent, end, heir = (list[Any]() for _ in range(6))
@@ -262,12 +261,6 @@ def _maps(dataset: xr.Dataset) -> tuple[Field, NDArray[np.bool_]]:
     check_fields(dataset)
     maps: Mask = np.asarray(dataset["in_contact"], dtype=bool)
     return np.asarray(dataset["field_time"], dtype=np.float64), maps
-
-
-def _lattice(dataset: xr.Dataset) -> Lattice:
-    shape = dataset["heights"].shape
-    spacing = json.loads(dataset.attrs.get("spacing", json.dumps([1.0] * len(shape))))
-    return Lattice(shape, tuple(spacing), dataset.attrs.get("edges", "periodic"))
 
 
 def _units(dataset: xr.Dataset) -> Mapping[str, str]:

@@ -492,6 +492,5 @@ def _sum_of_difference(field: Field, other: Field | float) -> float:
     """Sum over the sites of a difference, a block of rows at a time to spare memory."""
     rows = max(1, _BLOCK * len(field) // field.size)
     starts = range(0, len(field), rows)
-    if not isinstance(other, np.ndarray):
-        return math.fsum(float(np.sum(field[i : i + rows] - other)) for i in starts)
+    other = np.broadcast_to(other, field.shape)
     return math.fsum(float(np.sum(field[i : i + rows] - other[i : i + rows])) for i in starts)

@@ -78,8 +78,5 @@ def ensemble(fit: Callable[[Floats, Floats], Fit], time: ArrayLike, areas: Array
         return np.array([float(getattr(result, name)) for name in names])
 
     found = jackknife(parameters, runs)
-    estimates = {
-        name: Estimate(found.value[i], found.stderr[i], found.low[i], found.high[i], found.runs)
-        for i, name in enumerate(names)
-    }
+    estimates = {name: found.part(i) for i, name in enumerate(names)}
     return EnsembleFit(mean, estimates, found.runs)

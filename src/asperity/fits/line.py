@@ -8,6 +8,7 @@ import numpy as np
 
 from asperity.checks import Floats
 from asperity.errors import InputError
+from asperity.fits.result import explained
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +64,6 @@ def polynomial(
     residual = y - np.polynomial.polynomial.polyval(z, c)
     squares = float(np.sum((weight * residual) ** 2))
     free = x.size - coefficients
-    mean = np.average(y, weights=weight**2)
-    total = float(np.sum((weight * (y - mean)) ** 2))
     return Polynomial(
         coefficients=c,
         covariance=covariance * (squares / free if stderr is None else 1.0),
@@ -72,6 +71,6 @@ def polynomial(
         scale=float(scale),
         degrees_of_freedom=float(free) if stderr is None else float("inf"),
         residual=residual,
-        r_squared=1 - squares / total if total > 0 else float("nan"),
+        r_squared=explained(squares, y, weight**2),
         reduced_chi_squared=None if stderr is None else squares / free,
     )

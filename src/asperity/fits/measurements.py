@@ -10,6 +10,7 @@ import numpy as np
 
 import asperity.views as views
 from asperity.checks import Floats
+from asperity.columns import position
 from asperity.errors import InputError
 from asperity.tables import GROUPED, MISSING, Table, read_table
 
@@ -72,11 +73,11 @@ def read_measurements(
     asked = {"time": time, "value": value, "stderr": stderr}
     usual = {"time": int(indexed), "value": 1 + int(indexed), "stderr": None}
     chosen = {name: usual[name] if column is None else column for name, column in asked.items()}
-    columns = {name: _position(table, column) for name, column in chosen.items() if column is not None}
+    columns = {name: position(table, column) for name, column in chosen.items() if column is not None}
     if len(set(columns.values())) < len(columns):
-        got = " and ".join(f"column {position}" for position in columns.values())
+        got = " and ".join(f"column {at}" for at in columns.values())
         raise InputError(str(path), expected=f"{' and '.join(columns)} in different columns", got=got)
-    read = {name: _checked(table, position, name) for name, position in columns.items()}
+    read = {name: _checked(table, at, name) for name, at in columns.items()}
     time_name, value_name = table.names[columns["time"]], table.names[columns["value"]]
     remark = f"column 0, without a name, counts the lines: took {time_name!r} for the hold times"
     return Measurements(
@@ -101,30 +102,19 @@ def _begins_with_index(table: Table) -> bool:
     )
 
 
-def _position(table: Table, column: int | str) -> int:
-    if str(column).strip() in table.names:
-        return table.names.index(str(column).strip())
-    if str(column).isdecimal() and int(column) < len(table.names):
-        return int(column)
-    known = ", ".join(repr(name) for name in table.names if name)
-    choice = f"one of {known}, or " if known else ""
-    expected = f"{choice}a number from 0 to {len(table.names) - 1}"
-    raise InputError(f"column {column!r} of {table.name}", expected=expected, got="no such column")
-
-
-def _checked(table: Table, position: int, name: str) -> Floats:
-    values = table.values[:, position]
+def _checked(table: Table, column: int, name: str) -> Floats:
+    values = table.values[:, column]
     bad = ~np.isfinite(values) | (values < 0 if name == "time" else values <= 0)
     if not bad.any():
         return values
     row = int(np.argmax(bad))
     number, line = table.lines[row]
-    what = repr(table.names[position]) if table.names[position] else f"a {name}"
+    what = repr(table.names[column]) if table.names[column] else f"a {name}"
     where, got = f"in line {number}", f"{line.strip()[:60]!r}"
     if np.isfinite(values[row]):
         expected = f"{what} {'not below' if name == 'time' else 'above'} 0 {where}"
         raise InputError(table.name, expected=expected, got=got, advice=_LEAVE_OUT)
-    cell = table.cell(row, position)
+    cell = table.cell(row, column)
     is_missing = cell.lower() in MISSING
     fault = "missing" if is_missing else "infinite" if np.isinf(values[row]) else "not a number"
     raise InputError(

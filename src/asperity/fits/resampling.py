@@ -46,6 +46,14 @@ class Estimate(views.Brief):
     high: Floats
     runs: int
 
+    def part(self, at: int, *, scale: bool = False) -> Estimate:
+        """Return one of several numbers that were estimated together; of a scale, its logarithm was."""
+        value, stderr, low, high = (part[at] for part in (self.value, self.stderr, self.low, self.high))
+        if scale:
+            value, low, high = np.exp(value), np.exp(low), np.exp(high)
+            stderr = value * stderr
+        return Estimate(value, stderr, low, high, self.runs)
+
 
 def jackknife(
     statistic: Callable[..., ArrayLike], samples: ArrayLike | tuple[NDArray[np.generic], ...]

@@ -6,9 +6,11 @@ import math
 from dataclasses import dataclass, fields
 from typing import ClassVar
 
+import numpy as np
 from scipy.special import stdtrit
 
 import asperity.views as views
+from asperity.checks import Floats
 from asperity.errors import InputError
 
 SURE = 0.95
@@ -90,6 +92,12 @@ class FitResult(views.InNotebooks):
         if not exponent < math.log(1e300):
             return 0.0, math.inf
         return value * math.exp(-exponent), value * math.exp(exponent)
+
+
+def explained(squares: float, y: Floats, weight: Floats | None = None) -> float:
+    """Share of the squares about the mean that a fit with these squares explains; NaN if y does not vary."""
+    total = float(np.sum((1.0 if weight is None else weight) * (y - np.average(y, weights=weight)) ** 2))
+    return 1 - squares / total if total > 0 else math.nan
 
 
 def parameters_of(fit: object) -> tuple[str, ...]:

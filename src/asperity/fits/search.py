@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 from asperity.checks import Floats
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits.curve import MANY, Curve, Series
+from asperity.fits.result import explained
 
 # A law takes the logarithms of its parameters (K first) and times, and gives A(t) - A(0) and its
 # derivatives in those logarithms, one column each. K is left out where the final area gives it.
@@ -187,7 +188,6 @@ def _optimum(misfit: Misfit, theta: Floats, curve: Curve) -> Optimum:
     stderr = curve.points.stderr
     squares, free = float(residual @ residual), residual.size - theta.size
     weight = np.ones_like(y) if stderr is None else stderr**-2
-    total = float(np.sum(weight * (y - np.average(y, weights=weight)) ** 2))
     return Optimum(
         theta=theta,
         covariance=(squares / free if stderr is None else 1.0) * inverse_square(jacobian),
@@ -196,7 +196,7 @@ def _optimum(misfit: Misfit, theta: Floats, curve: Curve) -> Optimum:
         degrees_of_freedom=float(free) if stderr is None else float("inf"),
         rms_residual=float(np.sqrt(np.mean((residual / misfit.weight / y) ** 2))),
         # Areas that have grown at once and stay: there is no variation to explain.
-        r_squared=1 - squares / total if total > 0 else float("nan"),
+        r_squared=explained(squares, y, weight),
         reduced_chi_squared=None if stderr is None else squares / free,
     )
 

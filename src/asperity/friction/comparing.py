@@ -132,18 +132,18 @@ def compare_state_laws(
         delta = better.effective_points * ratio
         likelihood = math.exp(-abs(delta) / 2)
         decided = likelihood < UNLIKELY
-        log_ratio = _estimate(ratio, math.nan, math.nan, math.nan, 1)
+        log_ratio = _of_one(ratio, math.nan, math.nan, math.nan)
         estimates = {law: {name: _of_fit(fit, name) for name in PARAMETERS} for law, fit in fits.items()}
         worth = better.effective_points
     else:
         found = jackknife(statistics, friction)
-        log_ratio = _part(found, -1)
+        log_ratio = found.part(-1)
         ratio = float(log_ratio.value)
         decided = float(log_ratio.low) > 0 or float(log_ratio.high) < 0
         count = len(PARAMETERS)
         estimates = {
             law: {
-                name: _part(found, at + n * count, scale=name == "D_c")
+                name: found.part(at + n * count, scale=name == "D_c")
                 if fits[law].determined
                 else _of_fit(fits[law], name)
                 for at, name in enumerate(PARAMETERS)
@@ -193,20 +193,10 @@ def _numbers(fit: RateAndStateFit) -> list[float]:
 
 
 def _of_fit(fit: RateAndStateFit, name: str) -> Estimate:
-    value, stderr = getattr(fit, name), getattr(fit, f"{name}_stderr")
-    low, high = fit.interval(name)
-    return _estimate(value, stderr, low, high, 1)
+    return _of_one(getattr(fit, name), getattr(fit, f"{name}_stderr"), *fit.interval(name))
 
 
-def _part(found: Estimate, at: int, *, scale: bool = False) -> Estimate:
-    """One of several numbers that were estimated together; of a scale, its logarithm was."""
-    value, stderr, low, high = (part[at] for part in (found.value, found.stderr, found.low, found.high))
-    if scale:
-        value, low, high = np.exp(value), np.exp(low), np.exp(high)
-        stderr = value * stderr
-    return _estimate(value, stderr, low, high, found.runs)
-
-
-def _estimate(value: float, stderr: float, low: float, high: float, runs: int) -> Estimate:
-    one, two, three, four = (np.asarray(part, dtype=np.float64)[()] for part in (value, stderr, low, high))
-    return Estimate(one, two, three, four, runs)
+def _of_one(*numbers: float) -> Estimate:
+    """Value, standard error and interval from one record."""
+    value, stderr, low, high = np.array(numbers, dtype=np.float64)
+    return Estimate(value, stderr, low, high, 1)

@@ -29,6 +29,7 @@ from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import FitResult
 from asperity.fits.comparison import ROUNDING, autocorrelation_of
+from asperity.fits.result import explained
 from asperity.fits.search import inverse_square
 from asperity.friction.laws import (
     RateAndState,
@@ -319,13 +320,12 @@ class _Problem:
         of_D_c = math.sqrt(covariance[-2, -2])
         contrast = np.zeros(self.count)
         contrast[1], contrast[2] = -1.0, 1.0 if rest else 0.0
-        total = float(np.sum((friction - friction.mean()) ** 2))
         D_c = math.exp(shape[0])
         return RateAndStateFit(
             points=n,
             degrees_of_freedom=max(1.0, effective - self.count),
             rms_residual=float(np.sqrt(np.mean((residual / friction) ** 2))),
-            r_squared=1 - squares / total if total > 0 else math.nan,
+            r_squared=explained(squares, friction),
             reduced_chi_squared=None,
             law=self.law,
             V_0=self.V_0,

@@ -178,11 +178,16 @@ def first_velocity(velocity: Floats) -> float:
 
 def log_velocity(velocity: Floats, V_0: float) -> Floats:
     """Logarithm of V/V_0; at rest that of the next slip, after the last that of the last, 0 without any."""
+    coming = coming_velocity(velocity)
+    return np.log(np.divide(coming, V_0, out=np.ones_like(velocity), where=coming > 0))
+
+
+def coming_velocity(velocity: Floats) -> Floats:
+    """The velocity; at rest that of the next slip, after the last that of the last, 0 without any."""
     slides = np.flatnonzero(velocity > 0)
     if not slides.size:
-        return np.zeros_like(velocity)
-    coming = np.minimum(np.searchsorted(slides, np.arange(velocity.size)), slides.size - 1)
-    return np.log(velocity[slides[coming]] / V_0)
+        return velocity
+    return velocity[slides[np.minimum(np.searchsorted(slides, np.arange(velocity.size)), slides.size - 1)]]
 
 
 def log_state(law: StateLaw, time: Floats, velocity: Floats, D_c: float, start: float) -> Floats:

@@ -16,7 +16,7 @@ import asperity.checks as checks
 import asperity.units as units
 import asperity.views as views
 from asperity.checks import Floats
-from asperity.columns import Roles, finite, position
+from asperity.columns import Roles, finite, named, position
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
 from asperity.friction.tabor import ShearStrength, add_friction
@@ -347,11 +347,10 @@ def read_record(
     )
     motion = "velocity" if "velocity" in found else "displacement"
     if "time" not in found or motion not in found or not ("friction" in found or ratio):
-        named = ", ".join(repr(name) for name in table.names if name)[:120]
         raise InputError(
             table.name,
             expected="columns of time, of velocity or displacement, and of friction, stresses or forces",
-            got=f"columns {named}" if named else f"{len(table.names)} columns without names",
+            got=named(table),
             advice=f"a first line that names them with their units, such as {_EXAMPLES}",
         )
     with_units = [role for role in _KINEMATIC if role in found and found[role][1]]
@@ -387,9 +386,7 @@ def read_record(
     except InputError as error:
         if error.name.startswith((table.name, "column ")):
             raise
-        raise InputError(
-            f"{table.name}, {error.name}", expected=error.expected, got=error.got, advice=error.advice
-        ) from error
+        raise error.about(f"{table.name}, {error.name}") from error
 
 
 def _nominal_area(dataset: xr.Dataset) -> float:

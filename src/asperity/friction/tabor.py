@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 import asperity.checks as checks
 import asperity.units as units
 from asperity.errors import LARGEST, InputError
+from asperity.friction.laws import coming_velocity
 from asperity.lattice import Field
 from asperity.results.quantities import OF_FRICTION
 from asperity.theory import static_friction
@@ -161,9 +162,4 @@ def velocity_of(dataset: xr.Dataset) -> Field:
         return np.zeros(load.shape)
     velocity = np.array(np.broadcast_to(dataset["velocity"].values, load.shape))
     rows = velocity.reshape(-1, load.sizes["time"])
-    for row in rows:
-        sliding = np.flatnonzero(row > 0)
-        if sliding.size:
-            index = np.minimum(np.searchsorted(sliding, np.arange(row.size)), sliding.size - 1)
-            row[:] = row[sliding[index]]
-    return rows.reshape(load.shape)
+    return np.array([coming_velocity(row) for row in rows]).reshape(load.shape)

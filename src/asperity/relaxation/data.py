@@ -12,8 +12,8 @@ Creep is converted to relaxation exactly afterwards (`series.from_retardation`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import dataclass, fields, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -34,7 +34,34 @@ _SMALLEST_LOSS = 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Relaxation(views.Brief):
+class _Data(views.Brief):
+    """Data against times or frequencies: those first, then each quantity, and at last the noise."""
+
+    @property
+    def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
+        """Times or angular frequencies, and the quantities at them."""
+        x, *values = (getattr(self, field.name) for field in fields(self)[:-1])
+        return x, tuple(values)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class _InTime(_Data):
+    """Data against times."""
+
+    time: Floats
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time."""
+        return float(self.time[0]), float(self.time[-1])
+
+    def shifted(self, factor: float) -> Self:
+        """Data at another temperature: times multiplied by `factor`."""
+        return replace(self, time=_factor(factor) * self.time)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Relaxation(_InTime):
     """Relaxation modulus G(t): stress over a strain that was imposed at time 0.
 
     Parameters
@@ -52,29 +79,14 @@ class Relaxation(views.Brief):
         A number is out of its range, or the modulus rises.
     """
 
-    time: Floats
     modulus: Floats
     noise: float = _NOISE
 
     quantities: ClassVar[tuple[str, ...]] = ("relaxation modulus",)
 
     def __post_init__(self) -> None:
-        _check_columns(self, "time", "modulus")
+        _check_columns(self)
         _check_trend("modulus", self.time, self.modulus, self.noise, falls=True)
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """First and last time."""
-        return float(self.time[0]), float(self.time[-1])
-
-    @property
-    def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
-        """Times, and the moduli."""
-        return self.time, (self.modulus,)
-
-    def shifted(self, factor: float) -> Relaxation:
-        """Data at another temperature: times multiplied by `factor`."""
-        return replace(self, time=_factor(factor) * self.time)
 
     def predicted(self, series: PronySeries, time: Floats) -> tuple[Floats, ...]:
         """What a series says in place of the data."""
@@ -87,7 +99,7 @@ class Relaxation(views.Brief):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Creep(views.Brief):
+class Creep(_InTime):
     """Creep compliance J(t): strain over a stress that was imposed at time 0.
 
     Parameters
@@ -105,29 +117,14 @@ class Creep(views.Brief):
         A number is out of its range, or the compliance falls.
     """
 
-    time: Floats
     compliance: Floats
     noise: float = _NOISE
 
     quantities: ClassVar[tuple[str, ...]] = ("creep compliance",)
 
     def __post_init__(self) -> None:
-        _check_columns(self, "time", "compliance")
+        _check_columns(self)
         _check_trend("compliance", self.time, self.compliance, self.noise, falls=False)
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """First and last time."""
-        return float(self.time[0]), float(self.time[-1])
-
-    @property
-    def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
-        """Times, and the compliances."""
-        return self.time, (self.compliance,)
-
-    def shifted(self, factor: float) -> Creep:
-        """Data at another temperature: times multiplied by `factor`."""
-        return replace(self, time=_factor(factor) * self.time)
 
     def predicted(self, series: PronySeries, time: Floats) -> tuple[Floats, ...]:
         """What a series says in place of the data."""
@@ -155,7 +152,7 @@ class Creep(views.Brief):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Dynamic(views.Brief):
+class Dynamic(_Data):
     """Storage and loss modulus G', G'' against angular frequency.
 
     Parameters
@@ -187,18 +184,13 @@ class Dynamic(views.Brief):
         if frequency.size > 1 and frequency[0] > frequency[-1]:
             for name in ("frequency", "storage", "loss"):
                 object.__setattr__(self, name, checks.line(name, getattr(self, name))[::-1])
-        _check_columns(self, "frequency", "storage", "loss")
+        _check_columns(self)
         _check_trend("storage", self.frequency, self.storage, self.noise, falls=False)
 
     @property
     def span(self) -> tuple[float, float]:
         """Shortest and longest time that the data know of: 1/frequency."""
         return 1 / float(self.frequency[-1]), 1 / float(self.frequency[0])
-
-    @property
-    def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
-        """Angular frequencies, and the moduli."""
-        return self.frequency, (self.storage, self.loss)
 
     def shifted(self, factor: float) -> Dynamic:
         """Data at another temperature: times multiplied, frequencies divided by `factor`."""
@@ -238,8 +230,9 @@ def _factor(factor: float) -> float:
     return checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
 
 
-def _check_columns(data: Measured, x: str, *names: str) -> None:
+def _check_columns(data: Measured) -> None:
     """Make the columns float64, of one length, and positive."""
+    x, *names = (field.name for field in fields(data)[:-1])
     object.__setattr__(data, "noise", checks.number("noise", data.noise, least=0, below=1))
     for name in (x, *names):
         object.__setattr__(data, name, checks.line(name, getattr(data, name)))

@@ -11,7 +11,7 @@ from typing import Literal
 
 import asperity.units as units
 from asperity.checks import Floats, shown
-from asperity.columns import Roles, finite, position
+from asperity.columns import Roles, finite, named, position
 from asperity.errors import InputError, Remark
 from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 from asperity.tables import Table, read_table
@@ -93,9 +93,7 @@ def read(
     except InputError as error:
         if error.name == "noise":
             raise
-        raise InputError(
-            f"{table.name}, {error.name}", expected=error.expected, got=error.got, advice=error.advice
-        ) from error
+        raise error.about(f"{table.name}, {error.name}") from error
 
 
 def _chosen(
@@ -144,11 +142,10 @@ def _chosen(
 
 
 def _unclear(table: Table, advice: str) -> InputError:
-    named = ", ".join(repr(name) for name in table.names if name)[:120]
     return InputError(
         table.name,
         expected="columns of time and modulus, time and compliance, or frequency, storage and loss modulus",
-        got=f"columns {named}" if named else f"{len(table.names)} columns without names",
+        got=named(table),
         advice=advice,
     )
 

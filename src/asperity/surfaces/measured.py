@@ -127,9 +127,8 @@ def read(
     ):
         if value not in choices:
             raise InputError(option, expected=f"one of {', '.join(map(repr, choices))}", got=repr(value))
-    limit = checked_number("max_undefined", max_undefined, expected="a fraction from 0 to below 1")
-    if not 0 <= limit < 1:
-        raise InputError("max_undefined", expected="a fraction from 0 to below 1", got=repr(max_undefined))
+    expected = "a fraction from 0 to below 1"
+    limit = checked_number("max_undefined", max_undefined, least=0, below=1, expected=expected)
     limits = prepare.checked_band(longest, shortest)
     file = _checked_file(path)
     checksum = _sha256(file)

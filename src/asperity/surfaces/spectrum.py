@@ -338,7 +338,7 @@ def _hann(n: int) -> Field:
     """Hann's window, periodic in `n` points."""
     from scipy.signal.windows import hann  # scipy.signal is slow to import
 
-    return np.asarray(hann(n + 1, sym=True)[:-1])
+    return np.asarray(hann(n, sym=False))
 
 
 def _along(level: Field, axis: int, size: float, fits: bool) -> tuple[Field, Field]:

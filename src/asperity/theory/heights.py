@@ -38,8 +38,17 @@ class HeightLaw(Protocol):
         ...
 
 
+class _OfRms:
+    """A dataclass with a field ``rms``, which must be above 0."""
+
+    rms: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rms", number("rms", self.rms, above=0))
+
+
 @dataclass(frozen=True)
-class GaussianHeights:
+class GaussianHeights(_OfRms):
     """Normal heights of mean 0: the paper's uncorrelated surfaces.
 
     Parameters
@@ -49,9 +58,6 @@ class GaussianHeights:
     """
 
     rms: float = 1.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "rms", number("rms", self.rms, above=0))
 
     def exceedance(self, separation: ArrayLike) -> Floats:
         """Q(d/rms), the upper tail of the normal law."""
@@ -77,7 +83,7 @@ class GaussianHeights:
 
 
 @dataclass(frozen=True)
-class ExponentialHeights:
+class ExponentialHeights(_OfRms):
     """Heights of density exp(-xi/rms)/rms for xi > 0: the paper's P(xi) with gamma = 1/rms.
 
     Parameters
@@ -87,9 +93,6 @@ class ExponentialHeights:
     """
 
     rms: float = 1.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "rms", number("rms", self.rms, above=0))
 
     def exceedance(self, separation: ArrayLike) -> Floats:
         """Exp(-d/rms), and 1 below the lowest asperity."""
