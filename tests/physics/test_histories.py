@@ -143,8 +143,8 @@ def test_one_call_equals_the_same_composed_by_hand(solver):
     np.testing.assert_allclose(np.concatenate(parts, axis=1), together, rtol=1e-9)
     assert whole.dataset["time"].values.tolist() == [0, 3, 10, 10, 110, 110, 111]
     assert whole.dataset["leg"].values.tolist() == [0, 0, 0, 1, 2, 3, 4]
-    for state in (whole.final, asp.press(first.final, load=loads[0])):
-        assert_equilibrium(state, k0=1.0, k1=3.0, load=state.load)
+    for state, load in zip((asp.press(first.final, load=loads[0]), whole.final), loads, strict=True):
+        assert_equilibrium(state, k0=1.0, k1=3.0, load=load)
 
 
 @pytest.mark.parametrize("change", ["load", "separation"])
