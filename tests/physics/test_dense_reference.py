@@ -164,7 +164,7 @@ def test_equal_steps_of_several_branches_converge_at_second_order(name):
         for number in range(1, steps + 1):
             now.attempt(1.0 / steps, Aim((TOLERANCE, TOLERANCE), (1e-9, 1e-9)))
             now.accept(number / steps)
-        anchors = contact.lattice.backward(now.point.modes - now.point.stretch).reshape(-1, 64)
+        anchors = contact.lattice.backward(now.state().creep.modes).reshape(-1, 64)
         errors.append(np.linalg.norm(anchors - anchors.mean(axis=1, keepdims=True) - exact))
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.1)
 

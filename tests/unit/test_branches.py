@@ -1,5 +1,7 @@
 """Sums over branches against numpy, and branches that go to sites only when they are asked for."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -26,19 +28,26 @@ def test_sums_over_branches_are_those_of_numpy(shape, kind):
     np.testing.assert_allclose(modes, spectra * (u - expected))
 
 
-def aged():
-    solid = asp.solids.half_space(modulus=1.0, branches=[(0.3, 0.1), (0.5, 2.0)])
-    return asp.age(asp.press(correlated(32), solid, load=20.0), [1.0], exact=False).final
+def aged(*, exact=False, edges="periodic", apparatus=None):
+    branches = [(0.3, 0.1), (0.5, 2.0)]
+    solid = asp.solids.half_space(modulus=1.0, branches=branches, apparatus=apparatus)
+    contact = asp.press(asp.surfaces.Surface(correlated(32), edges=edges), solid, load=20.0)
+    return asp.age(contact, [1.0], exact=exact, hold="separation" if apparatus else None).final
 
 
-def test_branches_asked_for_late_are_in_equilibrium_with_the_surface():
-    contact = aged()
+WAYS = [{}, {"exact": True}, {"edges": "reflecting"}, {"apparatus": 30.0}]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_branches_asked_for_late_are_in_equilibrium_with_the_surface(way):
+    contact = aged(**way)
     system = contact.system()
     u, stretch = contact.u - system.datum, contact.u - contact.anchors
     force = system.force(u, stretch, contact.separation - system.datum)
     assert np.abs(force[~contact.in_contact]).max() <= 1e-8 * contact.residual_scale
     np.testing.assert_allclose(force[contact.in_contact], contact.force[contact.in_contact], rtol=1e-7)
-    assert contact.energy == pytest.approx(system.energy(u, stretch, 0.0), rel=1e-9)
+    energy = system.energy(u, stretch, contact.separation - system.datum)
+    assert contact.energy == pytest.approx(energy, rel=1e-9)
     assert contact.anchors is contact.anchors
     assert not contact.anchors.flags.writeable
 
@@ -48,3 +57,10 @@ def test_branches_asked_for_late_are_judged(monkeypatch):
     monkeypatch.setattr(state, "ACCEPTED_RESIDUAL", 1e-18)
     with pytest.raises(ConvergenceError, match="after rounding"):
         _ = contact.anchors
+
+
+def test_branches_nobody_asked_for_survive_a_pickle():
+    contact = aged()
+    again = pickle.loads(pickle.dumps(contact))
+    np.testing.assert_array_equal(again.anchors, aged().anchors)
+    assert not again.anchors.flags.writeable

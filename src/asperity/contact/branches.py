@@ -27,11 +27,13 @@ def weighted_power(weights: Spectrum, modes: Modes) -> Spectrum:
 
 def damp_difference(damping: Spectrum, u: Modes, modes: Modes) -> None:
     """Put D_b (u - u_b) in the place of u_b."""
+    assert modes.flags.c_contiguous  # or a copy would be written to
     subtract_and_damp(_flat(damping), u.reshape(-1), _flat(modes))
 
 
 def add_creep(modes: Modes, number: float, duration: float, rate: Spectrum, stretch: Modes) -> None:
     """Add w_b to modes in place, a number of times, and what creeps at its rate in a time."""
+    assert modes.flags.c_contiguous  # or a copy would be added to
     add_crept(_flat(modes), number, duration, _flat(rate), _flat(stretch))
 
 

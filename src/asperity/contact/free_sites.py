@@ -303,7 +303,8 @@ def _density(contacts: Field, coarse: Lattice, xp: Any) -> Field:
     cells = contacts
     for axis in reversed(range(coarse.dimension)):
         count, length = coarse.shape[axis], contacts.shape[axis]
-        # A cell ends midway between two coarse sites, the last one at the edge or beyond it.
+        # A cell ends midway between two coarse sites. The last one ends at the edge; on a periodic lattice
+        # before it, and what lies behind belongs to the first.
         middle = 0.0 if coarse.reflecting else (1 - length / count) / 2
         ends = np.arange(1, count + 1) * (length / count) + middle
         below = np.minimum(ends.astype(int), length - 1)

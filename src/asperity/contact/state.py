@@ -31,7 +31,7 @@ _AT_THE_BOUND = 1e-6
 """How far, relatively, a force may be from the hardness that still counts as it."""
 
 ACCEPTED_RESIDUAL = 1e-8
-"""No state is returned whose residual, evaluated on the very fields it carries, is larger."""
+"""No fields are returned whose residual, evaluated on these very fields, is larger."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +74,8 @@ class Contact(views.InNotebooks):
     residual
         Largest force off contact (or tension in contact, or excess over the hardness) that the fields above
         leave, relative to the
-        mean contact force; evaluated from `u` and `anchors` as they are, rounding included. (From the Fourier
-        modes of `anchors` where several branches have crept; the fields are judged when they are asked for.)
+        mean contact force; evaluated from `u` and `anchors` as they are, rounding included. Once a continuum
+        has crept, from the Fourier modes of `anchors`, whose fields are judged when they are asked for.
         Where the separation is held and the load has died out, relative to the smallest force that double
         precision can resolve to as many digits.
     residual_scale
@@ -141,7 +141,15 @@ class Contact(views.InNotebooks):
 
     @property
     def anchors(self) -> Field:
-        """The creeping shapes u_b of the branches, length; shape ``(branches, *heights.shape)``."""
+        """The creeping shapes u_b of the branches, length; shape ``(branches, *heights.shape)``.
+
+        Once a continuum has crept, they go from Fourier modes to sites when they are first asked for.
+
+        Raises
+        ------
+        ConvergenceError
+            The residual of these fields exceeds 1e-8, for the load is too small for the heights.
+        """
         fields = self._anchors
         if callable(fields):
             fields = fields()
@@ -342,7 +350,7 @@ def contact_from(
     """
     heights, indentation = _lowered(system, solution.u, bodies)
     datum, lattice, branches = system.datum, system.mechanics.lattice, system.mechanics.branches
-    u = solution.u + datum
+    surface, u = solution.u, solution.u + datum
     np.maximum(u, heights, out=u)
     np.copyto(u, heights, where=solution.in_contact)
     in_contact = u == heights
@@ -365,7 +373,7 @@ def contact_from(
         return left
 
     def on_sites() -> Field:
-        fields = _rounded(lattice.backward(modes), solution.u, u, datum, branches)
+        fields = _rounded(lattice.backward(modes), surface, u, datum, branches)
         judged(_State.of(system, u - datum, fields - datum, position))
         return fields
 
@@ -374,7 +382,7 @@ def contact_from(
         modes, published = anchors.modes, on_sites
         state = _State.of_modes(system, u - datum, modes, position)
     else:
-        published = _rounded(anchors, solution.u, u, datum, branches)
+        published = _rounded(anchors, surface, u, datum, branches)
         state = _State.of(system, u - datum, published - datum, position)
     left, force = judged(state), state.force
     np.clip(force, 0.0, system.mechanics.bound, out=force)
@@ -391,7 +399,7 @@ def contact_from(
         force=force,
         in_contact=in_contact,
         separation=datum + state.position,
-        energy=state.energy,
+        energy=state.energy(),
         residual=left,
         residual_scale=max(mean_force, floor),
         iterations=solution.iterations,
@@ -406,7 +414,7 @@ class _State:
 
     position: float
     force: Field
-    energy: float
+    energy: Callable[[], float]
     carried: float | None
 
     @classmethod
@@ -416,7 +424,7 @@ class _State:
         return cls(
             position,
             system.force(u, stretch, position),
-            system.energy(u, stretch, position),
+            lambda: system.energy(u, stretch, position),
             system.carried(u, stretch, position),
         )
 
@@ -430,7 +438,7 @@ class _State:
         return cls(
             position,
             mechanics.force_of_modes(modes, stretch, held),
-            mechanics.energy_of_modes(modes, stretch, held),
+            lambda: mechanics.energy_of_modes(modes, stretch, held),
             system.carried(u, stretch[lattice.mean].real, position),
         )
 
