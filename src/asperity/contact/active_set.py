@@ -207,12 +207,10 @@ class _Run:
         self.u = xp.where(self.in_contact, self.heights, u)
         self.free_sites: FreeSites | SpringSites | None = None
         self.left_over = math.inf
-        if not (self.allowed_error and self.single):
-            self.evaluate_force()
-        elif self.set_changes:
+        if self.single and self.set_changes and self.yielding is None:
             self.update_force(self.u - u)
         else:
-            self.evaluate_force(near)
+            self.evaluate_force(near if self.allowed_error and self.single else None)
 
     def update_force(self, change: Field) -> None:
         """Add what a small change of the surface does to the force, in single precision."""
@@ -226,6 +224,7 @@ class _Run:
             self.evaluate_force()
             return
         self.measure_force()
+        self.evaluated = max(self.evaluated, self.worst)
 
     def evaluate_force(self, near: tuple[Field, Modes] | None = None) -> None:
         """Evaluate the force afresh, in double precision; from a surface near it, to the digits of single."""

@@ -1,8 +1,9 @@
 """A start from nothing: the same contact on coarser and coarser lattices, solved from the coarsest up.
 
 A coarser lattice has every second site along each axis, with the height there, and the long waves of the
-spectrum and of the right-hand side. Its surface, interpolated, is good at all waves but the shortest: on
-the next lattice it leaves some five revisions of the set of contacts, whatever the load and the size.
+spectrum and of the right-hand side. Its surface, interpolated, is good at all waves but the shortest. These
+yield like single sites, under the forces interpolated too: that decides what touches. On the next lattice it
+leaves some five revisions of the set of contacts, whatever the load and the size.
 """
 
 from __future__ import annotations
@@ -31,7 +32,9 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
     except ConvergenceError:  # a bad start costs time, not accuracy
         return independent_asperities(problem)
     u = interpolated(start.u)
-    touching = u <= problem.heights
+    lowered = interpolated(np.where(start.in_contact, coarser.force(start.u), 0.0))
+    lowered /= problem.lattice.mean_over_modes(problem.stiffness)
+    touching = u - problem.heights <= lowered
     if problem.bound == np.inf:
         return Guess(u, touching)
     yielding = touching & (interpolated((start.u < coarser.heights).astype(float)) > 0.5)
