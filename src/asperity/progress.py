@@ -21,7 +21,7 @@ _EVERY = 0.1
 """Seconds between changes of a bar in a notebook."""
 
 
-def told(progress: Progress | bool | None) -> AbstractContextManager[Progress]:
+def listener(progress: Progress | bool | None) -> AbstractContextManager[Progress]:
     """Whom to tell how far a run has come: where the user is for True, the user's own, or nobody."""
     return progress_shown() if progress is True else nullcontext(progress or Progress())
 

@@ -23,7 +23,7 @@ from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.progress import told
+from asperity.progress import listener
 from asperity.protocols import Change, Leg, Schedule, checked_direction, legs_of, sites_along
 from asperity.protocols import Hold as HoldLeg
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
@@ -214,7 +214,7 @@ def age(
             keeper.write(Place(here, rows, snapshots))
 
     final = contact
-    with _told(progress, stops) as tell:
+    with _listener(progress, stops) as reached:
         for frame in follow(
             contact,
             schedule,
@@ -225,7 +225,7 @@ def age(
             resume=resume,
             after_step=keep_place,
         ):
-            tell(frame)
+            reached(frame)
             final = frame.contact
             of_its_time = not frame.passing
             if of_its_time and (frame.time in kept or (frame.time == 0 and keep_start)):
@@ -239,12 +239,14 @@ def age(
 
 
 @contextmanager
-def _told(progress: Callable[[Frame], None] | bool | None, stops: Field) -> Iterator[Callable[[Frame], None]]:
+def _listener(
+    progress: Callable[[Frame], None] | bool | None, stops: Field
+) -> Iterator[Callable[[Frame], None]]:
     """What is told how far aging has come: a bar, the user's own, or nobody."""
     if callable(progress):
         yield progress
         return
-    with told(progress) as shown:
+    with listener(progress) as shown:
         shown.stage("aging", times=stops.tolist())
         yield shown.reached
 

@@ -52,6 +52,7 @@ def complaint(asperity: Asperity, *words: str | Path, status: int = 2) -> str:
         (("sweep", "a", "--out", "b", "--workers", "1,5"), "--workers: expected a whole number, got 1,5"),
         (("fit", "a.csv", "--window", "0,5", "3"), 'unable to convert "0,5" into float; try 0.5'),
         (("run", "--load"), "requires an argument"),
+        (("run", "--load", "--out", "a"), "--load requires an argument"),
         (("run", "a.toml", "b.toml"), "too many arguments: b.toml"),
         (("run", "--load", "1", "--load", "2"), "--load specified multiple times"),
         (("surface",), "requires an argument"),

@@ -18,6 +18,8 @@ import asperity as asp
 from asperity.analysis.prediction import Prediction, growth_of
 from asperity.cli import main
 from asperity.cli import predict as command
+from asperity.cli.flags import of_flags
+from asperity.errors import InputError
 from asperity.figures.page import quantity
 from asperity.figures.prediction import growth_figure
 from asperity.runs import Progress
@@ -412,6 +414,84 @@ def test_mistakes_are_one_clear_line(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--poisson", "0.3", "0.2"), "--poisson: expected at most 1 in the list, got [0.3, 0.2]"),
+        (("--poisson", "abc", "--modulus", "shear"), "--poisson: expected a number, got 'abc'"),
+        (
+            ("--poisson", "0.6", "--modulus", "contact"),
+            "--poisson: expected a number of at most 0.5",
+        ),
+        (("--per-decade", "abc"), "--per-decade: expected a whole number, got 'abc'"),
+        (("--branches-per-decade", "x"), "--branches-per-decade: expected a number, got 'x'"),
+        (("--pixel", "1um", "--threshold", "abc"), "--threshold: expected a number, got 'abc'"),
+        (("--last", "2days", "--first", "abc"), "--first: expected a number, got 'abc'"),
+        (("--last", "1e6"), "--last: expected a number with its unit, got 1e6; try --last 1e6s"),
+        (("--first", "--quiet"), "--first requires an argument"),
+    ],
+)
+def test_flags_are_checked_before_anything_is_done(
+    more: tuple[str, ...],
+    said: str,
+    files: Path,
+    tmp_path: Path,
+    asperity: Asperity,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(command, "compile_loops", lambda *_: pytest.fail("computing has begun"))
+    status, out, error = asperity(*words(files, "--pressure", "40MPa", *more, "--out", tmp_path / "out"))
+    assert (status, out, error.count("\n")) == (2, "", 1)
+    assert said in error
+
+
+def test_the_same_number_in_another_unit_is_the_same_prediction(
+    files: Path, tmp_path: Path, asperity: Asperity, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[str] = []
+
+    def begin(_: Path, one: str) -> None:
+        asked.append(one)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(command, "place_beside", begin)
+    for pressure in ("1MPa", "1000 kPa", "2MPa"):
+        asperity(*words(files, "--pressure", pressure, "--out", tmp_path / "out"))
+    assert asked[0] == asked[1] != asked[2]
+
+
+def test_advice_names_flags_but_not_within_python() -> None:
+    wrong = InputError(
+        "unit", expected="one", got="none", advice="unit='m', or Surface(h, unit='m', x=(1, 2))"
+    )
+    assert of_flags(wrong, {"unit": "--unit"}).advice == "--unit 'm', or Surface(h, unit='m', x=(1, 2))"
+
+
+def test_ratios_of_two_bodies_are_asked_for_as_flags(files: Path, asperity: Asperity) -> None:
+    call = (
+        "predict",
+        *words(files)[2:],
+        "--pressure",
+        "1MPa",
+        "--young",
+        "3GPa",
+        "70GPa",
+        "--poisson",
+        "0.3",
+    )
+    status, _, error = asperity(*call)
+    assert status == 2
+    assert error.endswith("--poisson: expected one for each of 2 in young, got 1; try --poisson 0.35 0.35\n")
+
+
+def test_the_help_asks_for_quantities(asperity: Asperity) -> None:
+    for name, shown in (("predict", "--pressure QUANTITY"), ("run", "--pressure FLOAT")):
+        status, text, _ = asperity(name, "--help")
+        assert status == 0
+        assert shown in " ".join(text.split())
+        assert "FLOAT(" not in text
+
+
 def test_files_that_cannot_be_used(files: Path, tmp_path: Path, asperity: Asperity) -> None:
     bare = ["predict", files / "relaxation.csv", "--surface", files / "scan.txt", "--pressure", "1MPa", "-q"]
     status, _, error = asperity(*bare, "--out", tmp_path / "out")
@@ -501,6 +581,9 @@ def test_what_python_refuses(files: Path, scan: asp.surfaces.Surface) -> None:
     table = files / "relaxation.csv"
     with refuses("load and pressure"):
         asp.predict(table, scan)
+    for ratio in (0.7, [0.3, 0.2], "abc"):
+        with refuses("poisson"):
+            asp.predict(table, scan, pressure=1e6, modulus="contact", poisson=ratio)  # type: ignore[arg-type]
     with refuses("modulus"):
         asp.predict(table, scan, pressure=1e6, modulus="bulk")  # type: ignore[arg-type]
     with refuses("surface"):

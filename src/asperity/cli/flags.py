@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from cyclopts import Group, Parameter, Token
 
 from asperity.errors import InputError
-from asperity.words import number, numbers
+from asperity.words import has_decimal_comma, has_unit, number, numbers
 
 if TYPE_CHECKING:
     from asperity.config.keys import Key, What
@@ -66,7 +66,8 @@ def flags_for(*sections: str) -> type[Flags]:
     prediction.
     """
     keys = {f"{section}_{key.name}": (section, key) for one in sections for section, key in keys_for(one)}
-    fields = [(name, _annotation(*key), None) for name, key in keys.items()]
+    quantity = "QUANTITY" if "prediction" in sections else "FLOAT"  # which may be without a unit in a run
+    fields = [(name, _annotation(*key, quantity), None) for name, key in keys.items()]
     facts = {"__module__": __name__, "keys": keys}
     made = dataclasses.make_dataclass("flags", fields, bases=(Flags,), namespace=facts, kw_only=True)
     return Parameter(name="*")(made)
@@ -82,24 +83,31 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
     sections: dict[str, dict[str, object]] = {}
     for name, (section, key) in flags.keys.items() if flags is not None else ():
         if (written := getattr(flags, name)) is not None:
-            value = sections.setdefault(section, {})[key.name] = _read(written, key.what)
             if units and key.unit:
-                check_unit(flag_of(section, key.name), value, key.unit)
+                check_unit(flag_of(section, key.name), written, key.unit)
+            sections.setdefault(section, {})[key.name] = _read(written, key.what)
     return sections
 
 
 def of_flags(error: InputError, flags: Mapping[str, str]) -> InputError:
     """The same error about flags, by the names of arguments that they stand for; in its advice too."""
-    words = "|".join(flags)
-    advice = re.sub(rf"\b({words})=(?=\S)", lambda found: f"{flags[found[1]]} ", error.advice)
+
+    def named(found: re.Match[str]) -> str:
+        return f"{flags[found[1]]} " if found[1] else found[0]
+
+    # What stands in parentheses is Python.
+    advice = re.sub(rf"\(.*\)|\b({'|'.join(flags)})=(?=\S)", named, error.advice)
     name = flags.get(error.name, error.name)
     return InputError(name, expected=error.expected, got=error.got, advice=advice)
 
 
-def check_unit(flag: str, value: object, unit: str) -> None:
+def check_unit(flag: str, written: str | list[str], unit: str) -> None:
     """Refuse numbers alone, or among others."""
-    for one in value if isinstance(value, list) else [value]:
-        if isinstance(one, float | int):
+    words = [written] if isinstance(written, str) else []
+    for word in written if isinstance(written, list) else []:
+        words += [word] if has_unit(word) or has_decimal_comma(word) else re.split(r"[\s,]+", word)
+    for one in words:
+        if isinstance(number(one), float | int):
             raise InputError(flag, expected="a number with its unit", got=one, advice=f"{flag} {one}{unit}")
 
 
@@ -155,14 +163,26 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
     from asperity.config.keys import keys_of
+    from asperity.config.mistakes import flag_of
     from asperity.config.models import Aging, Contact, Friction, Output, Scan
-    from asperity.config.solids import PREDICTED, HalfSpace
+    from asperity.config.solids import POISSON, PREDICTED, HalfSpace
 
     words = {
-        "temperature": "Temperature of the contact: of creep that is activated, or if not that of the table.",
-        "poisson": "Poisson's ratio, which does not relax; of two bodies both. [default: 0.35]",
-        "pressure": "Load over nominal area, such as 1MPa.",
-        "load": "Normal load, such as 10N, in place of the pressure.",
+        "--young": "Young's modulus at once, such as 3GPa, in place of a table; of two bodies both.",
+        "--poisson": "Poisson's ratio, which does not relax; of two bodies, without a table, both. "
+        f"[default: {POISSON}]",
+        "--branches-per-decade": "Relaxation times in each decade of the table: more of them for data with "
+        "few distinct times, fewer for noisy data. [default: 1]",
+        "--creep": "Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure.",
+        "--temperature": "Temperature of the contact, such as 40degC: for activated creep, or to shift a "
+        "relaxation table from --reference.",
+        "--hardness": "Pressure under which the rough surface yields, such as 0.5GPa.",
+        "--pressure": "Load over nominal area, such as 1MPa.",
+        "--load": "Normal load, such as 10N, in place of the pressure.",
+        "--shear-strength": "Shear strength of the contacts, such as 50MPa: gives friction.",
+        "--pixel": "Pixel of an instrument that looks at the contact, such as 0.2um.",
+        "--blur": "Full width at half maximum of its point spread function, such as 0.3um.",
+        "--threshold": "Part of full contact from which such a pixel counts. [default: 0.5]",
     }
     for section, model, names in (
         ("surface", Scan, set(Scan.model_fields) - {"path"}),
@@ -174,11 +194,14 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     ):
         for name, key in keys_of(model).items():
             if name in names:
-                yield section, dataclasses.replace(key, description=words.get(name, key.description))
+                yield (
+                    section,
+                    dataclasses.replace(key, description=words.get(flag_of(section, name), key.description)),
+                )
 
 
-def _annotation(section: str, key: Key) -> object:
-    """Annotation of one flag: a word, or a list of words, with its help."""
+def _annotation(section: str, key: Key, quantity: str) -> object:
+    """Annotation of one flag: a word, or a list of words, with its help; `quantity` stands for its value."""
     from asperity.config.mistakes import ORDER, flag_of
 
     name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=1 + ORDER.index(section))
@@ -191,15 +214,14 @@ def _annotation(section: str, key: Key) -> object:
         words = [f"{one:g}" if isinstance(one, float) else str(one) for one in default]
         text += f" [default: {' '.join(words)}]"
     paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
-    quantity = f"FLOAT({key.unit})" if key.unit else ""
     parameter = Parameter(
         name=name,
         group=group,
         help=text,
-        metavar=_METAVARS.get(key.name) or quantity or _METAVARS[key.what.removesuffix("s")],
+        metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),
         negative=(),
         consume_multiple=key.several and not paired,
         show_default=False,
-        allow_leading_hyphen=bool(key.unit) and not key.several,  # as in -40degC
+        allow_leading_hyphen=key.unit == "K" or (bool(key.unit) and (key.least or 0) < 0),  # as in -40degC
     )
     return Annotated[(list[str] if key.several or paired else str) | None, parameter]

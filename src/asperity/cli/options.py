@@ -68,8 +68,8 @@ class PredictFlags:
     columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None
     noise: float | None = None
     modulus: Literal["young", "shear", "contact"] | None = None
-    reference: Annotated[str | None, Parameter(metavar="FLOAT(K)", allow_leading_hyphen=True)] = None
-    activation_energy: Annotated[str | None, Parameter(metavar="FLOAT(J/mol)")] = None
+    reference: Annotated[str | None, Parameter(metavar="QUANTITY", allow_leading_hyphen=True)] = None
+    activation_energy: Annotated[str | None, Parameter(metavar="QUANTITY")] = None
     wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None
 
 

@@ -22,12 +22,13 @@ from asperity.cli.output import check_free, save_within
 from asperity.cli.report import Row, aligned
 from asperity.cli.resuming import place_beside, tell_results
 from asperity.config import MeasuredSurface
-from asperity.config.mistakes import Sections, flag_of
+from asperity.config.mistakes import SECTIONS, Sections, flag_of
 from asperity.config.models import Scan
-from asperity.config.reading import file_surface, read_config
+from asperity.config.reading import file_surface, read_config, section_from
+from asperity.config.solids import POISSON, BesideTable
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, prediction_pictures
-from asperity.progress import told
+from asperity.progress import listener
 from asperity.relaxation import arrhenius, wlf
 from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
@@ -35,19 +36,11 @@ from asperity.runs.loops import compile_loops
 from asperity.runs.prediction import predict as predict_it
 from asperity.runs.prediction import predict_config
 from asperity.words import counted as how_many
-from asperity.words import number, thousands
+from asperity.words import thousands
 
 _CHECKPOINT_EVERY = 3.0
 _OF_TABLES = ("kind", "columns", "noise", "modulus")
 """Flags about a relaxation table, which go on as they are."""
-
-_BESIDE_A_TABLE = {
-    "hardness": "hardness",
-    "per_decade": "branches_per_decade",
-    "poisson": "poisson",
-    "temperature": "temperature",
-}
-"""Keys of the solid that may stand beside a relaxation table, and what they are called in Python."""
 
 _COLUMNS = {
     "time": "s",
@@ -79,7 +72,7 @@ def predict(
         scan, arguments = _scan(flags), _arguments(flags, wanted)
         compute = lambda **more: predict_it(material, scan.build(), **arguments, **more)  # noqa: E731
         asked = repr((material, scan, arguments))
-    with place_beside(out, asked) as place, told(not quiet) as progress:
+    with place_beside(out, asked) as place, listener(not quiet) as progress:
         compile_loops(progress.stage, progress.remark)
         started = clock.perf_counter()
         if place.exists():
@@ -87,7 +80,7 @@ def predict(
         try:
             prediction = compute(progress=progress, checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY))
         except InputError as error:
-            raise of_flags(error, _flags()) from error
+            raise of_flags(error, _flags_of_arguments()) from error
         rows = _report(prediction, seconds=clock.perf_counter() - started)
         progress.stage("writing the results")
         _write(prediction, out, text=aligned(rows), overwrite=overwrite)
@@ -118,7 +111,7 @@ def _sections(path: Path | None, flags: Sections, wanted: PredictFlags) -> Secti
         raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
     _scan(flags)
     return flags | {
-        "solid": {"kind": "half_space", "poisson": [0.35] * len(solid["young"]), **solid},
+        "solid": {"kind": "half_space", "poisson": [POISSON] * len(solid["young"]), **solid},
         "surface": {"periodic": "reflect", **flags["surface"]},
     }
 
@@ -131,55 +124,56 @@ def _one_load(flags: Sections) -> None:
 
 
 def _arguments(flags: Sections, wanted: PredictFlags) -> dict[str, Any]:
-    """What `asperity.predict` takes besides table and scan."""
+    """What `asperity.predict` takes besides table and scan; `AsperityError` for flags that are wrong."""
     _one_load(flags)
-    keys = {
-        key: value for name in flags if name not in ("surface", "solid") for key, value in flags[name].items()
-    }
-    if "threshold" in keys and not {"pixel", "blur"} & set(keys):
-        expected = "a pixel or a blur of the instrument beside it"
-        raise InputError("--threshold", expected=expected, got="neither", advice="--pixel 1um")
-    keys |= {name: getattr(wanted, name) for name in _OF_TABLES if getattr(wanted, name) is not None}
-    for key, value in flags.get("solid", {}).items():
-        if key == "poisson" and isinstance(value, list):
-            keys[key] = value[0] if len(value) == 1 else value
-        elif key in _BESIDE_A_TABLE:
-            keys[_BESIDE_A_TABLE[key]] = value
-        elif (key, value) != ("creep", "none"):
+    solid = dict(flags.get("solid", {}))
+    if solid.get("creep") == "none":
+        del solid["creep"]
+    for key in solid:
+        if key not in BesideTable.model_fields:
             raise InputError(
                 flag_of("solid", key),
                 expected="no relaxation table beside it: that is the table of a linear solid",
                 got="both",
                 advice="--young 3GPa in place of the table",
             )
+    keys = section_from("solid", BesideTable, solid).model_dump(exclude_unset=True)
+    if "poisson" in keys:
+        keys["poisson"] = keys["poisson"][0]
+    if "per_decade" in keys:
+        keys["branches_per_decade"] = keys.pop("per_decade")
+    for section, model in SECTIONS.items():
+        keys |= section_from(section, model, flags.get(section, {})).model_dump(exclude_unset=True)
+    keys |= {name: getattr(wanted, name) for name in _OF_TABLES if getattr(wanted, name) is not None}
     return keys | {"shift": _shift(keys.pop("temperature", None), wanted)}
 
 
-def _shift(temperature: object, wanted: PredictFlags) -> float:
+def _shift(temperature: float | None, wanted: PredictFlags) -> float:
     """Factor on the times of the table, from its temperature to that of the contact."""
     energy, constants = wanted.activation_energy, wanted.wlf
     if temperature is None and wanted.reference is None and energy is None and constants is None:
         return 1.0
-    kelvin = []
-    for flag, value in (("--temperature", temperature), ("--reference", wanted.reference)):
-        if value is None:
-            expected = "the temperatures of contact and table"
-            raise InputError(flag, expected=expected, got="none", advice=f"{flag} 25degC")
-        kelvin.append(_quantity(flag, value, "K"))
+    if temperature is None or wanted.reference is None:
+        flag, expected = (
+            _flag("temperature" if temperature is None else "reference"),
+            "the temperatures of contact and table",
+        )
+        raise InputError(flag, expected=expected, got="none", advice=f"{flag} 25degC")
+    kelvin = (temperature, _with_unit("--reference", wanted.reference, "K"))
     if constants is not None and energy is None:
         return wlf(*constants, *kelvin)
     if energy is None or constants is not None:
         expected, got = "an activation energy, or the constants of WLF", "both" if energy else "neither"
         raise InputError("--activation-energy", expected=expected, got=got, advice="100kJ/mol")
-    return arrhenius(_quantity("--activation-energy", energy, "J/mol"), *kelvin)
+    return arrhenius(_with_unit("--activation-energy", energy, "J/mol"), *kelvin)
 
 
-def _quantity(flag: str, text: object, unit: str) -> float:
-    check_unit(flag, number(text) if isinstance(text, str) else text, unit)
+def _with_unit(flag: str, text: str, unit: str) -> float:
+    check_unit(flag, text, unit)
     return units.quantity(text, unit, flag)
 
 
-def _flags() -> dict[str, str]:
+def _flags_of_arguments() -> dict[str, str]:
     """Flags of arguments, by their names in Python."""
     keys = {key.name: flag_of(section, key.name) for section, key in keys_for("prediction")}
     others = ("surface", "branches_per_decade", *vars(PredictFlags()))
@@ -242,9 +236,8 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
     if prediction.theory is not None:
         name, area = prediction.theory
         first_to_last = " to ".join(written(float(area[place]), "m^2") for place in (0, -1))
-        ends = (
-            "" if prediction.relaxing is None else f"{first_to_last} by "
-        )  # before contacts flow: far above
+        # A flow fits the last area only; its first is far above.
+        ends = "" if prediction.relaxing is None else f"{first_to_last} by "
         rows.append(("theory", f"{ends}{name}: dashed in growth.png"))
     if prediction.friction is not None:
         mu = prediction.friction

@@ -9,7 +9,7 @@ from asperity.cli.output import check_free, write_results
 from asperity.cli.report import aligned, run_report
 from asperity.cli.resuming import place_beside, tell_results
 from asperity.config import RunConfig, to_toml
-from asperity.progress import told
+from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.runs import execute
 from asperity.runs.loops import compile_loops
@@ -24,7 +24,7 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
     `AsperityError` as the engine; or the folder cannot be written. No results are left then.
     """
     check_free(out, overwrite=overwrite)
-    with place_beside(out, to_toml(config)) as place, told(not quiet) as progress:
+    with place_beside(out, to_toml(config)) as place, listener(not quiet) as progress:
         resumed = place.exists()
         compile_loops(progress.stage, progress.remark)
         started = clock.perf_counter()

@@ -159,10 +159,12 @@ def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> 
     given = flags.get(section, {})
 
     def named(found: re.Match[str]) -> str:
-        key = found[1] or found[2]
-        return flag_of(section, key) if key in given or (given and path is None) else key
+        key = found[1] or found[2] or found[3]
+        if key in given or (given and path is None):
+            return flag_of(section, key) + (f" {found[4].replace(',', '')}" if found[4] else "")
+        return found[0].strip("`")
 
-    said = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, said)
+    said = re.sub(r"^(\w+)(?=: )|`(\w+)`|(?<=; try )(\w+) = \[?([\d., ]+)\]?$", named, said)
     return said if said.startswith("--") else _where(path, f"[{section}] {said}")
 
 

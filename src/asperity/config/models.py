@@ -122,25 +122,31 @@ class Independent(SurfaceSection):
         """Sites along each axis."""
         return tuple(self.shape)
 
-    @property
-    def law(self) -> HeightLaw:
-        """The law of the heights."""
-        from asperity.theory import ExponentialHeights, GaussianHeights
-
-        rms = self.rms
-        return GaussianHeights(rms=rms) if self.kind == "gaussian" else ExponentialHeights(rms=rms)
-
 
 class Gaussian(Independent):
     """Independent Gaussian heights."""
 
     kind: Literal["gaussian"] = "gaussian"
 
+    @property
+    def law(self) -> HeightLaw:
+        """The law of the heights."""
+        from asperity.theory import GaussianHeights
+
+        return GaussianHeights(rms=self.rms)
+
 
 class Exponential(Independent):
     """Independent exponential heights."""
 
     kind: Literal["exponential"] = "exponential"
+
+    @property
+    def law(self) -> HeightLaw:
+        """The law of the heights."""
+        from asperity.theory import ExponentialHeights
+
+        return ExponentialHeights(rms=self.rms)
 
 
 class SelfAffine(SurfaceSection):
@@ -489,8 +495,7 @@ class Output(Section):
     )
     threshold: Annotated[float, Field(ge=0, le=1)] | None = Field(
         default=None,
-        description="Part of full contact from which such a pixel counts. By default all light counts, in a "
-        "prediction from half on.",
+        description="Part of full contact from which such a pixel counts. By default all light counts.",
     )
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -14,6 +14,8 @@ from asperity.config.models import KINDS, MeasuredSurface, RunConfig
 from asperity.config.solids import ACTIVATION, OF_LAWS
 from asperity.errors import ConfigError
 from asperity.words import number, tables_to_toml
+
+_Model = TypeVar("_Model", bound=BaseModel)
 
 # A flag, or one of its choices, replaces the keys that say the same thing otherwise or mean nothing then.
 _RIVALS: dict[tuple[str, ...], tuple[str, ...]] = {
@@ -80,12 +82,16 @@ def file_surface(
     path: Path, flags: dict[str, object], kind: type[MeasuredSurface] = MeasuredSurface
 ) -> MeasuredSurface:
     """Check how a surface file shall be prepared; `ConfigError` with one line for each mistake."""
-    given = {"path": str(path), **flags}
+    return section_from("surface", kind, {"path": str(path), **flags})
+
+
+def section_from(section: str, model: type[_Model], flags: dict[str, object]) -> _Model:
+    """Check one section that came as flags; `ConfigError` with one line for each mistake."""
     try:
-        return kind.model_validate(given)
+        return model.model_validate(flags)
     except ValidationError as error:
         raise ConfigError(
-            [spelled(detail, {"surface": given}, None, section="surface") for detail in error.errors()]
+            [spelled(detail, {section: flags}, None, section=section) for detail in error.errors()]
         ) from None
 
 

@@ -33,6 +33,9 @@ if TYPE_CHECKING:  # these need numpy, for which the help does not wait
 
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
 OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
+PerDecade = Annotated[float, Field(ge=0.2, le=10)]
+POISSON = 0.35
+"""Poisson's ratio of a prediction to which none is given."""
 _APPARATUS = "Stiffness of the apparatus that holds it, which may be inf; with it a separation can be held."
 _HARDNESS = "Pressure under which the rough surface yields; on the lattice of springs, force of a site."
 _SPAN = (1e-3, 1e6)
@@ -204,7 +207,7 @@ class Continuum(SolidSection):
         description="Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
         "that gives the branches; and Young's modulus, where no modulus is given.",
     )
-    per_decade: Annotated[float, Field(ge=0.2, le=10)] | None = Field(
+    per_decade: PerDecade | None = Field(
         default=None,
         description="Relaxation times in each decade of that table: more of them for data with few distinct "
         "times, fewer for noisy data. By default 1.",
@@ -235,7 +238,7 @@ class Continuum(SolidSection):
     def _check_bodies(self) -> None:
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
         if bodies != ratios:
-            advice = f"try poisson = {[0.35] * bodies if bodies > 1 else 0.35}"
+            advice = f"try poisson = {[POISSON] * bodies if bodies > 1 else POISSON}"
             raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}; {advice}")
 
     @property
@@ -361,6 +364,15 @@ class HalfSpace(Creeping, Continuum):
         """What `asperity.solids.half_space` takes."""
         crept = {"flow": self.flow, "permanent": self.permanent or None, "creep": self.law}
         return {**super().arguments, "apparatus": self.apparatus, **crept, "hardness": self.hardness}
+
+
+class BesideTable(Section):
+    """Keys of a half-space that a prediction takes beside a relaxation table."""
+
+    poisson: OnePoisson | None = None
+    per_decade: PerDecade | None = None
+    hardness: Pressure | None = None
+    temperature: Temperature | None = None
 
 
 class Layer(Continuum):

@@ -21,11 +21,11 @@ from asperity.analysis.observation import observe
 from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.config import MeasuredSurface, RunConfig
-from asperity.config.solids import HalfSpace
+from asperity.config.solids import POISSON, HalfSpace
 from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.memory import require
-from asperity.progress import Progress, told
+from asperity.progress import Progress, listener
 from asperity.relaxation import Fit, Measured, fit
 from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
@@ -34,6 +34,7 @@ from asperity.runs.defaults import USUAL_MAPS, hold_times
 from asperity.runs.pipeline import bytes_a_site, check_units, completed, recorded_times
 from asperity.simulate import age, press
 from asperity.solids import Solid, contact_modulus, half_space
+from asperity.solids.continua import checked_poisson
 from asperity.surfaces import Surface, read
 
 Modulus = Literal["young", "shear", "contact"]
@@ -65,7 +66,7 @@ def predict(
     columns: Sequence[int | str] | None = None,
     noise: float = 0.05,
     modulus: Modulus = "young",
-    poisson: float = 0.35,
+    poisson: float = POISSON,
     shift: float = 1.0,
     hardness: float | str | None = None,
     first: float | str | None = None,
@@ -150,12 +151,13 @@ def predict(
     if modulus not in get_args(Modulus):
         raise InputError("modulus", expected="'young', 'shear' or 'contact'", got=checks.shown(modulus))
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
+    checked_poisson("poisson", poisson)
     fineness = checks.number("branches_per_decade", branches_per_decade, least=0.2, most=10)
     if protocol:
         raise _no_protocol("protocol", "asperity.press, and asperity.age with the protocol")
     facts: dict[str, object] = {}
     found: Fit | None = None
-    with told(progress) as tell:
+    with listener(progress) as listening:
         if isinstance(material, Solid):
             for name in _OF_TABLES:
                 if given[name] != inspect.signature(predict).parameters[name].default:
@@ -163,7 +165,7 @@ def predict(
                     raise InputError(name, expected=expected, got=checks.shown(given[name]))
             solid = material
         else:
-            tell.stage("reading the relaxation table")
+            listening.stage("reading the relaxation table")
             factor = checks.number("shift", shift, above=0)
             if isinstance(material, str | Path):
                 table = _table_with_units(material, kind, columns, noise)
@@ -178,7 +180,7 @@ def predict(
             facts |= {"shift": factor, **_origin(material, found)}
         solid = solid.with_hardness(hardness)
         times = _times(None if found is None else found.series.span, first, last, density)
-        tell.stage("reading the scan")
+        listening.stage("reading the scan")
         if isinstance(surface, str | Path):
             surface = read(surface, periodic="reflect")
         advice = "asperity.surfaces.Surface(heights, unit='m', pixel_size=(dy, dx), length_unit='m')"
@@ -194,7 +196,7 @@ def predict(
             strength=strength,
             instrument=_instrument(pixel=pixel, blur=blur, threshold=threshold),
             facts=facts,
-            tell=tell,
+            progress=listening,
             checkpoint=checkpoint,
         )
 
@@ -258,7 +260,7 @@ def predict_config(
         strength=config.friction.shear_strength,
         instrument=_instrument(**config.output.instrument),
         facts=facts,
-        tell=progress,
+        progress=progress,
         checkpoint=checkpoint,
         rtol=config.aging.rtol,
     )
@@ -275,7 +277,7 @@ def _predicted(
     strength: float | None,
     instrument: dict[str, Any],
     facts: dict[str, object],
-    tell: Progress,
+    progress: Progress,
     checkpoint: str | Path | Checkpoint | None,
     rtol: float = DEFAULT_RTOL,
 ) -> Prediction:
@@ -289,7 +291,7 @@ def _predicted(
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
     separable = _SITE + branches * (_BRANCH + 8 * len(maps))
     require(separable if solid.separable else bytes_a_site(solid, scan.shape, len(maps)), scan.shape)
-    tell.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
+    progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
     try:
         contact = press(scan, solid, **pressed)
     except InputError as error:
@@ -301,11 +303,11 @@ def _predicted(
         raise InputError(name, expected=expected, got=got, advice=advice) from None
     if instrument:
         observe(contact, **instrument)  # refuses before minutes have passed
-    tell.stage("aging", times=times.tolist())
-    history = age(contact, times, fields_at=maps, rtol=rtol, progress=tell.reached, checkpoint=checkpoint)
+    progress.stage("aging", times=times.tolist())
+    history = age(contact, times, fields_at=maps, rtol=rtol, progress=progress.reached, checkpoint=checkpoint)
     facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol}
     dataset = history.dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
-    tell.stage("weighing the spread of the table and of the scan")
+    progress.stage("weighing the spread of the table and of the scan")
     prediction = Prediction(
         dataset,
         found,

@@ -29,10 +29,26 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import asperity.studies.growth_rate.grown as grown
 from asperity.figures import style
 from asperity.studies.growth_rate.analysis import analyse
-from asperity.studies.growth_rate.grown import end, rate, relative_rate, straightness
+from asperity.studies.growth_rate.grown import (
+    CUTOFFS,
+    END,
+    ENDING,
+    GAUSSIAN,
+    HURST,
+    LIGHT,
+    LIGHTEST,
+    SIZES,
+    ZERO,
+    by_hurst,
+    by_load,
+    campaigns,
+    end,
+    rate,
+    relative_rate,
+    straightness,
+)
 from asperity.studies.panels import points
 from asperity.studies.study import Study
 
@@ -47,9 +63,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure = style.Drawing(figsize=(8.6, 5.6), layout="constrained")
     (viscous, ratio, load), (wave, side, over) = figure.subplots(2, 3)
     rows, lines = tables["points"], tables["lines"]
-    rows = rows.assign(at=rows["at"].where(rows["at"] > 0, grown.ZERO))
+    rows = rows.assign(at=rows["at"].where(rows["at"] > 0, ZERO))
 
-    def dots(ax: Axes, of: str, look: str, color: str, label: str, surfaces: str = grown.GAUSSIAN) -> None:
+    def dots(ax: Axes, of: str, look: str, color: str, label: str, surfaces: str = GAUSSIAN) -> None:
         own = rows[(rows["of"] == of) & (rows["surfaces"] == surfaces)]
         points(ax, own, "at", "B", look, color, label=label)
 
@@ -57,36 +73,36 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         own = lines[(lines["of"] == of) & (lines["line"] == name)]
         ax.plot(own["at"], own["B"], look, color=color, linewidth=0.9, label=label)
 
-    for value, look, color in ((grown.LIGHTEST, "o", style.BLUE), (grown.LIGHT, "s", style.INK)):
-        dots(viscous, "R_viscous/R", look, color, f"load {value:g}", grown.by_load(value))
-        line(viscous, "R_viscous/R", grown.by_load(value), "-", color, f"closed form, {value:g}")
+    for value, look, color in ((LIGHTEST, "o", style.BLUE), (LIGHT, "s", style.INK)):
+        dots(viscous, "R_viscous/R", look, color, f"load {value:g}", by_load(value))
+        line(viscous, "R_viscous/R", by_load(value), "-", color, f"closed form, {value:g}")
     viscous.set(xscale="log", xlabel=r"$\tilde R/R$ (at the left: 0)", ylabel=r"$B$")
     dots(ratio, "k1/k0", "s", style.INK, "load 0.001")
     line(ratio, "k1/k0", "closed form", "-", style.INK, "closed form")
     line(ratio, "k1/k0", "late, exponential", "--", style.BLUE, r"$k_\mathrm{eff}/(8\pi k_0)$")
     line(ratio, "k1/k0", "paper", ":", style.VERMILION, r"$0.04\,k_1/k_0$")
     ratio.set(xscale="log", yscale="log", xlabel=r"$k_1/k_0$")
-    dots(load, "load", "s", style.INK, grown.GAUSSIAN)
+    dots(load, "load", "s", style.INK, GAUSSIAN)
     line(load, "load", "closed form", "-", style.INK, "closed form")
     load.set(xscale="log", yscale="log", xlabel=r"load a site$\,/(k_0\,$rms height$)$")
-    for hurst, look, color in zip(grown.HURST, "o^D", (style.SKY, style.BLUE, style.INK), strict=True):
-        dots(wave, "cutoff", f"{look}-", color, grown.by_hurst(hurst), grown.by_hurst(hurst))
+    for hurst, look, color in zip(HURST, "o^D", (style.SKY, style.BLUE, style.INK), strict=True):
+        dots(wave, "cutoff", f"{look}-", color, by_hurst(hurst), by_hurst(hurst))
     wave.set(xscale="log", xlabel="shortest wavelength (sites)", ylabel=r"$B$")
-    wave.set_xticks(grown.CUTOFFS, [f"{cutoff:g}" for cutoff in grown.CUTOFFS])
+    wave.set_xticks(CUTOFFS, [f"{cutoff:g}" for cutoff in CUTOFFS])
     for ax in (wave, side):
         ax.set_yscale("log")
         ax.set_yticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
         ax.tick_params(axis="y", which="minor", labelleft=False)
-    for name, look, color in ((grown.by_hurst(0.8), "D--", style.BLUE), (grown.GAUSSIAN, "s--", style.INK)):
+    for name, look, color in ((by_hurst(0.8), "D--", style.BLUE), (GAUSSIAN, "s--", style.INK)):
         dots(side, "side", look, color, name, name)
     line(side, "side", "closed form", "-", style.INK, "closed form")
     side.set(xscale="log", ylim=(0.1, 2.0), xlabel="sites along a side")
-    side.set_xticks(grown.SIZES, [f"{size}" for size in grown.SIZES])
+    side.set_xticks(SIZES, [f"{size}" for size in SIZES])
     ends = tables["courses"]
-    for value, color in zip(grown.ENDING, (style.SKY, style.BLUE, style.VERMILION, style.INK), strict=True):
+    for value, color in zip(ENDING, (style.SKY, style.BLUE, style.VERMILION, style.INK), strict=True):
         part = ends[ends["load"] == value]
         over.plot(part["time"] * part["area"] ** 2, part["over_closed"], "-", color=color, label=f"{value:g}")
-    over.axhline(grown.END, color="0.7", linewidth=0.8)
+    over.axhline(END, color="0.7", linewidth=0.8)
     over.set(
         xscale="log",
         xlim=(1e-7, 1e3),
@@ -104,8 +120,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 GROWTH_RATE = Study(
     name="growth-rate",
     question="How does the growth rate B depend on R_viscous/R, k1/k0, load, roughness and size?",
-    quick=grown.campaigns(seeds=3),
-    full=grown.campaigns(seeds=5, light=8),
+    quick=campaigns(seeds=3),
+    full=campaigns(seeds=5, light=8),
     analyse=analyse,
     draw=draw,
     caption="<i>B</i> = d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> for <i>k</i><sub>0</sub><i>Rt</i> from 10 to "
