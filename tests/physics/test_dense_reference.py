@@ -8,6 +8,7 @@ import asperity as asp
 from asperity.aging.tr_bdf2 import Aim, FieldSteps
 from asperity.contact import ActiveSet
 from asperity.contact.problem import TOLERANCE
+from asperity.contact.state import AnchorModes
 from asperity.solids import CreepBranch, LaplacianSpectrum, Solid
 from tests.continua import pressed
 from tests.dense_reference import Dense
@@ -164,7 +165,9 @@ def test_equal_steps_of_several_branches_converge_at_second_order(name):
         for number in range(1, steps + 1):
             now.attempt(1.0 / steps, Aim((TOLERANCE, TOLERANCE), (1e-9, 1e-9)))
             now.accept(number / steps)
-        anchors = contact.lattice.backward(now.state().creep.modes).reshape(-1, 64)
+        published = now.state().creep
+        assert isinstance(published, AnchorModes)
+        anchors = contact.lattice.backward(published.modes).reshape(-1, 64)
         errors.append(np.linalg.norm(anchors - anchors.mean(axis=1, keepdims=True) - exact))
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.1)
 
