@@ -148,11 +148,9 @@ class SpringSteps:
         if not isinstance(stages.work, IndependentSprings):
             touching = stages.moments.contacts / self.system.sites
             return stages.unit * self.system.damped_rms(error, stages.tau, touching)
-        if stages.work.opened:
-            ahead = 0.0
-        left = stages.left_of(error, stages.tau + ahead)
-        if ahead > 0 and left < PASSING * stages.unit * rms(error):
-            left = max(left, PASSING * stages.left_of(error, stages.tau))
+        left = stages.left_of(error, stages.tau)
+        if ahead > 0 and not stages.work.opened:
+            left = max(PASSING * left, stages.left_of(error, stages.tau + ahead))
         return left
 
     def _improve(self, ahead: float, allowed_error: float) -> tuple[bool, int]:
