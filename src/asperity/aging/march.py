@@ -65,7 +65,10 @@ Near rest rounding in single precision, and what cycles leave, can look like err
 """
 
 _MANY_FORGOTTEN = 1.5
-"""The same where a state is published only later: `FieldSteps` counts what is left of errors then."""
+"""The same where a state is published only later: `FieldSteps` counts what is left of errors then.
+
+So do steps of independent springs (k0 = 0).
+"""
 
 _MOST_REJECTIONS = 50
 """Rejections in a row after which a step is not going to succeed."""
@@ -398,7 +401,9 @@ class _March:
             taken = (self.steps + self.rejected - begun) * self.tolerance ** (1 / 3)
             published = self.published(stop)
             many = _MANY_FORGOTTEN if published > self.now.time else _MANY_STEPS
-            if taken > many and isinstance(self.now, SpringSteps):
+            if isinstance(self.now, SpringSteps) and taken > (
+                many if self.now.stages.springs.k0 else _MANY_STEPS
+            ):
                 self.now = FieldSteps.going_on(self.now.system, self.now.time, self.now.state())
                 begun, since = self.steps + self.rejected, self.now.time
             stuck = taken > _MOST_STEPS
