@@ -17,6 +17,12 @@ from asperity.lattice import Field
 _COARSEST = 16
 """Most sites of the grid on which the problem is solved directly."""
 
+_RANDOM = 2.25
+"""Variance of what contacts at random add up to on a coarse site, in units of that of one site.
+
+They count 1, or 1/2 (four of them), or 1/4 (four); where all are alike the variance is 16 times one site's.
+"""
+
 
 @dataclass(frozen=True, eq=False)
 class Axis:
@@ -141,8 +147,14 @@ class Hierarchy:
         """The corrections of two fields that the first coarse grid hands over."""
         return Pair(*self.grids[0].joined)
 
-    def set_pins(self, e: Single, bound: Single, fraction: float, response: Response) -> None:
-        """Set pins on all coarse grids; ``fraction`` is that of the sites in contact."""
+    def set_pins(
+        self, e: Single, bound: Single, fraction: float, response: Response, *, crowded: bool = False
+    ) -> None:
+        """Set pins on all coarse grids; ``fraction`` is that of the sites in contact.
+
+        Where these may be ``crowded``, a crowd holds the surface like one of them: pins on the first coarse
+        grid are softer by the ratio of their variance to that of as many sites at random.
+        """
         if fraction == 0:
             for grid in self.grids:
                 grid.pins.fill(0.0)
@@ -151,6 +163,11 @@ class Hierarchy:
         first = self.grids[0]
         strength = 1.0 / response.softening(0, sigma)
         self.backend.pin(e, bound, self.sites, strength, first.pins, first.sites)
+        if crowded and fraction < 1:
+            count, random = math.prod(first.sites[:2]), _RANDOM * strength**2 * fraction * (1.0 - fraction)
+            mean = float(first.pins.sum(dtype=float)) / count
+            variance = float(np.vdot(first.pins, first.pins)) / count - mean**2
+            first.pins /= np.float32(max(variance / random, 1.0))
         for level, (fine, coarse) in enumerate(zip(self.grids[:-1], self.grids[1:], strict=True), start=1):
             mean = float(fine.pins.sum(dtype=float)) / math.prod(fine.sites[:2])
             softening = response.softening(level, mean)

@@ -34,12 +34,6 @@ _USUAL_RATE = 0.2
 _MOST_RATE = 0.9
 """Largest ratio that is believed."""
 
-_CROWDED = 6.0
-"""Factor on the softening of pins on the first coarse grid: sites at rest lie side by side, not at random.
-
-Cycles divided errors by 3 without it at the rims of contacts, by 3 to 7 with 3, by 5 to 8 with 6 or 9.
-"""
-
 _FORCE_ERROR = 1e-3
 """Error of the sum of the forces that is allowed even where an error of u0 is."""
 
@@ -48,14 +42,6 @@ _FEW = 0.02
 
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the largest correction."""
-
-
-class _Crowded(Response):
-    """Pins of sites at rest that crowd."""
-
-    def softening(self, level: int, sigma: float) -> float:
-        """See `Response`."""
-        return super().softening(level, sigma) * (1.0 if level else _CROWDED)
 
 
 class IndependentSprings:
@@ -102,7 +88,7 @@ class IndependentSprings:
         self.mean_lag = 1.0 + drag
         self.spread = max(spread, _LEAST_SPREAD * self.mean_lag)
         self.bed = self.mean_lag / self.spread
-        self.response, self.pinned, self.yielded = _Crowded(self.bed), -math.inf, 0.0
+        self.response, self.pinned, self.yielded = Response(self.bed), -math.inf, 0.0
 
     def improve(self, allowed_error: float, max_cycles: int) -> tuple[bool, int]:
         """Improve the correction until the error of e - f, rms over the sites, is small enough."""
@@ -204,7 +190,7 @@ class IndependentSprings:
     def set_pins(self, f: Single, least: Single, resting: float) -> None:
         """Set pins where f rests on its bound, on the coarse grids, and factorize the coarsest."""
         self.pinned, self.yielded = resting, 0.0
-        self.hierarchy.set_pins(f, least, resting / self.size, self.response)
+        self.hierarchy.set_pins(f, least, resting / self.size, self.response, crowded=True)
         grid = self.hierarchy.grids[-1]
         self.coarsest = np.linalg.inv(
             grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * grid.areas.ravel())
