@@ -70,6 +70,7 @@ def assert_equilibrium(contact, *, k0, k1, load=None, load_may_vanish=False):
     # what `ActiveSet` allows.
     stiffest = 4 * contact.u.ndim * k0 + k1
     rounding = 4 * heights_rounding(contact.heights, contact.u) * stiffest * contact.u.size
+    rounding += 2**-52 * contact.u.size * abs(proof.load)
     if load_may_vanish and load is None:
         rounding += 1e-8 * max(proof.load / max(proof.area, 1), smallest) * contact.u.size
     assert abs(contact.load - proof.load) <= proof.sum_of_forces_off_contact + rounding

@@ -367,7 +367,7 @@ def test_the_summary_counts_what_has_yielded(tmp_path: Path, asperity: Asperity)
         (("run.toml", "--wlf", "17", "51"), "--wlf: expected a relaxation table"),
         (("run.toml", "--creep", "none", "--solid-kind"), "unknown option --solid-kind"),
         (("table.csv", "--creep", "eyring"), "--creep: expected no relaxation table beside it"),
-        (("table.csv", "--creep", "none", "--hardness", "0MPa"), "--hardness: expected a finite number > 0"),
+        (("table.csv", "--creep", "none", "--hardness", "0MPa"), "--hardness: expected a number above 0"),
         (("table.csv",), "--surface: expected the file of a scan, got none"),
         (
             ("--young", "3GPa", "--hardness", "9MPa"),
