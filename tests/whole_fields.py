@@ -173,7 +173,7 @@ class WholeFields:
         np.maximum(eq.e, eq.bound, out=eq.e)
         creep[...], eq.b[...] = e - eq.e, (c + least) / spread
 
-    def begin_error(self, eq, touching, error, c, spread):
+    def begin_error_1(self, eq, touching, error, c, spread):
         in_contact = touching[0] > touching[1]
         eq.e.fill(0)
         c[...], eq.bound[...] = -error, np.where(in_contact, -np.inf, 0.0)
@@ -237,6 +237,18 @@ class WholeFields:
         squares = (np.sum(x**2) for x in (balance, creep, eq.e))
         first, second, moved = squares
         return Defects(first, second, eq.f.sum(), np.sum(~free), moved)
+
+    def begin_error_2(self, e, least, error, eq):
+        free = e > least
+        for field in (eq.e, eq.f):
+            field.fill(0)
+        eq.c[...], eq.bound[...], eq.b[...] = -error, np.where(free, -np.inf, 0), np.where(free, 0, -1e30)
+        return np.sum(error**2), np.sum(free & (least == 0))
+
+    def differences(self, correction, sites):
+        del sites
+        change = correction.e - correction.f
+        return change.sum(), np.sum(change**2)
 
     def products_2(self, eq, moves):
         free = eq.e > eq.bound

@@ -10,10 +10,12 @@ import pytest
 import xarray as xr
 
 import asperity as asp
+from asperity.aging import creep
+from asperity.aging.march import Midway
 from asperity.contact import ActiveSet
 from asperity.errors import InputError, OutputError
 from asperity.results import Checkpoint
-from tests.surfaces import uncorrelated
+from tests.surfaces import correlated, uncorrelated
 
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 CONTACT = asp.press(uncorrelated(16), SOLID, load=10.0)
@@ -48,6 +50,24 @@ def test_stopped_and_resumed(tmp_path, stops):
     xr.testing.assert_identical(resumed.dataset, UNDISTURBED.dataset)
     np.testing.assert_array_equal(resumed.final.u0, UNDISTURBED.final.u0)
     np.testing.assert_array_equal(resumed.final.force, UNDISTURBED.final.force)
+
+
+def test_stopped_and_resumed_where_errors_are_forgotten(tmp_path):
+    solid = asp.solids.spring_lattice(k0=1.0, k1=100.0)
+    contact = asp.press(correlated(48), solid, load=1e4)
+    checkpoint, times = Checkpoint(tmp_path / "place.npz", every=0.0), [1e-2, 1.0, 100.0]
+    undisturbed = asp.age(contact, times)
+    moments: list[Midway] = []
+    list(creep(contact, times, after_step=moments.append))
+    forgetting = [bool(moment.resume_state["scales"][4]) for moment in moments]
+    assert forgetting == sorted(forgetting)
+    assert forgetting.count(True) > 10
+    for stop in times[:2]:
+        with pytest.raises(StopHereError):
+            asp.age(contact, times, checkpoint=checkpoint, progress=stop_at(stop))
+    resumed = asp.age(contact, times, checkpoint=checkpoint)
+    xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
+    np.testing.assert_array_equal(resumed.final.u0, undisturbed.final.u0)
 
 
 P = asp.protocols

@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.aging import spring_steps
+from asperity.aging.tr_bdf2 import FieldSteps
 from asperity.contact import ActiveSet, Load, Multigrid, Separation
 from asperity.contact.multigrid import loops, solver
 from asperity.contact.multigrid.grids import Axis, Hierarchy
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
+from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import TOLERANCE, Guess, SpringProblem, SpringStep
 from asperity.errors import ConvergenceError
 from tests.independent import assert_equilibrium, laplacian
@@ -98,6 +101,72 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     assert total == pytest.approx(
         heights.size * response.coherent_potential(contacts / heights.size), rel=0.15
     )
+
+
+def test_a_crowd_of_contacts_does_not_give():
+    # Where all sites that share a coarse one are held, so is that, on every grid; a contact alone gives.
+    backend, response = Processor(1), Response(30.0, 1.0)
+    for shape, mirrored in (((64, 64), False), ((61, 63), False), ((62, 59), True)):
+        hierarchy = Hierarchy(Sites(*shape, mirrored), 2, backend)
+        heights = np.full(shape, -1.0)
+        heights[:, :36] = heights[5, 50] = 0.0
+        surface, gap = backend.packed(np.zeros(shape)), backend.packed(heights)
+        hierarchy.set_pins(surface, gap, float(np.mean(heights == 0)), response)
+        for level, grid in enumerate(hierarchy.grids[:3], start=1):
+            own = backend.unpacked(grid.pins, grid.sites) / 4.0**level
+            inside = slice(2, 36 // 2**level - 2)
+            assert (own[2:-2, inside] > 100 * response.bed).all()
+            outside = own[5 // 2**level, 50 // 2**level]
+            assert 0 < outside < 10 * response.bed
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("crowded", [False, True])
+@pytest.mark.parametrize(("bed", "spread", "drag"), [(3.0, 0.1, 0.0), (0.5, 30.0, 0.5), (60.0, 1.0, 0.0)])
+def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held):
+    shape, rng = (16, 12), np.random.default_rng(3)
+    work = TwoFields(Sites(*shape, False), Processor(1))
+    touching = np.zeros(shape, bool)
+    if crowded:
+        touching[3:11, :8] = True
+    else:
+        touching = rng.random(shape) < 0.3
+    gap = np.where(touching, 0.0, 1.0)
+    work.bound[...] = np.where(work.backend.packed(np.ones(shape)) > 0, work.backend.packed(-gap), -np.inf)
+    work.prepare(bed, spread, drag)
+    work.wanted = None if held else 1.0
+    error = rng.normal(size=shape)
+
+    n, free, even = error.size, ~touching.ravel(), np.ones(error.size)
+    lap = np.array([laplacian(site).ravel() for site in np.eye(n).reshape(-1, *shape)])
+    lag = (1 + drag) * np.eye(n) - spread * lap
+    matrix = np.zeros((2 * n + 1, 2 * n + 1))
+    matrix[:n, :n], matrix[:n, n:-1] = np.diag(~free) - free[:, None] * lap, bed * np.diag(free)
+    matrix[n:-1, :n], matrix[n:-1, n:-1] = -np.eye(n), lag
+    if held:
+        matrix[-1, -1] = 1.0
+    else:
+        matrix[n:-1, -1], matrix[-1, n:-1] = -even, even
+    found = np.linalg.solve(matrix, np.concatenate([np.zeros(n), -error.ravel(), [0.0]]))
+    left = found[:n] - found[n:-1]
+    expected = np.sqrt(np.mean(left**2)) if held else left.std()
+    estimate = work.left_of(error.astype(np.float32), spread, drag)
+    assert estimate == pytest.approx(expected, rel=0.1, abs=0.02 * error.std())
+
+
+def test_fronts_of_smooth_contacts_under_stiff_springs_need_no_other_solver(monkeypatch):
+    def give_up(*_):
+        raise AssertionError
+
+    monkeypatch.setattr(FieldSteps, "going_on", give_up)
+    monkeypatch.setattr(spring_steps, "take_step", give_up)
+    for k1 in (3.0, 100.0, 1000.0):
+        contact = asp.press(correlated(96), asp.solids.spring_lattice(k0=1.0, k1=k1), load=460.0 * (1 + k1))
+        frames: list[asp.Frame] = []
+        asp.age(contact, np.geomspace(1e-3, 1e6, 10), progress=frames.append)
+        assert frames[-1].contact.area > 0.3 * 96**2
+        steps = sum(frame.steps + frame.rejected for frame in frames)
+        assert sum(frame.iterations for frame in frames) < 12 * steps
 
 
 CASES = [

@@ -64,11 +64,8 @@ _MANY_STEPS = 4.0
 Near rest rounding in single precision, and what cycles leave, can look like errors of steps.
 """
 
-_MANY_FORGOTTEN = 1.5
-"""The same where a state is published only later: `FieldSteps` counts what is left of errors then.
-
-So do steps of independent springs (k0 = 0).
-"""
+_MANY_FORGOTTEN = 1.0
+"""Those after which errors count by what is left of them when the next state is published."""
 
 _MOST_REJECTIONS = 50
 """Rejections in a row after which a step is not going to succeed."""
@@ -400,12 +397,12 @@ class _March:
             unnoticed = UNNOTICED * self.tolerance * self.deformation
             taken = (self.steps + self.rejected - begun) * self.tolerance ** (1 / 3)
             published = self.published(stop)
-            many = _MANY_FORGOTTEN if published > self.now.time else _MANY_STEPS
-            if isinstance(self.now, SpringSteps) and taken > (
-                many if self.now.stages.springs.k0 else _MANY_STEPS
-            ):
-                self.now = FieldSteps.going_on(self.now.system, self.now.time, self.now.state())
-                begun, since = self.steps + self.rejected, self.now.time
+            if isinstance(self.now, SpringSteps):
+                if taken > _MANY_FORGOTTEN and published > self.now.time:
+                    self.now.forgetting = True
+                if taken > _MANY_STEPS:
+                    self.now = FieldSteps.going_on(self.now.system, self.now.time, self.now.state())
+                    begun, since = self.steps + self.rejected, self.now.time
             stuck = taken > _MOST_STEPS
             if stuck or not (landing or self.now.time + length > self.now.time):
                 raise ConvergenceError(

@@ -53,10 +53,10 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     for solver in (None, ActiveSet()):
         age(press(heights, spring_lattice(k0=0.0, k1=3.0), load=80.0), [1.0], solver=solver)
     age(press(heights, spring_lattice(k0=1.0, k1=3.0, creep=Eyring(rate=1.0, stress=1.0)), load=80.0), [1.0])
-    # Contacts in patches, where cycles are slow and corrections are combined.
+    # Contacts in patches, where cycles are slow and contacts close one by one.
     patches = self_affine(64, hurst=0.8, delta=0.05, seed=0)
     rough = patches / patches.std()
-    age(press(rough, spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1), load=180.0), [1.0, 100.0])
+    age(press(rough, spring_lattice(k0=1.0, k1=100.0, R_viscous=0.1), load=5e3), [1.0, 100.0])
     if stamp is not None:
         with suppress(OSError):  # then the next process looks again
             stamp.touch()

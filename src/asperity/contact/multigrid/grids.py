@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,13 @@ _RANDOM = 2.25
 
 They count 1, or 1/2 (four of them), or 1/4 (four); where all are alike the variance is 16 times one site's.
 """
+
+
+_HARD = 1e3
+"""Stiffness of a pin that does not give, in units of k0 (4 + bed)."""
+
+_ALL = 1.0 - 1e-4
+"""Part of the largest sum from which all sites that share a coarse site are pinned so."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +75,8 @@ class Axis:
 class Grid:
     """One coarse grid and the work arrays on it."""
 
-    def __init__(self, y: Axis, x: Axis, fields: int, backend: Processor) -> None:
-        self.backend, self.axes = backend, (y, x)
+    def __init__(self, y: Axis, x: Axis, finer: Sites, fields: int, backend: Processor) -> None:
+        self.backend, self.axes, self.finer = backend, (y, x), finer
         self.sites = sites = Sites(y.size.size, x.size.size, y.mirrored)
         gx = backend.along_rows(x.coupling, images=True)
         mx = backend.along_rows(x.size, images=False)
@@ -89,6 +97,13 @@ class Grid:
         """The equations of two fields."""
         (e, f), (b, c) = self.correction, self.source
         return CoarseTwo(e, f, b, c, np.float32(bed), np.float32(spread), lag, *self.mesh)
+
+    @cached_property
+    def sharing(self) -> Single:
+        """What the sites of the next finer grid add up to here if each counts 1."""
+        sums = self.backend.zeros(self.sites)
+        self.backend.coarser_pins(self.backend.packed(np.ones(self.finer[:2])), self.finer, 0.0, 0.0, sums)
+        return sums
 
     @cached_property
     def areas(self) -> Field:
@@ -132,9 +147,11 @@ class Hierarchy:
         self.sites, self.backend = sites, backend
         y, x = (Axis.fine(n, mirrored=sites.mirrored) for n in sites[:2])
         self.grids: list[Grid] = []
-        while not self.grids or math.prod(self.grids[-1].sites[:2]) > _COARSEST:
+        finer = sites
+        while not self.grids or math.prod(finer[:2]) > _COARSEST:
             y, x = y.coarser, x.coarser
-            self.grids.append(Grid(y, x, fields, backend))
+            self.grids.append(Grid(y, x, finer, fields, backend))
+            finer = self.grids[-1].sites
 
     @cached_property
     def cells(self) -> list[Single]:
@@ -148,30 +165,34 @@ class Hierarchy:
         return Pair(*self.grids[0].joined)
 
     def set_pins(
-        self, e: Single, bound: Single, fraction: float, response: Response, *, crowded: bool = False
+        self, e: Single, bound: Single, fraction: float, response: Response, *, yielding: bool = False
     ) -> None:
         """Set pins on all coarse grids; ``fraction`` is that of the sites in contact.
 
-        Where these may be ``crowded``, a crowd holds the surface like one of them: pins on the first coarse
-        grid are softer by the ratio of their variance to that of as many sites at random.
+        A pin among others as stiff does not soften: where all sites that share a coarse one are held, so is
+        that. Unless ``yielding``: then a crowd holds the surface like one of them, and pins on the first
+        coarse grid are softer by the ratio of their variance to that of as many sites at random.
         """
         if fraction == 0:
             for grid in self.grids:
                 grid.pins.fill(0.0)
             return
         sigma = response.coherent_potential(fraction)
-        first = self.grids[0]
-        strength = 1.0 / response.softening(0, sigma)
+        first, strength = self.grids[0], 1.0 / response.softening(0, sigma)
         self.backend.pin(e, bound, self.sites, strength, first.pins, first.sites)
-        if crowded and fraction < 1:
+        if yielding and fraction < 1:
             count, random = math.prod(first.sites[:2]), _RANDOM * strength**2 * fraction * (1.0 - fraction)
             mean = float(first.pins.sum(dtype=float)) / count
             variance = float(np.vdot(first.pins, first.pins)) / count - mean**2
             first.pins /= np.float32(max(variance / random, 1.0))
-        for level, (fine, coarse) in enumerate(zip(self.grids[:-1], self.grids[1:], strict=True), start=1):
-            mean = float(fine.pins.sum(dtype=float)) / math.prod(fine.sites[:2])
+        most, hard = strength, _HARD * (4.0 + response.bed)
+        for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
+            if not yielding:
+                fine.pins[fine.pins >= np.float32(_ALL * most) * fine.sharing] = np.float32(hard)
+            mean = sigma * 4.0**level
             softening = response.softening(level, mean)
             self.backend.coarser_pins(fine.pins, fine.sites, softening, mean, coarse.pins)
+            most, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
         """A lag by site, on the coarse grids: its mean over a cell, weighted by how far its sites respond.

@@ -156,7 +156,7 @@ class IndependentSprings:
         equation = (f, self._mask, self._held)
         before, self.shift = self.shift, shift
         touching = (self.correction.f, self.source.e)
-        self.backend.begin_error(self.equation(*equation), touching, error, c, self.spread)
+        self.backend.begin_error_1(self.equation(*equation), touching, error, c, self.spread)
         self.backend.sweep_1(self.equation(*equation), 2)
         self.cycle(*equation, move)
         self.backend.sweep_1(self.equation(*equation), 2)
@@ -190,7 +190,7 @@ class IndependentSprings:
     def set_pins(self, f: Single, least: Single, resting: float) -> None:
         """Set pins where f rests on its bound, on the coarse grids, and factorize the coarsest."""
         self.pinned, self.yielded = resting, 0.0
-        self.hierarchy.set_pins(f, least, resting / self.size, self.response, crowded=True)
+        self.hierarchy.set_pins(f, least, resting / self.size, self.response, yielding=True)
         grid = self.hierarchy.grids[-1]
         self.coarsest = np.linalg.inv(
             grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * grid.areas.ravel())

@@ -1168,7 +1168,7 @@ def begin_1(
 
 
 @compiled
-def begin_error(
+def begin_error_1(
     eq: One, f: Single, least: Single, error: Single, c: Single, spread: Scalar, low: int, high: int
 ) -> None:
     """The same for an error of u0, rows in order: no change yet, and none where f is ``least``."""
@@ -1369,6 +1369,42 @@ def ascend_1(
 
 
 # Two fields, of an implicit step of creep.
+
+
+@compiled
+def begin_error_2(e: Single, least: Single, error: Single, eq: Two, sums: Field, low: int, high: int) -> None:
+    """The equations of an error of u0, rows in order, from nothing; those of u hold where e is ``least``.
+
+    ``sums``: squares of the error, contacts that opened.
+    """
+    change, stretch, bound, b, c, _, _, _, _, sites = eq
+    zero, unbounded, heavy = np.float32(0.0), np.float32(-np.inf), np.float32(-1e30)
+    for i in range(low, high):
+        part(error[i], c[i])
+        change[i] = stretch[i] = zero
+        squares, opened = zero, 0.0
+        for side in range(2):
+            for k in range(side, end_of(side, sites.columns)):
+                free, before = e[i, side, k] > least[i, side, k], c[i, side, k]
+                c[i, side, k] = -before
+                bound[i, side, k] = unbounded if free else zero
+                b[i, side, k] = zero if free else heavy
+                squares += before * before
+                opened += 1.0 if free and least[i, side, k] == zero else 0.0
+        sums[i, 0], sums[i, 1] = squares, opened
+
+
+@compiled
+def differences(e: Single, f: Single, columns: int, sums: Field, low: int, high: int) -> None:
+    """Sums of e - f and of its squares."""
+    for i in range(low, high):
+        value = squares = np.float32(0.0)
+        for side in range(2):
+            for k in range(side, end_of(side, columns)):
+                change = e[i, side, k] - f[i, side, k]
+                value += change
+                squares += change * change
+        sums[i, 0], sums[i, 1] = value, squares
 
 
 @inlined

@@ -279,11 +279,11 @@ class Processor:
         """From guesses of e and of eq.e: the latter within its bound, its source, and the difference."""
         self._over(loops.begin_1, eq.sites, eq, e, least, c, np.float32(spread), creep)
 
-    def begin_error(
+    def begin_error_1(
         self, eq: One, touching: tuple[Single, Single], error: Single, c: Single, spread: float
     ) -> None:
         """The same for an error of u0, rows in order, off contact where the two fields are equal."""
-        self._over(loops.begin_error, eq.sites, eq, *touching, error, c, np.float32(spread))
+        self._over(loops.begin_error_1, eq.sites, eq, *touching, error, c, np.float32(spread))
 
     def surface_1(self, eq: One, e: Single, least: Single, c: Single, spread: float, creep: Single) -> Creep:
         """The change e of the surface that belongs to eq.e, and their difference."""
@@ -312,6 +312,23 @@ class Processor:
         sums, wanted = self._sums(eq.sites), (correcting, sweeping, restricting)
         self._over(loops.cycle_2, eq.sites, eq, moves, *wanted, out, sums, meeting=True)
         return Defects(*sums[:, :5].sum(axis=0).tolist())
+
+    def begin_error_2(self, e: Single, least: Single, error: Single, eq: Two) -> tuple[float, float]:
+        """The equations of an error of u0, rows in order, for contacts where e is least.
+
+        Returns the squares of the error, and the number of contacts that opened.
+        """
+        sums = self._sums(eq.sites)
+        self._over(loops.begin_error_2, eq.sites, e, least, error, eq, sums)
+        squares, opened = sums[:, :2].sum(axis=0).tolist()
+        return squares, opened
+
+    def differences(self, correction: Pair, sites: Sites) -> tuple[float, float]:
+        """Sum of e - f, and of its squares."""
+        sums = self._sums(sites)
+        self._over(loops.differences, sites, *correction, sites.columns, sums)
+        value, squares = sums[:, :2].sum(axis=0).tolist()
+        return value, squares
 
     def products_2(self, eq: Two, moves: Moves) -> Field:
         """Products of the symmetric form, as `products_1` has them; the sums are those of f."""

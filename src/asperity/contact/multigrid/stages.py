@@ -136,11 +136,10 @@ class StageSolver:
     def left_of(self, error: Single, tau: float) -> float:
         """What an implicit step leaves of an error of a step, a length, rms over the sites.
 
-        The contacts stay as they are. For springs that no others join.
+        The contacts stay as they are.
         """
-        s, work = self.springs, self.work
-        assert isinstance(work, IndependentSprings)
-        return self.unit * work.left_of(error, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
+        s = self.springs
+        return self.unit * self.work.left_of(error, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
 
     def advance(self) -> None:
         """Make the end of the step the state."""

@@ -20,6 +20,7 @@ All this happens to a correction (e, f) of the pair, in single precision and in 
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,9 @@ _USUAL_RATE = 0.3
 _FORCE_ERROR = 1e-3
 """Error of the sum of the forces that is allowed even where an error of u0 is."""
 
+_LEFT = 0.03, 8
+"""How well what a step leaves of an error is known, in units of that error, and the most cycles for it."""
+
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
 
@@ -84,6 +88,8 @@ class TwoFields:
         Number of sites that carry a force that is given, off the obstacle.
     known_stretch
         Sum of w before the correction, a length.
+    opened
+        Whether a site that was in contact before the correction no longer is; known after `left_of`.
     """
 
     def __init__(self, sites: Sites, backend: Processor) -> None:
@@ -95,7 +101,7 @@ class TwoFields:
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
         self.weights, self.last_shift, self.keeping, self.overshooting = (1.0, 0.0), 0.0, False, False
         self.wanted: float | None = None
-        self.yielding = 0
+        self.yielding, self.opened = 0, False
         self.latest: Single = np.zeros(0, np.float32)
 
     def pair(self) -> Pair:
@@ -177,6 +183,30 @@ class TwoFields:
                 self.descend(correcting=True, restricting=False)
                 return True, cycle + 1
         return False, max_cycles
+
+    @cached_property
+    def errors(self) -> TwoFields:
+        """Work space for errors of the corrections."""
+        return TwoFields(self.sites, self.backend)
+
+    def left_of(self, error: Single, spread: float, drag: float) -> float:
+        """What an implicit step leaves of an error of u0, rms over the sites, while the contacts stay.
+
+        The error has its rows in order. The equations are those of a step, with e = 0 in contact. Where
+        cycles do not solve them, all of the error is left.
+        """
+        work, backend = self.errors, self.backend
+        work.prepare(self.bed, spread, drag)
+        work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
+        squares, opened = backend.begin_error_2(self.correction.e, self.bound, error, work.equation())
+        self.opened, scale = opened > 0, math.sqrt(squares / self.size)
+        goal, most = _LEFT
+        done, _ = work.improve(goal * scale, most, total_counts=False)
+        if not done:
+            return scale
+        total, squares = backend.differences(work.correction, self.sites)
+        mean = 0.0 if self.wanted is None else total / self.size  # a load decides it
+        return math.sqrt(max(squares / self.size - mean * mean, 0.0))
 
     def measure(self, springs: SpringStep, surface: Surface, unit: float) -> None:
         """Begin a correction to the fields as they are."""
