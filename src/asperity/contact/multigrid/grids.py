@@ -100,10 +100,10 @@ class Grid:
 
     @cached_property
     def sharing(self) -> Single:
-        """What the sites of the next finer grid add up to here if each counts 1."""
+        """What the sites of the next finer grid add up to here if each counts 1; inf where no site is."""
         sums = self.backend.zeros(self.sites)
         self.backend.coarser_pins(self.backend.packed(np.ones(self.finer[:2])), self.finer, 0.0, 0.0, sums)
-        return sums
+        return np.where(sums > 0, sums, np.float32(np.inf))
 
     @cached_property
     def areas(self) -> Field:
@@ -185,10 +185,12 @@ class Hierarchy:
             mean = float(first.pins.sum(dtype=float)) / count
             variance = float(np.vdot(first.pins, first.pins)) / count - mean**2
             first.pins /= np.float32(max(variance / random, 1.0))
-        most, hard = strength, _HARD * (4.0 + response.bed)
+        most, hard, crowds = strength, _HARD * (4.0 + response.bed), not yielding
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
-            if not yielding:
-                fine.pins[fine.pins >= np.float32(_ALL * most) * fine.sharing] = np.float32(hard)
+            if crowds:
+                full = fine.pins >= np.float32(_ALL * most) * fine.sharing
+                crowds = bool(full.any())
+                fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
             softening = response.softening(level, mean)
             self.backend.coarser_pins(fine.pins, fine.sites, softening, mean, coarse.pins)
