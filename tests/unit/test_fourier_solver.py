@@ -76,10 +76,10 @@ def test_preconditioner_is_symmetric_and_positive(shape):
 @pytest.mark.parametrize(("shape", "few"), [((64, 96), (15, 21)), ((64,), (15,))])
 def test_a_density_of_contacts_has_their_number_and_place(shape, few, edges):
     coarse, xp = Lattice(few, edges=edges), library("numpy")
-    np.testing.assert_allclose(_density(np.full(shape, 0.3), coarse, xp), 0.3, rtol=1e-12)
-    contacts = np.zeros(shape)
-    contacts[tuple(slice(n // 2 - 5, n // 2 + 3) for n in shape)] = 1.0
-    density = _density(contacts, coarse, xp)
+    np.testing.assert_allclose(_density(np.ones(shape, bool), coarse, float, xp), 1.0, rtol=1e-12)
+    contacts = np.zeros(shape, bool)
+    contacts[tuple(slice(n // 2 - 5, n // 2 + 3) for n in shape)] = True
+    density = _density(contacts, coarse, float, xp)
     assert density.mean() == pytest.approx(contacts.mean(), rel=0.01)  # ripples are clipped
     for axis, (n, m) in enumerate(zip(shape, few, strict=True)):
         part = density.sum(axis=tuple({0, 1}.intersection(range(len(few))) - {axis}))

@@ -13,6 +13,7 @@ Phys. Rev. 175, 747 (1968), DOI 10.1103/PhysRev.175.747.)
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +52,7 @@ def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: f
     return float(np.exp(brentq(excess, low, high, xtol=0.05)))
 
 
+@lru_cache
 def _spread_modes(shape: tuple[int, ...]) -> tuple[NDArray[np.intp], ...]:
     """Indices of modes spread evenly over a spectrum, that of wave vector 0 first; all, if they are few.
 
