@@ -182,7 +182,7 @@ def test_lines_and_edges_that_reflect():
 
 @pytest.mark.parametrize(("k1", "R", "stress"), [(31.0, 0.0, 90.0), (40.0, 0.5, 9.0)])
 def test_cycles_are_few_where_contacts_crowd(k1, R, stress):
-    rough = asp.surfaces.self_affine(32, hurst=0.8, delta=0.1, seed=2)
+    rough = asp.surfaces.self_affine(64, hurst=0.8, delta=0.1, seed=2)
     solid = lattice(Eyring(1e-3, stress), k1=k1, R=R)
     start = asp.press(rough / rough.std(), solid, load=0.05 * (1.0 + k1) * rough.size)
     frames: list[asp.Frame] = []

@@ -16,8 +16,7 @@ from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
-from asperity.contact.problem import TOLERANCE, Guess, SpringProblem, SpringStep
-from asperity.errors import ConvergenceError
+from asperity.contact.problem import TOLERANCE, Guess
 from tests.independent import assert_equilibrium, laplacian
 from tests.refusals import refuses
 from tests.surfaces import correlated, uncorrelated
@@ -242,59 +241,6 @@ def test_an_implicit_step_agrees_with_the_fourier_solver(heights, k1, p, tau, R_
             assert here.stretch is not None
             (other,), _ = system.stretch(step, there, before, 0.0)
             np.testing.assert_allclose(stretch, other, atol=1e-6 * heights.std())
-
-
-@pytest.mark.parametrize("held", ["load", "separation"])
-@pytest.mark.parametrize("spread", [0.0, 0.3, 30.0])
-@pytest.mark.parametrize(("shape", "decades"), [((48, 40), 0.5), ((51, 37), 4.0)])
-def test_a_drag_by_site_is_solved(shape, decades, spread, held):
-    rng = np.random.default_rng(0)
-    heights = rng.normal(size=shape)
-    heights -= heights.max()
-    drag, anchors = 10.0 ** rng.uniform(-1, decades, shape), rng.normal(-1.0, 0.1, shape)
-    load = 0.05 * heights.size if held == "load" else None
-    step = SpringStep(1.0, 3.0, spread, drag, False, anchors, load)
-    solution = Multigrid().solve(SpringProblem(heights, step, never), None, 1e-9)
-    u, w, touching = solution.u, solution.stretch, solution.in_contact
-    assert w is not None
-    assert solution.iterations < 40
-    left = (1 + drag) * w - spread * laplacian(w) - (u - anchors)
-    force = 3.0 * w - laplacian(u)
-    if load is not None:
-        left -= left.mean()
-        assert force.sum() == pytest.approx(load, rel=1e-7)
-    scale = force[touching].mean()
-    assert np.abs(left).max() < 1e-6 * (drag.max() + 8 * spread) * np.abs(w).max()
-    assert 0.001 < touching.mean() < 0.9
-    np.testing.assert_array_equal(u == heights, touching)
-    assert np.abs(force[~touching]).max() < 1e-6 * scale
-    assert force[touching].min() > -1e-6 * scale
-
-
-def never():
-    """Modes of a problem that has none."""
-    raise AssertionError
-
-
-def test_a_drag_that_is_the_same_everywhere_is_a_number():
-    heights, anchors = uncorrelated(40), np.full((40, 40), -0.5)
-    numbers = (False, anchors, 30.0)
-    problems = [
-        SpringProblem(heights, SpringStep(1.0, 3.0, 2.0, drag, *numbers), never)
-        for drag in (5.0, np.full(heights.shape, 5.0))
-    ]
-    one, other = (Multigrid().solve(problem, None, 1e-9) for problem in problems)
-    np.testing.assert_array_equal(one.in_contact, other.in_contact)
-    np.testing.assert_allclose(one.u, other.u, atol=1e-8)
-    assert abs(one.iterations - other.iterations) <= 1
-
-
-def test_a_drag_by_site_that_is_not_solved_is_no_solution():
-    heights = uncorrelated(40)
-    heights -= heights.max()
-    step = SpringStep(1.0, 3.0, 0.0, np.ones_like(heights), False, heights - 1.0, 30.0)
-    with pytest.raises(ConvergenceError, match="drag differs by site"):
-        Multigrid(max_cycles=1).solve(SpringProblem(heights, step, never), None, 1e-9)
 
 
 @pytest.mark.parametrize("k1", [0.1, 3.0])

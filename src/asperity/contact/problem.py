@@ -98,8 +98,7 @@ class SpringStep:
     k0, k1
         Stiffness of the springs between neighbors and to the bulk; k1 > 0.
     spread, drag
-        tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite. The drag may be a field by
-        site, which only multigrid solves.
+        tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite.
     relaxed
         Whether the duration tau is infinite.
     anchors
@@ -113,7 +112,7 @@ class SpringStep:
     k0: float
     k1: float
     spread: float
-    drag: Field | float
+    drag: float
     relaxed: bool
     anchors: Field | float
     load: float | None

@@ -162,7 +162,7 @@ class Springs(NamedTuple):
     k0: float
     k1: float
     spread: float
-    drag: Any
+    drag: float
 
 
 class Surface(NamedTuple):
@@ -569,17 +569,17 @@ def coarser_lag(lag: Single, cells: Single, beside: Scalar, sites: Sites, out: S
 
 
 @inlined
-def stencil_row(a: float, x: Field, b: Any, y: Field, i: int, sites: Sites, out: Field) -> None:
+def stencil_row(a: float, x: Field, b: float, y: Field, i: int, sites: Sites, out: Field) -> None:
     """Row i of a L x + b y, L minus the Laplacian."""
     nx = x.shape[1]
     above, below = neighbors(i, sites)
     up, down, row, other = x[above], x[below], x[i], y[i]
     for j in range(1, nx - 1):
-        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[j - 1] + row[j + 1])) + at(b, (i, j)) * other[j]
+        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[j - 1] + row[j + 1])) + b * other[j]
     first, last = (0, nx - 1) if sites.mirrored else (nx - 1, 0)
     for j in (0, nx - 1):
         left, right = j - 1 if j > 0 else first, j + 1 if j < nx - 1 else last
-        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[left] + row[right])) + at(b, (i, j)) * other[j]
+        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[left] + row[right])) + b * other[j]
 
 
 @compiled

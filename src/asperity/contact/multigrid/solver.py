@@ -24,7 +24,7 @@ from asperity.contact.multigrid.stages import StageSolver
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpringProblem, SpringStep
 from asperity.contact.stencils import bond_energy
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import InputError
 from asperity.lattice import Field
 
 _WORTH_COARSENING = 256
@@ -91,7 +91,7 @@ class Multigrid:
         InputError
             The solid is not the lattice of springs in two dimensions.
         ConvergenceError
-            Neither cycles nor `ActiveSet` reached the tolerance, or cycles did not where the drag is by site.
+            Neither cycles nor `ActiveSet` reached the tolerance.
         """
         if not isinstance(problem, SpringProblem):
             raise InputError(
@@ -101,30 +101,24 @@ class Multigrid:
                 advice="solver=ActiveSet()",
             )
         springs = problem.step
-        by_site = isinstance(springs.drag, np.ndarray)  # not a spectrum: no other solver takes it
         if springs.k0 == 0:
-            if springs.spread > 0 or by_site:  # steps of creep are `IndependentSprings`'s
+            if springs.spread > 0:  # steps of creep are `IndependentSprings`'s
                 return ActiveSet().solve(problem, guess, tolerance)
             return _independent(springs, problem.heights)
         if guess is None:
             guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
-        if not by_site and springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
+        if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             return ActiveSet().solve(problem, guess, tolerance)
         heights = np.ascontiguousarray(problem.heights)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
         still = not isinstance(springs.anchors, np.ndarray) and springs.spread == 0
-        if springs.relaxed or (still and not by_site and springs.drag == 0):
+        if springs.relaxed or (still and springs.drag == 0):
             done, cycles, stretch = self._one_field(springs, heights, u, tolerance)
         else:
             done, cycles, stretch = self._two_fields(springs, heights, u, tolerance)
         if done:
             return Solution(u, u <= heights, cycles, 0, stretch)
-        if by_site:
-            raise ConvergenceError(
-                f"contact solver: {cycles} cycles of multigrid did not solve a step whose drag differs "
-                "by site; try a shorter step"
-            )
         start = Guess(u) if np.isfinite(u).all() else None
         rest = ActiveSet().solve(problem, start, tolerance)
         return Solution(rest.u, rest.in_contact, cycles + rest.iterations, rest.set_changes)
@@ -190,7 +184,7 @@ def _independent(springs: SpringStep, heights: Field) -> Solution:
     overlap, level = heights - springs.anchors, 0.0
     if springs.load is not None:
         highest = float(overlap.max())
-        wanted = springs.load * (1.0 + float(springs.drag)) / springs.k1
+        wanted = springs.load * (1.0 + springs.drag) / springs.k1
         level = highest + level_of_overlap(overlap - highest, wanted)
         for _ in range(2):  # to the last digit
             touching = overlap > level

@@ -108,26 +108,13 @@ class TwoFields:
         """Two fields of zeros."""
         return Pair(self.backend.zeros(self.sites), self.backend.zeros(self.sites))
 
-    def prepare(self, bed: float, spread: float, drag: float | Field) -> None:
-        """Set the coefficients: bed = k1/k0, and those of the equations; the drag is a number or by site."""
-        self.bed, self.spread, self.pinned = bed, spread, -math.inf
-        self.set_drag(drag)
-        if isinstance(drag, np.ndarray):
-            weights = 1.0 / (1.0 + 4.0 * spread + drag)
-            drag = float(np.sum(weights * drag) / np.sum(weights))
+    def prepare(self, bed: float, spread: float, drag: float) -> None:
+        """Set the coefficients: bed = k1/k0, and those of the equations."""
+        self.bed, self.spread, self.pinned, self.factorized = bed, spread, -math.inf, False
         self.mean_lag = 1.0 + drag
+        self.lag: Any = np.float32(self.mean_lag)
+        self.coarse_lags: list[Any] = [self.lag] * len(self.hierarchy.grids)
         self.response = Response(bed, spread, drag)
-
-    def set_drag(self, drag: float | Field) -> None:
-        """Change the drag; pins, and the mean lag that they follow, stay what they are."""
-        self.lag: Any
-        self.factorized = False
-        if isinstance(drag, np.ndarray):
-            self.lag = np.maximum(self.backend.packed(1.0 + drag), np.float32(1.0))
-            self.coarse_lags = self.hierarchy.coarser_lags(self.lag, self.spread)
-        else:
-            self.lag = np.float32(1.0 + drag)
-            self.coarse_lags = [self.lag] * len(self.hierarchy.grids)
 
     def solve(
         self, springs: SpringStep, heights: Field, u: Field, w: Field, tolerance: float, max_cycles: int
@@ -137,7 +124,7 @@ class TwoFields:
         unit = largest(u, np) or 1.0
         surface = Surface(u, w, heights)
         self.measure(springs, surface, unit)
-        stiffest = 8.0 / self.bed + 1.0 + float(np.max(springs.drag)) + 8.0 * self.spread
+        stiffest = 8.0 / self.bed + 1.0 + springs.drag + 8.0 * self.spread
         size = math.inf
         for cycle in range(max_cycles):
             found = self.descend(correcting=cycle > 0)
@@ -215,8 +202,7 @@ class TwoFields:
         if not isinstance(v, np.ndarray):
             v = np.full(u.shape, v)
         if s.load is not None:
-            lagged = (1.0 + s.drag) * (float(w.mean()) if np.ndim(s.drag) == 0 else w)
-            shift = float(np.mean(lagged)) - float(u.mean()) + float(v.mean())
+            shift = (1.0 + s.drag) * float(w.mean()) - float(u.mean()) + float(v.mean())
         creep = Springs(s.k0, s.k1, s.spread, s.drag)
         into = Measured(self.bound, *self.source)
         stretch = self.backend.measure_2(surface, v, creep, shift, unit, into, self.sites)
