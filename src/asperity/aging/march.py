@@ -58,7 +58,7 @@ _MOST_STEPS = 60.0
 Steps of a method whose error grows like their cube are as many as these units.
 """
 
-_MANY_STEPS = 4.0
+_MANY_STEPS = 12.0
 """Those after which steps on the lattice of springs go on in double precision and by Fourier modes.
 
 Near rest rounding in single precision, and what cycles leave, can look like errors of steps.

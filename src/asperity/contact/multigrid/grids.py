@@ -166,25 +166,28 @@ class Hierarchy:
 
     def set_pins(
         self, e: Single, bound: Single, fraction: float, response: Response, *, yielding: bool = False
-    ) -> None:
+    ) -> float:
         """Set pins on all coarse grids; ``fraction`` is that of the sites in contact.
 
         A pin among others as stiff does not soften: where all sites that share a coarse one are held, so is
         that. Unless ``yielding``: then a crowd holds the surface like one of them, and pins on the first
-        coarse grid are softer by the ratio of their variance to that of as many sites at random.
+        coarse grid are softer by the ratio of their variance to that of as many sites at random, which is
+        returned; at least 1.
         """
         if fraction == 0:
             for grid in self.grids:
                 grid.pins.fill(0.0)
-            return
+            return 1.0
         sigma = response.coherent_potential(fraction)
         first, strength = self.grids[0], 1.0 / response.softening(0, sigma)
         self.backend.pin(e, bound, self.sites, strength, first.pins, first.sites)
+        crowding = 1.0
         if yielding and fraction < 1:
             count, random = math.prod(first.sites[:2]), _RANDOM * strength**2 * fraction * (1.0 - fraction)
             mean = float(first.pins.sum(dtype=float)) / count
             variance = float(np.vdot(first.pins, first.pins)) / count - mean**2
-            first.pins /= np.float32(max(variance / random, 1.0))
+            crowding = max(variance / random, 1.0)
+            first.pins /= np.float32(crowding)
         most, hard, crowds = strength, _HARD * (4.0 + response.bed), not yielding
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
             if crowds:
@@ -195,6 +198,7 @@ class Hierarchy:
             softening = response.softening(level, mean)
             self.backend.coarser_pins(fine.pins, fine.sites, softening, mean, coarse.pins)
             most, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
+        return crowding
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
         """A lag by site, on the coarse grids: its mean over a cell, weighted by how far its sites respond.

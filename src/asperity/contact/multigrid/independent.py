@@ -40,6 +40,9 @@ _FORCE_ERROR = 1e-3
 _FEW = 0.02
 """Part of the sites at rest that may change before pins are set anew."""
 
+_CROWDED = 2.0
+"""Variance of pins, in units of that at random, from which one cycle estimates an error too poorly."""
+
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the largest correction."""
 
@@ -121,7 +124,7 @@ class IndependentSprings:
         """What an implicit step leaves of an error of u0, rms over the sites, while the contacts stay.
 
         The error has its rows in order. The equation is that of a step, with e = 0 in contact and f = 0
-        elsewhere; one cycle solves it well enough for an estimate. The spread is that of the step or a
+        elsewhere; a cycle, or two, solve it well enough for an estimate. The spread is that of the step or a
         larger one, which is then the one that is prepared.
         """
         (c, f), creep, shift = self.error, self.creep, self.shift
@@ -129,6 +132,9 @@ class IndependentSprings:
             self.prepare(math.inf, spread, drag)
         mean, self.shift = 0.0, 0.0
         self.linear(f, error, 0.0, c, creep)
+        if self.crowding > _CROWDED:
+            self.cycle(f, self._mask, self._held, creep)
+            self.backend.sweep_1(self.equation(f, self._mask, self._held), 2)
         if self.wanted is not None:
             self.carry(f, 0.0)
         creep.fill(0.0)
@@ -190,7 +196,7 @@ class IndependentSprings:
     def set_pins(self, f: Single, least: Single, resting: float) -> None:
         """Set pins where f rests on its bound, on the coarse grids, and factorize the coarsest."""
         self.pinned, self.yielded = resting, 0.0
-        self.hierarchy.set_pins(f, least, resting / self.size, self.response, yielding=True)
+        self.crowding = self.hierarchy.set_pins(f, least, resting / self.size, self.response, yielding=True)
         grid = self.hierarchy.grids[-1]
         self.coarsest = np.linalg.inv(
             grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * grid.areas.ravel())
