@@ -64,6 +64,9 @@ _MANY_STEPS = 12.0
 Near rest rounding in single precision, and what cycles leave, can look like errors of steps.
 """
 
+_MANY_REJECTIONS = 8
+"""Rejections in a row after which they do, too: shorter steps are not more accurate."""
+
 _MANY_FORGOTTEN = 1.0
 """Those after which errors count by what is left of them when the next state is published."""
 
@@ -400,7 +403,7 @@ class _March:
             if isinstance(self.now, SpringSteps):
                 if taken > _MANY_FORGOTTEN and published > self.now.time:
                     self.now.forgetting = True
-                if taken > _MANY_STEPS:
+                if taken > _MANY_STEPS or self.streak > _MANY_REJECTIONS:
                     self.now = FieldSteps.going_on(self.now.system, self.now.time, self.now.state())
                     begun, since = self.steps + self.rejected, self.now.time
             stuck = taken > _MOST_STEPS
