@@ -43,6 +43,9 @@ _FEW = 0.02
 _CROWDED = 2.0
 """Variance of pins, in units of that at random, from which one cycle estimates an error too poorly."""
 
+_SHARE = 0.1
+"""What of an error that is allowed is left there: errors of steps count by a tenth, and these do not."""
+
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the largest correction."""
 
@@ -68,6 +71,8 @@ class IndependentSprings:
         e - f of the latest cycle.
     yielded
         Sum of the response of f to a shift of 1; 0 before that is known.
+    crowding
+        Variance of the pins, in units of that of as many sites at random; at least 1.
     opened
         Whether a site that was in contact before the correction no longer is.
     """
@@ -78,7 +83,7 @@ class IndependentSprings:
         self.correction, self.source, self.error = self.pair(), self.pair(), self.pair()
         self.bound, self.creep, self._b, self._nothing = (backend.zeros(sites) for _ in range(4))
         self._response, self._scratch, self._mask, self._held = (backend.zeros(sites) for _ in range(4))
-        self.shift, self.known_stretch, self.opened = 0.0, 0.0, False
+        self.shift, self.known_stretch, self.opened, self.crowding = 0.0, 0.0, False, 1.0
         self.wanted: float | None = None
 
     def pair(self) -> Pair:
@@ -114,8 +119,9 @@ class IndependentSprings:
             if self.wanted is not None:
                 lacking = self.wanted - found.stretch
             left = max(rate * size, abs(lacking) / math.sqrt(self.size * max(touching, 1.0)))
+            allowed = allowed_error * (_SHARE if self.crowding > _CROWDED else 1.0)
             carried = rate * abs(lacking) <= _FORCE_ERROR * abs(self.known_stretch + found.stretch)
-            if left <= max(allowed_error, _ROUNDING * math.sqrt(found.moves / self.size)) and carried:
+            if left <= max(allowed, _ROUNDING * math.sqrt(found.moves / self.size)) and carried:
                 self.opened = found.opened > 0
                 return True, cycle
         return False, max_cycles
