@@ -67,7 +67,7 @@ Near rest rounding in single precision, and what cycles leave, can look like err
 _MANY_REJECTIONS = 8
 """Rejections in a row after which they do, too: shorter steps are not more accurate."""
 
-_MANY_FORGOTTEN = 1.0
+_MANY_FORGOTTEN = 2.0
 """Those after which errors count by what is left of them when the next state is published."""
 
 _MOST_REJECTIONS = 50
