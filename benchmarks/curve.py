@@ -4,7 +4,9 @@
 
 37 times from 1e-3 to 1e6. On springs k1/k0 = 3 and F / (N k0) = 0.02, white heights; the same without springs
 between neighbors (k0_zero), and on a line of as many sites (line). One spike on flat ground, k1/k0 = 27,
-where most sites touch (spike). On a half-space, at 1 % contact, self-affine heights (H = 0.8) and twelve
+where most sites touch (spike). Self-affine heights (H = 0.8), whose contacts have fronts, under stiff springs,
+k1/k0 = 100 and F / (N (k0 + k1)) = 0.02 (fronts), and without springs between neighbors, F / (N k1) = 0.02
+(k0_zero_fronts). On a half-space, at 1 % contact, self-affine heights (H = 0.8) and twelve
 branches of 8 %, with times from 1e-3 to 1e6: with the exact contact (half_space), and with the general march
 (half_space_march). With a local law in place of linear creep (eyring, norton), or beside it (eyring_beside):
 then the history of springs is timed before and after in the same process, for the cost of a step in units of
@@ -74,6 +76,10 @@ def case(solid: str, size: int) -> tuple[Any, Any, float]:
         return white, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=rate, creep=law), load
     if solid == "k0_zero":
         return white, asp.solids.spring_lattice(k0=0.0, k1=3.0), load
+    if solid in ("fronts", "k0_zero_fronts"):
+        heights = asp.surfaces.self_affine(size, hurst=0.8, delta=1.0, seed=0)
+        k0, k1 = (1.0, 100.0) if solid == "fronts" else (0.0, 1.0)
+        return heights / heights.std(), asp.solids.spring_lattice(k0=k0, k1=k1), load * (k0 + k1)
     if solid == "spike":
         heights = 0.01 * white
         heights[0, 0] = 50.0
@@ -187,7 +193,8 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=[200, 1024])
     parser.add_argument("--rtols", type=float, nargs="+", default=list(RTOLS))
     parser.add_argument("--threads", type=int, default=1)
-    kinds = ["springs", "line", "k0_zero", "spike", "half_space", "half_space_march", *LAWS]
+    kinds = ["springs", "line", "k0_zero", "spike", "fronts", "k0_zero_fronts"]
+    kinds += ["half_space", "half_space_march", *LAWS]
     parser.add_argument("--solid", choices=kinds, default="springs")
     parser.add_argument("--json", action="store_true", help="measure here, and print numbers for programs")
     options = parser.parse_args()

@@ -40,7 +40,7 @@ _FORCE_ERROR = 1e-3
 _FEW = 0.02
 """Part of the sites at rest that may change before pins are set anew."""
 
-_CROWDED = 2.0
+_CROWDED = 4.0
 """Variance of pins, in units of that at random, from which one cycle estimates an error too poorly."""
 
 _SHARE = 0.1
