@@ -109,6 +109,8 @@ def test_l_stability_kills_stiff_modes_in_one_step():
         (uncorrelated(32), 3.0, 0.02, 0.0, "load"),
         (uncorrelated(32), 1.0, 1e-3, 0.0, "load"),
         (uncorrelated(32), 100.0, 0.02, 0.0, "load"),
+        (uncorrelated(96), 1000.0, 10.0, 0.0, "load"),
+        (correlated(48), 300.0, 3.0, 0.0, "load"),
         (uncorrelated(32), 3.0, 0.1, 1.0, "load"),
         (uncorrelated(32), 3.0, 0.2, 0.1, "separation"),
         (correlated(32), 0.1, 0.05, 0.0, "load"),

@@ -57,8 +57,11 @@ _LEAST, _MOST = 0.1, 2.0
 _USUAL_RATE = 0.3
 """Ratio of successive errors expected before two are known."""
 
-_FORCE_ERROR = 1e-3
-"""Error of the sum of the forces that is allowed even where an error of u0 is."""
+_FORCE_ERROR, _LEAST_FORCE_ERROR = 1e-3, 1e-5
+"""Error of the sum of the forces that is allowed even where an error of u0 is, and the least asked for."""
+
+_STIFF = 100.0
+"""k1/k0 from which the former falls with its square: errors of all steps have one sign, and add up."""
 
 _LEFT = 0.03, 8
 """How well what a step leaves of an error is known, in units of that error, and the most cycles for it."""
@@ -115,6 +118,7 @@ class TwoFields:
         self.lag: Any = np.float32(self.mean_lag)
         self.coarse_lags: list[Any] = [self.lag] * len(self.hierarchy.grids)
         self.response = Response(bed, spread, drag)
+        self.force_error = max(_FORCE_ERROR * min(1.0, (_STIFF / bed) ** 2), _LEAST_FORCE_ERROR)
 
     def solve(
         self, springs: SpringStep, heights: Field, u: Field, w: Field, tolerance: float, max_cycles: int
@@ -165,7 +169,7 @@ class TwoFields:
             if self.wanted is None and found.contacts > 0:
                 missing = self.weights[0] * self.size * float(np.mean(self.hierarchy.joined.f, dtype=float))
             good = rate * size <= max(allowed_error, _ROUNDING * far)
-            carried = rate * abs(missing) <= _FORCE_ERROR * abs(self.total_stretch) or not total_counts
+            carried = rate * abs(missing) <= self.force_error * abs(self.total_stretch) or not total_counts
             if good and carried:
                 self.descend(correcting=True, restricting=False)
                 return True, cycle + 1
