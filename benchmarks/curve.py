@@ -4,8 +4,8 @@
 
 37 times from 1e-3 to 1e6. On springs k1/k0 = 3 and F / (N k0) = 0.02, white heights; the same without springs
 between neighbors (k0_zero), and on a line of as many sites (line). One spike on flat ground, k1/k0 = 27,
-where most sites touch (spike). Self-affine heights (H = 0.8), whose contacts have fronts: stiff springs to the
-bulk, k1/k0 = 100 and F / (N (k0 + k1)) = 0.02 (fronts), and none between neighbors, F / (N k1) = 0.02
+where most sites touch (spike). Self-affine heights (H = 0.8), whose contacts have fronts: stiff springs to
+the bulk, k1/k0 = 100 and F / (N (k0 + k1)) = 0.02 (fronts), and none between neighbors, F / (N k1) = 0.02
 (k0_zero_fronts). On a half-space, at 1 % contact, self-affine heights (H = 0.8) and twelve
 branches of 8 %, with times from 1e-3 to 1e6: with the exact contact (half_space), and with the general march
 (half_space_march). With a local law in place of linear creep (eyring, norton), or beside it (eyring_beside):

@@ -68,7 +68,7 @@ _MANY_REJECTIONS = 8
 """Rejections in a row after which they do, too: shorter steps are not more accurate."""
 
 _MANY_FORGOTTEN = 2.0
-"""Those after which errors count by what is left of them when the next state is published."""
+"""Steps, in the same units, after which errors count by what is left of them at the next published state."""
 
 _MOST_REJECTIONS = 50
 """Rejections in a row after which a step is not going to succeed."""

@@ -165,12 +165,12 @@ class Hierarchy:
         return Pair(*self.grids[0].joined)
 
     def set_pins(
-        self, e: Single, bound: Single, fraction: float, response: Response, *, yielding: bool = False
+        self, e: Single, bound: Single, fraction: float, response: Response, *, crowds_give: bool = False
     ) -> float:
         """Set pins on all coarse grids; ``fraction`` is that of the sites in contact.
 
         A pin among others as stiff does not soften: where all sites that share a coarse one are held, so is
-        that. Unless ``yielding``: then a crowd holds the surface like one of them, and pins on the first
+        that. Unless ``crowds_give``: then a crowd holds the surface like one of them, and pins on the first
         coarse grid are softer by the ratio of their variance to that of as many sites at random, which is
         returned; at least 1.
         """
@@ -182,22 +182,23 @@ class Hierarchy:
         first, strength = self.grids[0], 1.0 / response.softening(0, sigma)
         self.backend.pin(e, bound, self.sites, strength, first.pins, first.sites)
         crowding = 1.0
-        if yielding and fraction < 1:
+        if crowds_give and fraction < 1:
             count, random = math.prod(first.sites[:2]), _RANDOM * strength**2 * fraction * (1.0 - fraction)
             mean = float(first.pins.sum(dtype=float)) / count
             variance = float(np.vdot(first.pins, first.pins)) / count - mean**2
             crowding = max(variance / random, 1.0)
             first.pins /= np.float32(crowding)
-        most, hard, crowds = strength, _HARD * (4.0 + response.bed), not yielding
+        # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.
+        held, hard, crowds = strength, _HARD * (4.0 + response.bed), not crowds_give
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
             if crowds:
-                full = fine.pins >= np.float32(_ALL * most) * fine.sharing
+                full = fine.pins >= np.float32(_ALL * held) * fine.sharing
                 crowds = bool(full.any())
                 fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
             softening = response.softening(level, mean)
             self.backend.coarser_pins(fine.pins, fine.sites, softening, mean, coarse.pins)
-            most, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
+            held, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
         return crowding
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:

@@ -202,7 +202,9 @@ class IndependentSprings:
     def set_pins(self, f: Single, least: Single, resting: float) -> None:
         """Set pins where f rests on its bound, on the coarse grids, and factorize the coarsest."""
         self.pinned, self.yielded = resting, 0.0
-        self.crowding = self.hierarchy.set_pins(f, least, resting / self.size, self.response, yielding=True)
+        self.crowding = self.hierarchy.set_pins(
+            f, least, resting / self.size, self.response, crowds_give=True
+        )
         grid = self.hierarchy.grids[-1]
         self.coarsest = np.linalg.inv(
             grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * grid.areas.ravel())
