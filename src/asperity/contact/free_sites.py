@@ -19,13 +19,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.pinning import effective_pinning
-from asperity.lattice import Field, Lattice, Mask, Spectrum
+from asperity.lattice import Edges, Field, Lattice, Mask, Spectrum
 
 _SHORE = 0.05
 """How fast the weight W_0 of a free site falls with the number of its neighbors in contact."""
@@ -155,7 +156,7 @@ class FreeSites:
         pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
         longest = Lattice((2,) * lattice.dimension)
         lattices, cuts = [lattice], [math.inf]
-        for coarse in _coarse_lattices(lattice):
+        for coarse in _coarse_lattices(lattice.shape, lattice.edges):
             cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
             if cut > pinning:
                 lattices.append(coarse)
@@ -265,13 +266,13 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
     return single * effective_pinning(lattice, spectrum, fraction)
 
 
-def _coarse_lattices(lattice: Lattice) -> list[Lattice]:
+@lru_cache(maxsize=8)
+def _coarse_lattices(shape: tuple[int, ...], edges: Edges) -> list[Lattice]:
     """Lattices coarser by four and four again."""
     lattices = []
-    shape = lattice.shape
     while min(shape) // _COARSER >= _COARSEST:
         shape = tuple(_odd_length(n // _COARSER) for n in shape)
-        lattices.append(Lattice(shape, edges=lattice.edges))
+        lattices.append(Lattice(shape, edges=edges))
     return lattices
 
 
@@ -298,6 +299,14 @@ def _stiffness_of_waves(spectrum: Spectrum, coarse: Lattice) -> float:
     return float(np.mean(values))
 
 
+@lru_cache(maxsize=8)
+def _smoothing(coarse: Lattice) -> Spectrum:
+    """What is left of a density, by modes, over the width in which contacts make one."""
+    # The mean over a cell has a variance of 1/12.
+    exponent = sum(q**2 for q in coarse.angles) * ((_DENSITY_WIDTH**2 - 1 / 12) / 2)
+    return np.asarray(np.exp(-exponent))
+
+
 def _density(in_contact: Mask, coarse: Lattice, dtype: Any, xp: Any) -> Field:
     """Density of contacts on a coarse lattice: their mean in each of its cells, smoothed; from 0 to 1."""
     cells = xp.astype(in_contact, xp.int32)  # whole numbers add up several times faster
@@ -315,8 +324,6 @@ def _density(in_contact: Mask, coarse: Lattice, dtype: Any, xp: Any) -> Field:
         total = xp.astype(sums[..., -1:], dtype)
         cells = xp.diff(xp.concat([whole[..., -1:] - total, whole], axis=-1), axis=-1) * (count / length)
         cells = xp.moveaxis(cells, -1, axis)
-    # The mean over a cell has a variance of 1/12.
-    exponent = sum(q**2 for q in coarse.angles) * ((_DENSITY_WIDTH**2 - 1 / 12) / 2)
-    smoothed = coarse.apply(xp.asarray(np.exp(-exponent), dtype=dtype), cells)
+    smoothed = coarse.apply(xp.asarray(_smoothing(coarse), dtype=dtype), cells)
     density: Field = xp.clip(smoothed, 0.0, 1.0)
     return density
