@@ -12,6 +12,7 @@ from asperity.contact.multigrid import IndependentSprings, Multigrid
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.processor import Processor
 from asperity.lattice import Lattice
+from tests.surfaces import correlated
 
 
 def laplacian(shape, mirrored):
@@ -58,6 +59,28 @@ def test_a_stage_is_what_its_equations_say(shape, mirrored, held, spread, drag):
         assert work.shift == 0
     else:
         assert f.sum() == pytest.approx(work.wanted, abs=1e-3 * abs(work.known_stretch))
+
+
+@pytest.mark.parametrize("spread", [1.0, 1e4, 1e8, 1e17, 1e30])
+def test_the_coarsest_grid_is_solved_however_far_creep_spreads(spread):
+    work = IndependentSprings(Sites(20, 34, False), Processor(1))
+    work.prepare(np.inf, spread, 0.5)
+    work.set_pins(work.correction.f, work.correction.f - 1, 0)
+    grid = work.hierarchy.grids[-1]
+    cells = grid.areas.ravel()
+    np.testing.assert_allclose(work.coarsest @ cells, spread / 1.5, rtol=1e-12)
+    stiffness = grid.laplacian + 1.5 / spread * np.diag(cells)
+    np.testing.assert_allclose(work.coarsest @ stiffness, np.eye(cells.size), atol=1e-14 * (1e3 + spread))
+
+
+@pytest.mark.parametrize("control", [{"load": 2e4}, {"separation": -20.0}])
+@pytest.mark.parametrize("last", [1e6, 1e12, 1e18, 1e28])
+def test_springs_that_all_touch_end_up_alike(control, last):
+    contact = asp.press(correlated(24, seed=8), asp.solids.spring_lattice(k0=0.0, k1=1.5, R=1.0), **control)
+    assert contact.in_contact.all()
+    final = asp.age(contact, [1e-3 * last, last]).final
+    np.testing.assert_allclose(final.force, contact.force.mean(), rtol=1e-3)
+    assert final.load == pytest.approx(contact.load, rel=1e-3)  # creep on no base keeps the mean
 
 
 @pytest.mark.parametrize("held", [False, True])

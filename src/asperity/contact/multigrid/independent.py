@@ -206,9 +206,13 @@ class IndependentSprings:
             f, least, resting / self.size, self.response, crowds_give=True
         )
         grid = self.hierarchy.grids[-1]
-        self.coarsest = np.linalg.inv(
-            grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * grid.areas.ravel())
-        )
+        # A pull on all sites moves all alike, against pins and bed alone. They may be too soft beside the
+        # Laplacian for an inverse: this motion is solved on its own.
+        alone = grid.in_order(grid.pins) + self.bed * grid.areas.ravel()
+        share = alone / alone.sum()
+        balanced = np.eye(alone.size) - share[:, np.newaxis]
+        stiffness = grid.laplacian + np.diag(alone) + np.outer(share, share)
+        self.coarsest = np.linalg.solve(stiffness, balanced) + 1.0 / alone.sum()
 
     def correct_on_grid(self, level: int) -> None:
         """One V-cycle from a grid up."""
