@@ -162,12 +162,13 @@ class FreeSites:
                 lattices.append(coarse)
                 cuts.append(min(cut, cuts[-1]))
         cuts = [cut / unit for cut in (*cuts, pinning)]
+        counts = _added_up(xp.astype(in_contact, xp.int32), xp)  # whole numbers add up several times faster
         waves: _Waves | None = None
         for level in range(len(lattices) - 1, -1, -1):
             own, weight, long = lattices[level], mask, stiffness
             if level > 0:
                 crowding = _CROWDING / 2 ** (level - 1)
-                weight = 1.0 / (1.0 + crowding * _density(in_contact, own, stiffness.dtype, xp))
+                weight = 1.0 / (1.0 + crowding * _density(counts, own, stiffness.dtype, xp))
                 long = lattice.long_waves(stiffness, own)
             compliance = 1.0 / (long + cuts[level + 1])
             if level > 0:
@@ -307,23 +308,31 @@ def _smoothing(coarse: Lattice) -> Spectrum:
     return np.asarray(np.exp(-exponent))
 
 
-def _density(in_contact: Mask, coarse: Lattice, dtype: Any, xp: Any) -> Field:
-    """Density of contacts on a coarse lattice: their mean in each of its cells, smoothed; from 0 to 1."""
-    cells = xp.astype(in_contact, xp.int32)  # whole numbers add up several times faster
+def _added_up(cells: Any, xp: Any) -> Any:
+    """Sums of all cells before each along the last axis; the last one is that of all."""
+    return xp.cumulative_sum(cells, axis=-1, dtype=cells.dtype, include_initial=True)
+
+
+def _density(counts: Any, coarse: Lattice, dtype: Any, xp: Any) -> Field:
+    """Density of contacts on a coarse lattice: their mean in each of its cells, smoothed; from 0 to 1.
+
+    ``counts`` are the contacts added up along the last axis.
+    """
+    sums = counts
     for axis in reversed(range(coarse.dimension)):
-        cells = xp.moveaxis(cells, axis, -1)
-        count, length = coarse.shape[axis], cells.shape[-1]
+        count, length = coarse.shape[axis], sums.shape[-1] - 1
         # A cell ends midway between two coarse sites. The last one ends at the edge; on a periodic lattice
         # before it, and what lies behind belongs to the first.
         middle = 0.0 if coarse.reflecting else (1 - length / count) / 2
         ends = np.arange(1, count + 1) * (length / count) + middle
         below = np.minimum(ends.astype(int), length - 1)
-        sums = xp.cumulative_sum(cells, axis=-1, include_initial=True)
         whole, more = (xp.astype(xp.take(sums, xp.asarray(below + n), axis=-1), dtype) for n in (0, 1))
         whole += (more - whole) * xp.asarray(ends - below, dtype=dtype)
         total = xp.astype(sums[..., -1:], dtype)
         cells = xp.diff(xp.concat([whole[..., -1:] - total, whole], axis=-1), axis=-1) * (count / length)
         cells = xp.moveaxis(cells, -1, axis)
+        if axis > 0:
+            sums = _added_up(xp.moveaxis(cells, axis - 1, -1), xp)
     smoothed = coarse.apply(xp.asarray(_smoothing(coarse), dtype=dtype), cells)
     density: Field = xp.clip(smoothed, 0.0, 1.0)
     return density
