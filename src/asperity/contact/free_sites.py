@@ -18,6 +18,7 @@ left out.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -162,18 +163,15 @@ class FreeSites:
                 lattices.append(coarse)
                 cuts.append(min(cut, cuts[-1]))
         cuts = [cut / unit for cut in (*cuts, pinning)]
-        counts = _added_up(xp.astype(in_contact, xp.int32), xp)  # whole numbers add up several times faster
+        weights = [mask, *_weights(in_contact, lattices[1:], stiffness.dtype, xp)]
         waves: _Waves | None = None
         for level in range(len(lattices) - 1, -1, -1):
-            own, weight, long = lattices[level], mask, stiffness
-            if level > 0:
-                crowding = _CROWDING / 2 ** (level - 1)
-                weight = 1.0 / (1.0 + crowding * _density(counts, own, stiffness.dtype, xp))
-                long = lattice.long_waves(stiffness, own)
+            own = lattices[level]
+            long = lattice.long_waves(stiffness, own) if level > 0 else stiffness
             compliance = 1.0 / (long + cuts[level + 1])
             if level > 0:
                 compliance -= 1.0 / (long + cuts[level])
-            waves = _Waves(own, weight, compliance, waves)
+            waves = _Waves(own, weights[level], compliance, waves)
         assert waves is not None
         self.waves = waves
 
@@ -306,6 +304,13 @@ def _smoothing(coarse: Lattice) -> Spectrum:
     # The mean over a cell has a variance of 1/12.
     exponent = sum(q**2 for q in coarse.angles) * ((_DENSITY_WIDTH**2 - 1 / 12) / 2)
     return np.asarray(np.exp(-exponent))
+
+
+def _weights(in_contact: Mask, lattices: Sequence[Lattice], dtype: Any, xp: Any) -> list[Field]:
+    """How far forces move the waves of each coarse lattice: 1 off contact, less where contacts crowd."""
+    counts = _added_up(xp.astype(in_contact, xp.int32), xp)  # whole numbers add up several times faster
+    densities = (_density(counts, coarse, dtype, xp) for coarse in lattices)
+    return [1.0 / (1.0 + _CROWDING / 2**level * density) for level, density in enumerate(densities)]
 
 
 def _added_up(cells: Any, xp: Any) -> Any:
