@@ -308,8 +308,8 @@ def _smoothing(coarse: Lattice) -> Spectrum:
 
 def _weights(in_contact: Mask, lattices: Sequence[Lattice], dtype: Any, xp: Any) -> list[Field]:
     """How far forces move the waves of each coarse lattice: 1 off contact, less where contacts crowd."""
-    counts = _added_up(xp.astype(in_contact, xp.int32), xp)  # whole numbers add up several times faster
-    densities = (_density(counts, coarse, dtype, xp) for coarse in lattices)
+    sums = _added_up(xp.astype(in_contact, xp.int32), xp)  # whole numbers add up several times faster
+    densities = (_density(sums, coarse, dtype, xp) for coarse in lattices)
     return [1.0 / (1.0 + _CROWDING / 2**level * density) for level, density in enumerate(densities)]
 
 
@@ -318,12 +318,11 @@ def _added_up(cells: Any, xp: Any) -> Any:
     return xp.cumulative_sum(cells, axis=-1, dtype=cells.dtype, include_initial=True)
 
 
-def _density(counts: Any, coarse: Lattice, dtype: Any, xp: Any) -> Field:
+def _density(sums: Any, coarse: Lattice, dtype: Any, xp: Any) -> Field:
     """Density of contacts on a coarse lattice: their mean in each of its cells, smoothed; from 0 to 1.
 
-    ``counts`` are the contacts added up along the last axis.
+    ``sums`` are the contacts added up along the last axis.
     """
-    sums = counts
     for axis in reversed(range(coarse.dimension)):
         count, length = coarse.shape[axis], sums.shape[-1] - 1
         # A cell ends midway between two coarse sites. The last one ends at the edge; on a periodic lattice

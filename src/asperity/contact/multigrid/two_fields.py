@@ -118,7 +118,7 @@ class TwoFields:
         self.lag: Any = np.float32(self.mean_lag)
         self.coarse_lags: list[Any] = [self.lag] * len(self.hierarchy.grids)
         self.response = Response(bed, spread, drag)
-        self.force_error = max(_FORCE_ERROR * min(1.0, (_STIFF / bed) ** 2), _LEAST_FORCE_ERROR)
+        self.force_error = max(_FORCE_ERROR * min(1.0, _STIFF / bed) ** 2, _LEAST_FORCE_ERROR)
 
     def solve(
         self, springs: SpringStep, heights: Field, u: Field, w: Field, tolerance: float, max_cycles: int
