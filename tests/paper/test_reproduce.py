@@ -10,15 +10,22 @@ from asperity.campaign import read_plan, tally
 from asperity.campaign.store import Store
 from asperity.cli import main
 from asperity.cli import reproduce as command
+from asperity.cli import study as working
 from asperity.errors import InputError
 from asperity.paper.claims import ledger
 from asperity.paper.reproduce import STUDIES, conclude, prepared_in
 from asperity.paper.studies import FULL, QUICK, studies
+from asperity.studies import STUDIES as OTHERS
 from asperity.studies.campaigns import run_campaigns
 from asperity.studies.evidence import Evidence
 from tests.paper.conftest import TINY, do_here
+from tests.refusals import refuses
 
 pytestmark = pytest.mark.xdist_group("reproduction")  # one process computes it
+
+
+class _NothingIsRunError(Exception):
+    """Ends a command when its campaigns are written."""
 
 
 @pytest.fixture
@@ -86,12 +93,32 @@ def test_one_reproduction_at_a_time(tmp_path, asperity):
     assert "which another reproduction is writing; try waiting" in err
 
 
-@pytest.mark.parametrize("effort", [QUICK, FULL])
-def test_seeds_go_on_from_the_first(effort):
-    for here, there in zip(studies(effort), studies(effort, seed=1000), strict=True):
-        if "seeds" in here.tables["sweep"]:
-            before, after = (study.tables["sweep"]["seeds"] for study in (here, there))
-            assert after == [seed + 1000 for seed in before]
+@pytest.mark.parametrize("effort", [(), ("--quick",)], ids=["full", "quick"])
+@pytest.mark.parametrize("words", [("reproduce",), *(("study", name) for name in OTHERS)], ids=" ".join)
+def test_another_seed_is_of_other_surfaces(tmp_path, monkeypatch, words, effort):
+    def seeds(first):
+        folder = tmp_path / str(first)
+        asked = [*words, "--out", str(folder), *effort, "--seed", str(first)]
+        with pytest.raises(_NothingIsRunError):
+            main(asked)
+        files = sorted(folder.glob("*/*/campaign.toml"))
+        return {path.parent.name: read_plan(path).seeds for path in files}
+
+    def stop(*_, **__):
+        raise _NothingIsRunError
+
+    monkeypatch.setattr(working, "run_campaigns", stop)
+    here, there = seeds(0), seeds(3)
+    assert set(here) == set(there)
+    assert any(here.values())
+    for name, of_this in here.items():
+        assert of_this == tuple(range(len(of_this)))  # none for the surfaces that are files
+        assert there[name] == tuple(seed + 3 for seed in of_this)
+
+
+def test_seeds_that_are_a_list_are_not_taken_for_other_seeds():
+    with refuses("seeds of sketch"):
+        next(one for one in studies(QUICK) if one.name == "sketch").seeded(0).seeded(3)
 
 
 def test_full_holds_all_of_quick():
@@ -100,7 +127,8 @@ def test_full_holds_all_of_quick():
         assert small.name == large.name
         for key in ("seeds", "load"):
             if key in small.tables["sweep"]:
-                assert set(small.tables["sweep"][key]) <= set(large.tables["sweep"][key])
+                few, many = (one.seeded(0).tables["sweep"][key] for one in (small, large))
+                assert set(few) <= set(many)
 
 
 def test_mistakes(tmp_path, asperity):
@@ -156,6 +184,10 @@ def test_dry_run_counts_what_is_done(reproduction, asperity):
     assert re.search(r"^all +0 runs", out, re.MULTILINE)
 
 
-def test_negative_seed_is_refused():
-    with pytest.raises(InputError, match="seed: expected 0 or more"):
-        studies(QUICK, seed=-1)
+def test_negative_seed_is_refused(tmp_path):
+    with (
+        pytest.raises(InputError, match="seed: expected 0 or more"),
+        prepared_in(tmp_path / "out", QUICK, seed=-1),
+    ):
+        pass
+    assert not (tmp_path / "out").exists()

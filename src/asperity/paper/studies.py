@@ -92,10 +92,9 @@ FULL = Effort(
 )
 
 
-def studies(effort: Effort, *, seed: int = 0) -> tuple[Campaign, ...]:
-    """Return all campaigns of the reproduction; a first seed below 0 of every ensemble is an `InputError`."""
-    every = (*_uncorrelated(effort), *_self_affine(effort), *_points())
-    return tuple(one.seeded(seed) for one in every)
+def studies(effort: Effort) -> tuple[Campaign, ...]:
+    """Return all campaigns of the reproduction, whose seeds are the numbers of surfaces."""
+    return (*_uncorrelated(effort), *_self_affine(effort), *_points())
 
 
 def _campaign(

@@ -13,6 +13,7 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 import asperity.campaign as campaign
+import asperity.checks as checks
 from asperity.campaign import Plan, Tally, read_plan
 from asperity.errors import AsperityError, InputError, OutputError
 from asperity.lattice import Field
@@ -64,13 +65,17 @@ class Campaign:
     def seeded(self, first: int) -> Campaign:
         """Return the same campaign with as many surfaces, whose seeds go on from a first one.
 
-        `InputError` for a negative seed.
+        `InputError` for a negative seed, and where the seeds are a list already, not a number of surfaces.
         """
         if first < 0:
             raise InputError("seed", expected="0 or more", got=first)
-        count = self.tables["sweep"].get("seeds")
-        if not isinstance(count, int):
+        if "seeds" not in self.tables["sweep"]:  # a surface from a file
             return self
+        count = self.tables["sweep"]["seeds"]
+        if not isinstance(count, int):
+            raise InputError(
+                f"seeds of {self.name}", expected="a number of surfaces", got=checks.shown(count)
+            )
         sweep = {**self.tables["sweep"], "seeds": list(range(first, first + count))}
         return replace(self, tables={**self.tables, "sweep": sweep})
 
