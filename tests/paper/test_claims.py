@@ -314,3 +314,18 @@ def test_spots():
     assert numbers(grow.measured) == pytest.approx([36 / 76])
     assert numbers(detach.measured) == pytest.approx([0.5, 0.0])
     assert scattered.measured[0].what.startswith("index of dispersion in boxes of 2 × 2")
+
+
+@pytest.mark.parametrize(
+    ("name", "loads"),
+    [
+        ("saturation", "0.01 to 0.3"),
+        ("saturation-limit", "0.3"),
+        ("q-beta", "0.01 to 0.3"),
+        ("c-finite", "0.01 to 0.3"),
+        ("b-load", "0.01 to 0.3"),
+    ],
+)
+def test_a_number_says_the_loads_that_it_is_of(name, loads, evidence):
+    """Those of the effort, which differ between the quick and the full one."""
+    assert plain(judged(name, evidence).measured[-1].what).endswith(f" = {loads}")

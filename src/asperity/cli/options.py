@@ -155,7 +155,7 @@ class Ensembles:
     quick
         Small ensembles: minutes in place of the full effort.
     seed
-        First seed of every ensemble; another one repeats everything on other surfaces.
+        First seed of every ensemble, which the others follow: 1000 repeats everything on other surfaces.
     """
 
     quick: Switch = False

@@ -51,7 +51,8 @@ def load_of_half_contact(evidence: Evidence) -> Numbers:
         return crossing(load / sites, mean / sites, 0.5)
 
     over = mean_of(lambda mean: half(mean[0]) / half(mean[1]), area)
-    yield Number("soft", over, {"softer": softer, "soft": soft})
+    decades = np.log10(load[-1] / load[0])
+    yield Number("soft", over, {"softer": softer, "soft": soft, "a_decade": round((load.size - 1) / decades)})
     over = mean_of(lambda mean: half(mean[-1]) / alone, area)
     yield Number("stiff", over, {"stiff": stiff, "alone": alone / stiff})
 

@@ -27,7 +27,7 @@ def misfit(evidence: Evidence, k1: float) -> Numbers:
     """Misfit of Eq. (a) to A(t), of the load that is fitted worst."""
     time, area = evidence["aging"]["time"].values, evidence.samples("aging", "area", k1=k1)
     worst = mean_of(lambda mean: max(saturation(time, curve).rms_residual for curve in mean), area)
-    yield Number("worst", worst)
+    yield Number("worst", worst, _loads(evidence))
 
 
 def saturation_limit(evidence: Evidence, k1: float) -> Numbers:
@@ -44,7 +44,8 @@ def exponent_of_q(evidence: Evidence, k1: float) -> Numbers:
     """Exponent of the load in q; also from fits that end early."""
     area = evidence.samples("aging", "area", k1=k1)
     seen = tuple(_law_exponent(evidence, area.mean(axis=0), "q", last) for last in (1e3, 1e4, 1e5))
-    yield Number("beta", mean_of(lambda mean: _law_exponent(evidence, mean, "q"), area), {"seen": seen})
+    found = mean_of(lambda mean: _law_exponent(evidence, mean, "q"), area)
+    yield Number("beta", found, {"seen": seen, **_loads(evidence)})
 
 
 def exponent_of_c(evidence: Evidence, k1: float) -> Numbers:
@@ -52,7 +53,7 @@ def exponent_of_c(evidence: Evidence, k1: float) -> Numbers:
     area = evidence.samples("aging", "area", k1=k1)
     lightest = saturation(evidence["aging"]["time"].values, area.mean(axis=0)[0]).C
     found = mean_of(lambda mean: _law_exponent(evidence, mean, "C"), area)
-    yield Number("C", found, {"C": lightest, "few": float(late_slope(k1))})
+    yield Number("C", found, {"C": lightest, "few": float(late_slope(k1)), **_loads(evidence)})
 
 
 def logarithm_at_light_load(evidence: Evidence, k1: float) -> Numbers:
@@ -72,7 +73,12 @@ def slope_and_load(evidence: Evidence, k1: float) -> Numbers:
 
     few = np.array([dilute_area(p, compliance(k1, time), GaussianHeights()) for p in a_site])
     found = mean_of(drift, evidence.samples("aging", "area", k1=k1)[:, :3])
-    yield Number("drift", found, {"few": drift(few)})
+    yield Number("drift", found, {"few": drift(few), **_loads(evidence, 3)})
+
+
+def _loads(evidence: Evidence, count: int | None = None) -> dict[str, object]:
+    """All loads, or the lightest ones, and the number of sites that share them."""
+    return {"loads": evidence.values("aging", "load")[:count], "sites": evidence.sites("aging")}
 
 
 def _law_exponent(evidence: Evidence, mean: Field, parameter: str, last: float = inf) -> float:
