@@ -1,5 +1,7 @@
 """Simulated contacts that slide, rest and change their velocity: the numbers of docs/rate_and_state.md."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -61,3 +63,32 @@ def test_on_lines_where_slip_is_resolved_both_agree():
     for name in ("b", "D_c"):
         reach = np.hypot(*((one.high - one.low) / 2 for one in (holds[name], steps[name])))
         assert abs(holds[name].value - steps[name].value) < reach
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("waves", [32.0, 64.0])
+def test_whole_sites_are_nearly_short_shifts_where_slip_is_resolved(waves):
+    """Of the states before each shift, against eight shifts a site."""
+    solid = asp.solids.half_space(modulus=1.0, branches=[(0.1, 10.0**n) for n in range(4)])
+    protocol = [
+        *F.slide_hold_slide([10.0, 100.0, 1000.0], velocity=1.0, distance=20.0),
+        *F.velocity_steps([0.1, 1.0], distance=20.0),
+    ]
+    for seed in range(3):
+        rough = asp.surfaces.spectral(
+            (512,), hurst=0.8, roll_off=4 * waves, cutoff=waves, rms_height=1.0, seed=seed
+        )
+        contact = asp.press(rough, solid, load=160.0 / waves)
+        fits = []
+        for substeps in (1, 8):
+            legs = [
+                dataclasses.replace(leg, substeps=substeps) if isinstance(leg, asp.protocols.Slide) else leg
+                for leg in protocol
+            ]
+            history = asp.age(contact, times=[10.0], protocol=legs, rtol=0.05)
+            fits.append(F.rate_and_state(F.record_of(history, shear_strength=1.0)))
+        whole, short = fits
+        assert short.D_c > 2.0
+        assert -0.025 < whole.D_c / short.D_c - 1 < 0.07
+        assert -0.015 < whole.b / short.b - 1 < 0.035
+        assert 0.002 < whole.mu_0 / short.mu_0 - 1 < 0.0075

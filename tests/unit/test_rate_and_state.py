@@ -298,6 +298,15 @@ def test_a_history_becomes_a_record_if_it_slid():
         F.record_of(3.0)  # type: ignore[arg-type]
 
 
+def test_states_between_two_shifts_belong_to_the_slide():
+    rough = asp.surfaces.gaussian((64,), rms=1.0, seed=0)
+    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=4.0)
+    protocol = [P.Slide(4.0, 1.0), P.Hold(1.0), P.Slide(2.0, 2.0)]
+    record = F.record_of(asp.age(contact, [2.5, 3.25], protocol=protocol), shear_strength=1.0)
+    np.testing.assert_array_equal(record.time, [0.0, 1.0, 2.0, 2.5, 3.0, 3.25, 4.0, 5.0, 5.5, 6.0])
+    np.testing.assert_allclose(record.velocity, [1.0] * 7 + [0.0, 2.0, 2.0])
+
+
 def test_bad_records_are_refused(tmp_path):
     time, one = np.arange(9.0), np.ones(9)
     with refuses("time"):

@@ -35,6 +35,7 @@ from asperity.friction.laws import (
     RateAndState,
     StateLaw,
     first_velocity,
+    half_changes,
     log_state,
     log_velocity,
     state_law,
@@ -215,7 +216,9 @@ class _Problem:
             ]
             got = "rests only" if rests else f"slip at {reference:g}, without rest or step"
             raise InputError("record", expected=f"{needed}, to learn b and D_c from", got=got)
+        # Where V changes by more, the mean of an interval does not say its velocity at the end.
         used = np.isin(kinds, _EVENTS[events])
+        used &= np.abs(half_changes(record.time, record.velocity)) < math.log(STEP)
         if not record.strength_at_rest:
             used &= record.velocity > 0
         velocities = record.velocity[used & (record.velocity > 0)]
@@ -243,7 +246,7 @@ class _Problem:
     @cached_property
     def values(self) -> Floats:
         """Friction less a direct effect that was given."""
-        direct = (self.given_a or 0.0) * log_velocity(self.record.velocity, self.V_0)
+        direct = (self.given_a or 0.0) * log_velocity(self.record.time, self.record.velocity, self.V_0)
         return (self.record.friction - direct)[self.used]
 
     def columns(self, shape: Floats) -> Floats:
@@ -252,7 +255,7 @@ class _Problem:
         state = log_state(self.law, record.time, record.velocity, math.exp(shape[0]), self.log_start(shape))
         columns = [np.ones(self.values.size), (state + math.log(self.V_0) - shape[0])[self.used]]
         if self.given_a is None:
-            columns.append(log_velocity(record.velocity, self.V_0)[self.used])
+            columns.append(log_velocity(record.time, record.velocity, self.V_0)[self.used])
         return np.column_stack(columns)
 
     def log_start(self, shape: Floats) -> float:

@@ -1,4 +1,4 @@
-r"""Rate-and-state friction, and its state in closed form wherever the velocity is constant.
+r"""Rate-and-state friction, and its state in closed form where ln V is linear in slip.
 
 The friction coefficient depends on the slip velocity V and on a state theta (time), which is the age of the
 contacts (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979), doi:10.1029/JB084iB05p02161; A. Ruina, J.
@@ -8,14 +8,17 @@ Geophys. Res. 88, 10359 (1983), doi:10.1029/JB088iB12p10359):
     aging law   d theta/dt = 1 - V theta/D_c
     slip law    d theta/dt = -(V theta/D_c) ln(V theta/D_c)
 
-Over a time t at a constant velocity, with x = V t/D_c, both have solutions:
+Over a time t in which a contact slips x D_c, and ln V rises by 2 c, linearly in slip, to ln V_end, both have
+solutions:
 
-    aging   theta = theta_start exp(-x) + t (1 - exp(-x))/x
-    slip    ln theta = exp(-x) ln theta_start + (1 - exp(-x)) ln(D_c/V)
+    aging   theta = theta_start exp(-x) + (x D_c/V_end) (1 - exp(-z))/z,  z = x - 2 c
+    slip    ln theta = exp(-x) ln theta_start + (1 - exp(-x)) (ln(D_c/V_end) + 2 c (1/x - 1/(exp(x) - 1)))
 
-A record is a chain of such times, so that no error of an integrator enters. Both chains are sums of terms
-above 0, which are added in the logarithm: no number overflows, however far a contact slides. At rest the
-aging law gives theta_start + t, and the slip law, in which only slip changes the state, theta_start.
+A record is a chain of such times, so that no error of an integrator enters. Of each it knows the slip, and so
+the mean velocity x D_c/t, which is V_end c/(sinh(c) exp(c)); c is that of neighboring means, limited so that
+it is 0 beside a jump (`half_changes`). Both chains are sums of terms above 0, which are added in the
+logarithm: no number overflows, however far a contact slides. At rest the aging law gives theta_start + t,
+and the slip law, in which only slip changes the state, theta_start.
 
 The stiffness of an apparatus is left out: V is the velocity of slip, not that of a distant load point.
 """
@@ -34,6 +37,9 @@ from asperity.errors import InputError
 
 StateLaw = Literal["aging", "slip"]
 STATE_LAWS: tuple[StateLaw, ...] = ("aging", "slip")
+
+_SHORT = 1e-3
+"""Slip over D_c below which 1/x - 1/(exp(x) - 1) is its series, to 1e-12."""
 
 
 def state_law(value: object) -> StateLaw:
@@ -90,8 +96,8 @@ class RateAndState:
         time
             Times that never fall, shape (n,).
         velocity
-            Velocity of slip in the interval that ends at each time, shape (n,), not below 0; at the first
-            time, that of the first interval.
+            Mean velocity of slip in the interval that ends at each time, shape (n,), not below 0; at the
+            first time, that of the first interval.
         start
             State at the first time, not below 0, and above 0 for the slip law; by default that of steady
             sliding at the first velocity above 0.
@@ -122,7 +128,7 @@ class RateAndState:
         of `state`.
         """
         state = self.state(time, velocity, start)
-        direct = self.a * log_velocity(timetable(time, velocity)[1], self.V_0)
+        direct = self.a * log_velocity(*timetable(time, velocity), self.V_0)
         with np.errstate(divide="ignore"):
             return np.asarray(self.mu_0 + direct + self.b * np.log(self.V_0 * state / self.D_c))
 
@@ -176,10 +182,33 @@ def first_velocity(velocity: Floats) -> float:
     return float(velocity[np.argmax(slides)])
 
 
-def log_velocity(velocity: Floats, V_0: float) -> Floats:
-    """Logarithm of V/V_0; at rest that of the next slip, after the last that of the last, 0 without any."""
-    coming = coming_velocity(velocity)
+def half_changes(time: Floats, velocity: Floats) -> Floats:
+    """Half the change of ln V within each interval, shape (n,), from the means of the intervals around it.
+
+    It is the monotonized central slope of B. van Leer (J. Comput. Phys. 23, 276 (1977),
+    doi:10.1016/0021-9991(77)90095-X): ln V leaves the range of its neighbors nowhere. So V is constant
+    beside a jump, a rest, an extremum, and two entries of one time.
+    """
+    slip = velocity * np.diff(time, prepend=time[0])
+    slides = slip > 0
+    mean = np.log(np.where(slides, velocity, 1.0))
+    change = np.where(slides[1:] & slides[:-1], np.diff(mean), 0.0)
+    before, after = np.append(0.0, change), np.append(change, 0.0)
+    reach = np.append(0.0, slip[:-1]) + 2 * slip + np.append(slip[1:], 0.0)
+    central = np.abs(before + after) * np.divide(slip, reach, out=np.zeros_like(slip), where=slides)
+    half = np.minimum(central, np.minimum(np.abs(before), np.abs(after)))
+    return np.where(np.sign(before) == np.sign(after), np.sign(before) * half, 0.0)
+
+
+def log_velocity(time: Floats, velocity: Floats, V_0: float) -> Floats:
+    """Logarithm of V/V_0 at the end of each interval; at rest as `coming_velocity`, 0 without any slip."""
+    coming = coming_velocity(velocity * np.exp(_log_end(half_changes(time, velocity))))
     return np.log(np.divide(coming, V_0, out=np.ones_like(velocity), where=coming > 0))
+
+
+def _log_end(half: Floats) -> Floats:
+    """Logarithm of the velocity at the end of an interval over its mean there."""
+    return half + np.log(np.divide(np.sinh(half), half, out=np.ones_like(half), where=half != 0))
 
 
 def coming_velocity(velocity: Floats) -> Floats:
@@ -195,14 +224,18 @@ def log_state(law: StateLaw, time: Floats, velocity: Floats, D_c: float, start: 
     duration = np.diff(time, prepend=time[0])
     slid = velocity * duration / D_c  # x of each interval; the first has no length
     total = np.cumsum(slid)
+    half = half_changes(time, velocity)
+    end = _log_end(half)
     lost = -np.expm1(-slid)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         if law == "aging":
             # What each interval adds to theta: its duration, less what slip takes away.
-            added = np.log(np.where(slid > 0, lost * (duration / slid), duration))
+            z = slid - 2 * half
+            added = np.log(duration * np.where(z == 0, 1.0, -np.expm1(-z) / z)) - end
             added[0] = start
             return np.asarray(np.logaddexp.accumulate(added + total) - total)
-        steady = np.where(velocity > 0, np.log(D_c / velocity), start)
+        late = np.where(slid > _SHORT, 1 / slid - 1 / np.expm1(slid), 0.5 - slid / 12)
+        steady = np.where(velocity > 0, np.log(D_c / velocity) - end + 2 * half * late, start)
         floor = min(float(steady.min()), start)
         # ln theta is a mean of its start and of steady states, with weights that sum to 1.
         added = np.log(lost) + np.log(steady - floor)
