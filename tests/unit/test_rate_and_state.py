@@ -343,6 +343,8 @@ def test_bad_records_are_refused(tmp_path):
         F.compare_state_laws([F.synthetic_record(HOLDS, AGING), F.synthetic_record(STEPS, AGING)])
     with refuses("start"):
         SLIP.state([0.0, 1.0], [1.0, 1.0], start=0.0)
+    with refuses("per_leg"):
+        F.synthetic_record(STEPS, AGING, per_leg=1)
     with refuses("protocol"):
         F.synthetic_record([P.Step(load=1.0)], AGING)
     with refuses("holds"):

@@ -119,7 +119,8 @@ def synthetic_record(
     law
         The law with its parameters.
     per_leg
-        Entries of each leg, at equal distances in time.
+        Entries of each leg, at equal distances in time; from 2 on, as one would not say that its velocity is
+        constant.
     noise
         Standard deviation of normal noise, independent from entry to entry.
     seed
@@ -133,7 +134,7 @@ def synthetic_record(
         A leg is neither slide nor hold, or a number is out of range.
     """
     checks.instance("law", law, RateAndState, "RateAndState(a=0.01, b=0.015, D_c=1e-5, mu_0=0.6, V_0=1e-6)")
-    per_leg = checks.integer("per_leg", per_leg, least=1)
+    per_leg = checks.integer("per_leg", per_leg, least=2)
     noise = checks.number("noise", noise, least=0.0)
     time, velocity = [np.zeros(1)], []
     for leg in legs_of(protocol):

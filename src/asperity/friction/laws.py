@@ -97,7 +97,8 @@ class RateAndState:
             Times that never fall, shape (n,).
         velocity
             Mean velocity of slip in the interval that ends at each time, shape (n,), not below 0; at the
-            first time, that of the first interval.
+            first time, that of the first interval. It is constant where it is for two intervals or more;
+            see `half_changes`.
         start
             State at the first time, not below 0, and above 0 for the slip law; by default that of steady
             sliding at the first velocity above 0.
