@@ -34,7 +34,7 @@ from asperity.words import written_with_units
 
 Value = float | int | str
 _NOT_SWEPT = (
-    *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample"),
+    *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample", "despike"),
     *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation"),
     *("pixel", "blur", "threshold"),
 )

@@ -171,12 +171,15 @@ def show_surface(
     overwrite
         Replace the figure if it exists.
     """
+    from asperity.cli.new_files import FIGURE_SUFFIXES, check_new_file
     from asperity.config.reading import file_surface
 
     settings = file_surface(file, given(keys).get("surface", {}))
-    from asperity.cli.show import show
+    target = Path(f"{file.stem}.png") if out is None else out
+    check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
+    from asperity.cli.show import show  # takes seconds
 
-    show(settings, out=out, overwrite=overwrite)
+    show(settings, target)
 
 
 @_command(name="fit")

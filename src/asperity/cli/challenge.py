@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from asperity.challenge import NAMES, Score, problems, score, score_figure, write
-from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
+from asperity.cli.new_files import FIGURE_SUFFIXES, check_new_file
+from asperity.cli.output import write_figure
 from asperity.cli.report import aligned
 from asperity.errors import InputError
 from asperity.words import counted

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import asperity.checks as checks
-from asperity.cli.output import check_new_file
+from asperity.cli.new_files import check_new_file
 from asperity.errors import InputError
 from asperity.explore.export import exported_page
 from asperity.explore.folders import entries, open_entry

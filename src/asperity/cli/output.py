@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,8 +10,9 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
+from asperity.cli.new_files import try_writing
 from asperity.config.reading import to_toml
-from asperity.errors import InputError, OutputError
+from asperity.errors import InputError
 from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 _SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
 _SIGNS_OF_FRICTION = ("friction.toml", "friction.csv")
 _SIGNS_OF_A_PREDICTION = ("history.zarr", "prediction.html", "summary.txt")
-FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 _COLUMNS = (
     *("time", "area", "area_ratio", "load", "separation", "energy"),
     *("approach", "contact_fraction", "residual"),
@@ -66,16 +65,7 @@ def check_free(out: Path, *, overwrite: bool) -> None:
     ground = folder.parent
     while not ground.exists():
         ground = ground.parent
-    _try_writing("--out", out, ground)
-
-
-def _try_writing(flag: str, target: Path, folder: Path) -> None:
-    """Write and remove something: permissions do not tell of read-only disks and full quotas."""
-    try:
-        with tempfile.TemporaryDirectory(prefix=".asperity-", dir=folder):
-            pass
-    except OSError as error:
-        raise OutputError(f"{flag}: cannot write {target}: {error.strerror}: {folder}") from error
+    try_writing("--out", out, ground)
 
 
 def _is_ours(name: str) -> bool:
@@ -109,22 +99,6 @@ def save_within(dataset: xr.Dataset, folder: Path) -> None:
         if isinstance(error.__cause__, OSError):
             raise error.__cause__ from None
         raise
-
-
-def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:
-    """Make sure, before anything is computed, that a flag names a file that can be written.
-
-    `InputError` if it has another suffix, its folder does not exist, or it exists and is not to be
-    replaced; `OutputError` if nothing can be written there.
-    """
-    if target.suffix.lower() not in suffixes:
-        raise InputError(flag, expected=f"a name that ends in {', '.join(suffixes)}", got=target)
-    if target.is_dir() or not target.parent.is_dir():
-        raise InputError(flag, expected="a file in a folder that exists", got=target)
-    if target.exists() and not overwrite:
-        kept = f"{target}, which is kept"
-        raise InputError(flag, expected="a new file", got=kept, advice="another name, or --overwrite")
-    _try_writing(flag, target, target.parent)
 
 
 def write_figure(figure: Figure, path: Path) -> None:

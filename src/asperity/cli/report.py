@@ -203,9 +203,10 @@ def _surface(outcome: Outcome) -> str:
     chosen = outcome.config.surface.model_dump(exclude_none=True)
     if chosen["kind"] == "file":
         lattice = " x ".join(str(n) for n in outcome.dataset["heights"].shape)
-        silent = ("kind", "path", "max_undefined", "channel", "resample")
+        silent = ("kind", "path", "max_undefined", "channel", "resample", "despike")
         rules = ", ".join(f"{k} = {_word(value, ' ')}" for k, value in chosen.items() if k not in silent)
         rules += ", resampled" if chosen["resample"] else ""
+        rules += ", spikes filled" if chosen["despike"] else ""
         return f"{chosen['path']}: {lattice} sites ({rules})"
     described = [f"{name} = {_word(value, ' x ')}" for name, value in chosen.items() if name != "kind"]
     return f"{chosen['kind']}: {', '.join(described)}"

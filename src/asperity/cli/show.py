@@ -5,25 +5,25 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from asperity.cli.output import FIGURE_SUFFIXES, check_new_file, write_figure
+from asperity.analysis.scan import readable
+from asperity.cli.output import write_figure
 from asperity.cli.report import aligned
 from asperity.config.models import MeasuredSurface
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
-from asperity.surfaces.prepare import is_square
+from asperity.surfaces.prepare import is_length, is_square
 
 
-def show(settings: MeasuredSurface, *, out: Path | None, overwrite: bool) -> None:
-    """Read, describe and draw a surface; the figure is named after the file by default.
+def show(settings: MeasuredSurface, target: Path) -> None:
+    """Read, describe and draw a surface.
 
     `AsperityError` if the file cannot be used, or the figure not written.
     """
     file = Path(settings.path)
-    target = Path(f"{file.stem}.png") if out is None else out
-    check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
-    as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False}
+    as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
     as_found |= dict.fromkeys(("crop", "longest", "shortest"))
     found = settings.model_copy(update=as_found).build()
     prepared = settings.build()
@@ -54,7 +54,7 @@ def _origin(found: Surface, prepared: Surface) -> list[tuple[str, str]]:
             "pixels",
             f"{pixels}{' (rows x columns)' if len(shape) == 2 else ''}, undefined: {undefined or 'none'}",
         ),
-        ("size", f"{' x '.join(f'{s:g}' for s in size)} {length_unit}" if size else "not in the file"),
+        ("size", _lengths(length_unit, *size, digits=6) if size else "not in the file"),
         ("unit of heights", "not in the file" if found.unit == "1" else found.unit),
     ]
     if channels:
@@ -69,9 +69,9 @@ def _comparison(before: Statistics, after: Statistics) -> list[tuple[str, ...]]:
     """Statistics of the file's heights and of those that a run would get."""
     entries: list[tuple[str, Callable[[Statistics], str]]] = [
         ("sites", lambda s: " x ".join(map(str, s.shape))),
-        ("minimum", lambda s: f"{s.minimum:.5g}{_of(s.unit)}"),
-        ("maximum", lambda s: f"{s.maximum:.5g}{_of(s.unit)}"),
-        ("rms height", lambda s: f"{s.rms_height:.5g}{_of(s.unit)}"),
+        ("minimum", lambda s: _lengths(s.unit, s.minimum, digits=5)),
+        ("maximum", lambda s: _lengths(s.unit, s.maximum, digits=5)),
+        ("rms height", lambda s: _lengths(s.unit, s.rms_height, digits=5)),
         ("rms slope", lambda s: f"{s.rms_slope:.4g}{_of(s.slope_unit)}"),
         ("rms curvature", lambda s: f"{s.rms_curvature:.4g}{_of(s.curvature_unit)}"),
         ("skewness", lambda s: f"{s.skewness:.3g}"),
@@ -89,12 +89,16 @@ def _spectrum(spectrum: PowerSpectrum) -> list[tuple[str, str]]:
         else f"of the scan itself, with a {spectrum.window} window"
     )
     fit = spectrum.fit
-    hurst = "none: no half decade of wavelengths in which the spectrum is a power law with H from 0 to 1"
+    hurst = (
+        "none: no half decade of wavelengths in which the spectrum is a power law with H from 0 to 1; "
+        "use the rms slope, which sets the contact area at light loads, or the spectrum itself"
+    )
     if fit is not None:
         low, high = fit.interval
         hurst = (
             f"{fit.hurst:.3f} (95 %: {low:.3f} to {high:.3f}), "
-            f"wavelengths from {fit.shortest:.4g} to {fit.longest:.4g} {spectrum.length_unit}"
+            f"wavelengths from {_lengths(spectrum.length_unit, fit.shortest)} "
+            f"to {_lengths(spectrum.length_unit, fit.longest)}"
         )
     return [("power spectrum", how), ("Hurst exponent", hurst)]
 
@@ -102,26 +106,31 @@ def _spectrum(spectrum: PowerSpectrum) -> list[tuple[str, str]]:
 def _preparation(prepared: Surface) -> list[tuple[str, str]]:
     """Say what a run would do."""
     facts = prepared.provenance
-    unit = _of(str(facts["original_unit"]))
-    height, *slopes = (f"{value:.4g}{unit}" for value in _listed(facts["tilt_coefficients"]))
+    unit = str(facts["original_unit"])
+    flat = len(_listed(facts["original_shape"])) == 2
+    height, *found = (_lengths(unit, value) for value in _listed(facts["tilt_coefficients"]))
     removed = f": removed {height} at the first pixel"
     if facts["tilt_rule"] == "mean":
         removed = f": removed {height}"
-    elif len(slopes) == 2:
-        removed += f", {slopes[0]} per pixel downward and {slopes[1]} per pixel to the right"
+    elif flat:
+        removed += f", {found[0]} per pixel downward and {found[1]} per pixel to the right"
     else:
-        removed += f", {slopes[0]} per pixel"
+        removed += f", {found[0]} per pixel"
+    if facts["tilt_rule"] == "quadratic":
+        removed += f", and {', '.join(found[2 if flat else 1 :])} per pixel^2"
+        removed += " (downward, mixed, to the right)" if flat else ""
     removed = "" if facts["tilt_rule"] == "none" else removed
     cut = " ".join(map(str, _listed(facts.get("crop"))))
     waves = [f"{name} {facts[name]:g}" for name in ("longest", "shortest") if name in facts]
     return [
-        *(
-            [("part", f"pixels {cut} ({'top bottom left right' if len(slopes) == 2 else 'left right'})")]
-            if cut
-            else []
-        ),
+        *([("part", f"pixels {cut} ({'top bottom left right' if flat else 'left right'})")] if cut else []),
         ("undefined pixels", f"{facts['undefined_rule']} ({facts['undefined_pixels']})"),
         ("tilt", f"{facts['tilt_rule']}{removed}"),
+        *(
+            [("spikes filled", f"{spikes} pixels")]
+            if (spikes := facts.get("despiked_pixels")) is not None
+            else []
+        ),
         *([("pixels", f"averaged to {_sides(prepared)}")] if facts["resampled"] else []),
         *([("wavelengths kept", f"{', '.join(waves)} {prepared.length_unit or 'pixel'}")] if waves else []),
         (
@@ -144,7 +153,14 @@ def _note(prepared: Surface, settings: MeasuredSurface) -> str:
         parts.append(f"{facts['undefined_pixels']} undefined pixels filled")
     if facts["resampled"]:
         parts.append(f"averaged to {_sides(prepared).replace(' x ', ' × ')}")
-    parts.append({"plane": "plane removed", "mean": "mean removed", "none": "tilt kept"}[settings.tilt])
+    if facts.get("despiked_pixels"):
+        parts.append(f"{facts['despiked_pixels']} pixels of spikes filled")
+    said = {
+        "plane": "plane removed",
+        "quadratic": "polynomial of second order removed",
+        "mean": "mean removed",
+    }
+    parts.append(said.get(settings.tilt, "tilt kept"))
     if "longest" in facts or "shortest" in facts:
         parts.append("waves left out")
     if settings.periodic == "mirror":
@@ -156,11 +172,16 @@ def _note(prepared: Surface, settings: MeasuredSurface) -> str:
 
 
 def _sides(surface: Surface) -> str:
-    unit = surface.length_unit or "(no unit)"
-    return f"{' x '.join(f'{side:.4g}' for side in surface.pixel_size or ())} {unit}"
+    return _lengths(surface.length_unit or "(no unit)", *surface.pixel_size or ())
 
 
-def _listed(value: object) -> list[object]:
+def _lengths(unit: str, *values: float, digits: int = 4) -> str:
+    """Lengths in the unit that makes the largest readable; of another unit as they are."""
+    name, factor = readable(unit, max(map(abs, values))) if is_length(unit) else (unit, 1.0)
+    return f"{' x '.join(f'{value * factor:.{digits}g}' for value in values)}{_of(name)}"
+
+
+def _listed(value: object) -> list[Any]:
     return list(value) if isinstance(value, list) else []
 
 

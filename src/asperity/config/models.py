@@ -233,7 +233,13 @@ class MeasuredSurface(SurfaceSection):
     max_undefined: Annotated[float, Field(ge=0, lt=1)] = Field(
         default=0.1, description="Largest fraction of undefined pixels to fill."
     )
-    tilt: Literal["plane", "mean", "none"] = Field(default="plane", description="What to remove.")
+    tilt: Literal["plane", "quadratic", "mean", "none"] = Field(
+        default="plane", description="What to remove; quadratic also removes the bow of a scanner."
+    )
+    despike: bool = Field(
+        default=False,
+        description="Fill pixels more than 6 robust standard deviations above the median height.",
+    )
     periodic: Literal["mirror", "reflect", "taper", "wrap"] = Field(
         default="mirror",
         description="How to make it periodic; mirror doubles each axis, reflect has edges that do the same.",

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 import asperity.checks as checks
 from asperity.errors import SurfaceFileError
+from asperity.surfaces.points import grid_of
 from asperity.surfaces.raw import RawSurface
 
 # These formats have no signature: the library takes any file of a suitable size for one of them.
@@ -71,14 +72,16 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
     sizes = chosen.physical_sizes
     known = sizes is not None and all(s is not None and 0 < s < np.inf for s in sizes)
     downward = sizes[::-1] if known else ()
+    pixel = tuple(float(s) / n for s, n in zip(downward, heights.shape, strict=True)) if known else None
+    # Of points that are no full grid, the library makes a matrix.
+    if points := kind == "asc" and not known and heights.ndim == 2 and heights.shape[1] == 3:
+        heights, pixel = grid_of(str(path), heights)
     return RawSurface(
         np.array(heights, dtype=np.float64, order="C"),
-        format=kind,
+        format="xyz" if points else kind,
         reader=f"SurfaceTopography {importlib.metadata.version('SurfaceTopography')}",
         unit=unit or "1",
-        pixel_size=tuple(float(s) / n for s, n in zip(downward, heights.shape, strict=True))
-        if known
-        else None,
+        pixel_size=pixel,
         length_unit=unit if known else None,
         channel=str(chosen.channel_id),
         channels=tuple(str(c.channel_id) for c in reader.channels if _holds_heights(c)),

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from asperity._version import __version__
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
+from asperity.surfaces.points import are_points
 from asperity.surfaces.raw import RawSurface
 from asperity.tables import read_table
 from asperity.words import reason_of
@@ -130,6 +131,8 @@ def read_text(path: Path) -> RawSurface:
     matrix, remarks = _without_labels(matrix)
     if 1 not in matrix.shape:
         _refuse_coordinates(str(path), matrix)
+        if matrix.shape[1] == 3 and matrix.shape[0] > 3:
+            remarks += ("three columns, taken as pixels; points x, y, z are read from files named .xyz",)
     heights = _heights(matrix.ravel() if 1 in matrix.shape else matrix)
     return RawSurface(heights, format="text", reader=_READER, remarks=remarks)
 
@@ -157,19 +160,17 @@ def _counts(labels: Field) -> bool:
 
 def _refuse_coordinates(name: str, matrix: Field) -> None:
     """Refuse tables of (x, z) or (x, y, z): as a matrix they would be a strip of ramps."""
-    rows, columns = matrix.shape
-    if columns > 3 or rows < 4 or not np.isfinite(matrix[:, :-1]).all():
-        return
-    distinct = [np.unique(matrix[:, column]).size for column in range(columns - 1)]
-    if columns == 2:
+    if matrix.shape[1] == 2 and matrix.shape[0] >= 4 and np.isfinite(matrix[:, 0]).all():
         step = np.diff(matrix[:, 0])
         is_table = step[0] != 0 and bool(np.allclose(step, step[0], rtol=1e-3, atol=0))
     else:
-        is_table = distinct[0] * distinct[1] == rows and min(distinct) > 1
+        is_table = are_points(matrix)
     if is_table:
+        columns = matrix.shape[1]
+        named = "the name .xyz for points of a grid, or " if columns == 3 else ""
         raise SurfaceFileError(
             name,
             expected="a matrix of heights",
             got=f"{columns} columns that look like coordinates and a height",
-            advice="a file of the heights alone, one row of pixels a line",
+            advice=f"{named}a file of the heights alone, one row of pixels a line",
         )

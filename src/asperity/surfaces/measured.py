@@ -19,10 +19,10 @@ from asperity.surfaces.heights import checked_spacing
 from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.matrix_files import read_npy, read_npz, read_text
 from asperity.surfaces.raw import RawSurface
-from asperity.surfaces.surface import Provenance, Surface, outliers
+from asperity.surfaces.surface import Provenance, Surface
 
 Undefined = Literal["fill", "refuse"]
-Tilt = Literal["plane", "mean", "none"]
+Tilt = Literal["plane", "quadratic", "mean", "none"]
 Periodic = Literal["mirror", "reflect", "taper", "wrap"]
 Length = Literal["m", "mm", "um", "nm", "pm"]
 Unit = Literal["m", "mm", "um", "nm", "pm", "rms"]
@@ -40,6 +40,7 @@ def read(
     undefined: Undefined = "fill",
     max_undefined: float = 0.1,
     tilt: Tilt = "plane",
+    despike: bool = False,
     periodic: Periodic = "mirror",
     unit: Unit | None = None,
     channel: str | int | None = None,
@@ -56,9 +57,10 @@ def read(
 
     ``.npy`` and ``.npz`` files and text (``.txt``, ``.csv``, ``.dat``: a matrix of numbers) are read
     directly, everything else by the optional library SurfaceTopography; rows run downward, as the surface
-    is seen in a picture. What is asked for is done in this order: a part is cut out, undefined pixels are
-    filled, the tilt is removed, pixels are made square, waves left out, units converted, and the surface made
-    periodic.
+    is seen in a picture. Points x, y, z (``.xyz``) lie on a regular grid, whose pixels without a point are
+    undefined. What is asked for is done in this order: a part is cut out, undefined pixels are
+    filled, the tilt is removed, spikes are filled, pixels are made square, waves left out, units converted,
+    and the surface made periodic.
 
     Parameters
     ----------
@@ -71,8 +73,13 @@ def read(
     max_undefined
         Largest fraction of undefined pixels that is filled, from 0 to below 1.
     tilt
-        "plane" removes the least-squares plane of the defined pixels, "mean" only their mean, "none"
-        nothing.
+        "plane" removes the least-squares plane of the defined pixels, "quadratic" their least-squares
+        polynomial of second order, as a scanner bows; "mean" only their mean, "none" nothing.
+    despike
+        Take for undefined, and fill, the pixels that are more than 6 robust standard deviations above the
+        median height, once the tilt is removed: 1.4826 times the median distance from the median, which
+        no Gaussian height is (L. Davies and U. Gather, J. Am. Stat. Assoc. 88, 782 (1993), DOI
+        10.1080/01621459.1993.10476339). The tilt is then that of the others. This is done until there is none.
     unit
         None keeps the file's unit of height; "m", "mm", "um", "nm" and "pm" convert; "rms" divides by the
         rms height of the pixels after the tilt was removed. The pixel size keeps the file's unit.
@@ -108,8 +115,9 @@ def read(
     Raises
     ------
     SurfaceFileError
-        If the file is missing, empty, truncated or of another kind, has no such channel, or has more
-        undefined pixels than allowed.
+        If the file is missing, empty, truncated or of another kind, has no such channel, has more
+        undefined pixels than allowed, or more spikes to fill; or holds scattered points, or two heights
+        at one point.
     MissingExtraError
         If the format needs SurfaceTopography and it is not installed.
     InputError
@@ -140,11 +148,18 @@ def read(
         found, cut = found[part], [edge for axis in part for edge in (axis.start, axis.stop)]
     missing = _checked_missing(file, found, 0.0 if undefined == "refuse" else limit)
 
-    filled = prepare.fill(found)
-    level, plane = prepare.remove_tilt(filled, ~missing, tilt)
-    outlying, highest = outliers(level[~missing])
+    ignored = missing.copy()
+    while True:
+        filled = prepare.fill(np.where(ignored, np.nan, found))
+        level, removed = prepare.remove_tilt(filled, ~ignored, tilt)
+        outlying, highest = prepare.spikes(level, ~ignored)
+        if not (despike and outlying.any()):
+            break
+        ignored |= outlying
+        _check_spikes(file, ignored & ~missing, limit)
     level, size = prepare.square(level, size) if resample else (level, size)
     level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
+    bow, at_edges = prepare.bow(level)
     factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=float(np.abs(filled).max()))
     heights = prepare.make_periodic(level * factor, periodic, border=TAPER_BORDER)
     done: Provenance = {
@@ -152,9 +167,11 @@ def read(
         "undefined_pixels": int(missing.sum()),
         "undefined_fraction": float(missing.mean()),
         "tilt_rule": tilt,
-        "tilt_coefficients": plane,
-        "outlying_pixels": outlying,
+        "tilt_coefficients": removed,
+        "outlying_pixels": int(outlying.sum()),
         "outlying_height": highest,
+        "bow_variance": bow,
+        "highest_at_edges": at_edges,
         "resampled": size != raw.pixel_size,
         "pixel_size": list(size or ()),
         "unit": final_unit,
@@ -166,6 +183,8 @@ def read(
     }
     if cut:
         done["crop"] = cut
+    if despike:
+        done["despiked_pixels"] = int((ignored & ~missing).sum())
     for name, wave in zip(("longest", "shortest"), limits, strict=True):
         if wave is not None:
             done[name] = wave
@@ -255,6 +274,17 @@ def _sha256(file: Path) -> str:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError as error:
         raise SurfaceFileError(str(file), expected="a readable file", got=str(error.strerror)) from error
+
+
+def _check_spikes(file: Path, spiky: NDArray[np.bool_], limit: float) -> None:
+    """Refuse to fill more spikes than undefined pixels would be."""
+    if (share := float(spiky.mean())) > limit:
+        raise SurfaceFileError(
+            str(file),
+            expected=f"at most {limit:.3g} of the pixels to be spikes",
+            got=f"{int(spiky.sum())} of {spiky.size} ({share:.3g})",
+            advice="no despike: so many are heights",
+        )
 
 
 def _checked_missing(file: Path, heights: Field, limit: float) -> NDArray[np.bool_]:

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 Provenance = dict[str, str | int | float | bool | list[int] | list[float] | list[str]]
 
-_OUTLYING = 6.0
-"""Robust standard deviations above the median beyond which a height is counted as an outlier; no Gaussian
-surface of less than a thousand million pixels has any."""
+_BOWED = 0.85, 0.9
+"""Parts of the variance in a bow, and of the highest pixels at the edges, from which on both are remarked:
+in one of 300 square parts of self-affine surfaces without a roll-off (H = 0.8), in none with one."""
 
 _ALIKE = 1e-6
 """Relative difference up to which pixels of two surfaces are of one size."""
@@ -139,8 +139,16 @@ class Surface(views.InNotebooks):
         remarks = tuple(map(str, told)) if isinstance(told, list) else ()
         if count:
             remarks += (
-                f"pixels more than {_OUTLYING:g} robust standard deviations above the median height: "
-                f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load",
+                f"pixels more than {prepare.SPIKE:g} robust standard deviations above the median height: "
+                f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load; "
+                "try despike = true (--despike)",
+            )
+        share, outside = (float(str(facts.get(name, 0))) for name in ("bow_variance", "highest_at_edges"))
+        if share > _BOWED[0] and outside > _BOWED[1]:
+            remarks += (
+                f"the contact would be at the edges: {100 * outside:.0f} % of the highest pixels are in the outer "
+                f"tenth, and a polynomial of second order has {100 * share:.0f} % of the variance; "
+                "try tilt = 'quadratic' (--tilt quadratic), or longest (--longest)",
             )
         return remarks
 
@@ -311,16 +319,6 @@ def measured_part(shape: tuple[int, ...], provenance: Mapping[str, object]) -> t
     """Slice out the scan, where the surface is made of it and of its mirror images; else everything."""
     mirrored = provenance.get("periodic_rule") == "mirror"
     return tuple(slice(0, n // 2 if mirrored else n) for n in shape)
-
-
-def outliers(heights: Field) -> tuple[int, float]:
-    """Count the heights far above all others, and give the highest in robust standard deviations."""
-    median = np.median(heights)
-    deviation = 1.4826 * float(np.median(np.abs(heights - median)))  # that of a Gaussian
-    if deviation == 0:  # most heights are equal: no measure of what is far
-        return 0, 0.0
-    above = (heights - median) / deviation
-    return int((above > _OUTLYING).sum()), float(above.max())
 
 
 def _size_in(surface: Surface, unit: str | None) -> tuple[float, ...] | None:

@@ -1,0 +1,38 @@
+"""Whether a file can be written, asked before anything is computed or imported for it."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from asperity.errors import InputError, OutputError
+
+FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
+
+
+def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:
+    """Make sure, before anything is computed, that a flag names a file that can be written.
+
+    `InputError` if it has another suffix, its folder does not exist, or it exists and is not to be
+    replaced; `OutputError` if nothing can be written there.
+    """
+    if target.suffix.lower() not in suffixes:
+        advice = f"{flag} {target}{suffixes[0]}"
+        raise InputError(
+            flag, expected=f"a name that ends in {', '.join(suffixes)}", got=target, advice=advice
+        )
+    if target.is_dir() or not target.parent.is_dir():
+        raise InputError(flag, expected="a file in a folder that exists", got=target)
+    if target.exists() and not overwrite:
+        kept = f"{target}, which is kept"
+        raise InputError(flag, expected="a new file", got=kept, advice="another name, or --overwrite")
+    try_writing(flag, target, target.parent)
+
+
+def try_writing(flag: str, target: Path, folder: Path) -> None:
+    """Write and remove something: permissions do not tell of read-only disks and full quotas."""
+    try:
+        with tempfile.TemporaryDirectory(prefix=".asperity-", dir=folder):
+            pass
+    except OSError as error:
+        raise OutputError(f"{flag}: cannot write {target}: {error.strerror}: {folder}") from error
