@@ -13,7 +13,7 @@ from asperity.checks import Floats
 from asperity.errors import InputError
 from asperity.tables import Table
 
-_ARGUMENT = r"t|time|omega|ω|w|f"
+_ARGUMENT = r"t|time|omega|ω|w|f|q"
 
 
 @dataclass(frozen=True)

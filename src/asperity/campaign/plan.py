@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity._version import __version__
-from asperity.config import MeasuredSurface, RunConfig, config_from, read_tables
+from asperity.config import RunConfig, config_from, read_tables
 from asperity.config.mistakes import ORDER, Sections, models_of
 from asperity.config.models import KINDS
 from asperity.errors import ConfigError
@@ -347,21 +347,17 @@ def seeded(config: RunConfig, seed: int) -> RunConfig:
 
 def _anywhere(config: RunConfig) -> RunConfig:
     """Name a surface file so that a worker in any folder finds it; a solid needs no file any more."""
-    config = config.model_copy(update={"solid": config.solid.resolved()})
-    if not isinstance(config.surface, MeasuredSurface):
-        return config
-    surface = config.surface.model_copy(update={"path": str(Path(config.surface.path).resolve())})
-    return config.model_copy(update={"surface": surface})
+    return config.model_copy(update={"solid": config.solid.resolved(), "surface": config.surface.anywhere()})
 
 
 def _content(config: RunConfig, known: dict[str, str]) -> str:
     """Checksum of the surface file, if there is one."""
-    if not isinstance(config.surface, MeasuredSurface):
+    if (file := config.surface.file) is None:
         return ""
-    name = config.surface.path
+    name = str(file)
     if name not in known:
         try:
-            known[name] = hashlib.sha256(Path(name).read_bytes()).hexdigest()
+            known[name] = hashlib.sha256(file.read_bytes()).hexdigest()
         except OSError as error:
             raise ConfigError([f"[surface] path: {name}: {error.strerror}"]) from None
     return known[name]
@@ -373,9 +369,9 @@ def _facts(config: RunConfig, content: str) -> dict[str, Any]:
     facts["output"].pop("figures")
     if config.friction.shear_strength is None:
         del facts["friction"]
-    if isinstance(config.surface, MeasuredSurface):
+    if (file := config.surface.file) is not None:
         # The suffix decides how the content is read.
-        facts["surface"]["path"] = [Path(config.surface.path).suffix.lower(), content]
+        facts["surface"]["path"] = [file.suffix.lower(), content]
     facts["version"] = [__version__, _STORE_FORMAT]
     return facts
 

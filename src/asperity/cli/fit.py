@@ -8,8 +8,8 @@ import math
 import sys
 from pathlib import Path
 
-from asperity.cli.options import FitFlags
 from asperity.cli.new_files import FIGURE_SUFFIXES, check_new_file
+from asperity.cli.options import FitFlags
 from asperity.cli.output import write_figure
 from asperity.cli.report import aligned
 from asperity.errors import InputError

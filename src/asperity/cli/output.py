@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from asperity.analysis import contact_maps
 from asperity.cli.new_files import try_writing
 from asperity.config.reading import to_toml
-from asperity.errors import InputError
+from asperity.errors import InputError, OutputError
 from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -31,6 +32,7 @@ from asperity.config.sections import (
 from asperity.config.solids import SOLIDS, AnySolid, SpringLattice
 
 if TYPE_CHECKING:  # these need numpy, for which the help does not wait
+    from asperity.lattice import Field as Heights
     from asperity.protocols import Leg
     from asperity.surfaces import Surface
     from asperity.theory.heights import HeightLaw
@@ -75,6 +77,7 @@ Shape = Annotated[
 _SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
 _RMS = "Rms height."
 _SEED = "Seed of the random heights."
+_TABLE = "Table of the wave number q and the power spectrum C; columns with units need `unit`."
 _DURATION = "How long it lasts."
 _MOBILITY = "Factor on the mobility of creep meanwhile."
 
@@ -95,6 +98,16 @@ class SurfaceSection(Section):
     def law(self) -> HeightLaw | None:
         """The law of the heights, where the sites are independent."""
         return None
+
+    @property
+    def file(self) -> Path | None:
+        """The file on which it depends, if any."""
+        path = getattr(self, "path", None)
+        return None if path is None else Path(path)
+
+    def anywhere(self) -> Self:
+        """The same, with an absolute path of its file."""
+        return self if self.file is None else self.model_copy(update={"path": str(self.file.resolve())})
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
@@ -168,25 +181,10 @@ class SelfAffine(SurfaceSection):
         return (self.size, self.size)
 
 
-class Spectral(SurfaceSection):
-    """Self-affine heights of a given power spectrum; see `asperity.surfaces.spectral`."""
+class Waves(SurfaceSection):
+    """Random waves on a lattice with units."""
 
-    kind: Literal["spectral"] = "spectral"
     shape: Shape = Field(default=[200, 200], description=_SHAPE)
-    hurst: Annotated[float, Field(ge=0, le=1)] = Field(default=0.8, description="Hurst exponent.")
-    roll_off: Positive | None = Field(
-        default=None, description="Wavelength above which the spectrum is flat. By default the longest side."
-    )
-    cutoff: Positive | None = Field(
-        default=None, description="Shortest wavelength. By default eight times the larger spacing."
-    )
-    rms_height: Positive | None = Field(
-        default=None, description="Rms height. By default 1, unless slope or curvature is given."
-    )
-    rms_slope: Positive | None = Field(default=None, description="Rms slope, in place of the height.")
-    rms_curvature: Positive | None = Field(
-        default=None, description="Rms mean curvature, in place of the height."
-    )
     spacing: Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
         default=[1.0], description="Distance between sites: one number, or one an axis."
     )
@@ -205,6 +203,38 @@ class Spectral(SurfaceSection):
         """Distance between sites along each axis."""
         return (*self.spacing, *self.spacing)[: len(self.shape)]
 
+    def heights(self) -> Heights:
+        """Make the heights."""
+        raise NotImplementedError
+
+    def build(self) -> Surface:
+        """Make the heights, with their units."""
+        from asperity.surfaces import Surface
+
+        origin = self.model_dump(exclude_none=True)
+        origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
+        return Surface(self.heights(), self.unit or "1", self.pixel_size, self.unit, origin)
+
+
+class Spectral(Waves):
+    """Self-affine heights of a given power spectrum; see `asperity.surfaces.spectral`."""
+
+    kind: Literal["spectral"] = "spectral"
+    hurst: Annotated[float, Field(ge=0, le=1)] = Field(default=0.8, description="Hurst exponent.")
+    roll_off: Positive | None = Field(
+        default=None, description="Wavelength above which the spectrum is flat. By default the longest side."
+    )
+    cutoff: Positive | None = Field(
+        default=None, description="Shortest wavelength. By default eight times the larger spacing."
+    )
+    rms_height: Positive | None = Field(
+        default=None, description="Rms height. By default 1, unless slope or curvature is given."
+    )
+    rms_slope: Positive | None = Field(default=None, description="Rms slope, in place of the height.")
+    rms_curvature: Positive | None = Field(
+        default=None, description="Rms mean curvature, in place of the height."
+    )
+
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What `asperity.surfaces.spectral` takes."""
@@ -212,21 +242,41 @@ class Spectral(SurfaceSection):
         facts.pop("unit", None)
         return lattice, facts | {"spacing": self.spacing[0] if len(self.spacing) == 1 else self.spacing}
 
-    def build(self) -> Surface:
-        """Make the heights, with their units."""
-        from asperity.surfaces import Surface, spectral
+    def heights(self) -> Heights:
+        """Make the heights."""
+        from asperity.surfaces import spectral
 
         lattice, facts = self.arguments
-        origin = self.model_dump(exclude_none=True)
-        origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
-        return Surface(spectral(lattice, **facts), self.unit or "1", self.pixel_size, self.unit, origin)
+        return spectral(lattice, **facts)
+
+
+class Spectrum(Waves):
+    """Heights of a power spectrum in a table; see `asperity.surfaces.from_spectrum`."""
+
+    kind: Literal["spectrum"] = "spectrum"
+    path: str = Field(description=_TABLE)
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What `asperity.surfaces.from_spectrum` takes beside the spectrum."""
+        return tuple(self.shape), {"pixel_size": self.pixel_size, "seed": self.seed}
+
+    def heights(self) -> Heights:
+        """Make the heights."""
+        from asperity.surfaces import from_spectrum, read_spectrum
+
+        lattice, facts = self.arguments
+        table = read_spectrum(self.path, unit=self.unit, dimension=len(lattice))
+        return from_spectrum(lattice, table, **facts)
 
 
 class MeasuredSurface(SurfaceSection):
     """Heights from a file; see `asperity.surfaces.read`."""
 
     kind: Literal["file"] = "file"
-    path: str = Field(description="Measured surface; the last flags of this group prepare it.")
+    path: str = Field(
+        description="Measured surface; the last flags of this group prepare it. For spectrum its table."
+    )
     undefined: Literal["fill", "refuse"] = Field(
         default="fill", description="Undefined pixels: fill (from their rims) or refuse."
     )
@@ -247,7 +297,7 @@ class MeasuredSurface(SurfaceSection):
     unit: Annotated[Literal[Length, "rms"] | None, BeforeValidator(_micro)] = Field(
         default=None,
         description="Unit of the heights; rms divides by the rms height. By default the file's. "
-        "For spectral the unit of all lengths; by default none.",
+        "For spectral and spectrum the unit of all lengths; by default none.",
     )
     channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = Field(
         default=None, description="Name or number of the channel. By default the file's."
@@ -305,9 +355,9 @@ class Scan(MeasuredSurface):
     )
 
 
-SURFACES = by_kind(Gaussian, Exponential, SelfAffine, Spectral, MeasuredSurface)
+SURFACES = by_kind(Gaussian, Exponential, SelfAffine, Spectral, Spectrum, MeasuredSurface)
 AnySurface = Annotated[
-    Gaussian | Exponential | SelfAffine | Spectral | MeasuredSurface, Field(discriminator="kind")
+    Gaussian | Exponential | SelfAffine | Spectral | Spectrum | MeasuredSurface, Field(discriminator="kind")
 ]
 
 

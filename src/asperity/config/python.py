@@ -6,7 +6,7 @@ import textwrap
 from typing import Any
 
 from asperity._version import __version__
-from asperity.config.models import MeasuredSurface, RunConfig, Spectral
+from asperity.config.models import MeasuredSurface, RunConfig, Spectrum, Waves
 from asperity.errors import InputError
 from asperity.protocols import Leg, Repeat, described
 from asperity.solids import LocalCreep
@@ -77,8 +77,12 @@ def _surface(config: RunConfig) -> str:
         facts = {name: value for name, value in facts.items() if value != usual[name]}
         return _call("asp.surfaces.read", repr(first), **facts)
     heights = _call(f"asp.surfaces.{chosen.kind}", repr(first), **facts)
-    if not isinstance(chosen, Spectral):
+    if not isinstance(chosen, Waves):
         return heights
+    if isinstance(chosen, Spectrum):
+        line = {"dimension": 1} if len(chosen.shape) == 1 else {}
+        table = _call("asp.surfaces.read_spectrum", repr(chosen.path), unit=chosen.unit, **line)
+        heights = _call("asp.surfaces.from_spectrum", repr(first), table, **facts)
     units = {} if chosen.unit is None else {"unit": chosen.unit, "length_unit": chosen.unit}
     return _call("asp.surfaces.Surface", heights, pixel_size=chosen.pixel_size, **units)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -212,10 +211,8 @@ def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) 
 
 def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
     """Decide what the configuration leaves open: the load, the times, the maps; make paths absolute."""
-    chosen = config.surface
+    chosen = config.surface.anywhere()
     remarks = rough.remarks + _odd_numbers(config, rough)
-    if isinstance(chosen, MeasuredSurface):
-        chosen = chosen.model_copy(update={"path": str(Path(chosen.path).resolve())})
     contact = config.contact
     if not contact.model_dump(exclude_none=True):
         contact, remark = _usual_contact(config, rough)

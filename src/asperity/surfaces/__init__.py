@@ -4,8 +4,9 @@ from asperity.surfaces.heights import check_heights
 from asperity.surfaces.measured import read
 from asperity.surfaces.midpoints import self_affine
 from asperity.surfaces.moments import Statistics, statistics
-from asperity.surfaces.random_phase import spectral
+from asperity.surfaces.random_phase import from_spectrum, spectral
 from asperity.surfaces.spectrum import PowerSpectrum, SelfAffineRange, power_spectrum
+from asperity.surfaces.spectrum_files import read_spectrum
 from asperity.surfaces.surface import Surface, check_square, combined
 from asperity.surfaces.uncorrelated import exponential, gaussian
 
@@ -18,9 +19,11 @@ __all__ = [
     "check_square",
     "combined",
     "exponential",
+    "from_spectrum",
     "gaussian",
     "power_spectrum",
     "read",
+    "read_spectrum",
     "self_affine",
     "spectral",
     "statistics",

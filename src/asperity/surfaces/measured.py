@@ -79,7 +79,8 @@ def read(
         Take for undefined, and fill, the pixels that are more than 6 robust standard deviations above the
         median height, once the tilt is removed: 1.4826 times the median distance from the median, which
         no Gaussian height is (L. Davies and U. Gather, J. Am. Stat. Assoc. 88, 782 (1993), DOI
-        10.1080/01621459.1993.10476339). The tilt is then that of the others. This is done until there is none.
+        10.1080/01621459.1993.10476339). The tilt is then found without them. Repeated until
+        there is none.
     unit
         None keeps the file's unit of height; "m", "mm", "um", "nm" and "pm" convert; "rms" divides by the
         rms height of the pixels after the tilt was removed. The pixel size keeps the file's unit.

@@ -6,7 +6,7 @@ r"""From measured heights to heights that a lattice can bear: eight rules, in th
    the defined pixels as boundary values. By its maximum principle no filled pixel is above the highest
    defined pixel around its hole: filling creates no summit, so it creates no contact of its own.
 3. The tilt of the sample in the instrument is removed, and the bow of its scanner, if asked.
-4. Spikes are taken for undefined pixels, and filled like these, if asked; the tilt is then found without them.
+4. Spikes are filled like undefined pixels, if asked, and the tilt is found without them.
 5. Pixels that are not square are averaged to square ones, if asked.
 6. Waves that are too long or too short are left out, if asked.
 7. The heights are converted to the wanted unit.

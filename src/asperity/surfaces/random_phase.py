@@ -21,10 +21,11 @@ its second derivative.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import scipy.fft
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import asperity.checks as checks
 from asperity.errors import InputError
@@ -93,7 +94,7 @@ def spectral(
     q = wave_number(lengths, steps)
     longest, shortest = _band(roll_off, cutoff, [n * d for n, d in zip(lengths, steps, strict=True)], steps)
     power, roughness = _roughness(rms_height, rms_slope, rms_curvature, len(lengths))
-    noise = scipy.fft.rfftn(np.random.default_rng(checks.seed(seed)).normal(size=lengths))
+    phases = _phases(lengths, seed)
     kept = (q > 0) & (q <= 2 * math.pi / shortest * (1 + _ROUNDING))
     if not kept.any():
         expected = "a lattice on which a wave as long as the cut-off has room"
@@ -102,13 +103,95 @@ def spectral(
     # In units of the cut-off the amplitudes neither overflow nor vanish, whatever the spacing.
     relative = q[kept] * (shortest / (2 * math.pi))
     amplitude = np.maximum(relative, shortest / longest) ** -(len(lengths) / 2 + exponent)
-    modes = np.zeros_like(noise)
-    modes[kept] = noise[kept] / np.abs(noise[kept]) * amplitude
+    modes = np.zeros_like(phases)
+    modes[kept] = phases[kept] * amplitude
     # Each mode of the half spectrum stands for two, but for those on its edges.
     twice = np.where(np.arange(q.shape[-1]) * 2 % lengths[-1] == 0, 1.0, 2.0)
     total = math.sqrt(float(np.sum((twice * np.abs(modes) ** 2)[kept] * relative ** (2 * power))))
     modes *= roughness * (shortest / (2 * math.pi)) ** power / total * math.prod(lengths)
     return np.asarray(scipy.fft.irfftn(modes, s=lengths))
+
+
+def from_spectrum(
+    shape: int | tuple[int, ...],
+    spectrum: Callable[[Field], ArrayLike] | tuple[ArrayLike, ArrayLike],
+    *,
+    pixel_size: ArrayLike = 1.0,
+    seed: int = 0,
+) -> Field:
+    r"""Make a periodic surface of a power spectrum of one's own, with random phases.
+
+    Parameters
+    ----------
+    shape
+        Sites along each axis: ``(n, m)``, or ``n`` or ``(n,)`` for a profile.
+    spectrum
+        C(q), the same in all directions, as `power_spectrum` measures it: a function of an array of wave
+        numbers, or the pair (q, C) of a table with rising q. Between the points of a table ln C is linear in
+        ln q; outside of it there are no waves. q is in radians per unit of the pixel size, C in the squared unit
+        of the heights times the squared unit of the pixel size; of a profile, times that unit.
+    pixel_size
+        Distance between sites: one number, or one an axis.
+    seed
+        Seed of the random numbers; the same seed gives the same surface.
+
+    Returns
+    -------
+    ndarray of float64, of the given shape
+        The heights, of mean 0.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, q does not rise, a value of C is negative or no number, or no
+        wave of the lattice has any power.
+
+    Notes
+    -----
+    The convention is that of T. D. B. Jacobs, T. Junge and L. Pastewka, Surf. Topogr.: Metrol. Prop. 5, 013001
+    (2017), DOI 10.1088/2051-672X/aa51f8, for their two-dimensional spectrum: with the area A,
+    :math:`C(\mathbf q) = A^{-1} |\int h\, e^{-i \mathbf q \mathbf r} d^2r|^2` and
+    :math:`\text{rms height}^2 = (2\pi)^{-2} \int C\, d^2q`. A spectrum of which the integral itself is the
+    squared rms height is to be multiplied by :math:`4\pi^2`, and one against 1/wavelength has :math:`q/2\pi`.
+    The amplitudes have no scatter: every wave has exactly this power, and seeds differ in phases only.
+    """
+    lengths = checks.lattice_shape(shape)
+    sides = checked_spacing("pixel_size", pixel_size, len(lengths))
+    q = wave_number(lengths, sides)
+    kept = q > 0
+    power = np.zeros(q.shape)
+    if callable(spectrum):
+        power[kept] = checks.floats("spectrum", spectrum(q[kept]))
+    else:
+        power[kept] = _of_table(spectrum, q[kept])
+    if not (np.isfinite(power) & (power >= 0)).all():
+        raise InputError("spectrum", expected="finite C >= 0 at all wave numbers", got="others")
+    if not power.any():
+        known = f"{q[kept].min(initial=math.inf):.3g} to {q.max():.3g}"
+        raise InputError("spectrum", expected=f"power between wave numbers of {known}", got="none")
+    modes = _phases(lengths, seed) * np.sqrt(power * (math.prod(lengths) / math.prod(sides)))
+    return np.asarray(scipy.fft.irfftn(modes, s=lengths))
+
+
+def _phases(shape: tuple[int, ...], seed: int) -> NDArray[np.complex128]:
+    """Numbers of magnitude 1 with random phases, for each mode of the half spectrum of a real field."""
+    noise = scipy.fft.rfftn(np.random.default_rng(checks.seed(seed)).normal(size=shape))
+    return np.asarray(noise / np.abs(noise))
+
+
+def _of_table(table: tuple[ArrayLike, ArrayLike], q: Field) -> Field:
+    """Power at wave numbers, ln C being linear in ln q between the points of a table."""
+    try:
+        wave_numbers, powers = table
+    except (TypeError, ValueError):
+        expected = "a function of wave numbers, or the pair (q, C)"
+        raise InputError("spectrum", expected=expected, got=checks.shown(table)) from None
+    points, values = checks.positive("q", wave_numbers), checks.positive("C", powers)
+    if points.ndim != 1 or points.shape != values.shape or not (np.diff(points) > 0).all() or points.size < 2:
+        expected = "rising q and as many C, two or more"
+        raise InputError("spectrum", expected=expected, got=f"shapes {points.shape} and {values.shape}")
+    inside = (q >= points[0] * (1 - _ROUNDING)) & (q <= points[-1] * (1 + _ROUNDING))
+    return np.where(inside, np.exp(np.interp(np.log(q), np.log(points), np.log(values))), 0.0)
 
 
 def wave_number(shape: tuple[int, ...], spacing: tuple[float, ...]) -> Field:

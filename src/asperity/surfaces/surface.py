@@ -146,8 +146,8 @@ class Surface(views.InNotebooks):
         share, outside = (float(str(facts.get(name, 0))) for name in ("bow_variance", "highest_at_edges"))
         if share > _BOWED[0] and outside > _BOWED[1]:
             remarks += (
-                f"the contact would be at the edges: {100 * outside:.0f} % of the highest pixels are in the outer "
-                f"tenth, and a polynomial of second order has {100 * share:.0f} % of the variance; "
+                f"the contact would be at the edges: {100 * outside:.0f} % of the highest pixels are in the "
+                f"outer tenth, and a polynomial of second order has {100 * share:.0f} % of the variance; "
                 "try tilt = 'quadratic' (--tilt quadratic), or longest (--longest)",
             )
         return remarks
