@@ -46,7 +46,7 @@ def _origin(found: Surface, prepared: Surface) -> list[tuple[str, str]]:
     undefined = int(str(facts["undefined_pixels"]))
     pixels = " x ".join(map(str, shape))
     channels = ", ".join(map(str, _listed(facts["channels"])))
-    length_unit = facts["length_unit"] or "(no unit)"
+    length_unit = str(facts["length_unit"] or "(no unit)")
     rows = [
         ("file", str(facts["file"])),
         ("format", f"{facts['format']}, read by {facts['reader']}"),

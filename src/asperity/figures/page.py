@@ -114,8 +114,10 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
     )
     environment.filters["measured"] = quantity
     dataset, scan, fit, relaxing = prediction.dataset, prediction.origin, prediction.fit, prediction.relaxing
-    known = ("file", "sha256", "reader", "channel", "tilt_rule", "periodic_rule")
-    known += ("undefined_pixels", "despiked_pixels")
+    known = (
+        *("file", "sha256", "reader", "channel"),
+        *("undefined_pixels", "despiked_pixels", "tilt_rule", "periodic_rule"),
+    )
     shape = dataset["heights"].shape
     rows = _rows(prediction)
     return environment.get_template("prediction.html").render(

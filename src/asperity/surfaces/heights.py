@@ -6,8 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import asperity.checks as checks
+import asperity.units as units
 from asperity.errors import InputError
 from asperity.lattice import Field
+from asperity.surfaces.prepare import is_length
+from asperity.words import has_unit
 
 
 def check_heights(heights: ArrayLike) -> Field:
@@ -42,3 +45,21 @@ def checked_spacing(name: str, value: object, axes: int) -> tuple[float, ...]:
         raise InputError(name, expected=expected, got=checks.shown(value))
     found = found if found.ndim else np.full(axes, found)
     return tuple(found.tolist())
+
+
+def sides_of_pixels(
+    value: object, axes: int, length_unit: str | None
+) -> tuple[tuple[float, ...], str | None]:
+    """Distance between pixels along each axis, and its unit; texts such as "1 um" are converted to it.
+
+    Where no unit is given, it is that of the first text, or the meter if that is none of the usual ones.
+    """
+    written = [value] if isinstance(value, str) else value
+    texts = [text for text in written if has_unit(text)] if isinstance(written, list | tuple) else []
+    if texts:
+        own = texts[0].lstrip("+-.0123456789eE ").strip().replace("µ", "u").replace("μ", "u")
+        length_unit = length_unit or (own if is_length(own) else "m")
+        written = units.numbers("pixel_size", written, length_unit)
+    if isinstance(value, str) and isinstance(written, list):
+        (written,) = written
+    return checked_spacing("pixel_size", written, axes), length_unit

@@ -15,7 +15,7 @@ from asperity.checks import number as checked_number
 from asperity.errors import InputError, SurfaceFileError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import prepare
-from asperity.surfaces.heights import checked_spacing
+from asperity.surfaces.heights import sides_of_pixels
 from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.matrix_files import read_npy, read_npz, read_text
 from asperity.surfaces.raw import RawSurface
@@ -50,7 +50,7 @@ def read(
     longest: float | None = None,
     shortest: float | None = None,
     file_unit: Length | None = None,
-    pixel_size: float | Sequence[float] | None = None,
+    pixel_size: float | str | Sequence[float | str] | None = None,
     length_unit: Length | None = None,
 ) -> Surface:
     """Read a measured surface and make it ready for the solver.
@@ -105,8 +105,8 @@ def read(
     file_unit
         Unit of the heights in a file that does not say; or in place of what it says.
     pixel_size, length_unit
-        Distance between pixels, one number or one an axis, and its unit, of a file that does not say; or
-        in place of what it says.
+        Distance between pixels, one number, text such as ``"1 um"``, or one an axis, and its unit, of a file
+        that does not say; or in place of what it says.
 
     Returns
     -------
@@ -197,15 +197,16 @@ def read(
 def _with_lengths(
     raw: RawSurface,
     file_unit: Length | None,
-    pixel_size: float | Sequence[float] | None,
+    pixel_size: float | str | Sequence[float | str] | None,
     length_unit: Length | None,
 ) -> RawSurface:
     """Take what the user says of units and pixels in place of what the file says."""
     if file_unit is not None:
         raw = dataclasses.replace(raw, unit=file_unit)
     if pixel_size is not None:
-        sizes = checked_spacing("pixel_size", pixel_size, raw.heights.ndim)
-        raw = dataclasses.replace(raw, pixel_size=sizes, length_unit=length_unit or raw.length_unit)
+        chosen = length_unit or raw.length_unit
+        sizes, known = sides_of_pixels(pixel_size, raw.heights.ndim, chosen)
+        raw = dataclasses.replace(raw, pixel_size=sizes, length_unit=known)
     elif length_unit is not None:
         if raw.pixel_size is None:
             advice = "pixel_size (--pixel-size)"

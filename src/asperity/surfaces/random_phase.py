@@ -128,8 +128,8 @@ def from_spectrum(
     spectrum
         C(q), the same in all directions, as `power_spectrum` measures it: a function of an array of wave
         numbers, or the pair (q, C) of a table with rising q. Between the points of a table ln C is linear in
-        ln q; outside of it there are no waves. q is in radians per unit of the pixel size, C in the squared unit
-        of the heights times the squared unit of the pixel size; of a profile, times that unit.
+        ln q; outside of it there are no waves. q is in radians per unit of the pixel size, C in the squared
+        unit of the heights times the squared unit of the pixel size; of a profile, times that unit.
     pixel_size
         Distance between sites: one number, or one an axis.
     seed
@@ -148,8 +148,8 @@ def from_spectrum(
 
     Notes
     -----
-    The convention is that of T. D. B. Jacobs, T. Junge and L. Pastewka, Surf. Topogr.: Metrol. Prop. 5, 013001
-    (2017), DOI 10.1088/2051-672X/aa51f8, for their two-dimensional spectrum: with the area A,
+    The convention is that of T. D. B. Jacobs, T. Junge and L. Pastewka, Surf. Topogr.: Metrol. Prop. 5,
+    013001 (2017), DOI 10.1088/2051-672X/aa51f8, for their two-dimensional spectrum: with the area A,
     :math:`C(\mathbf q) = A^{-1} |\int h\, e^{-i \mathbf q \mathbf r} d^2r|^2` and
     :math:`\text{rms height}^2 = (2\pi)^{-2} \int C\, d^2q`. A spectrum of which the integral itself is the
     squared rms height is to be multiplied by :math:`4\pi^2`, and one against 1/wavelength has :math:`q/2\pi`.

@@ -24,8 +24,8 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     """Read a power spectrum for `from_spectrum` from a table in a text file.
 
     The names of the columns say what they hold and in which unit: ``q (1/um)``, ``wave_number_1/m``,
-    ``C [m^4]``, ``PSD (nm^2 um^2)``. Without names, the first of two columns is q. For the convention of C see
-    `from_spectrum`.
+    ``C [m^4]``, ``PSD (nm^2 um^2)``. Without names, the first of two columns is q. For the convention of C
+    see `from_spectrum`.
 
     Parameters
     ----------

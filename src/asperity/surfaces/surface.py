@@ -16,7 +16,7 @@ import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import prepare
-from asperity.surfaces.heights import check_heights, checked_spacing
+from asperity.surfaces.heights import check_heights, sides_of_pixels
 from asperity.surfaces.moments import Statistics, statistics
 
 if TYPE_CHECKING:
@@ -45,9 +45,10 @@ class Surface(views.InNotebooks):
     unit
         Unit of the heights: "nm", ..., "rms" (of its own rms height), or "1" if none is known.
     pixel_size
-        Distance between sites along each axis in `length_unit`, or None if unknown.
+        Distance between sites, one number or one an axis, in `length_unit`, or None if unknown. It may be
+        given as text with a unit, ``"1 um"`` or ``("1 um", "0.5 um")``.
     length_unit
-        Unit of the pixel size, or None if unknown.
+        Unit of the pixel size, by default that of its text, or None if unknown.
     provenance
         Where it comes from, and everything that was done to it.
     edges
@@ -67,9 +68,9 @@ class Surface(views.InNotebooks):
         heights.flags.writeable = False
         object.__setattr__(self, "heights", heights)
         if self.pixel_size is not None:
-            object.__setattr__(
-                self, "pixel_size", checked_spacing("pixel_size", self.pixel_size, heights.ndim)
-            )
+            size, unit = sides_of_pixels(self.pixel_size, heights.ndim, self.length_unit)
+            object.__setattr__(self, "pixel_size", size)
+            object.__setattr__(self, "length_unit", unit)
         if self.edges not in get_args(Edges):
             expected = f"one of {', '.join(map(repr, get_args(Edges)))}"
             raise InputError("edges", expected=expected, got=repr(self.edges))
