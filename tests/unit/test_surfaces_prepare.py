@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from asperity.errors import InputError
-from asperity.surfaces import prepare
+from asperity.surfaces import levelling, prepare
 
 
 def relaxed(heights: Any, sweeps: Any = 4000) -> Any:
@@ -90,7 +90,7 @@ def test_plane_is_found_from_the_defined_pixels_alone() -> None:
     plane = 5.0 + 0.25 * i - 2.0 * j
     defined = np.ones(plane.shape, dtype=bool)
     defined[1, 2] = defined[4, 4] = False
-    level, coefficients = prepare.remove_tilt(np.where(defined, plane, 100.0), defined, "plane")
+    level, coefficients = levelling.remove_tilt(np.where(defined, plane, 100.0), defined, "plane")
     assert coefficients == pytest.approx([5.0, 0.25, -2.0])
     np.testing.assert_allclose(level[defined], 0, atol=1e-13)
     np.testing.assert_allclose(level[~defined], (100.0 - plane)[~defined])
@@ -98,7 +98,7 @@ def test_plane_is_found_from_the_defined_pixels_alone() -> None:
 
 def test_least_squares_leaves_nothing_along_the_plane() -> None:
     heights = np.random.default_rng(1).normal(size=(30, 20)) + 1e4
-    level, coefficients = prepare.remove_tilt(heights, np.ones(heights.shape, dtype=bool), "plane")
+    level, coefficients = levelling.remove_tilt(heights, np.ones(heights.shape, dtype=bool), "plane")
     i, j = np.meshgrid(np.arange(30.0), np.arange(20.0), indexing="ij")
     for direction in (np.ones_like(i), i, j):
         assert np.sum(level * direction) == pytest.approx(0, abs=1e-6)
@@ -108,7 +108,7 @@ def test_least_squares_leaves_nothing_along_the_plane() -> None:
 @pytest.mark.parametrize("shape", [(1, 8), (8, 1), (8,), (1, 1), (1,)])
 def test_plane_of_degenerate_shapes(shape: Any) -> None:
     ramp = np.arange(math.prod(shape), dtype=float).reshape(shape) * 3 + 2
-    level, coefficients = prepare.remove_tilt(ramp, np.ones(shape, dtype=bool), "plane")
+    level, coefficients = levelling.remove_tilt(ramp, np.ones(shape, dtype=bool), "plane")
     np.testing.assert_allclose(level, 0, atol=1e-13)
     assert coefficients == pytest.approx([2.0] + [3.0 if n > 1 else 0.0 for n in shape])
 
@@ -116,10 +116,10 @@ def test_plane_of_degenerate_shapes(shape: Any) -> None:
 def test_mean_and_none() -> None:
     heights = np.array([[1.0, 2.0], [3.0, 90.0]])
     defined = np.array([[True, True], [True, False]])
-    level, coefficients = prepare.remove_tilt(heights, defined, "mean")
+    level, coefficients = levelling.remove_tilt(heights, defined, "mean")
     np.testing.assert_array_equal(level, heights - 2)
     assert coefficients == [2.0, 0.0, 0.0]
-    same, nothing = prepare.remove_tilt(heights, defined, "none")
+    same, nothing = levelling.remove_tilt(heights, defined, "none")
     np.testing.assert_array_equal(same, heights)
     assert nothing == [0.0, 0.0, 0.0]
 

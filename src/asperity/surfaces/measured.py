@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 from asperity.checks import number as checked_number
 from asperity.errors import InputError, SurfaceFileError
 from asperity.lattice import Edges, Field
-from asperity.surfaces import prepare
+from asperity.surfaces import levelling, prepare
 from asperity.surfaces.heights import sides_of_pixels
 from asperity.surfaces.instruments import read_instrument
+from asperity.surfaces.levelling import Tilt
 from asperity.surfaces.matrix_files import read_npy, read_npz, read_text
 from asperity.surfaces.raw import RawSurface
 from asperity.surfaces.surface import Provenance, Surface
 
 Undefined = Literal["fill", "refuse"]
-Tilt = Literal["plane", "quadratic", "mean", "none"]
 Periodic = Literal["mirror", "reflect", "taper", "wrap"]
 Length = Literal["m", "mm", "um", "nm", "pm"]
 Unit = Literal["m", "mm", "um", "nm", "pm", "rms"]
@@ -116,14 +116,13 @@ def read(
     Raises
     ------
     SurfaceFileError
-        If the file is missing, empty, truncated or of another kind, has no such channel, has more
-        undefined pixels than allowed, or more spikes to fill; or holds scattered points, or two heights
-        at one point.
+        If the file is missing, empty, truncated or of another kind, has no such channel, or has more
+        undefined pixels than allowed; or holds scattered points, or two heights at one point.
     MissingExtraError
         If the format needs SurfaceTopography and it is not installed.
     InputError
-        If an option is none of the above, or the unit cannot be converted; or if there are not two
-        of the larger pixels along the other axis.
+        If an option is none of the above, or the unit cannot be converted; if there are not two of the
+        larger pixels along the other axis; or if more pixels are spikes than undefined ones are filled.
     """
     for option, value, choices in (
         ("undefined", undefined, get_args(Undefined)),
@@ -142,56 +141,43 @@ def read(
     file = _checked_file(path)
     checksum = _sha256(file)
     raw = _with_lengths(_read_raw(file, channel), file_unit, pixel_size, length_unit)
-    found, size = raw.heights, raw.pixel_size
+    heights, size = raw.heights, raw.pixel_size
     cut: list[int] = []
     if crop is not None:
-        part = prepare.part_of(found.shape, crop, crop_unit or "pixel", size, raw.length_unit)
-        found, cut = found[part], [edge for axis in part for edge in (axis.start, axis.stop)]
-    missing = _checked_missing(file, found, 0.0 if undefined == "refuse" else limit)
+        part = prepare.part_of(heights.shape, crop, crop_unit or "pixel", size, raw.length_unit)
+        heights, cut = heights[part], [edge for axis in part for edge in (axis.start, axis.stop)]
+    missing = _checked_missing(file, heights, 0.0 if undefined == "refuse" else limit)
 
-    ignored = missing.copy()
-    while True:
-        filled = prepare.fill(np.where(ignored, np.nan, found))
-        level, removed = prepare.remove_tilt(filled, ~ignored, tilt)
-        outlying, highest = prepare.spikes(level, ~ignored)
-        if not (despike and outlying.any()):
-            break
-        ignored |= outlying
-        _check_spikes(file, ignored & ~missing, limit)
-    level, size = prepare.square(level, size) if resample else (level, size)
+    found = levelling.levelled(heights, missing, tilt, limit if despike else None)
+    level, size = prepare.square(found.level, size) if resample else (found.level, size)
     level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
-    bow, at_edges = prepare.bow(level)
-    factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=float(np.abs(filled).max()))
-    heights = prepare.make_periodic(level * factor, periodic, border=TAPER_BORDER)
+    factor, final_unit = prepare.scale_factor(
+        level, raw.unit, unit, largest=float(np.abs(found.filled).max())
+    )
+    final = prepare.make_periodic(level * factor, periodic, border=TAPER_BORDER)
     done: Provenance = {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),
         "undefined_fraction": float(missing.mean()),
-        "tilt_rule": tilt,
-        "tilt_coefficients": removed,
-        "outlying_pixels": int(outlying.sum()),
-        "outlying_height": highest,
-        "bow_variance": bow,
-        "highest_at_edges": at_edges,
+        **found.facts,
+        **levelling.bow(level),
         "resampled": size != raw.pixel_size,
         "pixel_size": list(size or ()),
         "unit": final_unit,
         "scale_factor": factor,
         "periodic_rule": periodic,
-        "final_shape": list(heights.shape),
-        "rms_before": float(found[~missing].std()),
-        "rms_after": float(heights.std()),
+        "final_shape": list(final.shape),
+        "rms_before": float(heights[~missing].std()),
+        "rms_after": float(final.std()),
     }
     if cut:
         done["crop"] = cut
-    if despike:
-        done["despiked_pixels"] = int((ignored & ~missing).sum())
     for name, wave in zip(("longest", "shortest"), limits, strict=True):
         if wave is not None:
             done[name] = wave
     origin: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
     edges: Edges = "reflecting" if periodic == "reflect" else "periodic"
-    return Surface(heights, final_unit, size, raw.length_unit, {**origin, **done}, edges)
+    return Surface(final, final_unit, size, raw.length_unit, {**origin, **done}, edges)
 
 
 def _with_lengths(
@@ -276,17 +262,6 @@ def _sha256(file: Path) -> str:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError as error:
         raise SurfaceFileError(str(file), expected="a readable file", got=str(error.strerror)) from error
-
-
-def _check_spikes(file: Path, spiky: NDArray[np.bool_], limit: float) -> None:
-    """Refuse to fill more spikes than undefined pixels would be."""
-    if (share := float(spiky.mean())) > limit:
-        raise SurfaceFileError(
-            str(file),
-            expected=f"at most {limit:.3g} of the pixels to be spikes",
-            got=f"{int(spiky.sum())} of {spiky.size} ({share:.3g})",
-            advice="no despike: so many are heights",
-        )
 
 
 def _checked_missing(file: Path, heights: Field, limit: float) -> NDArray[np.bool_]:

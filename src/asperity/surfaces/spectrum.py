@@ -33,8 +33,8 @@ import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.surfaces.heights import check_heights, checked_spacing
+from asperity.surfaces.levelling import remove_tilt
 from asperity.surfaces.moments import statistics
-from asperity.surfaces.prepare import remove_tilt
 from asperity.surfaces.surface import Surface
 
 if TYPE_CHECKING:

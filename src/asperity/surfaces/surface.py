@@ -15,7 +15,7 @@ import asperity.checks as checks
 import asperity.views as views
 from asperity.errors import InputError
 from asperity.lattice import Edges, Field
-from asperity.surfaces import prepare
+from asperity.surfaces import levelling, prepare
 from asperity.surfaces.heights import check_heights, sides_of_pixels
 from asperity.surfaces.moments import Statistics, statistics
 
@@ -27,6 +27,9 @@ Provenance = dict[str, str | int | float | bool | list[int] | list[float] | list
 _BOWED = 0.85, 0.9
 """Parts of the variance in a bow, and of the highest pixels at the edges, from which on both are remarked:
 in one of 300 square parts of self-affine surfaces without a roll-off (H = 0.8), in none with one."""
+
+_SPIKY = 0.1
+"""Largest part of the pixels that are filled as spikes."""
 
 _ALIKE = 1e-6
 """Relative difference up to which pixels of two surfaces are of one size."""
@@ -140,7 +143,7 @@ class Surface(views.InNotebooks):
         remarks = tuple(map(str, told)) if isinstance(told, list) else ()
         if count:
             remarks += (
-                f"pixels more than {prepare.SPIKE:g} robust standard deviations above the median height: "
+                f"pixels more than {levelling.SPIKE:g} robust standard deviations above the median height: "
                 f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load; "
                 "try despike = true (--despike)",
             )
@@ -212,6 +215,31 @@ class Surface(views.InNotebooks):
         heights = self.heights[part]
         edges: Edges = self.edges if heights.size == self.heights.size else "reflecting"
         return dataclasses.replace(self, heights=heights, edges=edges, provenance={**facts, "crop": cut})
+
+    def level(self, tilt: levelling.Tilt = "plane", *, despike: bool = False) -> Surface:
+        """Remove tilt, bow and spikes.
+
+        Parameters
+        ----------
+        tilt, despike
+            As `asperity.surfaces.read` takes them.
+
+        Returns
+        -------
+        Surface
+            Of a scan with its mirror images, the scan alone.
+
+        Raises
+        ------
+        InputError
+            If the tilt is none of these, or more than a tenth of the pixels are spikes.
+        """
+        if tilt not in (choices := get_args(levelling.Tilt)):
+            raise InputError("tilt", expected=f"one of {', '.join(map(repr, choices))}", got=repr(tilt))
+        scan = self.scan
+        nowhere = np.zeros(scan.shape, dtype=bool)
+        found = levelling.levelled(scan.heights, nowhere, tilt, _SPIKY if despike else None)
+        return dataclasses.replace(scan, heights=found.level, provenance={**scan.provenance, **found.facts})
 
     def band(self, *, longest: float | None = None, shortest: float | None = None) -> Surface:
         """Leave out the waves that are longer or shorter than these; the mean stays.
