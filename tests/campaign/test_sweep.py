@@ -383,6 +383,18 @@ def test_a_surface_that_changes_after_planning_fails_the_run(tmp_path):
     assert "expected the file as it was planned, got one that has changed since" in reason
 
 
+def test_surfaces_of_a_spectrum(tmp_path, monkeypatch):
+    table = tmp_path / "psd.csv"
+    table.write_text("q,C\n0.5,1\n5,0.1\n")
+    text = "[surface]\nkind = 'spectrum'\npath = 'psd.csv'\nshape = [8, 8]\n[aging]\nlast = 0.1\n"
+    plan = campaign.read_plan(written(tmp_path, f"{text}[sweep]\nseeds = 2"))
+    monkeypatch.chdir("/")  # a worker may be anywhere
+    assert {state for _, state, _ in do_here(plan, tmp_path / "out")} == {"done"}
+    assert campaign.open(tmp_path / "out").sizes["seed"] == 2
+    table.write_text("q,C\n0.5,1\n5,0.2\n")
+    assert {state for _, state, _ in do_here(plan, tmp_path / "again")} == {"failed"}
+
+
 def test_a_damaged_run_is_named_and_not_used(tmp_path):
     plan = campaign.read_plan(written(tmp_path))
     do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:2]), tmp_path / "out")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -163,13 +164,77 @@ def test_spikes_are_remarked_by_surface_and_run(asperity: Asperity) -> None:
     assert remark in text
 
 
+def test_bow_and_spikes_are_remarked_and_removed(asperity: Asperity) -> None:
+    heights = spectral((96, 96), roll_off=20, cutoff=4, seed=1)
+    u = np.linspace(-1, 1, 96)
+    heights += 15 * u**2 + 10 * u[:, None] ** 2
+    heights[20:22, 70] += 300.0
+    np.save("bow.npy", heights)
+    _, text, _ = asperity("surface", "bow.npy")
+    remarks = [line for line in text.splitlines() if line.startswith("remark")]
+    assert len(remarks) == 2
+    assert "try despike = true (--despike)" in remarks[0]
+    assert "the contact would be at the edges" in remarks[1]
+    assert "--tilt quadratic" in remarks[1]
+    words = ("--tilt", "quadratic", "--despike")
+    status, text, error = asperity("surface", "bow.npy", *words, "--overwrite")
+    assert (status, error) == (0, "")
+    assert "remark" not in text
+    assert row(text, "spikes filled") == "2 pixels"
+    told = row(text, "tilt").split(", and ")[1].split()
+    found = [float(number.strip(",")) for number in told[:3]]
+    i, j = (places - 47.5 for places in np.nonzero(heights < 200))
+    basis = np.stack([np.ones(i.size), i, j, i * i, i * j, j * j], axis=-1)
+    fitted = np.linalg.lstsq(basis, heights[heights < 200], rcond=None)[0]
+    assert found == pytest.approx(fitted[3:].tolist(), rel=1e-3)
+    assert float(row(text, "rms height").split()[-1]) == pytest.approx(1.0, rel=0.05)
+    # The same in a run: remarked, prepared, and recorded.
+    options = ("--periodic", "reflect", "--load", "30", "--times", "0", "--figures", "")
+    _, _, error = asperity("run", "--file", "bow.npy", *options, "--out", "before")
+    assert "remark: the contact would be at the edges" in error
+    status, text, error = asperity("run", "--file", "bow.npy", *words, *options, "--out", "after")
+    assert status == 0
+    assert "remark" not in error
+    assert "tilt = quadratic" in text
+    assert "spikes filled" in text
+    config = Path("after/config.toml").read_text()
+    assert 'tilt = "quadratic"\ndespike = true' in config
+    contact = results.load("after/history.zarr")["heights"].values
+    assert contact.max() < 6
+
+
+def test_a_figure_that_cannot_be_is_refused_before_anything_is_computed(
+    asperity: Asperity, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "asperity.cli.show", None)  # what reads and draws
+    np.save("rough.npy", gaussian((8, 8)))
+    Path("folder").mkdir()
+    status, _, error = asperity("surface", "rough.npy", "--out", "folder")
+    assert status == 2
+    assert error == (
+        "asperity: --out: expected a name that ends in .png, .pdf, .svg, got folder; try --out folder.png\n"
+    )
+
+
+def test_lengths_in_units_that_people_use(asperity: Asperity) -> None:
+    np.save("rough.npy", 2e-9 * gaussian((20, 40), seed=1))
+    words = ("--file-unit", "m", "--pixel-size", "5e-7", "--length-unit", "m")
+    _, text, _ = asperity("surface", "rough.npy", *words)
+    assert row(text, "size") == "10 x 20 um"
+    assert row(text, "unit of heights") == "m"
+    assert [word for word in row(text, "rms height").split() if word.isalpha()] == ["nm", "nm"]
+    hurst = row(text, "Hurst exponent")
+    assert hurst.startswith("none")
+    assert "use the rms slope" in hurst
+
+
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no instrument files in {DATA}; set ASPERITY_DATA")
 @pytest.mark.parametrize(
     ("name", "pixels", "size"),
     # What the instruments' own notes say of these files.
     [
         ("mi-1.mi", "256 x 256 (rows x columns), undefined: none", "20 x 20 um"),
-        ("opd-1.opd", "480 x 640 (rows x columns), undefined: 116", "0.0944319 x 0.125909 mm"),
+        ("opd-1.opd", "480 x 640 (rows x columns), undefined: 116", "94.4319 x 125.909 um"),
     ],
 )
 def test_files_of_instruments(asperity: Asperity, name: str, pixels: str, size: str) -> None:

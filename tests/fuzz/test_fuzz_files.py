@@ -92,11 +92,12 @@ def test_surface_files(tmp_path: Path) -> None:
             path.write_bytes(damage_bytes(draw, path.read_bytes()))
         options = {
             "undefined": draw.one(["fill", "refuse"]),
-            "tilt": draw.one(["plane", "mean", "none"]),
+            "tilt": draw.one(["plane", "quadratic", "mean", "none"]),
             "periodic": draw.one(["mirror", "reflect", "taper", "wrap"]),
             "unit": draw.one([None, None, "m", "nm", "rms"]),
             "channel": draw.one([None, None, 0, 1, "z", "\x1b[2J", 10**20]),
             "resample": draw.chance(0.2),
+            "despike": draw.chance(0.2),
             "crop": draw.one([None, None, [0, 4], [0, 4, 0, 4], [0.2, 0.4, -1, 3]]),
             "crop_unit": draw.one([None, None, "pixel", "nm"]),
             "longest": draw.one([None, None, 5.0, 1e-300]),

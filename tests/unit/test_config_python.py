@@ -115,6 +115,17 @@ def test_a_measured_surface_is_read_again(tmp_path: Path) -> None:
     assert np.array_equal(found["history"].dataset["energy"].values, dataset["energy"].values)
 
 
+@pytest.mark.parametrize("shape", [[16, 12], [64]], ids=["plane", "line"])
+def test_a_spectrum_is_read_again(tmp_path: Path, shape: list[int]) -> None:
+    power = 2 + len(shape)
+    (tmp_path / "psd.csv").write_text(f"q_1/um,C_nm^{power}\n0.1,4e12\n1,4e12\n4,1e10\n")
+    surface = {"kind": "spectrum", "path": str(tmp_path / "psd.csv"), "shape": shape, "unit": "um", "seed": 2}
+    config, dataset = completed({"surface": surface | {"spacing": [0.5]}, "solid": MAXWELL})
+    found = results_of(to_python(config, recorded_times(config).tolist()))
+    assert np.array_equal(found["history"].dataset["energy"].values, dataset["energy"].values)
+    assert found["rough"].heights.std() > 0.01 * 10.0 ** (-3 * (power - 2) / 2)
+
+
 def test_long_lines_are_broken_and_the_toml_says_the_same() -> None:
     config, _ = completed(CASES["protocol"])
     text = to_python(config, recorded_times(config).tolist())

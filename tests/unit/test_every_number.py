@@ -177,6 +177,10 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
         )
     ),
     (asp.surfaces.Surface, {"heights": ROUGH, "unit": "nm", "pixel_size": [0.5, 2.0]}),
+    (
+        asp.surfaces.from_spectrum,
+        {"shape": (8, 12), "spectrum": ([0.1, 9.0], [2.0, 1.0]), "pixel_size": [0.5, 2.0], "seed": 3},
+    ),
     (asp.surfaces.power_spectrum, {"surface": ROUGH, "pixel_size": [0.5, 2.0]}),
     (asp.surfaces.power_spectrum, {"surface": ROUGH, "longest": 8.0, "shortest": 2.0}),
     (asp.surfaces.check_heights, {"heights": ROUGH}),

@@ -98,6 +98,15 @@ def test_a_measured_surface_counts_by_its_content(tmp_path):
     assert read_plan(written(tmp_path, text)).runs[0].identity != first.identity
 
 
+def test_a_spectrum_counts_by_its_content(tmp_path):
+    text = "[surface]\nkind = 'spectrum'\npath = 'psd.csv'\nshape = [8, 8]\n[sweep]\nseeds = 2"
+    (tmp_path / "psd.csv").write_text("q,C\n0.5,1\n5,0.1\n")
+    first = read_plan(written(tmp_path, text))
+    (tmp_path / "psd.csv").write_text("q,C\n0.5,1\n5,0.2\n")
+    second = read_plan(written(tmp_path, text))
+    assert {run.identity for run in first.runs}.isdisjoint(run.identity for run in second.runs)
+
+
 def test_a_key_given_twice_is_refused(tmp_path):
     text = f"{BASE}\n[sweep]\nk1 = [1.0]\n[sweep.solid]\nk1 = [2.0]"
     assert problems_of(tmp_path, text) == ["[sweep] k1: given twice"]

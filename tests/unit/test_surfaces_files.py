@@ -376,7 +376,7 @@ def test_nothing_defined(tmp_path: Path) -> None:
     ("options", "message"),
     [
         ({"undefined": "zero"}, "undefined: expected one of 'fill', 'refuse', got 'zero'"),
-        ({"tilt": "parabola"}, "tilt: expected one of 'plane', 'mean', 'none', got 'parabola'"),
+        ({"tilt": "parabola"}, "tilt: expected one of 'plane', 'quadratic', 'mean', 'none', got 'parabola'"),
         ({"periodic": True}, "periodic: expected one of 'mirror', 'reflect', 'taper', 'wrap', got True"),
         ({"unit": "furlong"}, "unit: expected one of None, 'm', 'mm', .*, got 'furlong'"),
         ({"unit": ["nm"]}, "unit: expected one of"),

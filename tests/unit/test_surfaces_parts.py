@@ -8,6 +8,7 @@ import pytest
 
 from asperity.errors import InputError
 from asperity.surfaces import Surface, combined, gaussian, read, spectral, statistics
+from tests.refusals import refuses
 
 ROUGH = gaussian((24, 30), seed=4)
 
@@ -232,3 +233,29 @@ def test_a_surface_of_waves_is_unaltered_by_its_own_band() -> None:
     heights = spectral((64, 48), spacing=(1.0, 0.5), roll_off=20, cutoff=4)
     same = Surface(heights, pixel_size=(1.0, 0.5)).band(shortest=4.0)
     np.testing.assert_allclose(same.heights, heights, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"),
+    [
+        ({"pixel_size": "1 um"}, ((1.0, 1.0), "um")),
+        ({"pixel_size": "0.5 \u00b5m", "unit": "nm"}, ((0.5, 0.5), "um")),
+        ({"pixel_size": ("0.3 um", "200 nm")}, ((0.3, 0.2), "um")),
+        ({"pixel_size": ["0.3 um", "200 nm"], "length_unit": "nm"}, ((300.0, 200.0), "nm")),
+        ({"pixel_size": "1e-3 inch"}, ((2.54e-5, 2.54e-5), "m")),
+    ],
+)
+def test_pixel_sizes_with_a_unit(tmp_path: Path, given: Any, kept: Any) -> None:
+    heights = np.random.default_rng(0).normal(size=(6, 5))
+    surface = Surface(heights, **given)
+    assert (surface.pixel_size, surface.length_unit) == (pytest.approx(kept[0]), kept[1])
+    np.save(tmp_path / "a.npy", heights)
+    unit = {"file_unit": given.pop("unit", None)}
+    same = read(tmp_path / "a.npy", periodic="wrap", **given, **unit)
+    assert (same.pixel_size, same.length_unit) == (surface.pixel_size, surface.length_unit)
+
+
+@pytest.mark.parametrize("wrong", ["1 kg", "1", "um", "-1 um", ("1 um", "x"), ("1 um",)])
+def test_pixel_sizes_that_are_none(wrong: Any) -> None:
+    with refuses("pixel_size"):
+        Surface(np.ones((4, 5)), pixel_size=wrong)

@@ -1,13 +1,24 @@
 """Surfaces of a given spectrum, and the spectrum and the Hurst exponent of any surface."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from asperity.errors import InputError
-from asperity.surfaces import Surface, gaussian, power_spectrum, read, spectral, statistics
+from asperity.surfaces import (
+    Surface,
+    from_spectrum,
+    gaussian,
+    power_spectrum,
+    read,
+    read_spectrum,
+    spectral,
+    statistics,
+)
+from tests.refusals import refuses
 from tests.surfaces import correlated
 
 HURST = (0.3, 0.5, 0.8)
@@ -202,3 +213,137 @@ def test_a_mirrored_scan_is_measured_once(tmp_path: Any) -> None:
 )
 def test_surfaces_without_waves_have_no_exponent(heights: np.ndarray) -> None:
     assert power_spectrum(heights).fit is None
+
+
+def lorentzian(q: np.ndarray) -> np.ndarray:
+    """A spectrum of no Hurst exponent."""
+    return np.asarray(0.02 / (1 + (q / 0.6) ** 2) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("shape", "size"), [((60, 96), 0.5), ((64, 45), (0.25, 2.0)), ((301,), 0.3), (128, 1.0), ((1, 64), 1.0)]
+)
+def test_a_surface_has_the_spectrum_that_it_is_given(shape: Any, size: Any) -> None:
+    heights = from_spectrum(shape, lorentzian, pixel_size=size, seed=4)
+    q, squared = waves(heights, size)
+    # |h_q|^2 of the mean over sites, times the area, is C: (2 pi)^-d times its integral is the rms squared.
+    area = heights.size * np.prod(np.broadcast_to(size, heights.ndim))
+    np.testing.assert_allclose((squared * area)[q > 0], lorentzian(q[q > 0]), rtol=1e-9)
+    assert abs(heights.mean()) < 1e-12
+    cell = (2 * np.pi) ** heights.ndim / area
+    integral = np.sum(lorentzian(q[q > 0])) * cell / (2 * np.pi) ** heights.ndim
+    assert heights.std() == pytest.approx(math.sqrt(integral), rel=1e-12)
+
+
+def test_what_the_library_measures_is_what_was_given() -> None:
+    heights = from_spectrum((256, 256), lorentzian, pixel_size=0.5, seed=1)
+    measured = power_spectrum(Surface(heights, "um", (0.5, 0.5), "um"))
+    assert measured.window == "none"
+    # Bins are a quarter wide, and C is convex across them.
+    np.testing.assert_allclose(measured.power, lorentzian(measured.wave_number), rtol=0.04)
+    # And the other way: a surface of what was measured has the same spectrum within its table.
+    again = power_spectrum(
+        from_spectrum((256, 256), (measured.wave_number, measured.power), pixel_size=0.5), (0.5, 0.5)
+    )
+    np.testing.assert_allclose(again.power[2:-1], measured.power[2:-1], rtol=0.04)
+
+
+def test_a_self_affine_spectrum_gives_the_spectral_surface() -> None:
+    own = spectral((64, 48), hurst=0.7, roll_off=20, cutoff=4, rms_height=2.0, seed=7)
+    q, squared = waves(own)
+    level = np.max(squared) * own.size
+    start, end = 2 * np.pi / 20, 2 * np.pi / 4
+
+    def law(q: np.ndarray) -> np.ndarray:
+        return np.where(q <= end * (1 + 1e-9), level * np.maximum(q / start, 1) ** -3.4, 0)
+
+    np.testing.assert_allclose(from_spectrum((64, 48), law, seed=7), own, atol=1e-12)
+    # In a table of two points the power law between them is exact; there is nothing outside.
+    band = (np.array([start, end]), level * np.array([1, (end / start) ** -3.4]))
+    inside = (q >= start) & (q <= end * (1 + 1e-9))
+    _, of_table = waves(from_spectrum((64, 48), band, seed=7))
+    np.testing.assert_allclose(of_table[inside], squared[inside], rtol=1e-9)
+    assert of_table[~inside].max() < 1e-25
+
+
+def test_seeds_of_a_spectrum() -> None:
+    one, same, other = (from_spectrum(64, lorentzian, seed=seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one, same)
+    assert np.abs(one - other).max() > 0.1 * one.std()
+
+
+@pytest.mark.parametrize(
+    "spectrum",
+    [
+        ([1.0, 1.0], [2.0, 2.0]),
+        ([1.0], [2.0]),
+        ([1.0, 2.0], [2.0, 2.0, 2.0]),
+        ([100.0, 200.0], [1.0, 1.0]),
+        3.0,
+        lambda q: -q,
+        lambda q: np.log(q - 1.0),
+        lambda q: 0 * q,
+        lambda q: q[:3],
+    ],
+    ids=["equal", "one", "shapes", "outside", "number", "negative", "nan", "zero", "three"],
+)
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_spectra_that_are_none(spectrum: Any) -> None:
+    with refuses("spectrum"):
+        from_spectrum((16, 16), spectrum)
+
+
+@pytest.mark.parametrize("spectrum", [([0.0, 1.0], [1.0, 1.0]), ([1.0, 2.0], [1.0, 0.0])], ids=["q", "C"])
+def test_tables_have_positive_numbers(spectrum: Any) -> None:
+    with refuses("q" if spectrum[0][0] == 0 else "C"):
+        from_spectrum((16, 16), spectrum)
+
+
+@pytest.mark.parametrize(
+    ("header", "unit", "q", "power"),
+    [
+        ("q_1/um,C_um^4", "um", 1, 1),
+        ("q_1/um,C_um^4", "m", 1e6, 1e-24),
+        ("wave number [rad/m];PSD (nm^2 um^2)", "um", 1e-6, 1e-6),
+        ("power spectrum (m^4)\tq (1/nm)", "nm", 1, 1e36),
+        ("q,C(q)", "um", 1, 1),
+        ("q,C", None, 1, 1),
+        ("", None, 1, 1),
+    ],
+)
+def test_tables_of_spectra(tmp_path: Path, header: str, unit: Any, q: float, power: float) -> None:
+    mark = next((mark for mark in ",;\t" if mark in header), ",")
+    turned = header.startswith("power")
+    rows = [(2.0, 1.0), (4.0, 3.0)] if turned else [(1.0, 2.0), (3.0, 4.0)]
+    path = tmp_path / "psd.csv"
+    path.write_text("\n".join([header, *(f"{a}{mark}{b}" for a, b in rows)]).strip() + "\n")
+    found = read_spectrum(path, unit=unit)
+    np.testing.assert_allclose(found[0], [1 * q, 3 * q])
+    np.testing.assert_allclose(found[1], [2 * power, 4 * power])
+
+
+@pytest.mark.parametrize(
+    ("header", "name"),
+    [
+        ("f,C", "psd.csv"),
+        ("q,C,PSD", "psd.csv"),
+        ("q_1/um,C_um^4", "unit"),
+        ("q (s),C", "column 'q (s)' of psd.csv"),
+        ("q,C (1/m)", "column 'C (1/m)' of psd.csv"),
+    ],
+)
+def test_tables_that_are_no_spectrum(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, header: str, name: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    row = ",".join("1" * (header.count(",") + 1))
+    Path("psd.csv").write_text(f"{header}\n{row}\n")
+    with refuses(name):
+        read_spectrum("psd.csv")
+
+
+def test_a_profile_has_a_spectrum_of_its_own_unit(tmp_path: Path) -> None:
+    (tmp_path / "psd.csv").write_text("q_1/um,C_um^3\n1,2\n3,4\n")
+    np.testing.assert_allclose(read_spectrum(tmp_path / "psd.csv", unit="nm", dimension=1)[1], [2e9, 4e9])
+    with pytest.raises(InputError, match=r"expected a unit like um\^4, got 'um\^3'"):
+        read_spectrum(tmp_path / "psd.csv", unit="um")

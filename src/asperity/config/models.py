@@ -6,6 +6,7 @@ from the surface and the solid. The flags of the command line are made of these 
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Mapping
 from itertools import pairwise
@@ -213,7 +214,10 @@ class Waves(SurfaceSection):
 
         origin = self.model_dump(exclude_none=True)
         origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
-        return Surface(self.heights(), self.unit or "1", self.pixel_size, self.unit, origin)
+        heights = self.heights()
+        if self.file is not None:
+            origin["sha256"] = hashlib.sha256(self.file.read_bytes()).hexdigest()
+        return Surface(heights, self.unit or "1", self.pixel_size, self.unit, origin)
 
 
 class Spectral(Waves):

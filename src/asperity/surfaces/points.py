@@ -40,8 +40,7 @@ def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, float]]:
     x, y, z = points[~np.isnan(points[:, 2])].T
     column, row = _numbered(x), _numbered(-y)
     if column is None or row is None or (row[0].max() + 1.0) * (column[0].max() + 1.0) > _SPARSE * z.size:
-        advice = "heights interpolated to a grid (scipy.interpolate.griddata), saved by numpy.save; "
-        advice += "or the name .txt, if this is a matrix of heights with three columns"
+        advice = "heights interpolated to a grid, or the name .txt for a matrix of heights with three columns"
         raise SurfaceFileError(
             name,
             expected="points x, y, z of a regular grid",

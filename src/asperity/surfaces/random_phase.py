@@ -160,10 +160,12 @@ def from_spectrum(
     q = wave_number(lengths, sides)
     kept = q > 0
     power = np.zeros(q.shape)
-    if callable(spectrum):
-        power[kept] = checks.floats("spectrum", spectrum(q[kept]))
-    else:
-        power[kept] = _of_table(spectrum, q[kept])
+    found = (
+        checks.floats("spectrum", spectrum(q[kept])) if callable(spectrum) else _of_table(spectrum, q[kept])
+    )
+    if found.shape not in ((), q[kept].shape):
+        raise InputError("spectrum", expected=f"C at {q[kept].size} wave numbers", got=f"shape {found.shape}")
+    power[kept] = found
     if not (np.isfinite(power) & (power >= 0)).all():
         raise InputError("spectrum", expected="finite C >= 0 at all wave numbers", got="others")
     if not power.any():
@@ -187,9 +189,10 @@ def _of_table(table: tuple[ArrayLike, ArrayLike], q: Field) -> Field:
         expected = "a function of wave numbers, or the pair (q, C)"
         raise InputError("spectrum", expected=expected, got=checks.shown(table)) from None
     points, values = checks.positive("q", wave_numbers), checks.positive("C", powers)
-    if points.ndim != 1 or points.shape != values.shape or not (np.diff(points) > 0).all() or points.size < 2:
-        expected = "rising q and as many C, two or more"
-        raise InputError("spectrum", expected=expected, got=f"shapes {points.shape} and {values.shape}")
+    rising = points.ndim == 1 and points.size > 1 and bool((np.diff(points) > 0).all())
+    if not rising or points.shape != values.shape:
+        got = f"shapes {points.shape} and {values.shape}" if rising else "q that does not rise"
+        raise InputError("spectrum", expected="rising q and as many C, two or more", got=got)
     inside = (q >= points[0] * (1 - _ROUNDING)) & (q <= points[-1] * (1 + _ROUNDING))
     return np.where(inside, np.exp(np.interp(np.log(q), np.log(points), np.log(values))), 0.0)
 
