@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from operator import methodcaller
+from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
@@ -181,6 +182,7 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
         asp.surfaces.from_spectrum,
         {"shape": (8, 12), "spectrum": ([0.1, 9.0], [2.0, 1.0]), "pixel_size": [0.5, 2.0], "seed": 3},
     ),
+    (asp.surfaces.read_spectrum, {"path": "psd.csv", "dimension": 2}),
     (asp.surfaces.power_spectrum, {"surface": ROUGH, "pixel_size": [0.5, 2.0]}),
     (asp.surfaces.power_spectrum, {"surface": ROUGH, "longest": 8.0, "shortest": 2.0}),
     (asp.surfaces.check_heights, {"heights": ROUGH}),
@@ -472,6 +474,7 @@ def public_functions() -> Iterator[Callable[..., Any]]:
 def _files(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     np.save("heights.npy", ROUGH)
+    Path("psd.csv").write_text("q,C\n1,2\n3,1\n")
 
 
 def test_every_public_function_is_here():
