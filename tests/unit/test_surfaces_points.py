@@ -64,7 +64,11 @@ def test_points_of_no_grid_are_refused() -> None:
     rng = np.random.default_rng(0)
     bent = GRID.copy()
     bent[:, 0] += 0.2 * np.sin(GRID[:, 1])
-    for points in (rng.uniform(0, 20, (300, 3)), bent, GRID * [1, 0, 1], np.delete(GRID, 3, 0) * [0, 0, 1]):
+    endless = np.delete(GRID, 3, axis=0)
+    endless[5, 1], endless[7, 0] = np.inf, np.nan
+    far = np.vstack([GRID, [1e308, -1e308, 0], [-1e308, 1e308, 0]])
+    line, point = GRID * [1, 0, 1], np.delete(GRID, 3, axis=0) * [0, 0, 1]
+    for points in (rng.uniform(0, 20, (300, 3)), bent, line, point, endless, far):
         with refuses("points.xyz", kind=SurfaceFileError):
             as_found(points)
     with refuses("points.xyz", kind=SurfaceFileError):

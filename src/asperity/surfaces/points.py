@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,11 +61,14 @@ def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, float]]:
 
 def _numbered(places: Field) -> tuple[NDArray[np.intp], float] | None:
     """Numbers of the lines of a grid on which points lie, and their distance; None where there is no grid."""
-    from_first = places - places.min(initial=np.inf)
+    with np.errstate(over="ignore", invalid="ignore"):  # of coordinates that are no numbers
+        from_first = places - places.min(initial=np.inf)
     side = float(from_first.max(initial=0.0))
+    if not math.isfinite(side):
+        return None
     gaps = np.diff(np.unique(from_first))
     gaps = gaps[gaps > _SAME * side]
-    if not gaps.size or not np.isfinite(side):
+    if not gaps.size:
         return None
     # Of equal gaps, but for rounding: a line without any point leaves one of two spacings or more.
     step = side / round(side / float(gaps[gaps < 1.5 * gaps.min()].mean()))
