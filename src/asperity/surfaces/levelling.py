@@ -107,11 +107,8 @@ def levelled(heights: Field, missing: Mask, tilt: Tilt, most_spikes: float | Non
             break
         ignored |= outlying
         if (share := float((ignored & ~missing).mean())) > most_spikes:
-            expected, advice = (
-                f"at most {most_spikes:.3g} of the pixels to be spikes",
-                "no despike: those are heights",
-            )
-            raise InputError("despike", expected=expected, got=f"{share:.3g}", advice=advice)
+            expected = f"at most {most_spikes:.3g} of the pixels to be spikes"
+            raise InputError("despike", expected=expected, got=f"{share:.3g}", advice="heights as they are")
     facts: dict[str, str | int | float | list[float]] = {"tilt_rule": tilt, "tilt_coefficients": removed}
     facts |= {"outlying_pixels": int(outlying.sum()), "outlying_height": highest}
     facts |= bow(level)
