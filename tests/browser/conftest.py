@@ -1,5 +1,6 @@
 """A browser that looks at the page: from a server, and from an exported file."""
 
+import base64
 import json
 import shutil
 import signal
@@ -93,6 +94,33 @@ def rows(page):
     """The time series of the page, by name."""
     listed = page.evaluate("Array.from({length: asperity.state.rows}, (_, at) => asperity.row(at))")
     return {name: [row[name] for row in listed] for name in listed[0]}
+
+
+SMALL = {"surface": {"shape": [48, 48]}, "aging": {"per_decade": 2}}
+
+
+@pytest.fixture
+def live(tab, served):
+    """A tab with a small run that has ended."""
+
+    def open_live(config=SMALL, **options):
+        page = tab(f"{served}#config={link(config)}", **options)
+        finished(page)
+        return page
+
+    return open_live
+
+
+def link(config):
+    """The configuration of a link."""
+    return base64.urlsafe_b64encode(json.dumps(config).encode()).decode().rstrip("=")
+
+
+def again(page, act):
+    """Do something that starts another run, and wait for its end."""
+    before = state(page)["job"]
+    act()
+    return finished(page, after=before)
 
 
 @pytest.fixture(scope="session")

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
+import socket
 import time as clock
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -313,7 +316,10 @@ def test_results_are_opened(server: Server, path: str) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    ["..", "../outside", "/etc", "a run/..", "link", "nope", "a\\b", "\0", "a run/history.zarr/../../x"],
+    [
+        *("..", "../outside", "/etc", "a run/..", "link", "nope", "a\\b", "\0", "a run/history.zarr/../../x"),
+        "\ud800",
+    ],
 )
 def test_what_lies_outside_is_not_opened(server: Server, path: str) -> None:
     with server.page() as page:
@@ -361,6 +367,48 @@ def test_pages_of_others_are_refused(server: Server, origin: str | None) -> None
     assert server.request("POST", "/files/x", b"x", **headers)[0] == 403
     if origin is not None:
         assert server.request("GET", "/", **headers)[0] == 403
+
+
+def test_two_origins_are_refused(server: Server) -> None:
+    own = f"Origin: {server.address}\r\n"
+    for lines, status in (
+        (own, b"200"),
+        ("Origin: http://evil.example\r\n" + own, b"403"),
+        (own + own, b"403"),
+    ):
+        with socket.create_connection(("127.0.0.1", server.port), timeout=30) as raw:
+            host = f"POST /files/two.npy HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
+            raw.sendall(f"{host}{lines}Content-Length: 1\r\n\r\na".encode())
+            assert raw.recv(100).split()[1] == status
+
+
+@pytest.mark.parametrize(("length", "status"), [(249, 200), (250, 200), (255, 200), (256, 400), (300, 400)])
+def test_a_long_name_is_taken_if_the_disk_has_such(server: Server, length: int, status: int) -> None:
+    answer, told = server.upload("x" * length, b"1 2\n3 4\n")
+    assert answer == status
+    if status == 400:
+        assert told["mistakes"][0]["text"].endswith("File name too long")
+
+
+def test_an_upload_that_is_cut_off_is_no_fault() -> None:
+    own = Server()
+    with socket.create_connection(("127.0.0.1", own.port), timeout=30) as raw:
+        host = f"POST /files/cut.npy HTTP/1.1\r\nHost: 127.0.0.1:{own.port}\r\nOrigin: {own.address}\r\n"
+        raw.sendall(f"{host}Content-Length: 100000\r\n\r\nabc".encode())
+        clock.sleep(0.3)
+    assert own.upload("whole.npy", b"a")[0] == 200
+    assert own.end() == (0, "")
+
+
+def test_a_name_that_is_no_text_is_listed_and_opened(results_folder: Path, tmp_path: Path) -> None:
+    shutil.copytree(results_folder / "a run", tmp_path / os.fsdecode(b"bad\xffname"))
+    own = Server(tmp_path)
+    with own.page() as page:
+        (found,) = page.receive(timeout=30)[0]["folder"]
+        assert found["title"].isprintable()
+        page.send("open", path=found["path"])
+        assert [header["kind"] for header, _ in page.until("done", "failed")] == ["scene", "rows", "done"]
+    assert own.end() == (0, "")
 
 
 def test_it_listens_on_this_machine_alone(server: Server) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import tomllib
+from collections import deque
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -25,8 +27,8 @@ from asperity.protocols import described
 from asperity.runs import recorded_times
 from asperity.words import printable
 
-_DEEPEST, _MOST = 4, 500
-"""Folders within folders that are looked into, and results that are listed."""
+_DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
+"""Folders within folders that are looked into, results that are listed, and folders that are looked at."""
 
 _MOST_CURVES = 500
 """Runs of a campaign whose curves are sent."""
@@ -36,9 +38,10 @@ def inside(root: Path, name: str) -> Path:
     """The place of a name in a folder, links followed; `InputError` if it lies outside, or is no name."""
     pure = PurePosixPath(name)
     if "\0" not in name and "\\" not in name and not pure.is_absolute() and ".." not in pure.parts:
-        found = (root / pure).resolve()
-        if found.is_relative_to(root.resolve()):
-            return found
+        with contextlib.suppress(UnicodeEncodeError):  # no disk has such a name
+            found = (root / pure).resolve()
+            if found.is_relative_to(root.resolve()):
+                return found
     raise InputError("path", expected="a name in the folder that is shown", got=printable(name))
 
 
@@ -56,16 +59,18 @@ def kind_of(folder: Path) -> str:
 def entries(root: Path) -> list[dict[str, str]]:
     """Runs, campaigns and predictions of a folder, which may be one itself: path, kind and title."""
     found: list[dict[str, str]] = []
-    waiting = [(root, 0)]
-    while waiting and len(found) < _MOST:
-        folder, depth = waiting.pop(0)
-        if kind := kind_of(folder):
-            path = folder.relative_to(root).as_posix()
-            title = folder.resolve().name if path == "." else path
-            found.append({"path": path, "kind": kind, "title": title})
-        elif depth < _DEEPEST:
-            inner = sorted(one for one in folder.iterdir() if one.name[0] not in "._")
-            waiting += [(one, depth + 1) for one in inner if one.is_dir() and not one.is_symlink()]
+    waiting, seen = deque([(root, 0)]), 0
+    while waiting and len(found) < _MOST and seen < _MOST_SEEN:
+        folder, depth = waiting.popleft()
+        seen += 1
+        with contextlib.suppress(OSError):  # it is not ours to read, or has just gone
+            if kind := kind_of(folder):
+                path = folder.relative_to(root).as_posix()
+                title = folder.resolve().name if path == "." else path
+                found.append({"path": path, "kind": kind, "title": printable(title)})
+            elif depth < _DEEPEST:
+                inner = sorted(one for one in folder.iterdir() if one.name[0] not in "._")
+                waiting += [(one, depth + 1) for one in inner if one.is_dir() and not one.is_symlink()]
     return found
 
 
@@ -91,7 +96,7 @@ def open_entry(root: Path, name: str) -> Opened:
     except AsperityError:
         raise
     except Exception as error:  # a damaged byte leads anywhere
-        got = f"{name}, which is damaged"
+        got = f"{printable(name)}, which is damaged"
         raise InputError("path", expected="results as asperity wrote them", got=got) from error
 
 
@@ -115,14 +120,14 @@ def _opened(root: Path, name: str) -> Opened:
         for run in plan.runs:
             if run.identity == PurePosixPath(name).name:
                 return Opened(None, *_of_campaign(plan, store, run, above))
-    raise InputError("path", expected="a run, a campaign or a prediction", got=name)
+    raise InputError("path", expected="a run, a campaign or a prediction", got=printable(name))
 
 
 def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
     """A run of the command line, a saved history, or a prediction."""
     dataset = results.load(folder)
     config = _config(str(dataset.attrs.get("config", "")))
-    recording = recorded(dataset, config, job=job, title=folder.resolve().name)
+    recording = recorded(dataset, config, job=job, title=printable(folder.resolve().name))
     law = None if config is None else config.surface.law
     held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
     summary = aging_summary(dataset, law=law) if held else None

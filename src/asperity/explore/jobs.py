@@ -45,6 +45,11 @@ _MOST_AT_ONCE = 2
 _KEPT_BYTES, _KEPT_RUNS = 256e6, 32
 """Finished runs that are kept: their bytes, and their number."""
 
+_END = 5.0
+"""Seconds for which a process is waited for that has let go of its connection, or was killed."""
+
+_STARTING = "starting"
+
 _LEG = re.compile(r"^(protocol(?:\[\d+\](?: legs)?)*)(?: (\w+))?: ")
 
 Mistake = dict[str, str]
@@ -211,10 +216,14 @@ class Job:
 
 @dataclass(eq=False)
 class _Worker:
+    """A process that computes: whether it has all its loops, and what it does before its first run."""
+
     process: Any
     connection: Connection
     job: Job | None = None
     stops: bool = False
+    ready: bool = False
+    stage: str = _STARTING
 
 
 class Jobs:
@@ -235,7 +244,7 @@ class Jobs:
         name = _name_of(config)
         if (known := self._running.get(name) or self._kept.get(name)) is not None:
             return known
-        job = Job(Recording(name, stage="starting"), config, shown, title)
+        job = Job(Recording(name, stage=_STARTING), config, shown, title)
         self._running[name] = job
         self._waiting.append(job)
         self._next()
@@ -255,7 +264,7 @@ class Jobs:
         for worker in self._workers:
             worker.process.kill()
         for worker in self._workers:
-            worker.process.join()
+            worker.process.join(_END)
 
     def _stop_if_unwatched(self, job: Job) -> None:
         if job.watchers or self._running.get(job.recording.job) is not job:
@@ -281,10 +290,12 @@ class Jobs:
             free = next((worker for worker in alive if worker.job is None), None)
             if free is None:
                 if any(worker.stops for worker in self._workers) or len(self._workers) >= _MOST_AT_ONCE:
-                    self._tell(self._waiting[0], "waiting for another run")
+                    for job in self._waiting:
+                        self._tell(job, "waiting for another run")
                     return
                 free = self._start_worker()
             free.job = job = self._waiting.popleft()
+            self._tell(job, free.stage)
             with contextlib.suppress(OSError):  # it has just ended: see `_lost`
                 free.connection.send((job.config, job.shown, job.title))
 
@@ -320,6 +331,9 @@ class Jobs:
                 self._ended(job)
             self._next()
             return
+        if what == "ready" or (what == "stage" and not worker.ready):  # compiling, asked for a run or not
+            worker.stage, worker.ready = content or _STARTING, what == "ready"
+            what, content = "stage", worker.stage
         if job is None:
             return
         recording = job.recording
@@ -337,12 +351,15 @@ class Jobs:
         """A process has ended: it was killed, by us or by the system."""
         self._workers.remove(worker)
         worker.connection.close()
-        worker.process.join()
+        worker.process.join(_END)
         if self._closed:
             return
-        code = worker.process.exitcode
+        if worker.process.exitcode is None:
+            worker.process.kill()
+            worker.process.join(_END)
+        code = worker.process.exitcode or 0
         job = worker.job
-        if job is not None and job.recording.stage == "starting" and not (job.lost or worker.stops):
+        if job is not None and job.recording.stage == worker.stage and not (job.lost or worker.stops):
             job.lost = True  # whatever ended the process, it was not this run
             self._waiting.appendleft(job)
         elif job is not None:

@@ -71,7 +71,8 @@ def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]] | None = 
         )
         parts.append(_padded(raw.tobytes()))
         offset += len(parts[-1])
-    words = json.dumps(finite({**header, "arrays": listed}), ensure_ascii=False, allow_nan=False).encode()
+    # In ASCII: a name that is no UTF-8 has halves of pairs, which JSON can write and UTF-8 cannot.
+    words = json.dumps(finite({**header, "arrays": listed}), allow_nan=False).encode()
     start = _padded(len(words).to_bytes(4, "little") + words)
     return b"".join([start, *parts])
 

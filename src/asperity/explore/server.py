@@ -20,7 +20,7 @@ from typing import Any
 
 import uvicorn
 from starlette.applications import Starlette
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -35,6 +35,7 @@ from asperity.explore.folders import Opened, entries, inside, open_entry
 from asperity.explore.jobs import Job, Jobs, Shown, mistakes_of
 from asperity.explore.scene import Arrays, Cursor, Header, Recording, json_tables, pack
 from asperity.runs.pipeline import completed
+from asperity.words import brief
 
 HOST = "127.0.0.1"
 USUAL_PORT, _PORTS = 8765, 20
@@ -42,6 +43,12 @@ USUAL_PORT, _PORTS = 8765, 20
 
 PER_DECADE = 8
 """Times in each decade of a run that does not say: twice as many as on the command line."""
+
+EDGES = "reflect"
+"""Edges of a scan that does not say: it is taken once, as a prediction takes it."""
+
+_LONGEST_CHECK, _LONGEST_UPLOAD = 30.0, 600.0
+"""Seconds after which a configuration that is still being checked, or a file that still comes, is refused."""
 
 _LARGEST_FILE, _LARGEST_FILES = 200_000_000, 1_000_000_000
 """Bytes of one file that is dropped on the page, and of all."""
@@ -95,16 +102,18 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
     """
     if not isinstance(tables, dict):
         raise ConfigError(["expected the sections of a configuration"])
-    known = {
+    known: dict[str, Any] = {
         section: {key: one for key, one in table.items() if one is not None}
         if isinstance(table, dict)
         else table
         for section, table in tables.items()
         if table != []
     }
-    aging = known.setdefault("aging", {})
+    aging, surface = known.setdefault("aging", {}), known.get("surface")
     if isinstance(aging, dict) and "times" not in aging:
         aging.setdefault("per_decade", PER_DECADE)
+    if isinstance(surface, dict) and surface.get("kind", "file" if "path" in surface else "") == "file":
+        surface.setdefault("periodic", EDGES)
     shown: Shown = {}
     for section, key in (("surface", "path"), ("solid", "relaxation")):
         table = known.get(section)
@@ -181,7 +190,12 @@ class Session:
     async def _check(self, tables: object, *, runs: bool) -> None:
         """Check a configuration, and run it if it shall be."""
         try:
-            config, shown = await asyncio.to_thread(read_request, tables, self._server.places)
+            async with asyncio.timeout(_LONGEST_CHECK):
+                config, shown = await asyncio.to_thread(read_request, tables, self._server.places)
+        except TimeoutError:
+            said = f"checking took more than {_LONGEST_CHECK:g} s; try a smaller table, or a shorter history"
+            self._put(({"kind": "mistakes", "job": "", "mistakes": [{"where": "", "text": said}]}, {}))
+            return
         except Exception as error:  # said to the user, in the page
             self._put(({"kind": "mistakes", "job": "", "mistakes": mistakes_of(error)}, {}))
             return
@@ -233,16 +247,22 @@ class Session:
         return None if self._recording is None else self._recording.next(self._cursor)
 
     async def _send(self) -> None:
-        while True:
-            if (message := self._next()) is None:
-                self._news.clear()
-                await self._news.wait()
-                continue
-            header, arrays = message
-            self._sequence += 1
-            self._acknowledged.clear()
-            await self._websocket.send_bytes(pack({**header, "sequence": self._sequence}, arrays))
-            await self._acknowledged.wait()
+        """Send what is new; a fault of it ends the connection, or the page would wait for ever."""
+        try:
+            while True:
+                if (message := self._next()) is None:
+                    self._news.clear()
+                    await self._news.wait()
+                    continue
+                header, arrays = message
+                self._sequence += 1
+                self._acknowledged.clear()
+                await self._websocket.send_bytes(pack({**header, "sequence": self._sequence}, arrays))
+                await self._acknowledged.wait()
+        except Exception:
+            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+                await self._websocket.close(1011)
+            raise
 
 
 class Server:
@@ -278,6 +298,7 @@ class Server:
             for section, kinds in sections().items()
         }
         form["aging"][""]["per_decade"]["default"] = PER_DECADE
+        form["surface"]["file"]["periodic"]["default"] = EDGES
         config, _ = read_request({}, self.places)
         usual, _ = completed(config, config.surface.build())
         usual = usual.model_copy(update={"output": config.output})
@@ -324,22 +345,25 @@ class Server:
         uploads = self.places.uploads
         if name in (".", "..") or name.startswith(".") or not name.isprintable() or set(name) & set("/\\:"):
             return _refused(f"expected the name of a file, got {name!r}", 400)
-        kept = sum(one.stat().st_size for one in uploads.iterdir())
-        part = uploads / f".{name}.part"
         size = 0
         try:
-            with part.open("wb") as stream:
-                async for chunk in request.stream():
-                    size += len(chunk)
-                    if size > _LARGEST_FILE or kept + size > _LARGEST_FILES:
-                        said = f"{name}: expected at most {_LARGEST_FILE // 1_000_000} MB, got more"
-                        return _refused(said, 413)
-                    stream.write(chunk)
-            part.replace(uploads / name)
+            kept = sum(one.stat().st_size for one in uploads.iterdir() if one.is_file())
+            # A name of its own: that of the file may be as long as the disk allows.
+            with tempfile.TemporaryDirectory(prefix=".", dir=uploads) as folder:
+                part = Path(folder) / "part"
+                async with asyncio.timeout(_LONGEST_UPLOAD):
+                    with part.open("wb") as stream:
+                        async for chunk in request.stream():
+                            size += len(chunk)
+                            if size > _LARGEST_FILE or kept + size > _LARGEST_FILES:
+                                said = f"{name}: expected at most {_LARGEST_FILE // 1_000_000} MB, got more"
+                                return _refused(said, 413)
+                            stream.write(chunk)
+                part.replace(uploads / name)
+        except ClientDisconnect:
+            return _refused(f"{name}: the connection ended before the file did", 400)
         except OSError as error:
-            return _refused(f"{name}: {error.strerror}", 400)
-        finally:
-            part.unlink(missing_ok=True)
+            return _refused(f"{brief(name, 80)}: {error.strerror or 'the file did not come to its end'}", 400)
         return JSONResponse({"path": name})
 
 
@@ -368,11 +392,12 @@ class OwnPagesOnly:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        headers = {name.decode("latin-1"): one.decode("latin-1") for name, one in scope["headers"]}
-        host, origin = headers.get("host", ""), headers.get("origin")
+        given = [(name, one.decode("latin-1")) for name, one in scope["headers"]]
+        hosts, origins = ([one for name, one in given if name == wanted] for wanted in (b"host", b"origin"))
+        host = hosts[0] if len(hosts) == 1 else ""  # one of each: of two nobody can say which counts
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
-        own = host in self._hosts and (origin == f"http://{host}" or (origin is None and not changes))
-        if not own:
+        own = origins == [f"http://{host}"] or (not origins and not changes)
+        if host not in self._hosts or not own:
             await _turn_away(scope, receive, send)
             return
 

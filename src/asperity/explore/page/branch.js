@@ -71,10 +71,18 @@ function branch() {
   };
   const target = byId("target").value, how = byId("how").value;
   const given = { how, target, value: read("new-value", target), ramp: how === "ramp" ? read("ramp", "lasting") : 0, after: read("after", "then hold for") };
-  byId("branch-mistake").textContent = wrong.join("\n");
+  tellBranch(wrong);
   if (wrong.length) return;
   const config = branched(app.scene, app.changeRow, given);
   app.keep = true;
   app.form.write(config);
   ask({ kind: "run", config: app.form.read() });
+  app.changed = config.protocol.length - 2;
+  byId("curve-panel").scrollIntoView({ block: "nearest" });
+}
+
+/** Say what is wrong with a change, where it can be seen. */
+function tellBranch(lines) {
+  byId("branch-mistake").textContent = lines.join("\n");
+  if (lines.length) byId("branch-mistake").scrollIntoView({ block: "nearest" });
 }

@@ -52,13 +52,29 @@ class CurveView {
     return scene.column(name).map((value, row) => [this.axis.place(times[row], row > 0 && legs[row] !== legs[row - 1]), value]);
   }
 
+  /**
+   * Places of an earlier run on the axis of the one shown. Between its rows it goes straight on its own axis, so on this
+   * one, which begins anew at a change of load, it is bent: points are put in at the times of the run shown.
+   */
+  pointsOf(earlier, name) {
+    const { scene } = this, own = axisOf(earlier), last = scene.lastTime * (1 + 1e-9), found = [];
+    const times = scene.column("time"), after = (row) => row > 0 && earlier.value(row, "leg") !== earlier.value(row - 1, "leg");
+    earlier.rows.forEach((_, row) => {
+      const [begin, end] = [row - 1, row].map((one) => earlier.value(one, "time")), [low, high] = [row - 1, row].map((one) => earlier.value(one, name));
+      const between = row && !after(row) ? times.filter((time) => begin < time && time < end) : [];
+      const [left, right] = [own.place(begin, row && after(row - 1)), own.place(end, after(row))];
+      for (const time of between) found.push([time, low + (high - low) * (own.place(time) - left) / (right - left), false]);
+      found.push([end, high, after(row)]);
+    });
+    return found.filter(([time, value]) => time <= last && Number.isFinite(value)).map(([time, value, jumped]) => [this.axis.place(time, jumped), value]);
+  }
+
   paint(context, width, height, map = this.extras.map, handles = true) {
     const { scene, name, extras } = this, colors = theme();
     const [wide, high] = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     const own = this.points(scene, name).filter(([, value]) => Number.isFinite(value));
     const others = (extras.runs || []).map((run) => run.map(([time, value]) => [this.axis.place(time), value]));
-    const last = scene.lastTime * (1 + 1e-9); // what comes later has no place on this axis
-    const earlier = extras.earlier ? this.points(extras.earlier, name).filter(([, value], row) => Number.isFinite(value) && extras.earlier.value(row, "time") <= last) : [];
+    const earlier = extras.earlier ? this.pointsOf(extras.earlier, name) : [];
     const limit = scene.finished?.limit?.[name] ?? NaN;
     const log = name === "residual";
     let values = [...own, ...earlier, ...others.flat()].map(([, value]) => value);
@@ -72,7 +88,7 @@ class CurveView {
     [low, top] = [low >= 0 && low - room < 0 && !log ? 0 : low - room, top + room];
     const x = (place) => MARGIN.left + place * wide;
     const y = (value) => MARGIN.top + high * (1 - (bend(log ? Math.max(value, 1e-300) : value) - low) / (top - low));
-    this.x = x;
+    Object.assign(this, { x, y });
 
     context.fillStyle = colors.of("page");
     context.fillRect(0, 0, width, height);
@@ -105,6 +121,13 @@ class CurveView {
     for (const run of others) line(context, run.map(([place, value]) => [x(place), y(value)]));
     context.setLineDash([2, 3]);
     line(context, earlier.map(([place, value]) => [x(place), y(value)]));
+    if (earlier.length) {
+      const begin = this.axis.pieces.at(-1).left, later = earlierName(scene, extras.earlier) === WITHOUT; // where it is flat
+      const [place, value] = (later && earlier.find(([one]) => one >= begin)) || earlier.at(-1);
+      context.fillStyle = colors.of("muted");
+      context.textAlign = place === begin ? "left" : "right";
+      context.fillText(earlierName(scene, extras.earlier), x(place) + (place === begin ? 8 : -4), y(value) + (y(value) > MARGIN.top + 16 ? -9 : 11));
+    }
     if (Number.isFinite(limit)) {
       context.strokeStyle = colors.of("ink");
       context.setLineDash([7, 4]);
@@ -181,6 +204,14 @@ class CurveView {
 
 function axisOf(scene) {
   return new TimeAxis(scene.column("time"), scene.column("leg"), scene.finished || scene.config?.protocol?.length ? null : scene.lastTime);
+}
+
+const WITHOUT = "without the change";
+
+/** What an earlier run is to the one shown: the same without its last change of load, or another. */
+function earlierName(scene, earlier) {
+  const legs = (one) => one.config?.protocol?.length ?? 0;
+  return legs(scene) > legs(earlier) ? WITHOUT : "earlier run";
 }
 
 function line(context, points) {

@@ -6,8 +6,7 @@ function showFolder(entries) {
   if (!entries) return;
   byId("folder").querySelector("summary").textContent = entries.length ? `Results in this folder: ${entries.length}` : "This folder holds no results";
   byId("entries").replaceChildren(...entries.map(({ path, kind, title }) => {
-    const button = element("button", { type: "button" }, `${path === "." ? title : path}${kind === "run" ? "" : ` (${kind})`}`);
-    button.title = title || "";
+    const button = element("button", { type: "button" }, `${title}${kind === "run" ? "" : ` (${kind})`}`);
     button.addEventListener("click", () => { forgetCampaign(); app.keep = false; ask({ kind: "open", path }); mark(button); });
     return button;
   }));

@@ -11,13 +11,17 @@ const EVERYDAY = {
 const TITLES = { surface: "Rough surface", solid: "Solid", contact: "What presses", aging: "Times", friction: "Friction" };
 const LEFT_OUT = { aging: ["times"] };
 
+const POLYMER = {
+  surface: { kind: "spectral", shape: [256, 256], hurst: 0.8, rms_height: 1e-6, spacing: [4e-6], cutoff: 4e-5, unit: "m", seed: 1 },
+  solid: { kind: "half_space", modulus: 3e9, branches: [[0.3, 1], [0.3, 1000]] },
+  contact: { pressure: 1e6 },
+};
+// What a solid that needs more begins with: a film of that polymer, on glass.
+const FILM = { poisson: 0.35, thickness: 1e-4, base_modulus: 7e10, base_poisson: 0.2 };
+
 const EXAMPLES = [
   ["Lattice of springs", "nine decades", {}],
-  ["Polymer half-space", "in SI units", {
-    surface: { kind: "spectral", shape: [256, 256], hurst: 0.8, rms_height: 1e-6, spacing: [4e-6], cutoff: 4e-5, unit: "m", seed: 1 },
-    solid: { kind: "half_space", modulus: 3e9, branches: [[0.3, 1], [0.3, 1000]] },
-    contact: { pressure: 1e6 },
-  }],
+  ["Polymer half-space", "in SI units", POLYMER],
   ["Unloading", "contacts are lost", {
     contact: { load: 800 }, protocol: [{ kind: "hold", duration: 100 }, { kind: "step", load: 300 }, { kind: "hold", duration: 1e5 }],
   }],
@@ -32,6 +36,7 @@ class Form {
     this.kinds = {};
     this.protocol = [];
     this.output = {};
+    this.note = ""; // what was changed with the kind of the solid
     this.chosen = null; // the configuration of the run shown, with nothing left open
     for (const [section, kinds] of Object.entries(description)) {
       if (!(section in EVERYDAY)) continue;
@@ -55,8 +60,14 @@ class Form {
     if (kinds.length > 1) {
       const chosen = element("select", { id: `${section}.kind` }, ...kinds.map((kind) => element("option", { value: kind }, kind.replaceAll("_", " "))));
       chosen.value = this.kinds[section];
-      chosen.addEventListener("change", () => { this.kinds[section] = chosen.value; this.fill(section); byId(`${section}.kind`).focus(); });
-      box.append(this.field(section, { name: "kind", description: "" }, chosen));
+      chosen.addEventListener("change", () => {
+        const before = this.kinds[section];
+        this.kinds[section] = chosen.value;
+        if (section === "solid") this.suit(before);
+        this.fill(section);
+        byId(`${section}.kind`).focus();
+      });
+      box.append(this.field(section, { name: "kind", description: section === "solid" ? this.note : "" }, chosen));
     }
     const rest = element("details", { open: Boolean(opened) }, element("summary", {}, "more"));
     for (const key of this.keys(section)) {
@@ -77,7 +88,7 @@ class Form {
       browse.addEventListener("click", () => { this.wanted = id; byId("file").click(); });
       children.push(browse);
     }
-    children.push(element("small", { id: `help-${id}` }, key.description || ""), element("p", { id: `mistake-${id}`, className: "mistake", role: "alert" }));
+    children.push(element("small", { id: `help-${id}` }, key.description || ""), element("p", { id: `mistake-${id}`, className: "mistake" }));
     return element("div", { className: "field" }, ...children);
   }
 
@@ -119,22 +130,50 @@ class Form {
 
   /** Show a configuration, whole or as differences from the defaults. */
   write(config) {
-    for (const section of Object.keys(this.values)) {
-      const kinds = Object.keys(this.description[section]), given = config[section] || {};
-      this.kinds[section] = given.kind ?? kinds[0];
-      this.values[section] = {};
-      for (const key of this.keys(section)) {
-        if (given[key.name] !== undefined && given[key.name] !== null) this.values[section][key.name] = textOf(given[key.name], key);
-      }
-    }
+    this.note = "";
+    for (const section of Object.keys(this.values)) this.take(section, config[section] || {});
     for (const section of Object.keys(this.values)) this.fill(section);
-    this.protocol = config.protocol || [];
     const { maps_at: _maps, figures: _figures, ...output } = config.output || {};
     this.output = output;
+    this.takeHistory(config.protocol || []);
+    this.mistakes([]);
+  }
+
+  /** Take the kind and the values of a section, and no others. */
+  take(section, given) {
+    this.kinds[section] = given.kind ?? Object.keys(this.description[section])[0];
+    this.values[section] = {};
+    this.give(section, given);
+  }
+
+  /** Lay values over those of a section. */
+  give(section, given) {
+    for (const key of this.keys(section)) {
+      if (given[key.name] !== undefined && given[key.name] !== null) this.values[section][key.name] = textOf(given[key.name], key);
+    }
+  }
+
+  takeHistory(protocol) {
+    this.protocol = protocol;
     const history = byId("history");
     history.hidden = !this.protocol.length;
     history.firstElementChild.textContent = `History: ${this.protocol.map(legInWords).join(", ")}.`;
-    this.mistakes([]);
+  }
+
+  /** Give a solid of another kind what it needs to be pressed, and a surface and a load that are in its units. */
+  suit(before) {
+    const held = this.values.solid, lattice = (kind) => kind === "spring_lattice", blank = (name) => !held[name]?.trim();
+    const needed = this.keys("solid").filter((key) => key.required && blank(key.name));
+    this.give("solid", Object.fromEntries(needed.map(({ name }) => [name, FILM[name]])));
+    if (["modulus", "young", "branches", "relaxation", "flow", "creep"].every(blank)) this.give("solid", POLYMER.solid);
+    this.note = "";
+    if (lattice(before) === lattice(this.kinds.solid)) return;
+    const units = this.keys("surface").some(({ name }) => name === "unit") && Boolean(this.values.surface.unit);
+    if (this.kinds.surface !== "file" && units === lattice(this.kinds.solid)) this.take("surface", units ? {} : POLYMER.surface);
+    this.values.contact = {};
+    this.takeHistory([]);
+    this.note = lattice(this.kinds.solid) ? "It has no units: the surface and the load were set to fit." : "Its numbers are in SI: the surface and the load were set to fit.";
+    for (const section of Object.keys(this.values)) if (section !== "solid") this.fill(section);
   }
 
   /** Show in empty fields what was taken for them. */
@@ -147,25 +186,34 @@ class Form {
     }
   }
 
-  /** Show mistakes where they were made; those of no field stand above the form. */
+  /** A mistake in the words of the form: what its field is called, and what is wrong. */
+  said({ where, text }) {
+    const [section, key] = where.split("."), names = section in this.values ? this.keys(section).map(({ name }) => name) : [];
+    let told = text.replace(/^\[\w+\] /, "");
+    if (key && told.startsWith(`${key}: `)) told = told.slice(key.length + 2);
+    for (const name of names) told = told.replace(new RegExp(`\\b${name}\\b`, "g"), name.replaceAll("_", " "));
+    return [byId(where)?.labels?.[0]?.textContent || (key ? key.replaceAll("_", " ") : TITLES[section]) || "", told];
+  }
+
+  /** Show mistakes where they were made, and all of them by the button, which is in view. */
   mistakes(found) {
     for (const place of this.place.querySelectorAll(".mistake")) place.textContent = "";
     for (const input of this.place.querySelectorAll("[aria-invalid]")) input.removeAttribute("aria-invalid");
-    const general = [];
+    const lines = [];
     let first = null;
-    for (const { where, text } of found) {
-      const input = byId(where);
-      if (!input || !this.place.contains(input)) { general.push(text); continue; }
+    for (const one of found) {
+      const input = byId(one.where), [name, told] = this.said(one);
+      lines.push([name, told].filter(Boolean).join(": "));
+      if (!input || !this.place.contains(input)) continue;
       input.setAttribute("aria-invalid", "true");
-      const details = input.closest("details");
-      if (details) details.open = true;
-      const place = byId(`mistake-${where}`);
-      place.textContent = [place.textContent, text].filter(Boolean).join("\n");
+      for (const details of [input.closest("details"), byId("setup")]) if (details) details.open = true;
+      const place = byId(`mistake-${one.where}`);
+      place.textContent = [place.textContent, told].filter(Boolean).join("\n");
       first ||= input;
     }
-    byId("form-mistakes").textContent = general.join("\n");
-    if (found.length) byId("setup").open = true;
-    first?.focus();
+    byId("form-mistakes").textContent = lines.slice(0, 3).concat(lines.length > 3 ? [`and ${lines.length - 3} more`] : []).join("\n");
+    first?.focus({ preventScroll: true });
+    if (found.length) (first?.closest(".field") ?? byId("form-mistakes")).scrollIntoView({ block: "nearest" });
   }
 }
 

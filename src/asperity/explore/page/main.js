@@ -3,12 +3,12 @@
 
 const app = {
   scene: null, earlier: null, runs: [], map: 0, following: false, playing: 0, change: null,
-  socket: null, live: false, connected: false, wanted: null, busy: false, form: null, found: [], replay: false,
+  socket: null, live: false, connected: false, wanted: null, busy: false, form: null, found: [], changed: null,
 };
 app.mapView = new MapView(byId("map"));
 app.curveView = new CurveView(byId("curve"));
 
-const calm = matchMedia("(prefers-reduced-motion: reduce)");
+const narrow = matchMedia("(max-width: 46rem)");
 
 // ---- what comes --------------------------------------------------------------------------------------------------------
 
@@ -50,18 +50,17 @@ const ARRIVALS = {
   rows(header, message, buffer) {
     if (!app.scene || header.job !== app.scene.job) return;
     app.scene.add(buffer, message);
-    if (app.following && app.scene.maps.length) app.map = app.scene.maps.length - 1;
+    if (app.following && app.scene.maps.length) app.map = newest();
     show();
   },
   done(header, message, buffer) {
     if (app.scene && header.job === app.scene.job) app.scene.add(buffer, message);
     if (!app.scene.maps.length) app.scene.doWithoutMaps();
-    if (app.following) app.map = app.scene.maps.length - 1;
+    if (app.following) app.map = newest();
+    app.following = false;
     busy(false);
     suggestBranch();
     show();
-    if (app.replay && app.following && !calm.matches) play();
-    app.replay = app.following = false;
   },
   campaign(header, message, buffer) { showCampaign(header, message.arrays, buffer); },
 };
@@ -70,6 +69,12 @@ function receive(buffer) {
   const message = readMessage(buffer), { kind, sequence } = message.header;
   send({ kind: "ack", sequence });
   ARRIVALS[kind]?.(message.header, message, buffer);
+}
+
+/** The map to show while the user has chosen none: the newest, or after a change of load that at its end. */
+function newest() {
+  const { maps } = app.scene, after = maps.findLastIndex((map) => map.leg === app.changed);
+  return after < 0 ? maps.length - 1 : after;
 }
 
 function connect(wait = 500) {
@@ -102,13 +107,18 @@ function send(message) {
 /** Ask for a run or a folder, and put that into the address, so that a reload asks again. */
 function ask(request) {
   app.wanted = request;
-  app.replay = request.kind === "run";
-  const hash = request.kind === "run" ? `#config=${encoded(request.config)}` : `#open=${encodeURIComponent(request.path)}`;
+  app.changed = null;
+  const hash = request.kind === "run" ? `#config=${encoded(request.config)}` : `#open=${encodeURIComponent(request.path.toWellFormed?.() ?? request.path)}`;
   if (location.hash !== hash) history.replaceState(null, "", hash);
   app.form.mistakes([]);
   app.found = [];
   byId("branch-mistake").textContent = byId("failure").textContent = "";
   busy(true, "waiting for the server");
+  if (narrow.matches && byId("setup").open) { // the results come first, not the form
+    byId("setup").open = false;
+    byId("results").focus({ preventScroll: true });
+    byId("results").scrollIntoView();
+  }
   send(request);
 }
 
@@ -147,7 +157,7 @@ function fail(mistakes) {
   app.found = mistakes;
   const ofBranch = (one) => one.where.startsWith("protocol");
   if (app.form) app.form.mistakes(mistakes.filter((one) => !ofBranch(one)));
-  byId("branch-mistake").textContent = mistakes.filter(ofBranch).map((one) => one.text).join("\n");
+  tellBranch(mistakes.filter(ofBranch).map(({ text }) => text.replace(/^protocol\S*(?: legs\S*)*(?: (\w+))?: /, (_, key) => (key ? `${key}: ` : ""))));
 }
 
 async function upload(file, field = "surface.path") {
@@ -198,7 +208,7 @@ function listen() {
     (at) => { app.changeRow = changeable(app.scene)[Math.min(changeable(app.scene).length - 1, Math.max(0, at))]; show(); });
   app.curveView.onpick = (place) => { stopPlaying(); choose(app.curveView.nearest(place)); };
   app.mapView.onread = (site, map) => { if (app.scene.isLine && map !== app.map) { stopPlaying(); choose(map); } readSite(site, map); };
-  on("play", "click", () => { app.following = app.replay = false; if (app.playing) stopPlaying(); else play(); });
+  on("play", "click", () => { app.following = false; if (app.playing) stopPlaying(); else play(); });
   on("quantity", "change", ({ target }) => { app.picked = app.curveView.name = target.value; show(); });
   on("colored", "change", ({ target }) => { app.mapView.colored = target.value; show(); });
   on("earlier", "change", show);
@@ -234,7 +244,7 @@ function listen() {
     document.body.classList.remove("dropping");
     if (event.dataTransfer.files[0]) upload(event.dataTransfer.files[0]);
   });
-  if (matchMedia("(max-width: 46rem)").matches) byId("setup").open = false;
+  if (narrow.matches) byId("setup").open = false;
 }
 
 /** Let arrows, Home and End of a slider go from one stop to the next. */

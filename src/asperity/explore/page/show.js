@@ -6,6 +6,7 @@ function show() {
   if (!scene?.maps.length) return;
   const earlier = byId("earlier").checked ? app.earlier : null;
   document.querySelector(".earlier").hidden = !app.earlier;
+  document.querySelector(".earlier span").textContent = app.earlier ? earlierName(scene, app.earlier) : "";
   showQuantities();
   app.curveView.show(scene, { map, earlier, change: app.live ? app.change : null, runs: app.curveView.name === "area" ? app.runs.map((run) => run.curve) : [] });
   app.mapView.show(scene, map);
@@ -118,7 +119,7 @@ function showText() {
 /** Show the moment of one map; the user decides, so nothing follows the computing any more. */
 function choose(map) {
   app.map = Math.min(app.scene.maps.length - 1, Math.max(0, map));
-  app.following = app.replay = false;
+  app.following = false;
   show();
 }
 

@@ -57,7 +57,8 @@ function readable(value, unit) {
   const known = PREFIXES.filter(([prefix]) => !(unit === "s" && "GMk".includes(prefix) && prefix)
     && !(name[0] === "m" && "GMk".includes(prefix) && prefix));
   const size = Math.abs(value) * base;
-  const [prefix, factor] = known.find(([, f]) => size >= f ** power * (1 - 1e-9))
+  const least = power === 2 ? 0.1 : 1; // 0.12 mm² rather than 120000 µm²
+  const [prefix, factor] = known.find(([, f]) => size >= least * f ** power * (1 - 1e-9))
     || (size > 0 ? known.at(-1) : ["", 1]);
   return [prefix + name.replace("^2", "²"), base / factor ** power];
 }

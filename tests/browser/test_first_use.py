@@ -1,0 +1,201 @@
+"""The page as one meets it: what is in view, what a wrong value does, what the next press gives."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.browser.conftest import SMALL, again, finished, link, rows, state, until
+
+WIDE, NARROW = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
+SEEN = """one => {
+  const box = document.querySelector(one).getBoundingClientRect(), there = [];
+  for (const y of [box.top + 2, box.bottom - 2]) there.push(document.elementFromPoint(box.left + 5, y));
+  return there.every(found => document.querySelector(one).contains(found)); }"""
+"""Whether both ends of an element are on the screen, and nothing lies over them."""
+
+
+def seen(page, selector):
+    return page.evaluate(SEEN, selector)
+
+
+def opened(page):
+    """The form of a page, opened where it is folded."""
+    page.evaluate("document.querySelector('#setup').open = true")
+    return page
+
+
+@pytest.mark.parametrize("viewport", [WIDE, NARROW], ids=["wide", "narrow"])
+@pytest.mark.parametrize("key", ["contact.load", "surface.rms", "aging.per_decade", "aging.first"])
+def test_a_wrong_value_is_seen(live, viewport, key):
+    page = opened(live(viewport=viewport))
+    field = f"[id='{key}']"
+    page.evaluate("for (const one of document.querySelectorAll('#sections details')) one.open = true")
+    page.fill(field, "0,5")
+    page.click("#press")
+    until(page, "asperity.state.mistakes.length")
+    assert "got '0,5'; try 0.5" in page.locator(f"[id='mistake-{key}']").text_content()
+    assert seen(page, f"[id='mistake-{key}']")
+    assert seen(page, field)
+    label = key.split(".")[1].replace("_", " ")
+    assert page.locator("#form-mistakes").text_content().startswith(f"{label}: expected")
+    if viewport is WIDE:
+        assert seen(page, "#form-mistakes")
+        assert seen(page, "#press")
+
+
+def test_a_wrong_change_is_seen(live):
+    page = live(viewport=NARROW)
+    page.fill("#after", "-5")
+    page.click("#branch button")
+    until(page, "asperity.state.mistakes.length")
+    said = page.locator("#branch-mistake").text_content()
+    assert said.startswith("duration: expected")
+    assert seen(page, "#branch-mistake")
+
+
+def test_what_no_field_says_is_seen_by_the_button(live):
+    page = live()
+    page.select_option("[id='solid.kind']", "half_space")
+    page.fill("[id='solid.modulus']", "")
+    page.evaluate("document.querySelector('#setup').scrollTop = 1e6")
+    page.click("#press")
+    until(page, "asperity.state.mistakes.length")
+    said = page.locator("#form-mistakes").text_content()
+    assert said.startswith("Solid: expected modulus")
+    assert seen(page, "#form-mistakes")
+
+
+@pytest.mark.parametrize("kind", ["half_space", "layer", "coated_half_space"])
+def test_another_solid_can_be_pressed_at_once(tab, served, kind):
+    page = tab(f"{served}#config={link(SMALL | {'contact': {'load': 46.0}})}")
+    finished(page)
+    page.select_option("[id='solid.kind']", kind)
+    after = again(page, lambda: page.click("#press"))
+    assert after["config"]["solid"]["modulus"] == 3e9
+    assert "load" not in after["config"]["contact"]  # that of the lattice is in other units
+    series = rows(page)
+    first, last = np.array(series["contact_fraction"])[[0, -1]]
+    assert 0.005 < first < last < 0.1
+    assert page.locator("#number-load").text_content().endswith("N")
+    page.select_option("[id='solid.kind']", "spring_lattice")
+    again(page, lambda: page.click("#press"))
+    assert 0.005 < rows(page)["contact_fraction"][0] < 0.1
+    assert "contact_area" not in rows(page)
+
+
+def test_what_was_typed_stays_with_another_solid(live):
+    page = live()
+    page.select_option("[id='solid.kind']", "half_space")
+    page.fill("[id='solid.modulus']", "1e9")
+    page.fill("[id='solid.branches']", "0.5 2")
+    page.fill("[id='surface.hurst']", "0.6")
+    page.select_option("[id='solid.kind']", "layer")
+    config = page.evaluate("app.form.read()")
+    assert config["solid"] == {
+        **{"kind": "layer", "modulus": 1e9, "branches": [[0.5, 2]], "poisson": [0.35], "thickness": 1e-4}
+    }
+    assert config["surface"]["hurst"] == 0.6
+
+
+def test_nothing_plays_by_itself(live):
+    page = live(reduced_motion="no-preference")
+    page.wait_for_timeout(300)
+    after = state(page)
+    assert (after["playing"], after["map"]) == (False, len(after["maps"]) - 1)
+    page.fill("[id='surface.seed']", "4")
+    after = again(page, lambda: page.click("#press"))
+    page.wait_for_timeout(300)
+    after = state(page)
+    assert (after["playing"], after["map"]) == (False, len(after["maps"]) - 1)
+
+
+@pytest.mark.parametrize(("how", "time"), [("step", 0.0), ("ramp", 5.0)])
+def test_a_branch_shows_the_end_of_its_change(live, how, time):
+    page = live(reduced_motion="no-preference")
+    page.select_option("#how", how)
+    if how == "ramp":
+        page.fill("#ramp", f"{time:g}")
+    page.fill("#new-value", "20")
+    change = state(page)["change"]
+    again(page, lambda: page.click("#branch button"))
+    page.wait_for_timeout(300)
+    after = state(page)
+    assert after["maps"][after["map"]]["leg"] == 1
+    assert after["maps"][after["map"]]["time"] == pytest.approx(change + time)
+    assert page.locator("#number-load").text_content() == "20"
+
+
+def test_an_uninterrupted_curve_is_that_of_the_same_time(live):
+    page = live({"surface": {"shape": [96, 96]}, "aging": {"per_decade": 2}})
+    series = rows(page)
+    times, areas = np.array(series["time"]), np.array(series["area"])
+    page.focus("#when")
+    page.keyboard.press("Home")
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    assert state(page)["change"] == pytest.approx(10.0)
+    page.fill("#new-value", "60")
+    again(page, lambda: page.click("#branch button"))
+    here, there = 10.0, 10**1.5  # two rows of the first run; between them its area goes with log t
+    before, then = (areas[np.isclose(times, time)][0] for time in (here, there))
+    places = [page.evaluate(f"app.curveView.axis.place({time}, true)") for time in (here, 15.0, there)]
+    true = before + (then - before) * np.log(15.0 / here) / np.log(there / here)
+    straight = before + (then - before) * (places[1] - places[0]) / (places[2] - places[0])
+    x, y, other = (
+        page.evaluate(one)
+        for one in (
+            f"app.curveView.x({places[1]})",
+            f"app.curveView.y({true})",
+            f"app.curveView.y({straight})",
+        )
+    )
+    assert abs(y - other) > 12
+    shot = Image.open(io.BytesIO(page.locator("#curve").screenshot())).convert("RGB")
+    dark = np.asarray(shot)[:, round(x) - 4 : round(x) + 5].max(axis=-1) < 190
+    assert dark[round(y) - 4 : round(y) + 5].any()
+    assert not dark[round(other) - 4 : round(other) + 5].any()
+    assert page.locator(".earlier").inner_text().strip() == "without the change (dotted)"
+    page.fill("[id='contact.load']", "300")
+    again(page, lambda: page.click("#press"))
+    assert page.locator(".earlier").inner_text().strip() == "earlier run (dotted)"
+
+
+def test_the_change_of_load_and_the_numbers_are_in_view(live):
+    page = live()
+    button, curve, area = (page.locator(one).bounding_box() for one in ("#branch button", "#curve", "#map"))
+    assert button["y"] + button["height"] < 900
+    assert area["x"] + area["width"] <= curve["x"]
+    load = page.locator("#number-load").bounding_box()
+    assert load["y"] + load["height"] < 900
+    assert load["x"] + load["width"] <= curve["x"]
+
+
+def test_on_a_phone_the_results_come_first(live):
+    page = opened(live(viewport=NARROW))
+    page.fill("[id='surface.seed']", "3")
+    again(page, lambda: page.click("#press"))
+    assert seen(page, "#map-title")
+    assert seen(page, "#map")
+    page.fill("#new-value", "20")
+    again(page, lambda: page.click("#branch button"))
+    assert seen(page, "#curve-title")
+    assert seen(page, "#curve")
+
+
+def test_a_picture_says_its_load_and_areas_are_in_a_readable_unit(live):
+    surface = {"kind": "spectral", "shape": [64, 64], "rms_height": 1e-6, "spacing": [2e-5], "unit": "m"}
+    solid = {"kind": "half_space", "modulus": 3e9, "branches": [[0.5, 1.0]]}
+    page = live({"surface": surface, "solid": solid, "contact": {"pressure": 5e6}, "aging": SMALL["aging"]})
+    said = page.evaluate("""() => {
+      const said = [], kept = CanvasRenderingContext2D.prototype.fillText;
+      CanvasRenderingContext2D.prototype.fillText = (text) => said.push(text);
+      picture(app, app.map);
+      CanvasRenderingContext2D.prototype.fillText = kept;
+      return said; }""")
+    area = rows(page)["contact_area"][-1]
+    assert 1e-7 < area < 1e-6  # 100 000 µm² and more
+    assert "contact area [mm²]" in said
+    load = 5e6 * (64 * 2e-5) ** 2
+    assert any(f"load {load:.4g}\u00a0N" in one for one in said)
