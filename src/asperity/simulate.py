@@ -31,6 +31,8 @@ from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot
 from asperity.results.history import History
 from asperity.solids import Solid
 
+_CONTACT = "asperity.press(...), or the `final` of a history"
+
 
 def press(
     heights: ArrayLike | Contact,
@@ -54,7 +56,8 @@ def press(
         The elastic solid, for example `asperity.solids.spring_lattice`. A contact brings its own.
     load
         Normal load: the sum of all contact forces, in units of stiffness times height; on a continuum under
-        a surface with units, in newtons, or a text with a unit, as for the next two: ``"5 mN"``.
+        a surface with units, in newtons, or a text with a unit, as for the next two: ``"5 mN"``. At 0 the
+        highest sites just touch: from there a `asperity.protocols.Ramp` puts a load on.
     pressure
         Instead of the load: load over nominal area. On a solid that is defined on sites, load per site.
     separation
@@ -253,8 +256,8 @@ def _listener(
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:
     """Lay out a history, or one hold up to the last time, and check that the contact can follow it."""
-    control_of(contact, hold)
     if protocol is None:
+        control_of(contact, hold)
         schedule = Schedule.of([HoldLeg(float(times[-1]), hold)] if times.size else [], times)
     elif hold is not None:
         raise InputError(
@@ -262,6 +265,7 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         )
     else:
         legs = list(legs_of(protocol))
+        checks.instance("contact", contact, Contact, _CONTACT)
         line = contact.lattice.dimension == 1
         units.check_units([vars(leg) for leg in legs], si=contact.si, line=line)
         schedule = Schedule.of(legs, times)
@@ -318,7 +322,7 @@ def slide(
     rough at the scale of a site, interpolated summits are higher or lower than any given height by a part
     of that roughness, and so is the contact: slide such a surface by whole sites.
     """
-    checks.instance("contact", contact, Contact, "asperity.press(...), or the `final` of a history")
+    checks.instance("contact", contact, Contact, _CONTACT)
     check_edges(contact.lattice)
     lattice = contact.lattice
     if checks.one_of("shift=(0, 1)", shift=shift, distance=distance) == "distance":

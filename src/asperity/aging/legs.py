@@ -78,6 +78,13 @@ class _Shifts:
 
 _MOST_SHIFTS = 10**7
 
+_AT_ONCE = 1e-3
+"""Part of the time to the first state of a ramp from no load, at the end of which the load of then is put on.
+
+Without a load there is no deformation that errors could be relative to. What creeps in the meantime is left
+out: half the square of this part of what has crept at the first state.
+"""
+
 
 def check_edges(lattice: Lattice) -> None:
     """Refuse to slide a surface that does not go around."""
@@ -264,8 +271,14 @@ class _Way:
         """March through a span of time; returns what it tells of the length of steps."""
         now, (begun, end) = self.now, span
         control = _control(now, leg, end - begun) if here is None else here.control
-        approach = now.approach if here is None else here.approach
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
+        loading = control
+        if control.load_controlled and control.value == 0:
+            begun += (late := _AT_ONCE * (float(stops[0]) - begun))
+            loading = replace(control, value=control.rate * late * leg.mobility)
+            if here is None:
+                self.at_once(pressed_anew(now.contact, loading.at(0.0), self.solver), now)
+        approach = self.now.approach if here is None else here.approach
         if here is not None:
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
         told = None if here is None else here.pace
@@ -277,9 +290,9 @@ class _Way:
                 self.after_step(LegMidway(number, control, approach, midway, shifts, told))
 
         frames = creep(
-            now.contact,
+            self.now.contact,
             (stops - begun) * leg.mobility,
-            control=control,
+            control=loading,
             keep_area=isinstance(leg, Hold) and leg.hold == "area",
             rtol=self.rtol,
             solver=self.solver,
@@ -310,7 +323,10 @@ def _control(now: Frame, leg: Hold | Ramp | Slide, lasting: float) -> Control:
     if not isinstance(leg, Ramp):
         return control_of(now.contact, leg.hold if isinstance(leg, Hold) else None)
     target = _target(now, leg)
-    start = control_of(now.contact, "load").value if target.load_controlled else now.contact.separation
+    contact = now.contact
+    start = contact.control.value if contact.control.load_controlled else contact.load
+    if not target.load_controlled:
+        start = contact.separation
     return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))
 
 

@@ -140,10 +140,12 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
 def _write_table(outcome: Outcome, path: Path) -> None:
     """One row a time, from 0 on; numbers to the last digit."""
     dataset = outcome.dataset
-    dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
+    if dataset["load"][0] > 0:  # else the first area is that of first touch, and no measure of growth
+        dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
     continuum = [name for name in OF_CONTINUA if name in dataset and name not in _COLUMNS]
     sliding = [name for name in OF_YIELDING | OF_SLIDING | OF_FRICTION if name in dataset]
-    chosen = [*_COLUMNS, *continuum, *sliding, *(["leg"] if "leg" in dataset.coords else [])]
+    columns = [name for name in _COLUMNS if name in dataset.variables]
+    chosen = [*columns, *continuum, *sliding, *(["leg"] if "leg" in dataset.coords else [])]
     _write_columns(dataset, [(name, dataset[name]) for name in chosen], path)
 
 

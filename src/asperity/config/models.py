@@ -17,6 +17,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from asperity.config.sections import (
     Duration,
+    FirstForce,
     Force,
     Position,
     Positive,
@@ -372,9 +373,9 @@ KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid"
 class Contact(Section):
     """What presses: a load, a pressure or a separation; by default such that about 1 % touches."""
 
-    load: Force | None = Field(
+    load: FirstForce | None = Field(
         default=None,
-        description="Normal load, the sum of all contact forces. "
+        description="Normal load, the sum of all contact forces; 0 before a ramp. "
         "By default 0.005 (k0 + k1) x rms height x sites; on a continuum a pressure is taken.",
     )
     pressure: Pressure | None = Field(
@@ -591,6 +592,9 @@ class RunConfig(Section):
             raise ValueError("[aging] expected first < last, got {:g} and {:g}".format(*self.span))
         if self.protocol and self.aging.hold is not None:
             raise ValueError("[aging] hold: expected none beside a protocol, whose legs say what they hold")
+        if self.contact.load == 0 and not isinstance(next(iter(self.protocol), None), RampLeg | StepLeg):
+            expected = "a protocol that begins with a ramp beside 0"
+            raise ValueError(f"[contact] load: expected {expected}, got none; try --leg 'ramp 1 load=...'")
         if (known := self.solid.known) is not None:
             first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
             if first < known[0] * (1 - 1e-9) or self.end > known[1] * (1 + 1e-9):

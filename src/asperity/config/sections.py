@@ -87,6 +87,8 @@ Constant = Annotated[float, Field(ge=0, le=1e30)]
 Time = Annotated[float, Field(ge=0, le=1e30), _in("s")]
 Duration = Annotated[float, Field(gt=0, le=1e30), _in("s")]
 Force = Annotated[float, Field(gt=0, le=LARGEST), _in("N")]
+FirstForce = Annotated[float, Field(ge=0, le=LARGEST), _in("N")]
+"""A load at the beginning, from which a ramp may go up."""
 Pressure = Annotated[float, Field(gt=0, le=LARGEST), _in("Pa")]
 Modulus = Annotated[float, Field(gt=0, le=1e30), _in("Pa")]
 Size = Annotated[float, Field(gt=0, le=LARGEST), _in("m")]

@@ -11,7 +11,7 @@ import asperity.checks as checks
 from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control
-from asperity.contact.problem import TOLERANCE, ContactSolver, Guess
+from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
 from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
@@ -34,6 +34,9 @@ def first_contact(
             raise InputError("start", expected=f"a contact of shape {heights.shape}", got=start.heights.shape)
         guess = Guess(start.u - system.datum, start.in_contact)
     level = 0.0 if control.load_controlled else control.value - system.datum
+    if system.load == 0:  # nothing is deformed, and the highest sites just touch
+        touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
+        return contact_from(system, touching, level, level, bodies=bodies, load_may_vanish=True)
     step = system.mechanics.implicit_step(0.0)
     solution = chosen_solver(solver, system).solve(system.problem(step, level), guess, TOLERANCE)
     if system.load is not None:
@@ -115,6 +118,9 @@ def _anew(
     ``near`` is a surface that may be near it, with its contacts; ``place`` that of the rigid body, which
     takes the anchors along.
     """
+    if system.load == 0:
+        expected = "a load above 0, as 0 is for heights that nothing was pressed on yet"
+        raise InputError("load", expected=expected, got="0", advice="a small load")
     anchors, position = contact.anchors - system.datum, place - system.datum
     if place != contact.separation:
         anchors += place - contact.separation

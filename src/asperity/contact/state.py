@@ -307,13 +307,17 @@ def control_of(contact: Contact, hold: Hold | None) -> Control:
     checks.instance("contact", contact, Contact, "asperity.press(...), or the `final` of a history")
     if hold not in (None, "load", "separation", "area"):
         raise InputError("hold", expected="'load', 'separation' or 'area'", got=repr(hold))
-    if hold in (None, contact.control.name):
-        return contact.control
+    hold = hold or contact.control.name
     if hold == "separation":
-        return Separation(contact.separation)
+        return contact.control if hold == contact.control.name else Separation(contact.separation)
     if contact.load <= 0:
-        raise InputError("hold", expected="a contact that carries a load to hold", got="one without any")
-    return Load(contact.load)
+        raise InputError(
+            "hold",
+            expected="a contact that carries a load to hold",
+            got="one without any",
+            advice="a ramp first: age(contact, times, protocol=[Ramp(1.0, load=400.0)])",
+        )
+    return contact.control if hold == contact.control.name else Load(contact.load)
 
 
 def contact_from(
@@ -354,7 +358,7 @@ def contact_from(
     np.maximum(u, heights, out=u)
     np.copyto(u, heights, where=solution.in_contact)
     in_contact = u == heights
-    vanishing = load_may_vanish and system.load is None
+    vanishing = load_may_vanish and not system.load
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
     yielding = solution.u < system.heights if system.yields else None
 
@@ -362,7 +366,7 @@ def contact_from(
         left = residual(state.force, in_contact, floor)
         if yielding is not None:
             left = max(left, _excess(state.force, in_contact, yielding, system.mechanics.bound))
-        if system.load is not None and state.carried is not None:
+        if system.load and state.carried is not None:
             left = max(left, abs(state.carried / system.load - 1))
         if not left <= ACCEPTED_RESIDUAL:
             raise ConvergenceError(

@@ -27,7 +27,7 @@ SERIES: dict[str, tuple[str, str]] = {
 
 OF_CONTINUA: dict[str, tuple[str, str]] = {
     "separation": ("separation, the position of the body; without an apparatus, the mean of u", "length"),
-    "contact_area": ("real contact area, the area of the sites in contact", "area"),
+    "contact_area": ("real contact area", "area"),
     "contact_area_corrected": ("real contact area less what counting sites adds at the rim", "area"),
     "mean_gap": ("mean gap", "length"),
     "mean_contact_pressure": ("load over real contact area", "pressure"),
