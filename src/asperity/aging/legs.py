@@ -323,10 +323,9 @@ def _control(now: Frame, leg: Hold | Ramp | Slide, lasting: float) -> Control:
     if not isinstance(leg, Ramp):
         return control_of(now.contact, leg.hold if isinstance(leg, Hold) else None)
     target = _target(now, leg)
-    contact = now.contact
-    start = contact.control.value if contact.control.load_controlled else contact.load
-    if not target.load_controlled:
-        start = contact.separation
+    start, control = now.contact.separation, now.contact.control
+    if target.load_controlled:
+        start = control.value if control.load_controlled else control_of(now.contact, "load").value
     return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))
 
 
