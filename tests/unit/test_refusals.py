@@ -45,7 +45,7 @@ def test_heights(heights):
         asp.press(heights, SOLID, load=1.0)
 
 
-@pytest.mark.parametrize("load", [0.0, -3.0, np.nan, np.inf, 1e-300, 1e308, "800", True])
+@pytest.mark.parametrize("load", [-3.0, np.nan, np.inf, 1e-300, 1e308, "800", True])
 def test_loads_that_are_no_load(load):
     with refuses("load"):
         asp.press(ROUGH, SOLID, load=load)

@@ -57,7 +57,7 @@ class Load(Control):
     @staticmethod
     def checked(value: float) -> float:
         """Make a float of a load."""
-        expected = f"a finite number > 0 (from {1 / LARGEST:g} to {LARGEST:g}), or 0 before a ramp"
+        expected = f"a number, 0 or from {1 / LARGEST:g} to {LARGEST:g}"
         found = checks.number("load", value, least=0, expected=expected)
         return found and checks.number("load", value, least=1 / LARGEST, expected=expected)
 

@@ -307,9 +307,9 @@ def control_of(contact: Contact, hold: Hold | None) -> Control:
     checks.instance("contact", contact, Contact, "asperity.press(...), or the `final` of a history")
     if hold not in (None, "load", "separation", "area"):
         raise InputError("hold", expected="'load', 'separation' or 'area'", got=repr(hold))
-    hold = hold or contact.control.name
-    if hold == "separation":
-        return contact.control if hold == contact.control.name else Separation(contact.separation)
+    kept = contact.control if hold in (None, contact.control.name) else None
+    if "separation" in (hold, None if kept is None else kept.name):
+        return kept or Separation(contact.separation)
     if contact.load <= 0:
         raise InputError(
             "hold",
@@ -317,7 +317,7 @@ def control_of(contact: Contact, hold: Hold | None) -> Control:
             got="one without any",
             advice="a ramp first: age(contact, times, protocol=[Ramp(1.0, load=400.0)])",
         )
-    return contact.control if hold == contact.control.name else Load(contact.load)
+    return kept or Load(contact.load)
 
 
 def contact_from(
