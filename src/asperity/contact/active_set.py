@@ -33,7 +33,14 @@ from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.free_sites import Accuracy, FreeSites
 from asperity.contact.loaded_sites import SpringSites, spring_sites
-from asperity.contact.problem import ContactProblem, Guess, Solution, SpectralProblem, residual
+from asperity.contact.problem import (
+    ContactProblem,
+    Guess,
+    Solution,
+    SpectralProblem,
+    mean_by_rounding,
+    residual,
+)
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask, Modes
 
@@ -165,7 +172,8 @@ class _Run:
             xp.asarray, (problem.stiffness, problem.rhs, problem.heights)
         )
         self.working_stiffness = xp.zeros(0, dtype=xp.int8)
-        self.stiffest = float(problem.stiffness.max())
+        waves = problem.stiffness.flat[min(1, problem.stiffness.size - 1) :]
+        self.stiffest = float(waves.max())
         touching = guess.u <= problem.heights if guess.in_contact is None else guess.in_contact
         self.in_contact = xp.asarray(touching, copy=True)
         self.bound = problem.bound
@@ -242,6 +250,8 @@ class _Run:
         self.force: Field = force if near is None else scale * xp.astype(force, self.heights.dtype)
         if self.yielding is not None:
             self.force -= self.bound * self.xp.astype(self.yielding, self.force.dtype)
+        rounding = largest(self.u, xp) * float(self.problem.stiffness.flat[0])
+        self.force -= mean_by_rounding(self.force, self.in_contact, rounding, xp)
         self.measure_force()
         self.evaluated = self.worst
 

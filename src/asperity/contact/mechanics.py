@@ -107,7 +107,7 @@ class Mechanics(ABC):
     stressed_area
         Area over which the force of a site is its stress in that law: of a site on a continuum, else 1.
     greatest_stiffness
-        Largest H + sum of C_b.
+        Largest H + sum of C_b of a wave; what holds the mean may be stiffer.
     fastest_creep
         Largest M_b C_b, the rate at which the fastest mode creeps at a given u.
     bound
@@ -201,7 +201,8 @@ class SpectralMechanics(Mechanics):
     @cached_property
     def greatest_stiffness(self) -> float:  # type: ignore[override]
         """See `Mechanics`."""
-        return float(np.max(self.spectra.permanent + self.spectra.creeping.sum(axis=0)))
+        whole = self.spectra.permanent + self.spectra.creeping.sum(axis=0)
+        return float(whole.flat[min(1, whole.size - 1) :].max())
 
     @cached_property
     def fastest_creep(self) -> float:  # type: ignore[override]
@@ -235,8 +236,8 @@ class SpectralMechanics(Mechanics):
         force.flat[0] -= self.hanging[0] * self.lattice.sites * held.position
         for stiffness, w in zip(creeping, stretch, strict=True):
             force += stiffness * w
-        if self.mean_stiffness == 0 and held.load is not None:
-            force.flat[0] = held.load
+        if held.load is not None and not 0 < self.mean_stiffness <= self.greatest_stiffness:
+            force.flat[0] = held.load  # stretches of a mean held stiffly are lost in rounding
         return self.lattice.backward(force, overwrite=True)
 
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
@@ -269,7 +270,7 @@ class SpectralMechanics(Mechanics):
         """See `Mechanics`."""
         creeping = self.spectra.creeping[0]
         modes = creeping * self.lattice.forward(stretch[0])
-        if self.mean_stiffness == 0 and load is not None:
+        if self.hanging[0] == 0 and load is not None:
             modes.flat[0] = load
         if self.solid.loaded_from_afar:  # long waves are soft, and pass nothing from the one to the other
             modes.flat[0] *= self.creeping_share

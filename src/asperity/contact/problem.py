@@ -19,7 +19,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
+
+import numpy as np
 
 from asperity.contact.stencils import extremes
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
@@ -203,3 +205,14 @@ def residual(force: Field, in_contact: Mask, smallest_scale: float = 0.0) -> flo
     worst = max(worst, tension)
     scale = max(load / contacts if contacts else 0.0, smallest_scale)
     return worst / scale if scale > 0 else (0.0 if worst == 0 else math.inf)
+
+
+def mean_by_rounding(force: Field, in_contact: Mask, size: float, xp: Any = np) -> float:
+    """Mean of the force off contact, if the rounding of the mean of u explains it, else 0.
+
+    ``size`` is the largest u times the stiffness at wave vector 0. Where the mean is held stiffly, its force
+    is known better by the equilibrium off contact than by a difference that has lost its digits.
+    """
+    free = force.size - int(xp.count_nonzero(in_contact))
+    mean = float(xp.sum(xp.where(in_contact, xp.asarray(0.0), force))) / max(free, 1)
+    return mean if abs(mean) <= 4 * float(np.finfo(float).eps) * size else 0.0

@@ -20,8 +20,7 @@ SpectrumOf = Callable[[Lattice], Spectrum]
 RIGID = 1e4
 """Stiffness at wave vector 0, over the largest elsewhere, of what counts as rigid.
 
-The rounding of the mean of u, times this, has to stay far below the mean pressure. With 1e6 that fails below
-1e-3 E* (heights of rms 1 in spacings), with 1e4 below 1e-5 E*; and the force then errs by less than 1e-5.
+The force at a held separation then errs by less than 1e-5. A load that is held does not depend on it.
 """
 
 
