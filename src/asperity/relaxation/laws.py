@@ -58,7 +58,9 @@ def power_law(
     first, last
         Times between which the series stands for the law.
     accuracy
-        Largest relative error of G between them, from 1e-6 to 0.5.
+        Largest relative error of G between them, from 1e-6 to 0.5. It does not bound the creep compliance J,
+        and so the area under a load: within a decade of `first` they were found off by up to 0.9 %, for the
+        series has no past before it.
 
     Returns
     -------

@@ -192,7 +192,9 @@ def layer(
     branches
         As in `half_space`.
     bonded
-        Whether the layer is bonded to the base; else it slides on it without friction.
+        Whether the layer is bonded to the base; else it slides on it without friction. Pressed evenly, it
+        then has E*/h, the limit of long waves in plane strain (free along one axis), not the confined modulus
+        of a bonded one, which is (1 - nu)^2 / (1 - 2 nu) times that.
     hardness
         Pressure under which the rough surface yields; see `asperity.solids.Solid.with_hardness`.
 
