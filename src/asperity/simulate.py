@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from pathlib import Path
+from typing import Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import asperity.checks as checks
 import asperity.units as units
@@ -17,10 +18,10 @@ from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
-from asperity.contact.controls import Control, Hold, Load, Separation, control_from
+from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact, control_of
+from asperity.contact.state import WHERE_FROM, Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import listener
@@ -31,9 +32,11 @@ from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot
 from asperity.results.history import History
 from asperity.solids import Solid
 
-_CONTACT = "asperity.press(...), or the `final` of a history"
+Several = Sequence[float] | Sequence[str] | NDArray[np.float64]
+"""Loads, pressures or separations to press at one after another."""
 
 
+@overload
 def press(
     heights: ArrayLike | Contact,
     solid: Solid | None = None,
@@ -43,7 +46,32 @@ def press(
     separation: float | str | None = None,
     start: Contact | None = None,
     solver: ContactSolver | None = None,
-) -> Contact:
+) -> Contact: ...
+
+
+@overload
+def press(
+    heights: ArrayLike | Contact,
+    solid: Solid | None = None,
+    *,
+    load: Several | None = None,
+    pressure: Several | None = None,
+    separation: Several | None = None,
+    start: Contact | None = None,
+    solver: ContactSolver | None = None,
+) -> list[Contact]: ...
+
+
+def press(
+    heights: ArrayLike | Contact,
+    solid: Solid | None = None,
+    *,
+    load: float | str | Several | None = None,
+    pressure: float | str | Several | None = None,
+    separation: float | str | Several | None = None,
+    start: Contact | None = None,
+    solver: ContactSolver | None = None,
+) -> Contact | list[Contact]:
     """Press a flat elastic solid onto a rigid rough surface, or press an aged contact anew.
 
     Parameters
@@ -63,6 +91,8 @@ def press(
     separation
         Instead of the load: position of the rigid body, in the unit of the heights; on the lattice of
         springs, the mean of u0.
+
+        Of one of these three also several: a list, a tuple or an array, shape ``(n,)``.
     start
         A contact to start the search from, such as that of a slightly smaller load; it changes the
         time taken, not the result.
@@ -73,6 +103,8 @@ def press(
     Returns
     -------
     Contact
+        Or of several loads, pressures or separations a list of contacts, in their order. Each is pressed from
+        `start` or from nothing: the contact of the load before saves no iterations.
 
     Raises
     ------
@@ -85,9 +117,25 @@ def press(
     -----
     u minimizes Jagla's energy, Eq. (e), under u >= heights, with u0 flat, or of the shape it has.
     """
-    checks.one_of("load=800.0", load=load, pressure=pressure, separation=separation)
+    given = {"load": load, "pressure": pressure, "separation": separation}
+    name = checks.one_of("load=800.0", **given)
+    value = given[name]
+    if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:
+        return [_pressed(heights, solid, name, one, start, solver) for one in value]  # type: ignore[union-attr]
+    return _pressed(heights, solid, name, value, start, solver)
+
+
+def _pressed(
+    heights: ArrayLike | Contact,
+    solid: Solid | None,
+    name: str,
+    value: object,
+    start: Contact | None,
+    solver: ContactSolver | None,
+) -> Contact:
+    """Press under one load, at one pressure or at one separation, whichever has the name."""
     if isinstance(heights, Contact):
-        control = _control(heights, load, pressure, separation)
+        control = _control(heights, name, value)
         if start is not None or solid not in (None, heights.solid):
             raise InputError(
                 "heights",
@@ -99,26 +147,21 @@ def press(
     solid = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
     bodies = bodies_of(heights, solid)
     units.check_units(dict(solid.parameters), si=bodies.si)
-    control = _control(bodies, load, pressure, separation)
-    return first_contact(bodies, control, start=start, solver=solver)
+    return first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
 
 
-def _control(
-    bodies: Bodies | Contact,
-    load: float | str | None,
-    pressure: float | str | None,
-    separation: float | str | None,
-) -> Control:
-    """Load or separation, from the one that is given, in the units of the bodies."""
+def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:
+    """Load or separation, from what is prescribed, in the units of the bodies."""
     lattice = bodies.lattice
     force = "N/m" if lattice.dimension == 1 else "N"
-    load = units.converted("load", load, force, si=bodies.si)
-    pressure = units.converted("pressure", pressure, "Pa", si=bodies.si)
-    separation = units.converted("separation", separation, "m", si=bodies.si)
-    if pressure is not None:
+    unit = {"load": force, "pressure": "Pa", "separation": "m"}[name]
+    number: Any = units.converted(name, value, unit, si=bodies.si)
+    if name == "separation":
+        return Separation(number)
+    if name == "pressure":
         nominal = lattice.sites * lattice.cell
-        load = checks.number("pressure", pressure, above=0, advice="pressure=1e6") * nominal
-    return control_from(load, separation)
+        number = checks.number("pressure", number, above=0, advice="pressure=1e6") * nominal
+    return Load(number)
 
 
 def age(
@@ -265,7 +308,7 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         )
     else:
         legs = list(legs_of(protocol))
-        checks.instance("contact", contact, Contact, _CONTACT)
+        checks.instance("contact", contact, Contact, WHERE_FROM)
         line = contact.lattice.dimension == 1
         units.check_units([vars(leg) for leg in legs], si=contact.si, line=line)
         schedule = Schedule.of(legs, times)
@@ -322,7 +365,7 @@ def slide(
     rough at the scale of a site, interpolated summits are higher or lower than any given height by a part
     of that roughness, and so is the contact: slide such a surface by whole sites.
     """
-    checks.instance("contact", contact, Contact, _CONTACT)
+    checks.instance("contact", contact, Contact, WHERE_FROM)
     check_edges(contact.lattice)
     lattice = contact.lattice
     if checks.one_of("shift=(0, 1)", shift=shift, distance=distance) == "distance":

@@ -1,8 +1,8 @@
-"""How results show themselves: in one line, as pictures, and as HTML in notebooks.
+"""How results show themselves: in one line, as Datasets, as pictures, and as HTML in notebooks.
 
-A contact knows nothing of figures, which are made of what comes after it. Only when a picture is asked for
-does this module import `asperity.figures`. It is the one place where an import points downstream, and
-``tests/unit/test_house.py`` lets no other do so.
+A contact knows nothing of figures and Datasets, which come after it. Only when one is asked for does this
+module import `asperity.figures` or `asperity.results`. It is the one place where an import points downstream,
+and ``tests/unit/test_house.py`` lets no other do so.
 """
 
 from __future__ import annotations
@@ -17,18 +17,23 @@ if TYPE_CHECKING:
     from asperity.figures.cards import html_of
     from asperity.figures.film import Film, animate_history
     from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
+    from asperity.results.contacts import contact_dataset
+    from asperity.results.store import save
 
 __all__ = [
     "Brief",
     "Film",
     "InNotebooks",
     "animate_history",
+    "contact_dataset",
     "html_of",
     "plot_contact",
     "plot_history",
     "plot_spectrum",
     "plot_surface",
+    "save",
 ]
+_OF_RESULTS = {"contact_dataset": "asperity.results.contacts", "save": "asperity.results.store"}
 
 
 def _figures() -> ModuleType:
@@ -38,10 +43,10 @@ def _figures() -> ModuleType:
 if not TYPE_CHECKING:
 
     def __getattr__(name):
-        """Import what draws, when it is first used."""
+        """Import what draws or saves, when it is first used."""
         if name not in __all__:
             raise AttributeError(f"module 'asperity.views' has no attribute {name!r}")
-        return getattr(_figures(), name)
+        return getattr(importlib.import_module(_OF_RESULTS.get(name, "asperity.figures")), name)
 
 
 class Brief:

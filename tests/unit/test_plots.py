@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from asperity import Contact, History, age, press, protocols, relax
@@ -164,7 +165,18 @@ def test_histories_share_axes(aged: History) -> None:
     aged.plot(ax, label="one")
     aged.plot(ax, label="two", color=style.VERMILION)
     assert ax.get_legend_handles_labels()[1] == ["one", "two"]
-    assert [line.get_color() for line in ax.lines] == [style.BLUE, style.VERMILION]
+    assert [line.get_color() for line in ax.lines] == [to_hex("C0"), style.VERMILION]
+
+
+def test_histories_on_axes_of_the_user_take_the_colors_of_those(aged: History) -> None:
+    ax = axes()
+    ax.set_prop_cycle(color=["red", "green", "blue"])
+    ax.plot([1.0, 2.0], [300.0, 300.0])
+    for label in ("one", "two"):
+        aged.plot(ax, label=label)
+    assert [line.get_color() for line in ax.lines] == ["red", "#008000", "#0000ff"]
+    assert aged.plot().lines[0].get_color() == style.BLUE
+    plt.close("all")
 
 
 def test_a_protocol_has_a_column_for_each_leg(pressed: Contact) -> None:

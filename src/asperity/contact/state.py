@@ -22,6 +22,9 @@ from asperity.lattice import Field, Lattice, Mask, Modes
 from asperity.solids import Solid
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    import xarray as xr
     from matplotlib.axes import Axes
 
 _BLOCK = 2**20
@@ -29,6 +32,9 @@ _BLOCK = 2**20
 
 _AT_THE_BOUND = 1e-6
 """How far, relatively, a force may be from the hardness that still counts as it."""
+
+WHERE_FROM = "asperity.press(...), the `final` of a history, or asperity.results.load_contact(path, solid)"
+"""Where a user gets a contact."""
 
 ACCEPTED_RESIDUAL = 1e-8
 """No fields are returned whose residual, evaluated on these very fields, is larger."""
@@ -263,6 +269,21 @@ class Contact(views.InNotebooks):
         """
         return views.plot_contact(self, ax, since=since, colorbar=colorbar)
 
+    @property
+    def dataset(self) -> xr.Dataset:
+        """All maps and numbers as an xarray Dataset, each with its name, unit and coordinates.
+
+        Maps are over the sites, ``anchors`` over the branches too: ``contact.dataset["pressure"].plot()``.
+        """
+        return views.contact_dataset(self)
+
+    def save(self, path: str | Path, *, overwrite: bool = False) -> None:
+        """Write `dataset` to a zarr folder, as `asperity.results.save` does.
+
+        `asperity.results.load` reads the Dataset, `asperity.results.load_contact` the contact, to be aged on.
+        """
+        views.save(self.dataset, path, overwrite=overwrite)
+
     def system(self, control: Control | None = None) -> System:
         """Set up the system that this contact is a state of, under its own control or another."""
         return System.of(self.heights, self.lattice, self.solid, control or self.control)
@@ -304,7 +325,7 @@ def control_of(contact: Contact, hold: Hold | None) -> Control:
     InputError
         ``hold`` is something else, the contact is no contact, or its load is to be held and it has none.
     """
-    checks.instance("contact", contact, Contact, "asperity.press(...), or the `final` of a history")
+    checks.instance("contact", contact, Contact, WHERE_FROM)
     if hold not in (None, "load", "separation", "area"):
         raise InputError("hold", expected="'load', 'separation' or 'area'", got=repr(hold))
     kept = contact.control if hold in (None, contact.control.name) else None

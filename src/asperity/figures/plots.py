@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, to_hex
 from matplotlib.figure import Figure, SubFigure
 
 import asperity.checks as checks
@@ -98,7 +98,7 @@ def plot_history(
     quantity: str = "area",
     limit: Contact | None = None,
     label: str = "",
-    color: str = style.BLUE,
+    color: str | None = None,
 ) -> Axes:
     """Draw how one quantity of a history changed.
 
@@ -114,7 +114,8 @@ def plot_history(
         The relaxed state, from `asperity.relax`, to be drawn as a dotted line. It is not needed where
         `asperity.analysis.with_limit` has put it into the dataset.
     label, color
-        Name of the curve in the legend, and its color, where several histories share axes.
+        Name of the curve in the legend, and its color, where several histories share axes. By default the
+        next color of the axes' cycle; of a new figure, blue.
 
     Returns
     -------
@@ -130,11 +131,18 @@ def plot_history(
     check_series(dataset, quantity)
     relaxed = _limit_of(dataset, quantity, limit)
     axes = axes_for(ax)
-    draw_series(axes, dataset, quantity, relaxed, label, color)
+    draw_series(axes, dataset, quantity, relaxed, label, color or (style.BLUE if ax is None else _next(axes)))
     if ax is None and quantity == "area":
         _, _, factor = shown_series(dataset, quantity)
         style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * factor))
     return axes
+
+
+def _next(axes: Axes) -> str:
+    """The next color of the cycle, as a curve drawn without one would have it."""
+    (line,) = axes.plot([], [])
+    line.remove()
+    return to_hex(line.get_color())
 
 
 def check_series(dataset: xr.Dataset, quantity: str) -> None:

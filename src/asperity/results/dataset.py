@@ -20,6 +20,7 @@ from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.quantities import (
     COORDINATES,
+    OF_A_CONTACT,
     OF_MAPS,
     Plain,
     fields_of,
@@ -94,7 +95,7 @@ def dataset_of(
     series = series_of(start, slides=slides)
     dataset = xr.Dataset(
         data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series},
-        coords={"time": [row["time"] for row in rows]} | dict(zip(sites, _places(start), strict=True)),
+        coords={"time": [row["time"] for row in rows]} | dict(zip(sites, coordinates_of(start), strict=True)),
     )
     # As they were before anything yielded.
     rough = start.heights + start.permanent_indentation if start.solid.yields else start.heights
@@ -117,8 +118,8 @@ def dataset_of(
             for axis, place in zip(sites, places.T, strict=True):
                 dataset = dataset.assign_coords({f"field_shift_{axis}": ("field_time", place)})
         dataset = _with_patches(dataset, start, snapshots)
-    _describe(dataset, start)
-    attributes = _attributes(start, control, rtol)
+    describe(dataset, start)
+    attributes = {"title": "Aging of a rough contact", "rtol": rtol, **attributes_of(start, control)}
     if keeps_area:
         attributes |= {"held": "area", "held_area": start.area}
     exact = {bool(row["exact"]) for row in rows if row["time"] > 0}
@@ -151,17 +152,17 @@ def _value(frame: Frame, name: str) -> float:
     return value
 
 
-def _places(contact: Contact) -> list[NDArray[Any]]:
+def coordinates_of(contact: Contact) -> list[NDArray[Any]]:
     """Coordinates of the sites along each axis: lengths on a continuum, else numbers from 0."""
     lattice = contact.lattice
     steps = lattice.spacing if contact.solid.in_lengths else (1,) * lattice.dimension
     return [step * np.arange(n) for step, n in zip(steps, lattice.shape, strict=True)]
 
 
-def _describe(dataset: xr.Dataset, contact: Contact) -> None:
+def describe(dataset: xr.Dataset, contact: Contact) -> None:
     """Give every variable its long name and unit."""
     units = units_of(contact)
-    named = series_of(contact, slides=True) | fields_of(contact) | OF_MAPS | COORDINATES
+    named = series_of(contact, slides=True) | fields_of(contact) | OF_A_CONTACT | OF_MAPS | COORDINATES
     for name, (long_name, dimension) in named.items():
         if name in dataset.variables:
             place = "position" if contact.solid.in_lengths else "site index"
@@ -169,22 +170,20 @@ def _describe(dataset: xr.Dataset, contact: Contact) -> None:
             dataset[name].attrs.update(long_name=described, units=units.get(dimension, dimension))
 
 
-def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, Plain]:
+def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:
     """Every parameter that the results depend on; what is a list or a table also item by item."""
     items: dict[str, Plain] = {f"held_{control.name}": control.value}
     for name, value in contact.solid.parameters.items():
         items |= plain(name, value)
     return {
-        "title": "Aging of a rough contact",
         "asperity_version": __version__,
         "solid": contact.solid.kind,
         "si": int(contact.si),
         "spacing": json.dumps(contact.lattice.spacing),
         "edges": contact.lattice.edges,
-        **{name: _recorded(value) for name, value in contact.solid.parameters.items()},
+        **{name: recorded(value) for name, value in contact.solid.parameters.items()},
         "held": control.name,
         **items,
-        "rtol": rtol,
         "sites": contact.heights.size,
         "heights_sha256": hashlib.sha256(np.ascontiguousarray(contact.heights).tobytes()).hexdigest(),
         "surface": json.dumps(dict(contact.surface)),
@@ -193,6 +192,6 @@ def _attributes(contact: Contact, control: Control, rtol: float) -> dict[str, Pl
     }
 
 
-def _recorded(value: object) -> str | float:
+def recorded(value: object) -> str | float:
     """A parameter as an attribute: a number, or JSON."""
     return value if isinstance(value, float) else json.dumps(value)

@@ -102,7 +102,7 @@ class History(views.InNotebooks):
         quantity: str = "area",
         limit: Contact | None = None,
         label: str = "",
-        color: str = "#0072B2",
+        color: str | None = None,
     ) -> Axes:
         """Draw how a quantity changed with time.
 
@@ -127,5 +127,5 @@ class History(views.InNotebooks):
         )
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
-        """Write the dataset; see `asperity.results.save`."""
+        """Write the dataset; see `asperity.results.save`. To age on later, save ``history.final`` too."""
         save(self.dataset, path, overwrite=overwrite)

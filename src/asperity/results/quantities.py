@@ -61,6 +61,12 @@ FIELDS_OF_YIELDING: dict[str, tuple[str, str]] = {
     "permanent_indentation": ("by how much the rough surface is lower where it has yielded", "length")
 }
 FIELDS_OF_CONTINUA: dict[str, tuple[str, str]] = {"pressure": ("contact pressure", "pressure")}
+OF_A_CONTACT: dict[str, tuple[str, str]] = {
+    "anchors": ("creeping shape of the elastic surface, by branch", "length"),
+    "force": ("contact force of a site", "force"),
+    "gap": ("gap between the surfaces", "length"),
+}
+"""The same of the maps that a contact has besides, which histories do not keep."""
 
 OF_MAPS: dict[str, tuple[str, str]] = {
     "patches": ("number of contact patches", "1"),

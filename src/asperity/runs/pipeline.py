@@ -198,7 +198,7 @@ def _distances(legs: Iterable[AnyLeg]) -> Iterator[float]:
 
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    contact = press(rough, solid, **config.contact.model_dump())
+    contact: Contact = press(rough, solid, **config.contact.model_dump())
     if contact.area == 0:
         raise InputError(
             "separation",

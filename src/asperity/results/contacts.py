@@ -1,0 +1,80 @@
+"""One contact as a Dataset of maps, saved, and made a contact again that is judged anew."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import xarray as xr
+
+import asperity.checks as checks
+from asperity.contact.bodies import Bodies
+from asperity.contact.controls import Load, Separation
+from asperity.contact.problem import Solution
+from asperity.contact.state import Contact, contact_from
+from asperity.contact.system import System
+from asperity.errors import InputError
+from asperity.lattice import Lattice
+from asperity.results.dataset import attributes_of, coordinates_of, describe, recorded
+from asperity.results.quantities import OF_A_CONTACT, fields_of, series_of
+from asperity.results.store import load
+from asperity.solids import Solid
+
+
+def contact_dataset(contact: Contact) -> xr.Dataset:
+    """Gather the maps and numbers of a contact; see `Contact.dataset`."""
+    sites = ("y", "x")[2 - contact.heights.ndim :]
+    names = (fields_of(contact) | OF_A_CONTACT | {"heights": ()}).keys() - {"u0"}
+    maps = {name: getattr(contact, name) for name in sorted(names)}
+    numbers = {name: getattr(contact, name) for name in series_of(contact) if hasattr(contact, name)}
+    dataset = xr.Dataset(
+        {name: (("branch", *sites)[-field.ndim :], field) for name, field in maps.items()} | numbers,
+        dict(zip(sites, coordinates_of(contact), strict=True)),
+    )
+    describe(dataset, contact)
+    return dataset.assign_attrs({"title": "A rough contact", **attributes_of(contact, contact.control)})
+
+
+def load_contact(path: str | Path, solid: Solid) -> Contact:
+    """Read a contact that `Contact.save` wrote: press it anew, age it on, relax it.
+
+    Parameters
+    ----------
+    path
+        The zarr folder.
+    solid
+        The solid of that contact, made as it was then; a file holds its numbers, not its laws.
+
+    Returns
+    -------
+    Contact
+        Judged anew, with the residual of what was read. Its numbers may differ in their last digits.
+
+    Raises
+    ------
+    InputError
+        There is no such folder, it holds no contact, or the contact is of another solid.
+    ConvergenceError
+        What was read is not in equilibrium on this solid.
+    """
+    data = load(path)
+    if "anchors" not in data:
+        expected, advice = "a contact that Contact.save wrote", "history.final.save(path)"
+        raise InputError("path", expected=expected, got=f"{path}, which holds none", advice=advice)
+    checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
+    facts = data.attrs
+    own = {"solid": solid.kind} | {name: recorded(value) for name, value in solid.parameters.items()}
+    if wrong := [name for name, value in own.items() if facts.get(name) != value]:
+        expected = ", ".join(f"{name} {facts.get(name, 'none')}" for name in wrong)
+        got = ", ".join(f"{name} {own[name]}" for name in wrong)
+        raise InputError("solid", expected=f"that of the saved contact: {expected}", got=got)
+    heights = data["heights"].values
+    lattice = Lattice(heights.shape, tuple(json.loads(facts["spacing"])), facts["edges"])
+    indentation = data["permanent_indentation"].values if solid.yields else 0.0
+    bodies = Bodies(heights, lattice, solid, json.loads(facts["surface"]), bool(facts["si"]), indentation)
+    kind = Load if facts["held"] == Load.name else Separation
+    system = System.of(heights, lattice, solid, kind(facts[f"held_{kind.name}"]))
+    surface, touching = data["u"].values - system.datum, data["in_contact"].values
+    solution = Solution(surface, touching, int(data["iterations"]), 0)
+    anchors, position = data["anchors"].values - system.datum, float(data["separation"]) - system.datum
+    return contact_from(system, solution, anchors, position, bodies=bodies, load_may_vanish=True)
