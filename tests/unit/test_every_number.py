@@ -280,6 +280,7 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.figures.prediction_page,
     asp.figures.prediction_pictures,
     asp.predict,
+    asp.results.load_contact,
     asp.figures.contact_figure,
     asp.figures.fit_figure,
     asp.figures.animate_history,

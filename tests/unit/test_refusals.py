@@ -67,13 +67,13 @@ def test_both_or_neither_of_load_and_separation():
 @pytest.mark.parametrize(
     "load",
     [
-        xr.DataArray([1.0, 2.0], dims="time"),
+        xr.DataArray([[1.0, 2.0]], dims=["leg", "time"]),
         xr.Dataset({"load": 1.0}).load,
         np.timedelta64(3, "s"),
         np.float32("nan"),
         10**400,
         10**5000,
-        [1.0] * 1000,
+        [[1.0] * 1000],
         Quantity(3.0),
     ],
     ids=range(8),

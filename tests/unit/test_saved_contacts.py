@@ -1,5 +1,7 @@
 """A contact on disk: all of its maps with units and coordinates, and read again it ages as it would have."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ ROUGH = asp.surfaces.self_affine(32, hurst=0.8, delta=0.1, seed=0)
 SCAN = asp.surfaces.Surface(ROUGH * 1e-6, "m", (1e-6, 2e-6), "m", edges="reflecting")
 SPRINGS = asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0, R_viscous=0.1)
 EYRING = asp.solids.half_space(modulus=1e9, creep=asp.solids.Eyring(rate=1e-9, stress=1e7))
-KINDS = {
+KINDS: dict[str, tuple[Any, asp.solids.Solid, Any]] = {
     "springs": (ROUGH, SPRINGS, {"load": 30.0}),
     "a line": (uncorrelated(12)[0], SPRINGS, {"separation": 0.5}),
     "elastic": (SCAN, asp.solids.half_space(modulus=1e9), {"load": 1e-3}),
@@ -29,7 +31,8 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_contact_that_was_read_ages_as_the_one_that_was_saved(tmp_path, kind):
     heights, solid, control = KINDS[kind]
-    saved = asp.age(asp.press(heights, solid, **control), [0.5, 1.0]).final
+    contact: asp.Contact = asp.press(heights, solid, **control)
+    saved = asp.age(contact, [0.5, 1.0]).final
     saved.save(tmp_path / "contact.zarr")
     read = asp.results.load_contact(tmp_path / "contact.zarr", solid)
     for name in ("heights", "u", "anchors", "in_contact", "permanent_indentation"):
@@ -90,8 +93,8 @@ def test_a_saved_history_is_no_contact(tmp_path, monkeypatch):
         ("separation", [0.1, 0.0]),
     ],
 )
-def test_several_loads_give_the_contacts_of_each(name, values):
-    found = asp.press(ROUGH, SPRINGS, **{name: values})  # type: ignore[call-overload]
+def test_several_loads_give_the_contacts_of_each(name: str, values: Any) -> None:
+    found: list[asp.Contact] = asp.press(ROUGH, SPRINGS, **{name: values})
     alone = [asp.press(ROUGH, SPRINGS, **{name: value}) for value in values]
     for one, other in zip(found, alone, strict=True):
         np.testing.assert_array_equal(one.u, other.u)
@@ -108,4 +111,4 @@ def test_several_loads_with_units_or_on_an_aged_contact():
         asp.press(aged, load=10.0).area,
     ]
     with refuses("load"):
-        asp.press(ROUGH, SPRINGS, load=[1.0, [2.0]])  # type: ignore[call-overload]
+        asp.press(ROUGH, SPRINGS, load=[1.0, [2.0]])  # type: ignore[arg-type]
