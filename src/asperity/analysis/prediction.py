@@ -1,13 +1,13 @@
 r"""What a prediction says: how the area of a real contact grows, how sure that is, and what is resolved.
 
-The growth per decade is the slope of A(t)/A(first) against log10 t by least squares. Its 95 % band holds what
-is known of two spreads, each found by drawing anew with replacement (B. Efron, Ann. Stat. 7, 1 (1979), DOI
-10.1214/aos/1176344552):
+It grows by A(last)/A(first); per decade by the slope of A(t)/A(first) against log10 t by least squares.
+Their 95 % bands hold what is known of two spreads, each found by drawing anew with replacement (B. Efron,
+Ann. Stat. 7, 1 (1979), DOI 10.1214/aos/1176344552):
 
-    table   deviations of the relaxation table from its fit; each draw is fitted anew. A separable solid under
-            a constant pressure p has the contact of an elastic one at p J(t), so that A as a function of J,
-            which the history has sampled, gives the curve of every draw. With a hardness this holds nearly,
-            see docs/predict.md. A solid that is given in numbers has no such spread.
+    table   deviations of the relaxation table from its fit, if they are noise; each draw is fitted anew. A
+            separable solid under a constant pressure p has the contact of an elastic one at p J(t), so that A
+            as a function of J, which the history has sampled, gives the curve of every draw. With a hardness
+            this holds nearly, see docs/predict.md. A solid that is given in numbers has no such spread.
     scan    tiles of the scan, whose areas of contact grow differently: what another scan of this size would
             give. Load passes from tile to tile meanwhile; so the area of the tiles drawn is taken over the
             load that they bear. Tiles are few, so that the deviations are widened as Student's t is.
@@ -17,8 +17,9 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, fields, replace
-from typing import Any, cast
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import xarray as xr
@@ -27,12 +28,10 @@ import asperity.views as views
 from asperity.analysis.observation import Observation
 from asperity.analysis.scan import written
 from asperity.checks import Floats
-from asperity.errors import InputError
 from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.patches import patches
-from asperity.relaxation import Fit, PronySeries, fit
-from asperity.relaxation.data import scales
+from asperity.relaxation import Fit, PronySeries
 from asperity.relaxation.series import Branches
 from asperity.solids import Eyring, Norton, Solid
 from asperity.surfaces import statistics
@@ -55,32 +54,47 @@ _FLOWING, _FULL = 3.0, 0.5
 _ROUNDING = 1e-12
 
 Interval = tuple[float, float]
+_Measure = Callable[[Field, Field], float]
+"""A measure of growth, from times and areas."""
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Growth of the area per decade of time, over the area at the first time.
+    """Growth of the area, in all and per decade of time, over the area at the first time.
 
     Attributes
     ----------
+    ratio
+        Area at the last time over that at the first.
+    ratio_band
+        Its 95 % band, of table and scan together.
     per_decade
         The slope over all decades.
     band
         Its 95 % band, of table and scan together.
     of_table, of_scan
-        The band that each would give alone; without a table the slope, twice.
+        The band that each would give alone; the slope, twice, without a table, and where the deviations from
+        its fit are no noise.
     decades
         Begin, end and growth per decade of each decade, the last of which may be a part of one.
     straight
         Whether the slope changes by no more than a quarter of itself; None where that cannot be told.
     """
 
+    ratio: float
+    ratio_band: Interval
     per_decade: float
     band: Interval
     of_table: Interval
     of_scan: Interval
     decades: tuple[tuple[float, float, float], ...]
     straight: bool | None
+
+    @property
+    def range(self) -> Interval:
+        """Smallest and largest growth of single decades; of half a decade or more, where the last ends."""
+        slopes = [slope for begin, end, slope in self.decades if end > 3 * begin]
+        return min(slopes), max(slopes)
 
 
 @dataclass(frozen=True)
@@ -141,11 +155,8 @@ class Prediction(views.InNotebooks):
     remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        low, high = (100 * edge for edge in self.growth.band)
-        return (
-            f"<Prediction: growth {100 * self.growth.per_decade:.3g} % of the first area per decade, "
-            f"95 % band {low:.3g} to {high:.3g} %, {self.time[0]:g} to {self.time[-1]:g} s>"
-        )
+        band = "{:.4g} to {:.4g}".format(*self.growth.ratio_band)
+        return f"<Prediction: {self.between('A')} = {self.growth.ratio:.4g}, 95 % band {band}>"
 
     @property
     def time(self) -> Field:
@@ -171,6 +182,21 @@ class Prediction(views.InNotebooks):
     def assumed(self) -> dict[str, object]:
         """The assumptions."""
         return dict(json.loads(self.dataset.attrs["prediction"]))
+
+    @property
+    def ramp(self) -> float:
+        """Time within which the load was put on, s; 0 for at once."""
+        return cast(float, self.assumed.get("ramp", 0.0))
+
+    @property
+    def load(self) -> float:
+        """The load that is held, N."""
+        return float(self.dataset["load"][-1])
+
+    def between(self, name: str) -> str:
+        """A quantity at the last time over that at the first, such as ``A(1 ks)/A(1 s)``."""
+        first, last = (f"{name}({written(float(self.time[place]), 's')})" for place in (0, -1))
+        return f"{last}/{first}"
 
     def series(self, name: str) -> Field:
         """A quantity of the dataset at `time`."""
@@ -201,7 +227,7 @@ class Prediction(views.InNotebooks):
             mobility, power = cast(tuple[float, float], known["flow"])
             said.append(f"flows with the mobility {mobility:.3g} (SI) times the wave number to {power:g}")
         if self.fit is None and known.get("branches"):
-            said.append(counted(len(self.solid.branches), "relaxation time"))
+            said.append(counted(len(self.branches), "relaxation time"))
         if self.solid.yields:
             said.append(f"the scan yields under {written(self.solid.hardness, 'Pa')}")
         return tuple(said)
@@ -211,7 +237,20 @@ class Prediction(views.InNotebooks):
         """The contact modulus as it relaxes; None where the solid is not separable."""
         if not self.solid.separable:
             return None
-        return PronySeries(self.modulus, cast(Branches, self.solid.parameters["branches"]))
+        return PronySeries(self.modulus, self.branches)
+
+    @property
+    def branches(self) -> Branches:
+        """Shares of E* and the times in which they relax, s."""
+        return cast(Branches, self.solid.parameters.get("branches") or ())
+
+    @property
+    def effective_load(self) -> Field | None:
+        """Load under which an elastic half-space of E* has this contact, N; None for no separable solid.
+
+        At a constant load F it is E* F J(t); while that was put on, E* times the integral of J(t - s) dF(s).
+        """
+        return None if self.relaxing is None else self.load * _creep(self.relaxing, self.time, self.ramp)
 
     @property
     def theory(self) -> tuple[str, Field] | None:
@@ -222,9 +261,9 @@ class Prediction(views.InNotebooks):
         contacts that flow, through the last area.
         """
         load = self.series("load")
-        if (relaxing := self.relaxing) is not None:
+        if (effective := self.effective_load) is not None:
             slope = statistics(self.dataset["heights"].values, self.spacing).rms_slope
-            pressure = load / self.nominal_area * relaxing.modulus * relaxing.compliance_at(self.time)
+            pressure = effective / self.nominal_area
             area = self.nominal_area * persson_area(pressure, modulus=self.modulus, slope=slope)
             return "Persson's theory, from the rms slope", area
         law, last = self.solid.creep, float(self.series("contact_area")[-1])
@@ -251,25 +290,33 @@ class Prediction(views.InNotebooks):
         return np.asarray(static_friction(area, load, self.shear_strength))
 
 
-def growth_of(dataset: xr.Dataset, found: Fit | None, *, seed: int = 0) -> Growth:
+def growth_of(dataset: xr.Dataset, found: Fit | None, *, ramp: float = 0.0, seed: int = 0) -> Growth:
     """Measure the growth of a history, and how sure it is; see the module.
 
-    The history, with maps, is under a constant load; where a table was fitted, it is of a solid with the
-    branches of the fit. The seed is that of the draws.
+    The history, with maps, is under a load that was put on within a ramp, or at once, and held; where a table
+    was fitted, it is of a solid with the branches of the fit. The seed is that of the draws of tiles.
     """
     time, area = (np.asarray(dataset[name])[1:] for name in ("time", "contact_area_corrected"))
-    line = growth_rate(time, area, initial=float(area[0]))
-    slope = _slope(time, area)
-    random = np.random.default_rng(seed)
-    of_table = np.ones(_DRAWS) if found is None else _of_tables(time, area, found, random)
-    of_scan = _of_tiles(dataset, random)
+    moments, tiles = _of_tiles(dataset, np.random.default_rng(seed))
+    tables = np.empty((0, time.size)) if found is None else _of_tables(time, area, found, ramp)
+
+    def weighed(measure: _Measure) -> tuple[float, Interval, Interval, Interval]:
+        """A measure of growth with its bands: of table and scan, and of each alone."""
+        value, of_table = measure(time, area), _factors(measure, time, [area, *tables])
+        of_scan = 1 + _WIDER * (_factors(measure, moments, tiles) - 1)
+        return value, _band(value, of_table * of_scan), _band(value, of_table), _band(value, of_scan)
+
+    slope, band, of_table, of_scan = weighed(_slope)
+    rise, rise_band, *_ = weighed(_rise)
     return Growth(
+        ratio=1 + rise,
+        ratio_band=(1 + rise_band[0], 1 + rise_band[1]),
         per_decade=slope,
-        band=_band(slope, of_table * of_scan),
-        of_table=_band(slope, of_table),
-        of_scan=_band(slope, of_scan),
+        band=band,
+        of_table=of_table,
+        of_scan=of_scan,
         decades=_by_decade(time, area),
-        straight=line.straight,
+        straight=growth_rate(time, area, initial=float(area[0])).straight,
     )
 
 
@@ -293,44 +340,45 @@ def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
     return tuple(said)
 
 
-def _of_tables(time: Field, area: Field, found: Fit, random: np.random.Generator) -> Floats:
-    """Slopes that tables with other deviations would have given, over the slope; shape (draws,)."""
-    x, _ = found.data.columns
-    names = [field.name for field in fields(found.data)][1:-1]
-    predicted = found.data.predicted(found.series, x)
-    free = max(x.size - len(found.series.branches) - 1, 1)
-    wider = math.sqrt(x.size / free)
-    compliance, whole = np.log(found.series.compliance_at(time)), _slope(time, area)
+def _creep(series: PronySeries, time: Field, ramp: float) -> Field:
+    """Effective load over the load that is held, which was put on within a ramp; without one, E* J(t)."""
+    knots = np.union1d([0.0, ramp], time)
+    loads = np.minimum(knots / ramp, 1.0) if ramp else np.ones_like(knots)
+    return series.effective_load(knots, loads)[np.searchsorted(knots, time)]
+
+
+def _of_tables(time: Field, area: Field, found: Fit, ramp: float) -> Floats:
+    """Areas that tables with other noise would have given; shape (draws, times)."""
+
+    def crept(series: PronySeries) -> Floats:
+        return np.log(_creep(series, time, ramp) / series.modulus)
+
+    compliance = crept(found.series)
     grown = np.flatnonzero(np.diff(compliance, prepend=-np.inf) > _ROUNDING)  # a table may end in a plateau
-    if whole == 0 or grown.size < 2:  # it does not grow, whatever the table
-        return np.ones(_DRAWS)
-    slopes = []
-    for _ in range(_DRAWS):
-        chosen = random.integers(0, x.size, x.size)
-        drawn = [
-            np.maximum(p + wider * r[chosen] * s, 0.0)
-            for p, r, s in zip(predicted, found.residuals(), scales(found.data), strict=True)
-        ]
-        try:
-            table: dict[str, Any] = dict(zip(names, drawn, strict=True))
-            again = fit(replace(found.data, **table, noise=0.99), per_decade=found.per_decade)
-        except InputError:  # deviations so large that a draw is no relaxation
-            continue
-        there = np.log(again.series.compliance_at(time))
-        slopes.append(_slope(time, np.exp(_continued(there, compliance[grown], np.log(area[grown])))))
-    return np.resize(np.array(slopes or [whole]), _DRAWS) / whole
+    if grown.size < 2:  # it does not grow, whatever the table
+        return np.empty((0, time.size))
+    x, y = compliance[grown], np.log(area[grown])
+    drawn = [np.exp(_continued(crept(one.series), x, y)) for one in found.resampled]
+    return np.reshape(drawn, (-1, time.size))
 
 
-def _of_tiles(dataset: xr.Dataset, random: np.random.Generator) -> Floats:
-    """Slopes that other scans would have given, over the slope; shape (draws,)."""
+def _of_tiles(dataset: xr.Dataset, random: np.random.Generator) -> tuple[Field, Floats]:
+    """Times of the maps; areas of all tiles, and then those that other scans would have given.
+
+    The shape of the areas is (1 + draws, maps).
+    """
     area, load = (_in_tiles(np.asarray(dataset[name])) for name in ("in_contact", "pressure"))
-    time = np.asarray(dataset["field_time"])
     chosen = random.integers(0, area.shape[1], (_DRAWS, area.shape[1]))
     drawn, borne = area[:, chosen].sum(axis=-1).T, load[:, chosen].sum(axis=-1).T
-    slopes = np.array([_slope(time, a / f) for a, f in zip(drawn, borne, strict=True) if (f > 0).all()])
-    whole = _slope(time, area.sum(axis=1))
-    factors = np.resize(slopes, _DRAWS) / whole if whole and slopes.size else np.ones(_DRAWS)
-    return np.asarray(1 + _WIDER * (factors - 1))
+    bearing = (borne > 0).all(axis=1)
+    whole, pressed = area.sum(axis=1), load.sum(axis=1)
+    return np.asarray(dataset["field_time"]), np.vstack([whole, drawn[bearing] / borne[bearing] * pressed])
+
+
+def _factors(measure: _Measure, time: Field, areas: Sequence[Field] | Floats) -> Floats:
+    """A measure of areas that were drawn, over that of the first areas, the true ones; shape (draws,)."""
+    whole, *drawn = (measure(time, area) for area in areas)
+    return np.resize(drawn, _DRAWS) / whole if whole and drawn else np.ones(_DRAWS)
 
 
 def _in_tiles(maps: Field) -> Field:
@@ -345,6 +393,12 @@ def _slope(time: Field, area: Field) -> float:
     """Slope of the area over the first against the decimal logarithm of time."""
     slope = float(np.polyfit(np.log10(time), area / area[0], 1)[0])
     return slope if abs(slope) > _ROUNDING else 0.0
+
+
+def _rise(time: Field, area: Field) -> float:
+    """How much larger the last area is than the first, over the first."""
+    del time
+    return float(area[-1] / area[0] - 1)
 
 
 def _band(slope: float, factors: Floats) -> Interval:

@@ -114,6 +114,7 @@ def predict(
     /,
     *,
     surface: Path | None = None,
+    ramp: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
     wanted: PredictFlags = _PREDICT,
     out: Out = Path("prediction"),
     overwrite: Switch = False,
@@ -137,6 +138,9 @@ def predict(
         asperity run, which flags override. Without: a half-space of --young and --creep.
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
+    ramp
+        Time within which the load is put on, in proportion to time, such as 2.4s; all times count from its
+        start. [default: at once]
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     overwrite
@@ -151,7 +155,7 @@ def predict(
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
     from asperity.cli.predict import predict as predict_it
 
-    predict_it(material, flags, wanted, out=out, overwrite=overwrite, quiet=quiet)
+    predict_it(material, flags, wanted, ramp=ramp, out=out, overwrite=overwrite, quiet=quiet)
     if show:
         open_results(out)
 

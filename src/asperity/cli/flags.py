@@ -83,8 +83,11 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
     sections: dict[str, dict[str, object]] = {}
     for name, (section, key) in flags.keys.items() if flags is not None else ():
         if (written := getattr(flags, name)) is not None:
+            flag = flag_of(section, key.name)
             if units and key.unit:
-                check_unit(flag_of(section, key.name), written, key.unit)
+                check_unit(flag, written, key.unit)
+            for pair in written if units and key.name == "branches" else ():
+                check_unit(flag, re.split(r"[\s,]+", pair.strip(), maxsplit=1)[1:], "s")
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
     return sections
 
@@ -172,7 +175,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--poisson": "Poisson's ratio, which does not relax; of two bodies, without a table, both. "
         f"[default: {POISSON}]",
         "--branches-per-decade": "Relaxation times in each decade of the table: more of them for data with "
-        "few distinct times, fewer for noisy data. [default: 1]",
+        "few distinct times, fewer for noisy data. [default: free times, where few suffice, else 1]",
         "--creep": "Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure.",
         "--temperature": "Temperature of the contact, such as 40degC: for activated creep, or to shift a "
         "relaxation table from --reference.",

@@ -56,6 +56,9 @@ class PredictFlags:
     modulus
         What the table measures: Young's modulus, the shear modulus, or the contact modulus E*.
         [default: young]
+    branches
+        How many relaxation times the fit of the table has, which are free. [default: the fewest whose misfit
+        looks like noise, five at most; else --branches-per-decade 1]
     reference
         Temperature of the table, such as 20degC.
     activation_energy
@@ -68,6 +71,7 @@ class PredictFlags:
     columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None
     noise: float | None = None
     modulus: Literal["young", "shear", "contact"] | None = None
+    branches: Whole | None = None
     reference: Annotated[str | None, Parameter(metavar="QUANTITY", allow_leading_hyphen=True)] = None
     activation_energy: Annotated[str | None, Parameter(metavar="QUANTITY")] = None
     wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None

@@ -70,7 +70,8 @@ def check_free(out: Path, *, overwrite: bool) -> None:
 
 def _is_ours(name: str) -> bool:
     pictures = "aging, history, sliding, contacts, patches, growth, pressure, relaxation, observed, friction"
-    return name in {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION} or Path(name).stem in pictures.split(", ")
+    ours = {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION, "solid.toml"}
+    return name in ours or Path(name).stem in pictures.split(", ")
 
 
 def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:

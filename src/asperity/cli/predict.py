@@ -29,17 +29,16 @@ from asperity.config.solids import POISSON, BesideTable
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.progress import listener
-from asperity.relaxation import arrhenius, wlf
+from asperity.relaxation import Fit, arrhenius, wlf
 from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
-from asperity.runs.loops import compile_loops
 from asperity.runs.prediction import predict as predict_it
 from asperity.runs.prediction import predict_config
 from asperity.words import counted as how_many
-from asperity.words import thousands
+from asperity.words import tables_to_toml, thousands
 
 _CHECKPOINT_EVERY = 3.0
-_OF_TABLES = ("kind", "columns", "noise", "modulus")
+_OF_TABLES = ("kind", "columns", "noise", "modulus", "branches")
 """Flags about a relaxation table, which go on as they are."""
 
 _COLUMNS = {
@@ -57,7 +56,14 @@ _COLUMNS = {
 
 
 def predict(
-    material: Path | None, flags: Sections, wanted: PredictFlags, *, out: Path, overwrite: bool, quiet: bool
+    material: Path | None,
+    flags: Sections,
+    wanted: PredictFlags,
+    *,
+    ramp: str | None,
+    out: Path,
+    overwrite: bool,
+    quiet: bool,
 ) -> None:
     """Compute, and write the results to a folder; a long run keeps its place in a file beside it.
 
@@ -65,20 +71,21 @@ def predict(
     """
     check_free(out, overwrite=overwrite)
     compute: Callable[..., Prediction]
+    loading = None if ramp is None else _with_unit("--ramp", ramp, "s")
     if material is None or material.suffix == ".toml":
         config = read_config(material, _sections(material, flags, wanted))
-        compute, asked = functools.partial(predict_config, config), repr(config)
+        compute, asked = functools.partial(predict_config, config), repr((config, loading))
     else:
         scan, arguments = _scan(flags), _arguments(flags, wanted)
         compute = lambda **more: predict_it(material, scan.build(), **arguments, **more)  # noqa: E731
-        asked = repr((material, scan, arguments))
+        asked = repr((material, scan, arguments, loading))
     with place_beside(out, asked) as place, listener(not quiet) as progress:
-        compile_loops(progress.stage, progress.remark)
         started = clock.perf_counter()
         if place.exists():
             progress.stage(f"going on from {place}")
         try:
-            prediction = compute(progress=progress, checkpoint=Checkpoint(place, every=_CHECKPOINT_EVERY))
+            kept = Checkpoint(place, every=_CHECKPOINT_EVERY)
+            prediction = compute(ramp=loading, progress=progress, checkpoint=kept)
         except InputError as error:
             raise of_flags(error, _flags_of_arguments()) from error
         rows = _report(prediction, seconds=clock.perf_counter() - started)
@@ -176,7 +183,7 @@ def _with_unit(flag: str, text: str, unit: str) -> float:
 def _flags_of_arguments() -> dict[str, str]:
     """Flags of arguments, by their names in Python."""
     keys = {key.name: flag_of(section, key.name) for section, key in keys_for("prediction")}
-    others = ("surface", "branches_per_decade", *vars(PredictFlags()))
+    others = ("surface", "branches_per_decade", "ramp", *vars(PredictFlags()))
     return keys | {name: _flag(name) for name in others}
 
 
@@ -186,11 +193,11 @@ def _flag(name: str) -> str:
 
 def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
     """Say what was predicted from what."""
-    dataset, growth, scan = prediction.dataset, prediction.growth, prediction.origin
+    dataset, scan = prediction.dataset, prediction.origin
     time, fit = prediction.time, prediction.fit
     pixels = " x ".join(map(str, dataset["heights"].shape))
     sides = " x ".join(written(side, "m", 4) for side in prediction.spacing)
-    load = float(dataset["load"][0])
+    load, ramp = prediction.load, prediction.ramp
     rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}")]
     if fit is not None:
         begin, end = fit.series.span
@@ -198,15 +205,17 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
             (
                 "relaxation",
                 f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
-                f"{len(fit.series.branches)} branches, missed by {100 * fit.series.error:.2g} % at most",
+                f"missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most",
             )
         )
+        rows += _branches(fit)
     rows += [
         ("solid", "; ".join(prediction.words)),
         (
             "held",
             f"load {written(load, 'N')}, {written(load / prediction.nominal_area, 'Pa')} "
-            f"over {written(prediction.nominal_area, 'm^2')}",
+            f"over {written(prediction.nominal_area, 'm^2')}, "
+            + (f"put on within {written(ramp, 's')}, from 0 s on" if ramp else "put on at once"),
         ),
     ]
     for place in (0, -1):
@@ -222,17 +231,7 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
                 f"with {written(load / counted, 'Pa')} on average",
             )
         )
-    low, high = (100 * edge for edge in growth.band)
-    first, last, several = growth.decades[0][2], growth.decades[-1][2], len(growth.decades) > 1
-    rows += [
-        (
-            "growth",
-            f"{100 * growth.per_decade:.3g} % of the first area per decade, "
-            f"95 % band {low:.3g} to {high:.3g} %",
-        )
-    ]
-    if several:
-        rows.append(("", f"{100 * first:.3g} % in the first decade, {100 * last:.3g} % in the last"))
+    rows += _growth(prediction)
     if prediction.theory is not None:
         name, area = prediction.theory
         first_to_last = " to ".join(written(float(area[place]), "m^2") for place in (0, -1))
@@ -263,6 +262,42 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
     return rows
 
 
+def _branches(fit: Fit) -> list[Row]:
+    """The branches of a fit, with their 95 % intervals where these are known."""
+    rows, known = [], fit.intervals
+    for number, (share, time) in enumerate(fit.series.branches):
+        said = [f"share {share:.4g}", f"relaxes in {written(time, 's')}"]
+        if known is not None:
+            (low, high), (early, late) = known[number].tolist()
+            said[0] += f" ({low:.4g} to {high:.4g})"
+            said[1] += f" ({written(early, 's')} to {written(late, 's')})"
+        rows.append(("" if number else "branches", " ".join(said)))
+    return [*rows, ("", f"share {fit.series.permanent:.4g} does not relax")]
+
+
+def _growth(prediction: Prediction) -> list[Row]:
+    """How the area grows in all and in each decade, and beside what compliance."""
+    growth, effective = prediction.growth, prediction.effective_load
+    least, most, last = (100 * slope for slope in (*growth.range, growth.decades[-1][2]))
+    low, high, (near, far) = 100 * growth.band[0], 100 * growth.band[1], growth.ratio_band
+    rows = [
+        (
+            "growth",
+            f"{prediction.between('A')} = {growth.ratio:.4g}, 95 % band {near:.4g} to {far:.4g}",
+        ),
+        (
+            "in each decade",
+            f"{least:.3g} to {most:.3g} % of the first area, {last:.3g} % in the last; "
+            f"mean {100 * growth.per_decade:.3g} %, 95 % band {low:.3g} to {high:.3g} %",
+        ),
+    ]
+    if effective is not None:
+        averaged = ", averaged over the loading" if prediction.ramp else ""
+        ratio = f"{prediction.between('J')} = {effective[-1] / effective[0]:.4g}"
+        rows.append(("creep compliance", ratio + averaged))
+    return rows
+
+
 def _write(prediction: Prediction, out: Path, *, text: str, overwrite: bool) -> None:
     """Write every file: all of them, or none."""
     check_free(out, overwrite=overwrite)  # again: minutes may have passed
@@ -275,11 +310,29 @@ def _write(prediction: Prediction, out: Path, *, text: str, overwrite: bool) -> 
         for name, picture in pictures.items():
             (folder / f"{name}.png").write_bytes(picture.png)
         _write_table(prediction, folder / "history.csv")
+        if prediction.fit is not None:
+            (folder / "solid.toml").write_text(_solid(prediction, prediction.fit), encoding="utf-8")
+
+
+def _solid(prediction: Prediction, fit: Fit) -> str:
+    """The fitted solid as a section of a configuration."""
+    known = prediction.assumed
+    solid: dict[str, object] = {"kind": "half_space", "modulus": prediction.modulus}
+    if known["measured"] == "young":
+        solid = {"kind": "half_space", "young": fit.series.modulus, "poisson": known["poisson"]}
+    solid["branches"] = list(prediction.branches)
+    if prediction.solid.yields:
+        solid["hardness"] = prediction.solid.hardness
+    table, (first, last) = known["table"] or "A table", fit.series.span
+    head = f"# {table} as a sum of exponentials, known from {first:.4g} s to {last:.4g} s."
+    return f"{head}\n{tables_to_toml({'solid': solid})}"
 
 
 def _write_table(prediction: Prediction, path: Path) -> None:
     """One row a time; numbers to the last digit, with units in the header."""
     columns = {f"{name} [{unit}]": prediction.series(name) for name, unit in _COLUMNS.items()}
+    if prediction.effective_load is not None:
+        columns["effective_load [N]"] = prediction.effective_load
     if prediction.friction_force is not None and prediction.friction is not None:
         columns |= {"friction_force [N]": prediction.friction_force, "friction [1]": prediction.friction}
     with path.open("w", newline="", encoding="utf-8") as stream:

@@ -45,7 +45,7 @@ ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
 OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | ACTIVATION
 """Keys of local laws of creep."""
 
-PREDICTED = OF_LAWS | {"young", "poisson", "per_decade", "creep", "permanent", "hardness"}
+PREDICTED = OF_LAWS | {"young", "poisson", "branches", "per_decade", "creep", "permanent", "hardness"}
 """Keys of a half-space that a prediction takes as flags."""
 
 _BEYOND = 10.0
@@ -210,7 +210,8 @@ class Continuum(SolidSection):
     per_decade: PerDecade | None = Field(
         default=None,
         description="Relaxation times in each decade of that table: more of them for data with few distinct "
-        "times, fewer for noisy data. By default 1.",
+        "times, fewer for noisy data. By default the fewest free times whose misfit looks like noise, "
+        "five at most, else 1 a decade.",
     )
 
     @model_validator(mode="after")
@@ -248,7 +249,7 @@ class Continuum(SolidSection):
             return None
         path = Path(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
-        return _fitted(path, self.per_decade or 1.0, changed)
+        return _fitted(path, self.per_decade, changed)
 
     def _series(self) -> PronySeries | None:
         return None if self.fit is None else self.fit.series
@@ -426,7 +427,7 @@ AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(
 
 
 @functools.lru_cache(maxsize=8)
-def _fitted(path: Path, per_decade: float, changed: int) -> Fit:
+def _fitted(path: Path, per_decade: float | None, changed: int) -> Fit:
     """A table, fitted; ``changed`` tells one state of the file from another."""
     from asperity.relaxation import fit, read
 

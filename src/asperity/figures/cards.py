@@ -188,12 +188,13 @@ def _(fit: Fit) -> str:
 @html_of.register
 def _(prediction: Prediction) -> str:
     growth, data = prediction.growth, prediction.dataset
-    low, high = (100 * edge for edge in growth.band)
+    low, high = growth.ratio_band
+    least, most = growth.range
     rows = [
-        ("growth per decade", f"{100 * growth.per_decade:.3g} % of the first area"),
-        ("95 % band", f"{low:.3g} to {high:.3g} %"),
-        ("times", f"{quantity(prediction.time[0], 's')} to {quantity(prediction.time[-1], 's')}"),
-        ("load", quantity(float(data["load"][0]), "N")),
+        (prediction.between("A"), f"{growth.ratio:.4g}"),
+        ("95 % band", f"{low:.4g} to {high:.4g}"),
+        ("growth per decade", f"{100 * least:.3g} to {100 * most:.3g} % of the first area"),
+        ("load", quantity(prediction.load, "N")),
         ("modulus E* at once", quantity(prediction.modulus, "Pa")),
     ]
     if (friction := prediction.friction) is not None:

@@ -55,13 +55,18 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
     friction = "" if prediction.friction is None else " Bottom: the coefficient of static friction."
     beside = ""
     if prediction.relaxing is not None:
-        beside = ", beside that of Persson's theory for a random surface of the same rms slope [7]"
+        beside = (
+            ". Dotted: the first area times J(t)/J(first), as the area of light contacts goes with p J(t). "
+            "Dashed: Persson's theory for a random surface of the same rms slope [7], about a fifth below "
+            "simulations of light contacts [8]: compare how it grows"
+        )
     elif prediction.theory is not None:
         beside = ", beside that of contacts that flow and bear all of the load, d ln A/d ln t = s0/s"
     captions: dict[str, tuple[Figure, str]] = {
         "growth": (
             drawn.growth_figure(prediction),
-            f"Real contact area against the time under load{beside}; and its growth per decade.{friction}",
+            f"Real contact area against time{beside}. Below: its growth in each decade, and the 95 % band of "
+            f"the mean over all.{friction}",
         ),
         "contacts": (
             drawn.contact_maps_figure(prediction),
@@ -134,7 +139,11 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         exact=dataset.attrs.get("exact_contact", ""),
         residual_power=-math.ceil(math.log10(max(float(dataset["residual"].max()), 1e-16))),
         nominal=prediction.nominal_area,
-        load=float(dataset["load"][0]),
+        load=prediction.load,
+        ramp=prediction.ramp,
+        between=prediction.between,
+        branches=prediction.branches,
+        intervals=None if fit is None else fit.intervals,
         modulus=prediction.modulus,
         late_modulus=None if relaxing is None else float(relaxing.modulus_at(rows[-1]["time"])),
         series=None if fit is None else fit.series,
@@ -158,8 +167,9 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
 
 def _rows(prediction: Prediction) -> list[dict[str, Any]]:
     """What is known at the times of the maps; SI units."""
-    dataset = prediction.dataset
+    dataset, effective = prediction.dataset, prediction.effective_load
     force, friction = prediction.friction_force, prediction.friction
+    first = prediction.series("contact_area_corrected")[0]
     rows = []
     for moment, resolved in zip(np.asarray(dataset["field_time"]), prediction.resolved, strict=True):
         place = int(np.flatnonzero(prediction.time == moment)[0])
@@ -171,7 +181,8 @@ def _rows(prediction: Prediction) -> list[dict[str, Any]]:
                 "counted": float(here["contact_area"]),
                 "corrected": corrected,
                 "fraction": corrected / prediction.nominal_area,
-                "mean_pressure": float(here["load"]) / prediction.nominal_area,
+                "grown": corrected / first,
+                "compliance": None if effective is None else float(effective[place] / effective[0]),
                 "contact_pressure": float(here["mean_contact_pressure"]),
                 "largest_pressure": float(here["largest_pressure"]),
                 "gap": float(here["mean_gap"]),

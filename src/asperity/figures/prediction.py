@@ -19,7 +19,7 @@ _BINS = 60
 
 
 def growth_figure(prediction: Prediction) -> Figure:
-    """Draw the area against the logarithm of time, its growth per decade with its band, and friction."""
+    """Draw the area against the logarithm of time, its growth in each decade, and friction."""
     friction = prediction.friction
     panels = 2 if friction is None else 3
     figure = style.Drawing(figsize=(6.8, 3.2 + 2.1 * (panels - 1)), layout="constrained")
@@ -31,13 +31,11 @@ def growth_figure(prediction: Prediction) -> Figure:
     grid[1].stairs(
         100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.8, label="decade by decade"
     )
-    grid[1].axhline(
-        100 * growth.per_decade, color=style.INK, linewidth=1.2, label="straight line over all decades"
-    )
-    grid[1].axhspan(
-        *(100 * edge for edge in growth.band), color=style.SKY, alpha=0.35, linewidth=0, label="its 95 % band"
-    )
+    low, high = (100 * edge for edge in growth.band)
+    label = f"mean of all {100 * growth.per_decade:.3g} %, 95 % band"
+    grid[1].axhspan(low, high, color=style.SKY, alpha=0.35, linewidth=0, label=label)
     grid[1].set_ylabel("growth per decade\n[% of first area]")
+    figure.suptitle(f"{prediction.between('A')} = {growth.ratio:.4g}", fontsize=10)
     if friction is not None:
         label = "shear strength × area / load"
         style.curve(grid[2], prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
@@ -59,6 +57,10 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     )
     style.curve(axes, prediction.time, counted, "s-", style.GRAY, "sites counted", linewidth=1.0)
     style.curve(axes, prediction.time, corrected, "o-", style.INK, "less the rim", linewidth=1.0)
+    if (effective := prediction.effective_load) is not None:
+        followed = corrected[0] * effective / effective[0]
+        label = "first area × creep compliance J(t)/J(first)"
+        axes.plot(prediction.time, followed, ":", color=style.VERMILION, label=label)
     if prediction.theory is not None:
         name, area = prediction.theory
         shown = square * area

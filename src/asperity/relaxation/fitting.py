@@ -1,11 +1,22 @@
-"""The generalized Maxwell solid of measured data, by non-negative least squares of relative deviations."""
+"""The generalized Maxwell solid of measured data, by non-negative least squares of relative deviations.
+
+Relaxation times are few and free where that is enough, else log-spaced. Free times are found by least squares
+in their logarithms; the weights are the best for them at every step (variable projection: G. H. Golub, V.
+Pereyra, SIAM J. Numer. Anal. 10, 413 (1973), DOI 10.1137/0710036).
+"""
 
 from __future__ import annotations
 
+import functools
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, fields, replace
+from itertools import islice
+from typing import Any
 
 import numpy as np
+from scipy.optimize import least_squares
 
 import asperity.checks as checks
 import asperity.views as views
@@ -14,6 +25,18 @@ from asperity.errors import LARGEST, InputError
 from asperity.relaxation.data import Measured, scales
 from asperity.relaxation.positive_sums import log_times
 from asperity.relaxation.series import PronySeries
+
+MOST_FREE = 5
+"""Most relaxation times that are free unless more are asked for."""
+
+_DRAWS = 200
+_FEW_RUNS = -2.326
+"""Runs of one sign, over what chance gives, in standard deviations: fewer than 1 % of noise has less."""
+
+_CLOSE = 1.25
+"""Misfit of free times over that of one time a decade, up to which the fewer times are taken."""
+
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,14 +51,17 @@ class Fit(views.InNotebooks):
         Root mean square of the relative deviations.
     data
         What was fitted.
+    times
+        Relaxation times (of creep data: retardation times) that were allowed, s, shape (n,).
     per_decade
-        Relaxation times in each decade that were allowed.
+        How many of them are in each decade; None where they were free.
     """
 
     series: PronySeries
     rms: float
     data: Measured
-    per_decade: float = 1.0
+    times: Floats
+    per_decade: float | None = None
 
     def __repr__(self) -> str:
         first, last = self.series.span
@@ -55,6 +81,67 @@ class Fit(views.InNotebooks):
         predicted = self.data.predicted(self.series, x)
         relative_to = scales(self.data)
         return tuple((v - p) / s for v, p, s in zip(values, predicted, relative_to, strict=True))
+
+    @functools.cached_property
+    def systematic(self) -> bool:
+        """Whether the deviations are waves rather than noise.
+
+        They keep their sign for too long, at 1 % (runs of one sign: A. Wald, J. Wolfowitz, Ann. Math. Stat.
+        11, 147 (1940), DOI 10.1214/aoms/1177731909); or twice as many times in each decade would miss the
+        data by less than half, if there are three points for each of the times or more.
+        """
+        if self.rms < _ROUNDING:
+            return False
+        finer = self.per_decade is not None and self.data.columns[0].size >= 3 * len(self.times)
+        if finer and _log_spaced(self.data, 2 * (self.per_decade or 1.0)).rms < self.rms / 2:
+            return True
+        excess, variance = 0.0, 0.0
+        for deviation in self.residuals():
+            above = deviation > 0
+            n, pairs = above.size, 2.0 * above.sum() * (~above).sum()
+            excess += 1 + np.count_nonzero(np.diff(above)) - (1 + pairs / n)
+            variance += pairs * (pairs - n) / (n**2 * (n - 1))
+        return bool(variance <= 0 or excess < _FEW_RUNS * math.sqrt(variance))
+
+    @functools.cached_property
+    def resampled(self) -> tuple[Fit, ...]:
+        """Fits of as many tables as the noise of this one would have given, 200 or a few less; none of waves.
+
+        Each has other deviations, drawn from those of this fit with replacement (B. Efron, Ann. Stat. 7, 1
+        (1979), DOI 10.1214/aos/1176344552), which are widened by what the fit has taken of them.
+        """
+        if self.systematic:
+            return ()
+        random, (x, _) = np.random.default_rng(0), self.data.columns
+        names = [field.name for field in fields(self.data)][1:-1]
+        predicted, deviations = self.data.predicted(self.series, x), self.residuals()
+        found = len(self.series.branches) * (2 if self.per_decade is None else 1) + 1
+        wider = math.sqrt(x.size / max(x.size - found, 1))
+        drawn = []
+        for _ in range(_DRAWS):
+            chosen = random.integers(0, x.size, x.size)
+            columns = [
+                np.maximum(p + wider * r[chosen] * s, 0.0)
+                for p, r, s in zip(predicted, deviations, scales(self.data), strict=True)
+            ]
+            # A draw may be no relaxation where deviations are large.
+            with suppress(InputError):
+                numbers: dict[str, Any] = dict(zip(names, columns, strict=True))
+                table = replace(self.data, **numbers, noise=0.99)
+                drawn.append(_fitted(table, self.times, self.per_decade))
+        return tuple(drawn)
+
+    @property
+    def intervals(self) -> Floats | None:
+        """95 % intervals of the shares and times of free branches, shape (branches, 2, 2); None if not known.
+
+        The last axis has the lower and the upper end. They are those of `resampled`.
+        """
+        shape = np.shape(self.series.branches)
+        alike = [one.series.branches for one in self.resampled if np.shape(one.series.branches) == shape]
+        if self.per_decade is not None or not shape[0] or len(alike) < _DRAWS // 2:
+            return None
+        return np.asarray(np.moveaxis(np.quantile(np.array(alike), (0.025, 0.975), axis=0), 0, -1))
 
     def curve(self, points: int = 200) -> tuple[Floats, tuple[Floats, ...]]:
         """Evaluate the fit between the first and the last of the data: log-spaced times, and its values."""
@@ -76,36 +163,52 @@ class Fit(views.InNotebooks):
             )
 
 
-def fit(data: Measured, *, per_decade: float = 1.0, over: tuple[float, float] | None = None) -> Fit:
+def fit(
+    data: Measured,
+    *,
+    per_decade: float | None = None,
+    branches: int | None = None,
+    over: tuple[float, float] | None = None,
+) -> Fit:
     """Fit a generalized Maxwell solid to measured data by non-negative least squares.
 
-    Relaxation times (of creep data: retardation times) are log-spaced over the times of the data; those that
-    the data do not need get no branch. What has not relaxed at the last time is permanent.
+    Unless the number of branches or their density is given, the smallest number of free relaxation times is
+    taken, five at most, whose deviations look like noise: they are not `Fit.systematic`, and their rms is at
+    most a quarter more than that of one time in each decade. Where no number is so, as for broad spectra, one
+    time in each decade is taken. All relaxation times (of creep data: retardation times) lie within the times
+    of the data; what has not relaxed at the last time is permanent.
 
     Parameters
     ----------
     data
         A `Relaxation`, `Creep` or `Dynamic`; `read` makes one of a file.
     per_decade
-        Times per decade, from 0.2 to 10. More of them follow the noise of the data.
+        Times per decade, from 0.2 to 10, log-spaced; those that the data do not need get no branch. More of
+        them follow the noise of the data.
+    branches
+        In its place: how many free relaxation times.
     over
         First and last time, s, that the fit will be used for; refused where the data do not reach.
 
     Raises
     ------
     InputError
-        It is no data, `per_decade` is out of its range, or the data do not span the times in `over`.
+        It is no data, `per_decade` or `branches` is out of its range, or the data do not span the times in
+        `over`.
     """
     data = _measured(data)
-    density = checks.number("per_decade", per_decade, least=0.2, most=10)
-    first, last = data.span
-    steps = max(1, round(density * math.log10(last / first)))
-    times = log_times(first, last, steps / math.log10(last / first), first)
-    series = replace(data.series(times), span=data.span)
-    found = Fit(series, 0.0, data, density)
-    deviations = np.concatenate(found.residuals())
-    largest, rms = float(np.abs(deviations).max()), float(np.sqrt(np.mean(deviations**2)))
-    found = Fit(replace(series, error=largest), rms, data, density)
+    if branches is not None:
+        if per_decade is not None:
+            raise InputError("branches", expected="none beside per_decade", got=checks.shown(branches))
+        most = (data.columns[0].size - 1) // 2
+        expected = f"a number from 1 to {most}, for as many points as there are"
+        count = checks.integer("branches", branches, least=1, most=most, expected=expected)
+        found = next(islice(_with_free_times(data), count - 1, None))
+    else:
+        density = 1.0 if per_decade is None else per_decade
+        found = _log_spaced(data, checks.number("per_decade", density, least=0.2, most=10))
+        if per_decade is None:
+            found = _with_few_times(data, found.rms) or found
     if over is not None:
         try:
             start, end = over
@@ -113,6 +216,64 @@ def fit(data: Measured, *, per_decade: float = 1.0, over: tuple[float, float] | 
             raise InputError("over", expected="a first and a last time", got=checks.shown(over)) from error
         found.require(start, end)
     return found
+
+
+def _log_spaced(data: Measured, density: float) -> Fit:
+    """A fit of so many times in each decade."""
+    first, last = data.span
+    steps = max(1, round(density * math.log10(last / first)))
+    return _with(data, log_times(first, last, steps / math.log10(last / first), first), density)
+
+
+def _with_few_times(data: Measured, rms: float) -> Fit | None:
+    """The smallest number of free times whose deviations look like noise; None without one."""
+    points = sum(values.size for values in data.columns[1])
+    most = min(MOST_FREE, (points // 2 - 1) // 2)  # two points or more for each number
+    with suppress(InputError):  # creep of few times may have no elastic strain
+        for found in islice(_with_free_times(data), most):
+            if found.rms < max(_CLOSE * rms, _ROUNDING) and not found.systematic:
+                return found
+    return None
+
+
+def _with_free_times(data: Measured) -> Iterator[Fit]:
+    """Fits of one free time, two, and so on, which begin with those before and the one that helps most."""
+    first, last = data.span
+    places = np.geomspace(first, last, 2 * max(1, round(math.log10(last / first))) + 1)
+    times = np.empty(0)
+    while True:
+        begun = min((_with(data, np.append(times, place)) for place in places), key=lambda one: one.rms)
+        found = _fitted(data, begun.times, None)
+        times = found.times
+        yield found
+
+
+def _fitted(data: Measured, times: Floats, per_decade: float | None) -> Fit:
+    """A fit of times that are free, unless so many in each decade were asked for, and begin with these."""
+    if per_decade is not None:
+        return _with(data, times, per_decade)
+    low, high = np.log(data.span)
+
+    def deviations(logarithms: Floats) -> Floats:
+        return np.concatenate(_with(data, np.exp(logarithms)).residuals())
+
+    found = least_squares(
+        deviations,
+        np.clip(np.log(times), low, high),
+        bounds=(low, high),
+        xtol=1e-12,
+        ftol=1e-12,
+        gtol=1e-15,  # exact data end by this one
+    )
+    return _with(data, np.sort(np.exp(found.x)))
+
+
+def _with(data: Measured, times: Floats, per_decade: float | None = None) -> Fit:
+    """A fit of given times."""
+    found = Fit(replace(data.series(times), span=data.span), 0.0, data, times, per_decade)
+    deviations = np.concatenate(found.residuals())
+    largest, rms = float(np.abs(deviations).max()), float(np.sqrt(np.mean(deviations**2)))
+    return replace(found, series=replace(found.series, error=largest), rms=rms)
 
 
 def _measured(data: object) -> Measured:

@@ -26,6 +26,7 @@ from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.memory import require
 from asperity.progress import Progress, listener
+from asperity.protocols import Hold, Leg, Ramp
 from asperity.relaxation import Fit, Measured, fit
 from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
@@ -36,6 +37,7 @@ from asperity.simulate import age, press
 from asperity.solids import Solid, contact_modulus, half_space
 from asperity.solids.continua import checked_poisson
 from asperity.surfaces import Surface, read
+from asperity.words import counted as how_many
 
 Modulus = Literal["young", "shear", "contact"]
 
@@ -47,10 +49,13 @@ Measured on 512 x 512 sites with six maps: 418 with one branch, 1323 with eight.
 
 _LEAST_TIMES = 5
 
+_TOUCH = 1e-9
+"""Part of the load that is there when a ramp begins: there is no contact without."""
+
 _UNEVEN = 1.5
 """Ratio of steps across rows to steps along them, above which a remark is made."""
 
-_OF_TABLES = ("kind", "columns", "noise", "modulus", "poisson", "shift", "branches_per_decade")
+_OF_TABLES = ("kind", "columns", "noise", "modulus", "poisson", "shift", "branches", "branches_per_decade")
 """Arguments that are about a relaxation table."""
 
 _RUN = "asperity run, which takes the same file"
@@ -72,7 +77,9 @@ def predict(
     first: float | str | None = None,
     last: float | str | None = None,
     per_decade: int = 4,
-    branches_per_decade: float = 1.0,
+    branches: int | None = None,
+    branches_per_decade: float | None = None,
+    ramp: float | str | None = None,
     shear_strength: float | str | None = None,
     pixel: float | str | None = None,
     blur: float | str | None = None,
@@ -95,7 +102,7 @@ def predict(
         The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. One
         that is made of a scan and its mirror images is taken as that scan with reflecting edges.
     load, pressure
-        Normal load, N; or in its place load over nominal area, Pa. It is put on at once, and stays.
+        Normal load, N; or in its place load over nominal area, Pa. It stays once it is put on.
     kind, columns, noise
         How to read the file of the table, see `asperity.relaxation.read`.
     modulus
@@ -108,13 +115,16 @@ def predict(
     hardness
         Pressure under which the rough surface yields, Pa; see `asperity.solids.Solid.with_hardness`.
     first, last
-        Times, s, between which to predict; by default all that the table spans, and never more. Without a
-        table both are needed.
+        Times, s, between which to predict; by default all that the table spans and that are after the ramp,
+        and never more than the table spans. Without a table both are needed.
     per_decade
         Times recorded in each decade.
-    branches_per_decade
-        Relaxation times that the fit has in each decade of the table, from 0.2 to 10: more of them for data
-        with few distinct times, fewer for noisy data.
+    branches, branches_per_decade
+        How many free relaxation times the fit of the table has; or how many in each decade, from 0.2 to 10.
+        By default few free ones, where these suffice, see `asperity.relaxation.fit`.
+    ramp
+        Time, s, within which the load is put on, in proportion to time; by default at once. All times count
+        from the start of the loading.
     shear_strength
         Of the contacts, Pa: gives friction (Tabor).
     pixel, blur, threshold
@@ -152,7 +162,9 @@ def predict(
         raise InputError("modulus", expected="'young', 'shear' or 'contact'", got=checks.shown(modulus))
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
     checked_poisson("poisson", poisson)
-    fineness = checks.number("branches_per_decade", branches_per_decade, least=0.2, most=10)
+    loading = _ramp(ramp)
+    if branches_per_decade is not None:
+        checks.number("branches_per_decade", branches_per_decade, least=0.2, most=10)
     if protocol:
         raise _no_protocol("protocol", "asperity.press, and asperity.age with the protocol")
     facts: dict[str, object] = {}
@@ -171,15 +183,15 @@ def predict(
                 table = _table_with_units(material, kind, columns, noise)
             else:
                 table = material
-            found = fit(table, per_decade=fineness)
+            found = fit(table, per_decade=branches_per_decade, branches=branches)
             if factor != 1:
-                found = fit(found.data.shifted(factor), per_decade=fineness)
+                found = fit(found.data.shifted(factor), per_decade=branches_per_decade, branches=branches)
             stiffness = _contact_modulus(found.series.modulus, modulus, poisson)
             solid = half_space(modulus=stiffness, branches=found.series.branches)
             facts = {"measured": modulus, "poisson": None if modulus == "contact" else poisson}
             facts |= {"shift": factor, **_origin(material, found)}
         solid = solid.with_hardness(hardness)
-        times = _times(None if found is None else found.series.span, first, last, density)
+        times = _times(None if found is None else found.series.span, first, last, density, loading)
         listening.stage("reading the scan")
         if isinstance(surface, str | Path):
             surface = read(surface, periodic="reflect")
@@ -193,6 +205,7 @@ def predict(
             found,
             times,
             pressed={which: amount},
+            ramp=loading,
             strength=strength,
             instrument=_instrument(pixel=pixel, blur=blur, threshold=threshold),
             facts=facts,
@@ -202,10 +215,15 @@ def predict(
 
 
 def predict_config(
-    config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None
+    config: RunConfig,
+    progress: Progress,
+    *,
+    ramp: float | str | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> Prediction:
     """Predict from the configuration of a run: the same solid, surface, load and times as `execute` takes.
 
+    The load is put on at once, or within a ramp, see `predict`.
     `AsperityError` as `predict`; or the configuration asks for what is no prediction.
     """
     if config.protocol:
@@ -225,6 +243,9 @@ def predict_config(
             advice = "periodic = 'reflect', or a pressure"
             raise InputError("[surface] periodic", expected=expected, got=got, advice=advice)
         chosen = chosen.model_copy(update={"periodic": "reflect"})
+    aging, loading = config.aging, _ramp(ramp)
+    if aging.times is None and aging.first is None and config.span[0] < loading < config.span[1]:
+        config = config.model_copy(update={"aging": aging.model_copy(update={"first": loading})})
     progress.stage("reading the scan")
     scan, solid, found = chosen.build(), section.build(), section.fit
     check_units(config, solid, scan)
@@ -257,6 +278,7 @@ def predict_config(
         found,
         times,
         pressed=config.contact.model_dump(exclude_none=True),
+        ramp=loading,
         strength=config.friction.shear_strength,
         instrument=_instrument(**config.output.instrument),
         facts=facts,
@@ -274,6 +296,7 @@ def _predicted(
     times: Field,
     *,
     pressed: dict[str, Any],
+    ramp: float,
     strength: float | None,
     instrument: dict[str, Any],
     facts: dict[str, object],
@@ -291,6 +314,9 @@ def _predicted(
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
     separable = _SITE + branches * (_BRANCH + 8 * len(maps))
     require(separable if solid.separable else bytes_a_site(solid, scan.shape, len(maps)), scan.shape)
+    if ramp >= times[-1]:
+        expected, got = f"less than the last time, {times[-1]:.4g} s", f"{ramp:.4g} s"
+        raise InputError("ramp", expected=expected, got=got, advice="a later last")
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
     try:
         contact = press(scan, solid, **pressed)
@@ -304,15 +330,30 @@ def _predicted(
     if instrument:
         observe(contact, **instrument)  # refuses before minutes have passed
     progress.stage("aging", times=times.tolist())
-    history = age(contact, times, fields_at=maps, rtol=rtol, progress=progress.reached, checkpoint=checkpoint)
-    facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol}
-    dataset = history.dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
+    legs: list[Leg] | None = None
+    if ramp:
+        contact = press(scan, solid, **{name: _TOUCH * value for name, value in pressed.items()})
+        legs = [Ramp(ramp, **pressed), Hold(float(times[-1]) - ramp)]
+    history = age(
+        contact,
+        times,
+        protocol=legs,
+        fields_at=maps,
+        rtol=rtol,
+        progress=progress.reached,
+        checkpoint=checkpoint,
+    )
+    facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol, "ramp": ramp}
+    # A protocol records its switches, too.
+    wanted = np.flatnonzero(np.isin(history.dataset["time"], [0.0, *times]))
+    dataset = history.dataset.isel(time=wanted).drop_vars(["u0", "leg"], errors="ignore")
+    dataset = dataset.assign_attrs(prediction=json.dumps(facts))
     progress.stage("weighing the spread of the table and of the scan")
     prediction = Prediction(
         dataset,
         found,
         solid,
-        growth_of(dataset, found),
+        growth_of(dataset, found, ramp=ramp),
         resolved(dataset),
         shear_strength=strength,
         observed=tuple(
@@ -364,22 +405,32 @@ def _table_with_units(
             return read_table(path, kind=kind, columns=columns, noise=noise)
         except Remark as remark:
             expected, advice = "columns that name their units", "a header such as time [s],E [MPa]"
-            raise InputError("relaxation", expected=expected, got=str(remark), advice=advice) from None
+            got = str(remark).partition(", taken as ")[0]
+            raise InputError("relaxation", expected=expected, got=got, advice=advice) from None
 
 
 def _quantity(name: str, given: object, unit: str) -> float:
     return checks.number(name, units.quantity(given, unit, name), above=0, expected=f"more than 0 {unit}")
 
 
+def _ramp(given: float | str | None) -> float:
+    """Time within which the load is put on, s; 0 for at once."""
+    return 0.0 if given is None else _quantity("ramp", given, "s")
+
+
 def _times(
-    known: tuple[float, float] | None, first: float | str | None, last: float | str | None, per_decade: int
+    known: tuple[float, float] | None,
+    first: float | str | None,
+    last: float | str | None,
+    per_decade: int,
+    ramp: float,
 ) -> Field:
     """Times to record: of the table, and no others."""
     if known is None and (first is None or last is None):
         name, expected = "first" if first is None else "last", "a time, for no table spans any"
         raise InputError(name, expected=expected, got="none", advice='first="1 ms", last="10 days"')
     begin, end = known or (0.0, math.inf)
-    start = begin if first is None else _quantity("first", first, "s")
+    start = max(begin, ramp) if first is None else _quantity("first", first, "s")
     stop = end if last is None else _quantity("last", last, "s")
     if not start < stop:
         raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
@@ -414,17 +465,16 @@ def _remarks(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
     pressure = float(prediction.series("mean_contact_pressure")[0])
     strain = pressure / prediction.modulus
     remarks = []
-    known, growth = prediction.solid.parameters, prediction.growth
-    slopes = [slope for begin, end, slope in growth.decades if end > 3 * begin]
+    known, fit = prediction.solid.parameters, prediction.fit
     if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
         remarks.append("nothing grows: the solid is elastic")
     elif np.ptp(prediction.series("contact_area")) == 0:
         reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
         remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
-    elif min(slopes) < growth.band[0] or max(slopes) > growth.band[1]:
+    if early := int((prediction.time < prediction.ramp).sum()):
         remarks.append(
-            f"the growth of single decades is {100 * min(slopes):.3g} to {100 * max(slopes):.3g} % "
-            "of the first area, beyond the band, which is that of the straight line over all"
+            f"{how_many(early, 'recorded time is', 'recorded times are')} before the end of the loading, "
+            f"{written(prediction.ramp, 's')}: there the load still rises, and the area with it"
         )
     if between_rows > _UNEVEN * along_rows:
         remarks.append(
@@ -452,10 +502,13 @@ def _remarks(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
             f"{100 * fraction:.0f} % of the surface touches at last: waves longer than the scan, "
             "which it does not have, would keep bodies further apart"
         )
-    if prediction.fit is not None and (error := prediction.fit.series.error) > 0.05:
+    if fit is not None and (fit.systematic or fit.series.error > 0.05):
+        error = f"{100 * fit.series.error:.2g} %"
         remarks.append(
-            f"the fit misses the table by up to {100 * error:.2g} %: "
-            "more branches per decade may follow it, if that is not noise"
+            f"the fit misses the table by up to {error} in waves, not by noise, so that the band has no part "
+            "of the table: more branches per decade may follow it"
+            if fit.systematic
+            else f"the fit misses the table by up to {error}, which looks like noise"
         )
     if last.patches < first.patches / 2 and fraction <= 0.5:
         remarks.append(f"patches merge: {first.patches} at first, {last.patches} at last")
