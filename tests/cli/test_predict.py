@@ -19,11 +19,12 @@ from asperity.analysis.prediction import Prediction, growth_of
 from asperity.cli import main
 from asperity.cli import predict as command
 from asperity.cli.flags import of_flags
+from asperity.config.reading import read_config
 from asperity.errors import InputError
 from asperity.figures.page import quantity
 from asperity.figures.prediction import growth_figure
 from asperity.runs import Progress
-from asperity.runs.prediction import Modulus
+from asperity.runs.prediction import Modulus, predict_config
 from tests.cli.conftest import Asperity
 from tests.refusals import refuses
 
@@ -98,6 +99,7 @@ def test_all_files_are_there(finished: Path) -> None:
         "prediction.html",
         "pressure.png",
         "relaxation.png",
+        "solid.toml",
         "summary.txt",
     ]
 
@@ -112,10 +114,12 @@ def test_the_command_and_the_function_agree(finished: Path, prediction: Predicti
     assert json.loads(stored.attrs["prediction"])["table"] == "relaxation.csv"
     summary = (finished / "summary.txt").read_text()
     assert " by Persson's theory, from the rms slope: dashed in growth.png" in summary
-    assert (
-        f"growth            {100 * prediction.growth.per_decade:.3g} % of the first area per decade"
-        in summary
-    )
+    area = prediction.series("contact_area_corrected")
+    assert f"growth            A(100 s)/A(10 ms) = {area[-1] / area[0]:.5g}, 95 % band" in summary
+    # Two branches, E = 1000 + 600 + 900 MPa, are all that the table has.
+    assert "share 0.24 relaxes in 300 ms" in summary
+    assert "share 0.36 relaxes in 20 s" in summary
+    assert "share 0.4 does not relax" in summary
 
 
 def test_the_contact_is_that_of_an_elastic_solid_as_soft_as_the_table_says(
@@ -247,9 +251,8 @@ def test_the_page_says_what_was_predicted(finished: Path, prediction: Prediction
     assert page.open == []
     assert page.pictures == 5
     text = " ".join(page.words.split())
-    low, high = prediction.growth.band
-    assert f"{100 * prediction.growth.per_decade:.3g} % of the first area per decade" in text
-    assert f"(95 % band {100 * low:.3g} to {100 * high:.3g} %)" in text
+    low, high = prediction.growth.ratio_band
+    assert f"A(100 s)/A(10 ms) = {prediction.growth.ratio:.5g} (95 % band {low:.4g} to {high:.4g})" in text
     for said in (
         "Poisson’s ratio 0.35",
         "40 × 48 pixels of 50 nm × 50 nm",
@@ -334,6 +337,152 @@ def test_a_noisy_table_widens_the_band_as_other_tables_spread() -> None:
     assert np.mean(widths) == pytest.approx(2 * 1.96 * np.std(slopes), rel=0.35)
 
 
+def test_the_ratio_has_a_band_of_the_same_tiles() -> None:
+    # Half of the tiles grow by 20 % in four decades, half by 60 %; the mean of 16 drawn spreads by 20 % / 4.
+    growth = growth_of(made_history(0.1, 0.5), None)
+    assert growth.ratio == pytest.approx(1.4)
+    low, high = growth.ratio_band
+    assert high - low == pytest.approx(2 * 2.131 * 0.2 / np.sqrt(15), rel=0.15)
+    assert growth.range == pytest.approx((0.1, 0.1))
+
+
+def test_deviations_that_are_no_noise_give_no_band() -> None:
+    time = np.geomspace(1.0, 1e4, 30)
+    wavy = asp.relaxation.Relaxation(
+        time, 1e9 * time**-0.05 * (1 + 0.01 * np.sin(np.log(time) * 1.5)), noise=0.5
+    )
+    growth = growth_of(made_history(0.1, 0.0), asp.relaxation.fit(wavy, branches=2))
+    assert growth.of_table == (growth.per_decade, growth.per_decade)
+
+
+PMMA_BRANCHES = ((184.62 / 1805.39, 8.93), (191.06 / 1805.39, 117.96))
+LOADED: dict[str, Any] = {"pressure": "2 MPa", "first": 10.0, "last": 1000.0}
+
+
+@pytest.fixture(scope="module")
+def ramped(scan: asp.surfaces.Surface) -> dict[float, Prediction]:
+    """Predictions for a load put on at once, and within 2.4 s."""
+    solid = asp.solids.half_space(modulus=1805.39e6, branches=PMMA_BRANCHES)
+    return {ramp: asp.predict(solid, scan, **LOADED, ramp=ramp or None) for ramp in (0.0, 2.4)}
+
+
+@pytest.mark.parametrize(("ramp", "ratio"), [(0.0, 1.1674), (2.4, 1.1746)])
+def test_a_ramp_is_the_integral_of_the_compliance(
+    ramped: dict[float, Prediction], scan: asp.surfaces.Surface, ramp: float, ratio: float
+) -> None:
+    # J * dF(1000 s) / J * dF(10 s) by hand; loaded as by Dillavou and Rubinstein, PRL 120, 224101 (2018).
+    ours = ramped[ramp]
+    effective = ours.effective_load
+    assert effective is not None
+    assert effective[-1] / effective[0] == pytest.approx(ratio, abs=5e-5)
+    assert ours.time[[0, -1]].tolist() == pytest.approx([10.0, 1000.0])
+    assert ours.dataset.attrs["exact_contact"] == "at all times"
+    elastic = asp.solids.half_space(modulus=1805.39e6)
+    for place in (0, 4, -1):
+        contact = asp.press(scan, elastic, load=float(effective[place]))
+        assert ours.series("area")[place] == pytest.approx(contact.area, abs=1)
+        assert ours.series("load")[place] == pytest.approx(ours.load, rel=1e-9)
+
+
+def test_the_figure_sets_the_compliance_beside_the_area(ramped: dict[float, Prediction]) -> None:
+    for ramp, ours in ramped.items():
+        upper, *_, lower = growth_figure(ours).axes[:2]
+        lines = {str(line.get_label()): np.asarray(line.get_ydata(), dtype=float) for line in upper.lines}
+        dotted, area = lines["first area × creep compliance J(t)/J(first)"], lines["less the rim"]
+        assert dotted[-1] / dotted[0] == pytest.approx(1.1746 if ramp else 1.1674, abs=5e-5)
+        assert dotted[0] == area[0]
+        assert ("since the loading began" in lower.get_xlabel()) == bool(ramp)
+
+
+def test_times_within_the_loading_are_remarked(scan: asp.surfaces.Surface) -> None:
+    solid = asp.solids.half_space(modulus=1805.39e6, branches=PMMA_BRANCHES)
+    times: dict[str, Any] = {"pressure": "2 MPa", "last": "100 s", "ramp": "2.4 s", "per_decade": 2}
+    early = asp.predict(solid, scan, first="1 s", **times)
+    assert any(
+        remark.startswith("2 recorded times are before the end of the loading") for remark in early.remarks
+    )
+    assert early.series("load")[0] == pytest.approx(early.load / 2.4, rel=1e-5)
+    late = asp.predict(solid, scan, first="2.4 s", **times)
+    assert not any("loading" in remark for remark in late.remarks)
+
+
+def test_the_fitted_solid_is_a_file_for_run_and_predict(
+    finished: Path, files: Path, undrawn: list[Prediction], prediction: Prediction, tmp_path: Path
+) -> None:
+    scan = words(files)[2:]
+    more = ("--pressure", "40MPa", "--first", "10ms", "--last", "100s", "-q", "--out", tmp_path / "out")
+    assert main(["predict", *map(str, (finished / "solid.toml", *scan, *more))]) == 0
+    again = undrawn[0]
+    assert again.modulus == pytest.approx(prediction.modulus, rel=1e-12)
+    np.testing.assert_allclose(again.branches, prediction.branches, rtol=1e-12)
+    np.testing.assert_array_equal(again.series("area"), prediction.series("area"))
+    assert (
+        main(
+            ["run", str(finished / "solid.toml"), "--shape", "16", "16", "-q", "--out", str(tmp_path / "run")]
+        )
+        == 0
+    )
+    # The same from flags alone, as a paper states it.
+    branches = [word for share, time in prediction.branches for word in ("--branch", f"{share!r} {time!r}s")]
+    young = ("--young", f"{prediction.modulus * (1 - 0.35**2)!r}Pa")
+    assert main(["predict", *map(str, (*scan, *more, *young, *branches))]) == 0
+    np.testing.assert_array_equal(undrawn[1].series("area"), prediction.series("area"))
+
+
+def test_a_protocol_may_put_the_load_on(files: Path, scan: asp.surfaces.Surface) -> None:
+    # As asperity run takes it; a load of 0 is not for contacts without a ramp.
+    text = f"""
+        [surface]
+        path = "{files / "scan.txt"}"
+        periodic = "reflect"
+        file_unit = "nm"
+        pixel_size = 50.0
+        length_unit = "nm"
+        [solid]
+        kind = "half_space"
+        modulus = 1.80539e9
+        branches = {[list(one) for one in PMMA_BRANCHES]}
+        [contact]
+        pressure = "2 MPa"
+        [aging]
+        first = 10.0
+        [[protocol]]
+        kind = "ramp"
+        duration = "2.4 s"
+        pressure = "2 MPa"
+        [[protocol]]
+        kind = "hold"
+        duration = 997.6
+    """
+    (files / "ramp.toml").write_text(text)
+    config = read_config(files / "ramp.toml", {})
+    with refuses("[[protocol]]"):
+        predict_config(config, Progress())
+    unloaded = config.contact.model_construct(load=0.0, pressure=None, separation=None)
+    ours = predict_config(config.model_copy(update={"contact": unloaded}), Progress())
+    solid = asp.solids.half_space(modulus=1805.39e6, branches=PMMA_BRANCHES)
+    theirs = asp.predict(solid, scan, **LOADED, ramp=2.4)
+    np.testing.assert_array_equal(ours.series("area"), theirs.series("area"))
+
+
+@pytest.mark.parametrize("broken", ["t,E", "scan"])
+def test_wrong_files_are_refused_before_anything_is_pressed(
+    broken: str, files: Path, tmp_path: Path, asperity: Asperity, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for place in ("asperity.runs.prediction.press", "asperity.cli.predict.compile_loops"):
+        monkeypatch.setattr(place, lambda *_, **__: pytest.fail("computing has begun"), raising=False)
+    call = words(files, "--pressure", "40MPa", "--out", tmp_path / "out")
+    wrong = tmp_path / "wrong.txt"
+    lines = (files / "relaxation.csv").read_text().splitlines()
+    wrong.write_text("\n".join([broken, *lines[1:]]) if broken == "t,E" else "no heights")
+    call[1 if broken == "t,E" else 3] = str(wrong)
+    status, _, error = asperity(*call)
+    assert status == 2
+    assert "wrong.txt" in error
+    assert "compiling" not in error
+    assert "taken" not in error
+
+
 @pytest.mark.parametrize("pressure", ["1 Pa", "9 GPa"])
 def test_a_contact_of_one_pixel_or_of_all_does_not_grow(
     files: Path, scan: asp.surfaces.Surface, pressure: str
@@ -401,6 +550,13 @@ def test_an_interrupted_prediction_goes_on(
         ("--reference", ("--pressure", "1MPa", "--temperature", "40degC")),
         ("--activation-energy", ("--pressure", "1MPa", "--temperature", "40degC", "--reference", "20degC")),
         ("--blur", ("--pressure", "40MPa", "--blur", "1mm")),
+        ("--ramp", ("--pressure", "40MPa", "--ramp", "2.4")),
+        ("--ramp", ("--pressure", "40MPa", "--ramp=-1s")),
+        ("--ramp", ("--pressure", "40MPa", "--ramp", "1day")),
+        ("--branch", ("--pressure", "40MPa", "--branch", "0.3 10s")),
+        ("--branch", ("--pressure", "40MPa", "--branch", "0.3 10")),
+        ("--branches", ("--pressure", "40MPa", "--branches", "0")),
+        ("--branches", ("--pressure", "40MPa", "--branches", "2", "--branches-per-decade", "2")),
         ("--pixel", ("--pressure", "40MPa", "--pixel", "1")),
     ],
 )
@@ -439,7 +595,7 @@ def test_flags_are_checked_before_anything_is_done(
     asperity: Asperity,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(command, "compile_loops", lambda *_: pytest.fail("computing has begun"))
+    monkeypatch.setattr("asperity.runs.prediction.press", lambda *_, **__: pytest.fail("computing has begun"))
     status, out, error = asperity(*words(files, "--pressure", "40MPa", *more, "--out", tmp_path / "out"))
     assert (status, out, error.count("\n")) == (2, "", 1)
     assert said in error
@@ -527,11 +683,12 @@ def test_more_branches_follow_a_table_of_few_times(
     (tmp_path / "dma.csv").write_text("\n".join(["omega_rad_s,storage_MPa,loss_MPa", *lines]))
     call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
     call[1] = str(tmp_path / "dma.csv")
-    assert asperity(*call)[0] == 0
-    assert asperity(*call, "--branches-per-decade", "4")[0] == 0
-    few, many = (found.fit.series.error for found in undrawn if found.fit is not None)
+    for more in (("--branches-per-decade", "1"), ("--branches-per-decade", "4"), ()):
+        assert asperity(*call, *more)[0] == 0
+    few, many, free = (found.fit.series.error for found in undrawn if found.fit is not None)
     assert few > 0.1
     assert many < 0.02
+    assert free < 1e-6
     assert any("more branches per decade" in remark for remark in undrawn[0].remarks)
 
 
@@ -559,7 +716,8 @@ def test_a_table_that_needs_words(
     # Without units a modulus in MPa would be taken for one in Pa.
     status, _, error = asperity(*call, "--kind", "relaxation", "--columns", "a", "b")
     assert status == 2
-    assert "expected columns that name their units" in error
+    assert "expected columns that name their units, got " in error
+    assert "table.csv: no unit beside 'a'; try a header such as" in error
     (tmp_path / "table.csv").write_text("\n".join(["a [s],b [MPa]", *numbers]))
     status, _, error = asperity(*call, "--kind", "relaxation", "--columns", "0", "1")
     assert status == 0

@@ -11,6 +11,7 @@ import pytest
 from asperity.errors import InputError, Remark
 from asperity.figures import relaxation_figure
 from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
+from tests.refusals import refuses
 
 TABLE = Path(__file__).parents[2] / "docs" / "data" / "pmma_like_relaxation.csv"
 SOLID = PronySeries(3e9, ((0.1, 1e-3), (0.2, 0.04), (0.15, 1.0), (0.25, 70.0), (0.1, 2e3)))
@@ -77,6 +78,70 @@ def test_exact_dynamic_moduli_on_the_fits_own_times_are_met_exactly() -> None:
     np.testing.assert_allclose(np.array(found.series.branches), np.array(own.branches), rtol=1e-9)
     assert found.series.error < 1e-12
     assert found.data.columns[0][0] == frequency[-1]
+
+
+TWO = PronySeries(1.80539e9, ((184.62 / 1805.39, 8.93), (191.06 / 1805.39, 117.96)))
+"""PMMA in compression, from a fit of W. W. Chen et al., J. Tribol. 133, 041404 (2011)."""
+SECONDS = np.geomspace(0.1, 1000.0, 41)
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        Relaxation(SECONDS, TWO.modulus_at(SECONDS)),
+        Creep(SECONDS, TWO.compliance_at(SECONDS)),
+        Dynamic(1 / SECONDS, TWO.storage(1 / SECONDS), TWO.loss(1 / SECONDS)),
+    ],
+)
+def test_two_exact_branches_are_found(data: Relaxation | Creep | Dynamic) -> None:
+    found = fit(data)
+    np.testing.assert_allclose(found.series.branches, TWO.branches, rtol=1e-6)
+    assert found.series.permanent == pytest.approx(TWO.permanent, rel=1e-6)
+    assert found.series.modulus == pytest.approx(TWO.modulus, rel=1e-6)
+    assert found.per_decade is None
+    np.testing.assert_allclose(fit(data, branches=2).series.branches, TWO.branches, rtol=1e-6)
+    on_grid = fit(data, per_decade=1)
+    assert on_grid.systematic
+    assert on_grid.resampled == ()
+
+
+def test_two_noisy_branches_are_found_within_their_intervals() -> None:
+    held, tables = np.zeros((2, 2)), 10
+    for seed in range(tables):
+        found = fit(Relaxation(SECONDS, noisy(TWO.modulus_at(SECONDS), 0.01, seed), noise=0.2))
+        assert len(found.series.branches) == 2
+        assert not found.systematic
+        intervals = found.intervals
+        assert intervals is not None
+        held += (intervals[..., 0] <= TWO.branches) & (TWO.branches <= intervals[..., 1])
+    assert held.min() >= 0.8 * tables  # of 95 %
+    assert held.sum() >= 0.88 * 4 * tables
+
+
+@pytest.mark.parametrize("seed", [None, 0, 1, 2])
+def test_a_broad_spectrum_gets_a_time_for_each_decade(seed: int | None) -> None:
+    time = np.geomspace(1e-3, 1e6, 46)
+    modulus = 1e9 * (time / 1e-3) ** -0.1
+    found = fit(Relaxation(time, modulus if seed is None else noisy(modulus, 0.01, seed), noise=0.2))
+    assert found.per_decade == 1
+    np.testing.assert_allclose(found.times, 10.0 ** np.arange(-3, 7), rtol=1e-12)
+    assert found.systematic == (seed is None)
+    assert found.intervals is None
+
+
+def test_waves_are_told_from_noise() -> None:
+    deviations = np.random.default_rng(0).normal(0, 0.01, (200, SECONDS.size))
+    flat = [fit(Relaxation(SECONDS, 1e9 * (1 + one), noise=0.2), branches=1) for one in deviations]
+    assert np.mean([one.systematic for one in flat]) < 0.04  # 1 % by definition
+    wave = 0.01 * np.sin(np.log(SECONDS) * 3)
+    assert fit(Relaxation(SECONDS, 1e9 * (1 + wave), noise=0.2), branches=1).systematic
+
+
+def test_how_many_branches_is_asked_once() -> None:
+    data = Relaxation(T, G)
+    for arguments in ({"branches": 3}, {"branches": 0}, {"branches": 1, "per_decade": 1.0}):
+        with refuses("branches"):
+            fit(data, **arguments)
 
 
 def test_creep_that_flows_is_a_fluid_and_creep_that_does_not_a_solid() -> None:

@@ -148,8 +148,9 @@ def test_solids_and_fits_give_their_parameters() -> None:
 def test_a_prediction_gives_its_growth_with_its_band() -> None:
     said = cells(PREDICTION)
     growth = PREDICTION.growth
-    assert said["growth per decade"].startswith(f"{100 * growth.per_decade:.3g} %")
-    assert said["95 % band"] == f"{100 * growth.band[0]:.3g} to {100 * growth.band[1]:.3g} %"
+    assert said[PREDICTION.between("A")] == f"{growth.ratio:.5g}"
+    assert said["95 % band"] == "{:.4g} to {:.4g}".format(*growth.ratio_band)
+    assert said["growth per decade"].startswith(f"{100 * min(one[2] for one in growth.decades):.3g} to ")
     assert said["load"] == "23 mN"  # 10 MPa on 48 µm x 48 µm
     assert all(remark in Reader(html(PREDICTION)).texts for remark in PREDICTION.remarks)
 

@@ -156,7 +156,7 @@ class Prediction(views.InNotebooks):
 
     def __repr__(self) -> str:
         band = "{:.4g} to {:.4g}".format(*self.growth.ratio_band)
-        return f"<Prediction: {self.between('A')} = {self.growth.ratio:.4g}, 95 % band {band}>"
+        return f"<Prediction: {self.between('A')} = {self.growth.ratio:.5g}, 95 % band {band}>"
 
     @property
     def time(self) -> Field:
@@ -243,6 +243,11 @@ class Prediction(views.InNotebooks):
     def branches(self) -> Branches:
         """Shares of E* and the times in which they relax, s."""
         return cast(Branches, self.solid.parameters.get("branches") or ())
+
+    @property
+    def plateau(self) -> float:
+        """Share of E* that does not relax."""
+        return PronySeries(self.modulus, self.branches).permanent
 
     @property
     def effective_load(self) -> Field | None:

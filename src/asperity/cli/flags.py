@@ -87,7 +87,9 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
             if units and key.unit:
                 check_unit(flag, written, key.unit)
             for pair in written if units and key.name == "branches" else ():
-                check_unit(flag, re.split(r"[\s,]+", pair.strip(), maxsplit=1)[1:], "s")
+                if all(isinstance(number(word), float | int) for word in re.split(r"[\s,]+", pair.strip())):
+                    expected, advice = "a share and a time with its unit", f'{flag} "0.3 10s"'
+                    raise InputError(flag, expected=expected, got=pair, advice=advice)
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
     return sections
 

@@ -208,9 +208,9 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
                 f"missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most",
             )
         )
-        rows += _branches(fit)
     rows += [
         ("solid", "; ".join(prediction.words)),
+        *_branches(prediction),
         (
             "held",
             f"load {written(load, 'N')}, {written(load / prediction.nominal_area, 'Pa')} "
@@ -228,7 +228,7 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
                 f"contact at {written(float(time[place]), 's')}",
                 f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % less its rim; "
                 f"counted {written(counted, 'm^2')} in {many}, "
-                f"with {written(load / counted, 'Pa')} on average",
+                f"with {written(float(prediction.series('mean_contact_pressure')[place]), 'Pa')} on average",
             )
         )
     rows += _growth(prediction)
@@ -262,17 +262,17 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
     return rows
 
 
-def _branches(fit: Fit) -> list[Row]:
-    """The branches of a fit, with their 95 % intervals where these are known."""
-    rows, known = [], fit.intervals
-    for number, (share, time) in enumerate(fit.series.branches):
+def _branches(prediction: Prediction) -> list[Row]:
+    """Shares and relaxation times; where a fit knows their 95 % intervals, with these."""
+    rows, known = [], None if prediction.fit is None else prediction.fit.intervals
+    for number, (share, time) in enumerate(prediction.branches):
         said = [f"share {share:.4g}", f"relaxes in {written(time, 's')}"]
         if known is not None:
             (low, high), (early, late) = known[number].tolist()
             said[0] += f" ({low:.4g} to {high:.4g})"
             said[1] += f" ({written(early, 's')} to {written(late, 's')})"
         rows.append(("" if number else "branches", " ".join(said)))
-    return [*rows, ("", f"share {fit.series.permanent:.4g} does not relax")]
+    return [*rows, ("", f"share {prediction.plateau:.4g} does not relax")] if rows else []
 
 
 def _growth(prediction: Prediction) -> list[Row]:
@@ -283,7 +283,7 @@ def _growth(prediction: Prediction) -> list[Row]:
     rows = [
         (
             "growth",
-            f"{prediction.between('A')} = {growth.ratio:.4g}, 95 % band {near:.4g} to {far:.4g}",
+            f"{prediction.between('A')} = {growth.ratio:.5g}, 95 % band {near:.4g} to {far:.4g}",
         ),
         (
             "in each decade",
@@ -293,7 +293,7 @@ def _growth(prediction: Prediction) -> list[Row]:
     ]
     if effective is not None:
         averaged = ", averaged over the loading" if prediction.ramp else ""
-        ratio = f"{prediction.between('J')} = {effective[-1] / effective[0]:.4g}"
+        ratio = f"{prediction.between('J')} = {effective[-1] / effective[0]:.5g}"
         rows.append(("creep compliance", ratio + averaged))
     return rows
 

@@ -191,7 +191,7 @@ def _(prediction: Prediction) -> str:
     low, high = growth.ratio_band
     least, most = growth.range
     rows = [
-        (prediction.between("A"), f"{growth.ratio:.4g}"),
+        (prediction.between("A"), f"{growth.ratio:.5g}"),
         ("95 % band", f"{low:.4g} to {high:.4g}"),
         ("growth per decade", f"{100 * least:.3g} to {100 * most:.3g} % of the first area"),
         ("load", quantity(prediction.load, "N")),

@@ -35,7 +35,8 @@ def growth_figure(prediction: Prediction) -> Figure:
     label = f"mean of all {100 * growth.per_decade:.3g} %, 95 % band"
     grid[1].axhspan(low, high, color=style.SKY, alpha=0.35, linewidth=0, label=label)
     grid[1].set_ylabel("growth per decade\n[% of first area]")
-    figure.suptitle(f"{prediction.between('A')} = {growth.ratio:.4g}", fontsize=10)
+    time = "time since the loading began [s]" if prediction.ramp else "time under load [s]"
+    figure.suptitle(f"{prediction.between('A')} = {growth.ratio:.5g}", fontsize=10)
     if friction is not None:
         label = "shear strength × area / load"
         style.curve(grid[2], prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
@@ -44,8 +45,9 @@ def growth_figure(prediction: Prediction) -> Figure:
         axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
         axes.set_axisbelow(True)
         # Above the panel: areas that do not grow would leave no room in it.
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=8, frameon=False)
-    grid[-1].set_xlabel("time under load [s]")
+        columns = 2 if len(axes.get_legend_handles_labels()[1]) == 4 else 3
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, fontsize=8, frameon=False)
+    grid[-1].set_xlabel(time)
     return figure
 
 

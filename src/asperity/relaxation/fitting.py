@@ -36,7 +36,8 @@ _FEW_RUNS = -2.326
 _CLOSE = 1.25
 """Misfit of free times over that of one time a decade, up to which the fewer times are taken."""
 
-_ROUNDING = 1e-9
+_DIGITS, _ROUNDING = 1e-5, 1e-9
+"""Misfits, rms, that are only those of the digits printed in a table, and of computing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,12 +106,12 @@ class Fit(views.InNotebooks):
 
     @functools.cached_property
     def resampled(self) -> tuple[Fit, ...]:
-        """Fits of as many tables as the noise of this one would have given, 200 or a few less; none of waves.
+        """Fits of tables that the noise of this one would have given, 200 or a few less; of no noise none.
 
         Each has other deviations, drawn from those of this fit with replacement (B. Efron, Ann. Stat. 7, 1
         (1979), DOI 10.1214/aos/1176344552), which are widened by what the fit has taken of them.
         """
-        if self.systematic:
+        if self.systematic or self.rms < _DIGITS:
             return ()
         random, (x, _) = np.random.default_rng(0), self.data.columns
         names = [field.name for field in fields(self.data)][1:-1]
@@ -128,7 +129,8 @@ class Fit(views.InNotebooks):
             with suppress(InputError):
                 numbers: dict[str, Any] = dict(zip(names, columns, strict=True))
                 table = replace(self.data, **numbers, noise=0.99)
-                drawn.append(_fitted(table, self.times, self.per_decade))
+                times = self.times if self.per_decade else _improved(table, self.times)
+                drawn.append(_with(table, times, self.per_decade))
         return tuple(drawn)
 
     @property
@@ -199,11 +201,13 @@ def fit(
     data = _measured(data)
     if branches is not None:
         if per_decade is not None:
-            raise InputError("branches", expected="none beside per_decade", got=checks.shown(branches))
+            raise InputError(
+                "branches", expected="none beside a number per decade", got=checks.shown(branches)
+            )
         most = (data.columns[0].size - 1) // 2
         expected = f"a number from 1 to {most}, for as many points as there are"
         count = checks.integer("branches", branches, least=1, most=most, expected=expected)
-        found = next(islice(_with_free_times(data), count - 1, None))
+        found = _with(data, next(islice(_free_times(data), count - 1, None)))
     else:
         density = 1.0 if per_decade is None else per_decade
         found = _log_spaced(data, checks.number("per_decade", density, least=0.2, most=10))
@@ -229,43 +233,47 @@ def _with_few_times(data: Measured, rms: float) -> Fit | None:
     """The smallest number of free times whose deviations look like noise; None without one."""
     points = sum(values.size for values in data.columns[1])
     most = min(MOST_FREE, (points // 2 - 1) // 2)  # two points or more for each number
-    with suppress(InputError):  # creep of few times may have no elastic strain
-        for found in islice(_with_free_times(data), most):
+    for times in islice(_free_times(data), most):
+        with suppress(InputError):  # creep of few times may have no elastic strain
+            found = _with(data, times)
             if found.rms < max(_CLOSE * rms, _ROUNDING) and not found.systematic:
                 return found
     return None
 
 
-def _with_free_times(data: Measured) -> Iterator[Fit]:
-    """Fits of one free time, two, and so on, which begin with those before and the one that helps most."""
+def _free_times(data: Measured) -> Iterator[Floats]:
+    """One free time, two, and so on, which begin with those before and the one that helps most."""
     first, last = data.span
     places = np.geomspace(first, last, 2 * max(1, round(math.log10(last / first))) + 1)
     times = np.empty(0)
     while True:
-        begun = min((_with(data, np.append(times, place)) for place in places), key=lambda one: one.rms)
-        found = _fitted(data, begun.times, None)
-        times = found.times
-        yield found
+        longer = [np.append(times, place) for place in places]
+        missed = [np.linalg.norm(_deviations(data, np.log(tried))) for tried in longer]
+        times = _improved(data, longer[int(np.argmin(missed))])
+        yield times
 
 
-def _fitted(data: Measured, times: Floats, per_decade: float | None) -> Fit:
-    """A fit of times that are free, unless so many in each decade were asked for, and begin with these."""
-    if per_decade is not None:
-        return _with(data, times, per_decade)
+def _improved(data: Measured, times: Floats) -> Floats:
+    """The times that fit best, from these on."""
     low, high = np.log(data.span)
-
-    def deviations(logarithms: Floats) -> Floats:
-        return np.concatenate(_with(data, np.exp(logarithms)).residuals())
-
     found = least_squares(
-        deviations,
+        functools.partial(_deviations, data),
         np.clip(np.log(times), low, high),
         bounds=(low, high),
+        method="dogbox",
         xtol=1e-12,
         ftol=1e-12,
         gtol=1e-15,  # exact data end by this one
     )
-    return _with(data, np.sort(np.exp(found.x)))
+    return np.asarray(np.sort(np.exp(found.x)))
+
+
+def _deviations(data: Measured, logarithms: Floats) -> Floats:
+    """Deviations from a fit of times of these logarithms; 1 where there is none."""
+    try:
+        return np.concatenate(_with(data, np.exp(logarithms)).residuals())
+    except InputError:  # creep without an elastic strain
+        return np.ones(sum(values.size for values in data.columns[1]))
 
 
 def _with(data: Measured, times: Floats, per_decade: float | None = None) -> Fit:

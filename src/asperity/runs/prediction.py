@@ -21,6 +21,8 @@ from asperity.analysis.observation import observe
 from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.config import MeasuredSurface, RunConfig
+from asperity.config.models import Contact as ContactSection
+from asperity.config.models import HoldLeg, RampLeg
 from asperity.config.solids import POISSON, HalfSpace
 from asperity.errors import InputError, Remark
 from asperity.lattice import Field
@@ -49,7 +51,7 @@ Measured on 512 x 512 sites with six maps: 418 with one branch, 1323 with eight.
 
 _LEAST_TIMES = 5
 
-_TOUCH = 1e-9
+_TOUCH = 1e-6
 """Part of the load that is there when a ramp begins: there is no contact without."""
 
 _UNEVEN = 1.5
@@ -223,11 +225,10 @@ def predict_config(
 ) -> Prediction:
     """Predict from the configuration of a run: the same solid, surface, load and times as `execute` takes.
 
-    The load is put on at once, or within a ramp, see `predict`.
-    `AsperityError` as `predict`; or the configuration asks for what is no prediction.
+    The load is put on at once, or within a ramp, see `predict`; in a file also by a protocol of a ramp from
+    load 0 and a hold. `AsperityError` as `predict`; or the configuration asks for what is no prediction.
     """
-    if config.protocol:
-        raise _no_protocol("[[protocol]]", _RUN)
+    config, loading = _loading(config, _ramp(ramp))
     asked = {"[contact] separation": config.contact.separation, "[aging] hold": config.aging.hold}
     for name, value in asked.items():
         if value not in (None, "load"):
@@ -243,7 +244,7 @@ def predict_config(
             advice = "periodic = 'reflect', or a pressure"
             raise InputError("[surface] periodic", expected=expected, got=got, advice=advice)
         chosen = chosen.model_copy(update={"periodic": "reflect"})
-    aging, loading = config.aging, _ramp(ramp)
+    aging = config.aging
     if aging.times is None and aging.first is None and config.span[0] < loading < config.span[1]:
         config = config.model_copy(update={"aging": aging.model_copy(update={"first": loading})})
     progress.stage("reading the scan")
@@ -261,6 +262,7 @@ def predict_config(
         expected = f"{_LEAST_TIMES} times or more after 0"
         raise InputError(f"[aging] {name}", expected=expected, got=f"{times.size}", advice=advice)
     _check_span(f"[aging] {'times' if listed else 'last'}", times[0], times[-1])
+    _check_ramp(loading, times[-1])
     idle = (
         ("[friction] rate_coefficient", config.friction.rate_coefficient),
         ("[output] maps_at", maps_asked),
@@ -289,6 +291,23 @@ def predict_config(
     return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *prediction.remarks))))
 
 
+def _loading(config: RunConfig, ramp: float) -> tuple[RunConfig, float]:
+    """A load with the ramp that puts it on, where a protocol says them; any other protocol is refused."""
+    match config.protocol:
+        case []:
+            return config, ramp
+        case [RampLeg(separation=None, approach=None) as up, HoldLeg(hold=None | "load") as held] if (
+            config.contact.load == 0 and not ramp and up.mobility == held.mobility == 1
+        ):
+            asked = {
+                "contact": ContactSection(load=up.load, pressure=up.pressure),
+                "aging": config.aging.model_copy(update={"last": up.duration + held.duration}),
+                "protocol": [],
+            }
+            return config.model_copy(update=asked), up.duration
+    raise _no_protocol("[[protocol]]", _RUN)
+
+
 def _predicted(
     scan: Surface,
     solid: Solid,
@@ -314,9 +333,6 @@ def _predicted(
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
     separable = _SITE + branches * (_BRANCH + 8 * len(maps))
     require(separable if solid.separable else bytes_a_site(solid, scan.shape, len(maps)), scan.shape)
-    if ramp >= times[-1]:
-        expected, got = f"less than the last time, {times[-1]:.4g} s", f"{ramp:.4g} s"
-        raise InputError("ramp", expected=expected, got=got, advice="a later last")
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
     try:
         contact = press(scan, solid, **pressed)
@@ -375,7 +391,10 @@ def _instrument(
 def _no_protocol(name: str, advice: str) -> InputError:
     """What is said of slides and of loads that change."""
     return InputError(
-        name, expected="none, for a prediction is of a load that stays", got="legs", advice=advice
+        name,
+        expected="none, or a ramp from load 0 and a hold, for a prediction is of a load that stays",
+        got="legs",
+        advice=advice,
     )
 
 
@@ -430,8 +449,9 @@ def _times(
         name, expected = "first" if first is None else "last", "a time, for no table spans any"
         raise InputError(name, expected=expected, got="none", advice='first="1 ms", last="10 days"')
     begin, end = known or (0.0, math.inf)
-    start = max(begin, ramp) if first is None else _quantity("first", first, "s")
     stop = end if last is None else _quantity("last", last, "s")
+    _check_ramp(ramp, stop)
+    start = max(begin, ramp) if first is None else _quantity("first", first, "s")
     if not start < stop:
         raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
     for name, time in (("first", start), ("last", stop)):
@@ -441,6 +461,13 @@ def _times(
     _check_span("last", start, stop)
     least = math.ceil(_LEAST_TIMES / math.log10(stop / start))
     return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
+
+
+def _check_ramp(ramp: float, last: float) -> None:
+    """Refuse a loading that is not over by the last time."""
+    if ramp >= last:
+        expected = f"less than the last time, {last:.4g} s"
+        raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", advice="a later last")
 
 
 def _check_span(name: str, first: float, last: float) -> None:
