@@ -33,16 +33,14 @@ with tempfile.TemporaryDirectory() as folder:
     )
 
 growth = prediction.growth
-low, high = (100 * edge for edge in growth.band)
-print(
-    f"growth {100 * growth.per_decade:.1f} % of the first area per decade, "
-    f"95 % band {low:.1f} to {high:.1f} %"
-)
+low, high = growth.ratio_band
+print(f"{prediction.between('A')} = {growth.ratio:.3f}, 95 % band {low:.3f} to {high:.3f}")
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
 left.semilogx(prediction.time, prediction.friction, "o-", color="black", markersize=4)
 left.set(xlabel="hold time [s]", ylabel="coefficient of static friction", ylim=(0, None))
-left.set_title(f"contact grows by {100 * growth.per_decade:.1f} % for each decade", fontsize=10)
+least, most = (100 * slope for slope in growth.range)
+left.set_title(f"contact grows by {least:.1f} to {most:.1f} % in each decade", fontsize=10)
 last = prediction.dataset.isel(field_time=-1)
 image = right.imshow(
     last["pressure"].where(last["in_contact"]) / 1e6,
@@ -77,4 +75,4 @@ print(f"area after eleven days over that of an elastic solid of E(t): {ratio:.3f
 assert 0.9 < ratio <= 1.0
 corrected, load = (prediction.series(name) for name in ("contact_area_corrected", "load"))
 np.testing.assert_allclose(prediction.friction, 50e6 * corrected / load, rtol=1e-12)
-assert low < 100 * growth.per_decade < high
+assert low < growth.ratio < high

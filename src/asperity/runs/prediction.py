@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
+import xarray as xr
 
 import asperity.checks as checks
 import asperity.units as units
@@ -28,7 +29,7 @@ from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.memory import require
 from asperity.progress import Progress, listener
-from asperity.protocols import Hold, Leg, Ramp
+from asperity.protocols import Hold, Ramp
 from asperity.relaxation import Fit, Measured, fit
 from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
@@ -51,8 +52,9 @@ Measured on 512 x 512 sites with six maps: 418 with one branch, 1323 with eight.
 
 _LEAST_TIMES = 5
 
-_TOUCH = 1e-6
-"""Part of the load that is there when a ramp begins: there is no contact without."""
+_TOUCH = 1e-3
+"""Part of the time to the first that is recorded, after which a ramp begins with the load of then: there is
+no contact without a load. What creeps until then is left out."""
 
 _UNEVEN = 1.5
 """Ratio of steps across rows to steps along them, above which a remark is made."""
@@ -346,24 +348,13 @@ def _predicted(
     if instrument:
         observe(contact, **instrument)  # refuses before minutes have passed
     progress.stage("aging", times=times.tolist())
-    legs: list[Leg] | None = None
+    how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
     if ramp:
-        contact = press(scan, solid, **{name: _TOUCH * value for name, value in pressed.items()})
-        legs = [Ramp(ramp, **pressed), Hold(float(times[-1]) - ramp)]
-    history = age(
-        contact,
-        times,
-        protocol=legs,
-        fields_at=maps,
-        rtol=rtol,
-        progress=progress.reached,
-        checkpoint=checkpoint,
-    )
+        dataset = _ramped(scan, solid, pressed, ramp, times, maps, **how)
+    else:
+        dataset = age(contact, times, fields_at=maps, **how).dataset
     facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol, "ramp": ramp}
-    # A protocol records its switches, too.
-    wanted = np.flatnonzero(np.isin(history.dataset["time"], [0.0, *times]))
-    dataset = history.dataset.isel(time=wanted).drop_vars(["u0", "leg"], errors="ignore")
-    dataset = dataset.assign_attrs(prediction=json.dumps(facts))
+    dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
     progress.stage("weighing the spread of the table and of the scan")
     prediction = Prediction(
         dataset,
@@ -377,6 +368,27 @@ def _predicted(
         ),
     )
     return replace(prediction, remarks=(*scan.remarks, *_remarks(prediction, scan)))
+
+
+def _ramped(
+    scan: Surface,
+    solid: Solid,
+    pressed: dict[str, Any],
+    ramp: float,
+    times: Field,
+    maps: Sequence[float],
+    **how: Any,
+) -> xr.Dataset:
+    """The history of a load that is put on within a ramp, at the times, which count from its start."""
+    begun = _TOUCH * min(ramp, float(times[0]))
+    contact = press(scan, solid, **{name: begun / ramp * value for name, value in pressed.items()})
+    legs = [Ramp(ramp - begun, **pressed), Hold(float(times[-1]) - ramp)]
+    dataset = age(contact, times - begun, protocol=legs, fields_at=np.array(maps) - begun, **how).dataset
+    # A protocol records its switches, too.
+    distance = np.abs(dataset["time"].values[:, np.newaxis] - (times - begun))
+    dataset = dataset.isel(time=np.append(0, distance.argmin(axis=0))).drop_vars("leg")
+    moments = {"time": np.append(0.0, times), "field_time": np.array(maps)}
+    return dataset.assign_coords({name: dataset[name].copy(data=at) for name, at in moments.items()})
 
 
 def _instrument(
