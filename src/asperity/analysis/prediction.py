@@ -250,6 +250,11 @@ class Prediction(views.InNotebooks):
         return PronySeries(self.modulus, self.branches).permanent
 
     @property
+    def beside(self) -> tuple[str, str]:
+        """Name and symbol of what the area of a light contact of a separable solid is in proportion to."""
+        return ("effective load", "L") if self.ramp else ("creep compliance", "J")
+
+    @property
     def effective_load(self) -> Field | None:
         """Load under which an elastic half-space of E* has this contact, N; None for no separable solid.
 

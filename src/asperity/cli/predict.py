@@ -292,9 +292,8 @@ def _growth(prediction: Prediction) -> list[Row]:
         ),
     ]
     if effective is not None:
-        averaged = ", averaged over the loading" if prediction.ramp else ""
-        ratio = f"{prediction.between('J')} = {effective[-1] / effective[0]:.5g}"
-        rows.append(("creep compliance", ratio + averaged))
+        name, symbol = prediction.beside
+        rows.append((name, f"{prediction.between(symbol)} = {effective[-1] / effective[0]:.5g}"))
     return rows
 
 

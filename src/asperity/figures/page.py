@@ -55,8 +55,10 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
     friction = "" if prediction.friction is None else " Bottom: the coefficient of static friction."
     beside = ""
     if prediction.relaxing is not None:
+        name, symbol = prediction.beside
         beside = (
-            ". Dotted: the first area times J(t)/J(first), as the area of light contacts goes with p J(t). "
+            f". Dotted: the first area times the {name} {symbol}(t)/{symbol}(first), as the area of light "
+            "contacts goes. "
             "Dashed: Persson's theory for a random surface of the same rms slope [7], about a fifth below "
             "simulations of light contacts [8]: compare how it grows"
         )
@@ -142,6 +144,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         load=prediction.load,
         ramp=prediction.ramp,
         between=prediction.between,
+        beside=prediction.beside,
         branches=prediction.branches,
         plateau=prediction.plateau,
         intervals=None if fit is None else fit.intervals,
@@ -183,7 +186,7 @@ def _rows(prediction: Prediction) -> list[dict[str, Any]]:
                 "corrected": corrected,
                 "fraction": corrected / prediction.nominal_area,
                 "grown": corrected / first,
-                "compliance": None if effective is None else float(effective[place] / effective[0]),
+                "effective": None if effective is None else float(effective[place] / effective[0]),
                 "contact_pressure": float(here["mean_contact_pressure"]),
                 "largest_pressure": float(here["largest_pressure"]),
                 "gap": float(here["mean_gap"]),

@@ -61,7 +61,8 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     style.curve(axes, prediction.time, corrected, "o-", style.INK, "less the rim", linewidth=1.0)
     if (effective := prediction.effective_load) is not None:
         followed = corrected[0] * effective / effective[0]
-        label = "first area × creep compliance J(t)/J(first)"
+        name, symbol = prediction.beside
+        label = f"first area × {name} {symbol}(t)/{symbol}(first)"
         axes.plot(prediction.time, followed, ":", color=style.VERMILION, label=label)
     if prediction.theory is not None:
         name, area = prediction.theory
