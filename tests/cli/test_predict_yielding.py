@@ -155,7 +155,7 @@ def test_another_table_under_a_hardness_has_the_area_of_its_compliance(seed: int
     known, wanted = (p.fit.series.compliance_at(p.time) for p in (one, other) if p.fit is not None)
     inside = (known[0] <= wanted) & (wanted <= known[-1])
     area = np.exp(np.interp(np.log(wanted), np.log(known), np.log(one.series("contact_area_corrected"))))
-    np.testing.assert_allclose(area[inside], other.series("contact_area_corrected")[inside], rtol=0.01)
+    np.testing.assert_allclose(area[inside], other.series("contact_area_corrected")[inside], rtol=0.013)
 
 
 def test_a_file_flags_and_python_agree(undrawn: list[Prediction], tmp_path: Path, asperity: Asperity) -> None:
@@ -306,14 +306,16 @@ def test_what_does_not_grow_is_remarked() -> None:
         assert said in ours.remarks
 
 
-def test_decades_that_grow_otherwise_are_remarked() -> None:
-    # One relaxation time: the first decades grow by nothing.
+def test_what_single_decades_grow_by_is_told() -> None:
+    # One relaxation time: the first decades grow by nothing, and no decade by the mean.
     solid = asp.solids.half_space(modulus="3.8 GPa", branches=[(0.5, 100.0)])
     ours = asp.predict(solid, scan(0), pressure="10 MPa", **SPAN)
     slopes = [slope for *_, slope in ours.growth.decades]
     assert min(slopes) < ours.growth.band[0]
-    said = f"the growth of single decades is {100 * min(slopes):.3g} to {100 * max(slopes):.3g} %"
-    assert any(remark.startswith(said) for remark in ours.remarks)
+    said = (
+        f"{100 * min(slopes):.3g} to {100 * max(slopes):.3g} % of the first area, {100 * slopes[-1]:.3g} % in"
+    )
+    assert any(text.startswith(said) for _, text in command._report(ours, seconds=1.0))
     assert "1 relaxation time" in ours.words
 
 

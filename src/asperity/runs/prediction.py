@@ -307,7 +307,7 @@ def _loading(config: RunConfig, ramp: float) -> tuple[RunConfig, float]:
                 "protocol": [],
             }
             return config.model_copy(update=asked), up.duration
-    raise _no_protocol("[[protocol]]", _RUN)
+    raise _no_protocol("[[protocol]]", _RUN, ", or a ramp from load 0 and a hold")
 
 
 def _predicted(
@@ -400,14 +400,10 @@ def _instrument(
     return {"pixel": pixel, "blur": 0.0 if blur is None else blur, "threshold": threshold}
 
 
-def _no_protocol(name: str, advice: str) -> InputError:
+def _no_protocol(name: str, advice: str, otherwise: str = "") -> InputError:
     """What is said of slides and of loads that change."""
-    return InputError(
-        name,
-        expected="none, or a ramp from load 0 and a hold, for a prediction is of a load that stays",
-        got="legs",
-        advice=advice,
-    )
+    expected = f"none{otherwise}, for a prediction is of a load that stays"
+    return InputError(name, expected=expected, got="legs", advice=advice)
 
 
 def _no_half_space(name: str, kind: str) -> InputError:
