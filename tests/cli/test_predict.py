@@ -384,6 +384,25 @@ def test_a_ramp_is_the_integral_of_the_compliance(
         assert ours.series("load")[place] == pytest.approx(ours.load, rel=1e-9)
 
 
+def test_an_interrupted_ramp_goes_on(
+    ramped: dict[float, Prediction], scan: asp.surfaces.Surface, tmp_path: Path
+) -> None:
+    class Impatient(Progress):
+        def reached(self, frame: asp.Frame) -> None:
+            if frame.time > 1.0:
+                raise KeyboardInterrupt
+
+    solid = asp.solids.half_space(modulus=1805.39e6, branches=PMMA_BRANCHES)
+    place = asp.results.Checkpoint(tmp_path / "place", every=0.0)
+    more: dict[str, Any] = {**LOADED, "ramp": 2.4, "checkpoint": place}
+    with pytest.raises(KeyboardInterrupt):
+        asp.predict(solid, scan, progress=Impatient(), **more)
+    assert place.path.exists()
+    again = asp.predict(solid, scan, **more)
+    np.testing.assert_array_equal(again.dataset["iterations"], ramped[2.4].dataset["iterations"])
+    np.testing.assert_array_equal(again.series("mean_gap"), ramped[2.4].series("mean_gap"))
+
+
 def test_the_figure_sets_the_compliance_beside_the_area(ramped: dict[float, Prediction]) -> None:
     for ramp, ours in ramped.items():
         upper, *_, lower = growth_figure(ours).axes[:2]

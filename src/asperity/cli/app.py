@@ -135,7 +135,7 @@ def predict(
     material
         Table of relaxation modulus or creep compliance against time, or of storage and loss modulus against
         frequency; the names of its columns say which, and the units: time_s, E_MPa. Or a TOML file as for
-        asperity run, which flags override. Without: a half-space of --young and --creep.
+        asperity run, which flags override. Without: a half-space of --young and --branch or --creep.
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
     ramp
