@@ -397,7 +397,7 @@ def test_an_interrupted_ramp_goes_on(
     more: dict[str, Any] = {**LOADED, "ramp": 2.4, "checkpoint": place}
     with pytest.raises(KeyboardInterrupt):
         asp.predict(solid, scan, progress=Impatient(), **more)
-    assert place.path.exists()
+    assert Path(place.path).exists()
     again = asp.predict(solid, scan, **more)
     np.testing.assert_array_equal(again.dataset["iterations"], ramped[2.4].dataset["iterations"])
     np.testing.assert_array_equal(again.series("mean_gap"), ramped[2.4].series("mean_gap"))
