@@ -58,9 +58,6 @@ def restricted(fine, sites):
 class WholeFields:
     """The operations of `Processor`; see there."""
 
-    def __init__(self, threads=None):
-        del threads
-
     def zeros(self, sites):
         return np.zeros(sites[:2])
 
@@ -103,12 +100,10 @@ class WholeFields:
         into.c[...] = (u - w - anchors + shift - spread * lap(w, sites) - drag * w) / unit
         return w.sum()
 
-    def settle(self, u, heights, e, bound, unit, sites):
-        del sites
+    def settle(self, u, heights, e, bound, unit):
         u[...] = np.where(e > bound, np.maximum(heights, u + unit * e), heights)
 
-    def add(self, w, f, unit, sites):
-        del sites
+    def add(self, w, f, unit):
         w += unit * f
 
     def measure_law(self, surface, law, springs, tangent, scales, into, lag, sites):
@@ -126,8 +121,8 @@ class WholeFields:
 
     def settle_law(self, surface, correction, bound, lag, tangent, unit, sites):
         (u, w, heights), (e, f), (lagging, beside, bend) = surface, correction, tangent
-        self.settle(u, heights, e, bound, unit, sites)
-        self.add(w, f, unit, sites)
+        self.settle(u, heights, e, bound, unit)
+        self.add(w, f, unit)
         change = unit * f
         left = np.minimum((lag - lagging) * change**2 / ((lag + beside) * bend), np.abs(change))
         return (left**2).sum()
@@ -136,8 +131,7 @@ class WholeFields:
         weights = cells / (lag + beside)
         out[...] = restricted(weights * lag, sites) / restricted(weights, sites)
 
-    def pin(self, e, bound, sites, strength, out, coarse):
-        del coarse
+    def pin(self, e, bound, sites, strength, out):
         out[...] = restricted(np.where(e <= bound, strength, 0.0), sites)
 
     def coarser_pins(self, pins, sites, softening, mean, out):
@@ -151,8 +145,7 @@ class WholeFields:
     def gradient_1(self, eq):
         return lap(eq.e, eq.sites) + eq.bed * eq.e - eq.b + eq.uniform
 
-    def restrict_1(self, eq, out, coarse):
-        del coarse
+    def restrict_1(self, eq, out):
         free = eq.e > eq.bound
         defect = np.where(free, -self.gradient_1(eq), 0)
         out[...] = restricted(defect, eq.sites)
@@ -311,15 +304,14 @@ class WholeFields:
         guess.f[...] = growth * f + past.ahead * past.last.f + past.back * past.before.f
         return guess.e.sum(), guess.f.sum(), c.sum()
 
-    def finish(self, correction, rates, numbers, error, sites):
-        del sites
+    def finish(self, correction, rates, numbers, error):
         (rate, middle, end), (offset, tau, weight, *shares) = rates, numbers
         end[...] = (correction.e - correction.f - offset - weight * (rate + middle)) / tau
         error[...] = sum(share * one for share, one in zip(shares, rates, strict=True))
 
     def advance(self, correction, offset, surface, springs, unit, level, into, sites):
         (u, w, heights), (k0, k1, spread, drag) = surface, springs
-        self.settle(u, heights, correction.e, into.bound, unit, sites)
+        self.settle(u, heights, correction.e, into.bound, unit)
         w += unit * correction.f + offset
         into.bound[...] = (heights - u) / unit
         into.b[...] = -(k0 * lap(u, sites) + k1 * w) / unit

@@ -99,7 +99,7 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.friction.compare_state_laws, {"records": RECORD, "a": 0.0, "V_0": 2.0}),
     (asp.challenge.solve, {"name": REFERENCE, "rtol": 2.0**-5, "halvings": 1}),
     (asp.Checkpoint, {"path": "place", "every": 2.0}),
-    (asp.Multigrid, {"threads": 1, "max_cycles": 20}),
+    (asp.Multigrid, {"max_cycles": 20}),
     (
         asp.ActiveSet,
         {"reduction": 0.5, "max_iterations": 9, "patience": 2, "careful_after": 3, "max_revisions": 4},

@@ -59,7 +59,7 @@ def test_cycles_that_diverge_warn_nobody(seed, kind):  # a warning is an error h
 
 
 def test_a_singular_coarsest_grid_stops_the_cycles():
-    work = TwoFields(Sites(14, 28, False), Processor(1))
+    work = TwoFields(Sites(14, 28, False), Processor())
     work.bound.fill(-1.0)
     inverted, singular = 0, 0
     for spread in 10.0 ** np.arange(20.0, 30.0, 0.1):

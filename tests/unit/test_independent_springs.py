@@ -25,7 +25,7 @@ def laplacian(shape, mirrored):
 def begun(seed, shape, mirrored, held, spread, drag):
     """A stage: its work space, the least f, the least e and c, as vectors."""
     rng = np.random.default_rng(seed)
-    work = IndependentSprings(Sites(shape[0], shape[1], mirrored), Processor(1))
+    work = IndependentSprings(Sites(shape[0], shape[1], mirrored), Processor())
     work.prepare(np.inf, spread, drag)
     touching = rng.random(shape) < 0.4
     w = np.where(touching, rng.random(shape), 0.0)
@@ -63,7 +63,7 @@ def test_a_stage_is_what_its_equations_say(shape, mirrored, held, spread, drag):
 
 @pytest.mark.parametrize("spread", [1.0, 1e4, 1e8, 1e17, 1e30])
 def test_the_coarsest_grid_is_solved_however_far_creep_spreads(spread):
-    work = IndependentSprings(Sites(20, 34, False), Processor(1))
+    work = IndependentSprings(Sites(20, 34, False), Processor())
     work.prepare(np.inf, spread, 0.5)
     work.set_pins(work.correction.f, work.correction.f - 1, 0)
     grid = work.hierarchy.grids[-1]

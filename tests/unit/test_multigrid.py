@@ -40,7 +40,7 @@ def test_coarser_axes_keep_their_length(n, mirrored):
 @pytest.mark.parametrize("shape", [(8, 8), (9, 14), (1, 6), (7, 1), (2, 3)])
 def test_restriction_is_the_transpose_of_interpolation(shape, mirrored):
     rng = np.random.default_rng(0)
-    backend, sites = Processor(1), Sites(shape[0], shape[1], mirrored)
+    backend, sites = Processor(), Sites(shape[0], shape[1], mirrored)
     coarser = Sites((shape[0] + 1) // 2, (shape[1] + 1) // 2, mirrored)
     coarse, fine = (rng.normal(size=s).astype(np.float32) for s in (coarser[:2], shape))
     up, out = backend.zeros(sites), backend.zeros(coarser)
@@ -92,7 +92,7 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     heights = np.full((128, 128), -1.0)
     heights.flat[rng.choice(heights.size, contacts, replace=False)] = 0.0
     response = Response(0.3)
-    backend = Processor(1)
+    backend = Processor()
     hierarchy = Hierarchy(Sites(128, 128, False), 1, backend)
     surface, gap = backend.packed(np.zeros_like(heights)), backend.packed(heights)
     hierarchy.set_pins(surface, gap, contacts / heights.size, response)
@@ -104,7 +104,7 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
 
 def test_a_crowd_of_contacts_does_not_give():
     # Where all sites that share a coarse one are held, so is that, on every grid; a contact alone gives.
-    backend, response = Processor(1), Response(30.0, 1.0)
+    backend, response = Processor(), Response(30.0, 1.0)
     for shape, mirrored in (((64, 64), False), ((61, 63), False), ((62, 59), True)):
         hierarchy = Hierarchy(Sites(*shape, mirrored), 2, backend)
         heights = np.full(shape, -1.0)
@@ -124,7 +124,7 @@ def test_a_crowd_of_contacts_does_not_give():
 @pytest.mark.parametrize(("bed", "spread", "drag"), [(3.0, 0.1, 0.0), (0.5, 30.0, 0.5), (60.0, 1.0, 0.0)])
 def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held):
     shape, rng = (16, 12), np.random.default_rng(3)
-    work = TwoFields(Sites(*shape, False), Processor(1))
+    work = TwoFields(Sites(*shape, False), Processor())
     touching = np.zeros(shape, bool)
     if crowded:
         touching[3:11, :8] = True
@@ -274,7 +274,7 @@ def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
     assert_equilibrium(asp.press(uncorrelated(16), bed, load=1.0), k0=0.0, k1=3.0, load=1.0)
 
 
-@pytest.mark.parametrize("wrong", [{"threads": 0}, {"max_cycles": -1}, {"threads": np.nan}])
+@pytest.mark.parametrize("wrong", [{"max_cycles": -1}, {"max_cycles": np.nan}])
 def test_settings_are_checked(wrong):
     with refuses(next(iter(wrong))):
         Multigrid(**wrong)
@@ -304,7 +304,7 @@ def test_a_second_backend_finds_the_same_states(monkeypatch, edges, k0):
     creeping = asp.solids.spring_lattice(k0=1.0, k1=10.0, creep=asp.solids.Eyring(rate=0.1, stress=0.3))
     for backend in (Processor, WholeFields):
         monkeypatch.setattr(solver, "Processor", backend)
-        monkeypatch.setattr("asperity.contact.lattice_creep.Processor", lambda kind=backend: kind(1))
+        monkeypatch.setattr("asperity.contact.lattice_creep.Processor", backend)
         contact = asp.press(heights, solid, load=30.0, solver=Multigrid())
         history = asp.age(contact, [1.0, 100.0], solver=Multigrid(), exact=False)
         by_law = asp.age(asp.press(heights, creeping, load=30.0), [0.1, 10.0])

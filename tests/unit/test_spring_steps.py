@@ -23,7 +23,7 @@ SHAPES = [(16, 24), (17, 9), (8, 31), (25, 16)]
 
 def packed(field, mirrored=False):
     """A field as multigrid has it, with images."""
-    rows = Processor(1).packed(field)
+    rows = Processor().packed(field)
     for row in rows:
         loops.wrap(row, Sites(len(field), len(field[0]), mirrored))
     return rows
@@ -34,7 +34,7 @@ def packed(field, mirrored=False):
 def test_rows_come_back_in_order(shape, mirrored):
     field = np.random.default_rng(0).normal(size=shape).astype(np.float32)
     rows = packed(field, mirrored)
-    np.testing.assert_array_equal(Processor(1).unpacked(rows, Sites(shape[0], shape[1], mirrored)), field)
+    np.testing.assert_array_equal(Processor().unpacked(rows, Sites(shape[0], shape[1], mirrored)), field)
     first, end = (0, -1) if mirrored else (-1, 0)
     np.testing.assert_array_equal(rows[:, 1, 0], field[:, first])  # the column before the first
     last = (shape[1] - 1) % 2

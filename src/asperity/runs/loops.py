@@ -30,10 +30,6 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
         return
     watch.told = True
     tell(COMPILING)
-    counts = np.zeros(2, np.int64)
-    loops.announce(counts, 0)
-    loops.call(counts, 1)
-    loops.watch(counts, 0, 1, 1)
     spectra = np.zeros((1, 2))
     kinds: tuple[Any, ...] = (spectra, spectra.astype(complex))  # of reflecting edges, and of periodic ones
     for modes in kinds:

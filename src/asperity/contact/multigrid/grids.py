@@ -180,7 +180,7 @@ class Hierarchy:
             return 1.0
         sigma = response.coherent_potential(fraction)
         first, strength = self.grids[0], 1.0 / response.softening(0, sigma)
-        self.backend.pin(e, bound, self.sites, strength, first.pins, first.sites)
+        self.backend.pin(e, bound, self.sites, strength, first.pins)
         crowding = 1.0
         if crowds_give and fraction < 1:
             count, random = math.prod(first.sites[:2]), _RANDOM * strength**2 * fraction * (1.0 - fraction)

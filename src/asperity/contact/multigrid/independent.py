@@ -192,7 +192,7 @@ class IndependentSprings:
         ``move`` is a place for the correction.
         """
         backend, first = self.backend, self.hierarchy.grids[0]
-        found = backend.restrict_1(self.equation(f, least, b), first.source[0], first.sites)
+        found = backend.restrict_1(self.equation(f, least, b), first.source[0])
         if abs(found.contacts - self.pinned) > _FEW * self.pinned:
             self.set_pins(f, least, found.contacts)
         self.correct_on_grid(0)

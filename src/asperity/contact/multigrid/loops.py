@@ -15,8 +15,7 @@ The sites of ``row[side]`` are ``side <= k < end_of(side, columns)``, with ``oth
 the lattice is periodic, of the same end where its edges are mirrors (column -1 is the image of column 0).
 Rows have no images: `neighbors` names the rows above and below.
 
-Each loop works on rows ``low <= i < high`` so that threads can share a grid; sums are kept row by row,
-so that results do not depend on the number of threads. Between two phases of a loop all threads `meet`.
+Sums are kept row by row, in double precision, and added up in their order.
 
 A pass over the lattice is a wave of row operations, each a row behind the one before, so that a row is
 fetched from memory once. A cycle of two fields, when row n has been corrected:
@@ -26,18 +25,16 @@ fetched from memory once. A cycle of two fields, when row n has been corrected:
               of defects     sweep         sweep
               ^ reads n - 4 to n - 2, final by then     ^ the wave moves on to n + 1
 
-An operation reads the rows beside its own and so stops a row earlier at both ends of a slab than the one
-before it; what is left undone there is the next phase.
+An operation reads the rows beside its own and so stops a row earlier at both ends of the lattice than the
+one before it; what is left undone there comes after the wave.
 """
 
 from __future__ import annotations
 
-import sys
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import types
 from numba.extending import overload
 from numpy.typing import NDArray
 
@@ -49,17 +46,8 @@ Scalar: TypeAlias = Any
 """A number in single precision."""
 
 
-APART = 16
-"""Distance between counts that different threads write: 128 bytes."""
-
-MET, FAILED, ASKED, DONE = 0, 1, 2, APART
-"""Counts of a team: arrivals at a gate, failures, shares asked for and done; then of calls, by threads."""
-
 _MOST = 2**31 - 1
 """Most columns."""
-
-_LOOKS = 1000
-"""How often a waiting thread looks before it lets another one use the core: about a microsecond."""
 
 
 class Sites(NamedTuple):
@@ -215,106 +203,17 @@ class Past(NamedTuple):
     tau: Scalar
 
 
-# Threads.
-
-
-class Gate(NamedTuple):
-    """Where threads meet: arrivals so far and whether one has failed; how many threads there are."""
-
-    counts: NDArray[np.int64]
-    threads: int
-
-
-@intrinsic
-def seen(_: Any, counts: Any, place: Any) -> Any:
-    """A count that another thread changes."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, arguments[0])
-        return builder.load_atomic(builder.gep(array.data, [arguments[1]]), "acquire", 8)
-
-    return types.int64(counts, place), generate
-
-
-@intrinsic
-def count(_: Any, counts: Any, place: Any) -> Any:
-    """Add one to a count that other threads look at; the count before."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, arguments[0])
-        one = context.get_constant(types.int64, 1)
-        return builder.atomic_rmw("add", builder.gep(array.data, [arguments[1]]), one, "acq_rel")
-
-    return types.int64(counts, place), generate
-
-
-@intrinsic
-def give_way(_: Any) -> Any:
-    """Let other threads of the machine use this core."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        del signature, arguments
-        if sys.platform != "win32":
-            kind = ir.FunctionType(ir.IntType(32), [])
-            declare: Any = cgutils.get_or_insert_function
-            builder.call(declare(builder.module, kind, "sched_yield"), [])
-        return context.get_dummy_value()
-
-    return types.none(), generate
-
-
 @intrinsic
 def larger(_: Any, x: Any, y: Any) -> Any:
     """The larger of two numbers. The largest of many takes vector instructions so, and none by `max`."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         del context, signature
-        kind = arguments[0].type
-        function = builder.module.declare_intrinsic("llvm.maxnum", [kind], ir.FunctionType(kind, 2 * [kind]))
-        return builder.call(function, arguments, fastmath=("nnan", "nsz"))
+        a, b = arguments
+        flags = ("nnan", "nsz")
+        return builder.select(builder.fcmp_ordered(">", a, b, flags=flags), a, b, flags=flags)
 
     return x(x, y), generate
-
-
-@inlined
-def wait(counts: NDArray[np.int64], place: int, least: int, looks: int) -> bool:
-    """Look at a count until it is at least so large, or for so many times; whether it is."""
-    for n in range(looks):
-        if seen(counts, place) >= least:
-            return True
-        if n % _LOOKS == _LOOKS - 1:
-            give_way()
-    return False
-
-
-@inlined
-def meet(gate: Gate, phase: int) -> None:
-    """Wait, before any phase but the first, until every thread has come here, or one has failed."""
-    counts, threads = gate
-    if phase > 0 and threads > 1:
-        count(counts, MET)
-        while not wait(counts, MET, phase * threads, _LOOKS) and seen(counts, FAILED) == 0:
-            pass
-
-
-@compiled
-def announce(counts: NDArray[np.int64], place: int) -> None:
-    """Add one to a count."""
-    count(counts, place)
-
-
-@compiled
-def call(counts: NDArray[np.int64], threads: int) -> None:
-    """Tell all of so many threads but the first that there is a share to do."""
-    for place in range(1, threads):
-        count(counts, ASKED)
-        count(counts, APART * (place + 1))
-
-
-@compiled
-def watch(counts: NDArray[np.int64], place: int, least: int, looks: int) -> bool:
-    """As `wait`, for Python."""
-    return wait(counts, place, least, looks)
 
 
 # Parted rows.
@@ -395,9 +294,9 @@ def join_rows(field: Single, out: Any) -> None:
 
 
 @compiled
-def total(field: Single, columns: int, out: Field, low: int, high: int) -> None:
+def total(field: Single, columns: int, out: Field) -> None:
     """Sums of parted rows."""
-    for i in range(low, high):
+    for i in range(field.shape[0]):
         value = np.float32(0.0)
         for side in range(2):
             row = field[i, side]
@@ -501,14 +400,12 @@ def fine_row(coarse_row: int, offset: int, sites: Sites) -> int:
 
 
 @compiled
-def pins_of_contacts(
-    e: Single, bound: Single, sites: Sites, strength: Scalar, out: Single, low: int, high: int
-) -> None:
+def pins_of_contacts(e: Single, bound: Single, sites: Sites, strength: Scalar, out: Single) -> None:
     """Pins on the first coarse grid: each contact counts ``strength``."""
     width = e.shape[2]
     rows, line = np.zeros((3, 2, width), np.float32), np.empty(width - 1, np.float32)
     zero = np.float32(0.0)
-    for k in range(low, high):
+    for k in range(out.shape[0]):
         for offset in range(-1, 2):
             i, row = fine_row(k, offset, sites), rows[offset + 1]
             if i < 0:
@@ -594,8 +491,6 @@ def measure_1(
     b: Single,
     sites: Sites,
     sums: Field,
-    low: int,
-    high: int,
 ) -> None:
     """Bound and source for a state with the force k0 L u + bed u + uniform.
 
@@ -604,7 +499,7 @@ def measure_1(
     nx = u.shape[1]
     force, line = np.empty(nx), np.empty(nx)
     scale, inverse = -1.0 / (k0 * unit), 1.0 / unit
-    for i in range(low, high):
+    for i in range(sites.rows):
         row, rough = u[i], heights[i]
         stencil_row(k0, u, bed, u, i, sites, force)
         worst = tension = load = free_sites = imbalance = 0.0
@@ -635,11 +530,11 @@ def settle_row(row: Field, rough: Field, move: Single, least: Single, unit: floa
 
 
 @compiled
-def settle(u: Field, heights: Field, e: Single, bound: Single, unit: float, low: int, high: int) -> None:
+def settle(u: Field, heights: Field, e: Single, bound: Single, unit: float) -> None:
     """Add a correction to a surface."""
     nx = u.shape[1]
     move, least = np.empty(nx, np.float32), np.empty(nx, np.float32)
-    for i in range(low, high):
+    for i in range(u.shape[0]):
         join(e[i], move)
         join(bound[i], least)
         settle_row(u[i], heights[i], move, least, unit)
@@ -659,25 +554,17 @@ def add_row(row: Field, move: Single, unit: float, offset: float) -> None:
 
 
 @compiled
-def add(w: Field, f: Single, unit: float, low: int, high: int) -> None:
+def add(w: Field, f: Single, unit: float) -> None:
     """Add a correction to a field."""
     move = np.empty(w.shape[1], np.float32)
-    for i in range(low, high):
+    for i in range(w.shape[0]):
         join(f[i], move)
         add_row(w[i], move, unit, 0.0)
 
 
 @compiled
 def settle_law(
-    surface: Surface,
-    correction: Pair,
-    bound: Single,
-    lag: Single,
-    tangent: Tangent,
-    unit: float,
-    sums: Field,
-    low: int,
-    high: int,
+    surface: Surface, correction: Pair, bound: Single, lag: Single, tangent: Tangent, unit: float, sums: Field
 ) -> None:
     """Add corrections to u and w; ``sums``: squares of what the tangent of the law leaves of w."""
     u, w, heights = surface
@@ -686,7 +573,7 @@ def settle_law(
     nx = u.shape[1]
     move, stretch, least = np.empty(nx, np.float32), np.empty(nx, np.float32), np.empty(nx, np.float32)
     lags = np.empty(nx, np.float32)
-    for i in range(low, high):
+    for i in range(u.shape[0]):
         join(e[i], move)
         join(f[i], stretch)
         join(bound[i], least)
@@ -711,8 +598,6 @@ def measure_2(
     into: Measured,
     sites: Sites,
     sums: Field,
-    low: int,
-    high: int,
 ) -> None:
     """Bound and both sources for a state of two fields and the anchors v; ``sums``: sum of w."""
     u, w, heights = surface
@@ -721,7 +606,7 @@ def measure_2(
     nx = u.shape[1]
     line = np.empty(nx)
     inverse = 1.0 / unit
-    for i in range(low, high):
+    for i in range(sites.rows):
         row, stretch, rough, anchors = u[i], w[i], heights[i], v[i]
         stencil_row(-inverse, u, -inverse * k1 / k0, w, i, sites, line)
         part(line, b[i])
@@ -748,8 +633,6 @@ def measure_law(
     lag: Single,
     sites: Sites,
     sums: Field,
-    low: int,
-    high: int,
 ) -> None:
     """As `measure_2`, for a step by a law, linear about the stretches as they are; ``lag`` has its slope too.
 
@@ -765,7 +648,7 @@ def measure_law(
     nx = u.shape[1]
     line, lags = np.empty(nx), np.empty(nx)
     force, inverse, rising = -1.0 / scales[0], 1.0 / scales[1], tau * k1
-    for i in range(low, high):
+    for i in range(sites.rows):
         row, stretch, rough, anchors = u[i], w[i], heights[i], v[i]
         stencil_row(force * k0, u, force * k1, w, i, sites, line)
         part(line, b[i])
@@ -845,44 +728,35 @@ def advance(
     into: Measured,
     sites: Sites,
     sums: Field,
-    gate: Gate,
-    low: int,
-    high: int,
 ) -> None:
     """Add corrections to a state, and an offset to w; then the bound, source and flow of the new one.
 
     The source is minus the force k0 L u + k1 w. The flow is spread L w + drag w.
-    ``sums``: w, u - level, their squares, the largest u, contacts.
-    Phases: all rows, measured a row behind; the first row and the last.
+    ``sums``: w, u - level, their squares, the largest u, contacts. Rows are measured one behind, and the
+    first and the last at the end.
     """
     e, f = correction
     u, w, heights = surface
     nx = u.shape[1]
     move, least, line = np.empty(nx, np.float32), np.empty(nx, np.float32), np.empty(nx)
-    for now in range(2):
-        meet(gate, now)
-        if now == 0:
-            for i in range(low, high):
-                join(e[i], move)
-                join(into.bound[i], least)
-                settle_row(u[i], heights[i], move, least, unit)
-                join(f[i], move)
-                add_row(w[i], move, unit, offset)
-                if i - 1 > low:
-                    advance_row(surface, springs, unit, level, i - 1, into, sites, line, sums[i - 1])
-        else:
-            for i in (low, high - 1):
-                advance_row(surface, springs, unit, level, i, into, sites, line, sums[i])
+    for i in range(sites.rows):
+        join(e[i], move)
+        join(into.bound[i], least)
+        settle_row(u[i], heights[i], move, least, unit)
+        join(f[i], move)
+        add_row(w[i], move, unit, offset)
+        if i > 1:
+            advance_row(surface, springs, unit, level, i - 1, into, sites, line, sums[i - 1])
+    for i in (0, sites.rows - 1):
+        advance_row(surface, springs, unit, level, i, into, sites, line, sums[i])
 
 
 @compiled
-def begin_stage_1(
-    past: Past, bound: Single, guess: Pair, c: Single, sites: Sites, sums: Field, low: int, high: int
-) -> None:
+def begin_stage_1(past: Past, bound: Single, guess: Pair, c: Single, sites: Sites, sums: Field) -> None:
     """First guess from the last time steps, and the source -tau (rate + flow); ``sums`` of e, f and c."""
     last, before, ahead, back, rate, flow, tau = past
     e, f = guess
-    for i in range(low, high):
+    for i in range(sites.rows):
         sum_e = sum_f = sum_c = np.float32(0.0)
         for side in range(2):
             for k in range(side, end_of(side, sites.columns)):
@@ -910,14 +784,12 @@ def begin_stage_2(
     c: Single,
     sites: Sites,
     sums: Field,
-    low: int,
-    high: int,
 ) -> None:
     """Rate at the end of the first stage, f plus an offset; then the second, as in `begin_stage_1`."""
     last, before, ahead, back, rate, flow, tau = past
     e, f = guess
     pace = np.float32(1.0) / tau
-    for i in range(low, high):
+    for i in range(sites.rows):
         sum_e = sum_f = sum_c = np.float32(0.0)
         for side in range(2):
             for k in range(side, end_of(side, sites.columns)):
@@ -948,15 +820,13 @@ def finish_step(
     shares: tuple[Scalar, Scalar, Scalar],
     rate_at_end: Single,
     error: Single,
-    low: int,
-    high: int,
 ) -> None:
     """Rate at the end, f plus an offset, and the sum of the three rates with weights, rows in order."""
     e, f = correction
     first, second, third = shares
     pace = np.float32(1.0) / tau
     line = np.zeros((2, e.shape[2]), np.float32)
-    for i in range(low, high):
+    for i in range(error.shape[0]):
         for side in range(2):
             for k in range(side, end_of(side, error.shape[1])):
                 before, between = rate[i, side, k], middle[i, side, k]
@@ -985,27 +855,22 @@ def relax_row_1(eq: One, i: int, color: int) -> None:
 
 
 @compiled
-def sweeps_1(eq: One, halves: int, gate: Gate, low: int, high: int) -> None:
-    """Half sweeps. Phases: all but the ends of the slab; both sides of its lower edge.
+def sweeps_1(eq: One, halves: int) -> None:
+    """Half sweeps: a wave of them, then the rows at both ends that it leaves undone.
 
     Where the number of rows is odd and the lattice periodic, the last row has the color of the first, its
-    neighbor, and is left to the second phase.
+    neighbor, and waits for it.
     """
     ny = eq.sites.rows
-    last = high - 1 if high == ny and high % 2 else high
-    odd = 1 if low == 0 and ny % 2 else 0
-    for now in range(2):
-        meet(gate, now)
-        if now == 0:
-            for front in range(low, high):
-                for half in range(halves):
-                    i = front - half
-                    if low + half <= i < last - half:
-                        relax_row_1(eq, i, half & 1)
-        else:
-            for half in range(1 - odd, halves):
-                for i in range(low - half - odd, low + half):
-                    relax_row_1(eq, i % ny, half & 1)
+    odd = ny % 2
+    for front in range(ny):
+        for half in range(halves):
+            i = front - half
+            if half <= i < ny - odd - half:
+                relax_row_1(eq, i, half & 1)
+    for half in range(1 - odd, halves):
+        for i in range(-half - odd, half):
+            relax_row_1(eq, i % ny, half & 1)
 
 
 @inlined
@@ -1029,18 +894,17 @@ def defect_row_1(eq: One, i: int, defect: Single, sums: Field) -> None:
 
 
 @compiled
-def restrict_1(eq: One, out: Single, sums: Field, low: int, high: int) -> None:
-    """Defect on coarse rows low to high."""
+def restrict_1(eq: One, out: Single, sums: Field) -> None:
+    """Defect on the first coarse grid; ``sums`` as `defect_row_1` has them."""
     width = eq.e.shape[2]
     defect, line = np.zeros((3, 2, width), np.float32), np.empty(width - 1, np.float32)
-    ignored = np.empty(sums.shape[1])
-    for k in range(low, high):
+    for k in range(out.shape[0]):
         for offset in range(-1, 2):
             i, row = fine_row(k, offset, eq.sites), defect[(2 * k + offset) % 3]
             if i < 0:
                 row[:] = np.float32(0.0)
-            elif not (offset == -1 and k > low):  # else it is still in the buffer
-                defect_row_1(eq, i, row, ignored if offset == -1 else sums[i])
+            elif offset > -1 or k == 0:  # else it is still in the buffer
+                defect_row_1(eq, i, row, sums[i])
         above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
         restrict_rows(defect[above], defect[here], defect[below], k, eq.sites, line, out[k])
 
@@ -1080,19 +944,19 @@ def off_contact(line: Single, e: Single, bound: Single, sites: Sites, out: Singl
 
 
 @compiled
-def products_1(eq: One, coarse: Single, previous: Single, sums: Field, low: int, high: int) -> None:
+def products_1(eq: One, coarse: Single, previous: Single, sums: Field) -> None:
     """Products by rows, for correction d and previous move q: r.d, r.q, d.Sd, d.Sq, q.Sq, sum d, sum q."""
     e, bound, b, bed, _, uniform, sites = eq
     ny, _, width = e.shape
     d, q = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
     line = np.zeros((2, width), np.float32)
-    for i in range(low, high + 1):
+    for i in range(ny + 1):
         here = i if i < ny else neighbors(ny - 1, sites)[1]
         now = i % 2
         interpolate_row(coarse, here, sites, line)
         off_contact(line, e[here], bound[here], sites, d[now])
         off_contact(previous[here], e[here], bound[here], sites, q[now])
-        if i == low:
+        if i == 0:
             continue
         x, y, d0, d1, q0, q1 = e[i - 1], e[here], d[1 - now], d[now], q[1 - now], q[now]
         zero = np.float32(0.0)
@@ -1134,12 +998,10 @@ def move_row(
 
 
 @compiled
-def correct_1(
-    eq: One, coarse: Single, previous: Single, alpha: Scalar, beta: Scalar, low: int, high: int
-) -> None:
+def correct_1(eq: One, coarse: Single, previous: Single, alpha: Scalar, beta: Scalar) -> None:
     """Move free sites by alpha times the correction plus beta times the previous move, and project."""
     line = np.zeros((2, eq.e.shape[2]), np.float32)
-    for i in range(low, high):
+    for i in range(eq.sites.rows):
         interpolate_row(coarse, i, eq.sites, line)
         move_row(line, previous[i], eq.e[i], eq.bound[i], eq.sites, alpha, beta)
 
@@ -1148,9 +1010,7 @@ def correct_1(
 
 
 @compiled
-def begin_1(
-    eq: One, e: Single, least: Single, c: Single, spread: Scalar, creep: Single, low: int, high: int
-) -> None:
+def begin_1(eq: One, e: Single, least: Single, c: Single, spread: Scalar, creep: Single) -> None:
     """From guesses of both changes: eq.e within its bound, the source of its equation, and e - eq.e.
 
     The equation is (spread lap + lag) f - e = c + shift with f = eq.e, divided by the spread, and e as small
@@ -1158,7 +1018,7 @@ def begin_1(
     """
     f, bound, b, _, _, _, sites = eq
     inverse = np.float32(1.0) / spread
-    for i in range(low, high):
+    for i in range(sites.rows):
         for side in range(2):
             for k in range(side, end_of(side, sites.columns)):
                 stretch = max(f[i, side, k], bound[i, side, k])
@@ -1168,14 +1028,12 @@ def begin_1(
 
 
 @compiled
-def begin_error_1(
-    eq: One, f: Single, least: Single, error: Single, c: Single, spread: Scalar, low: int, high: int
-) -> None:
+def begin_error_1(eq: One, f: Single, least: Single, error: Single, c: Single, spread: Scalar) -> None:
     """The same for an error of u0, rows in order: no change yet, and none where f is ``least``."""
     change, bound, b, _, _, _, sites = eq
     zero, inverse = np.float32(0.0), np.float32(1.0) / spread
     unbounded, heavy = np.float32(-np.inf), np.float32(-1e30)
-    for i in range(low, high):
+    for i in range(sites.rows):
         part(error[i], c[i])
         change[i] = zero
         for side in range(2):
@@ -1188,15 +1046,7 @@ def begin_error_1(
 
 @compiled
 def surface_1(
-    eq: One,
-    e: Single,
-    least: Single,
-    c: Single,
-    spread: Scalar,
-    creep: Single,
-    sums: Field,
-    low: int,
-    high: int,
+    eq: One, e: Single, least: Single, c: Single, spread: Scalar, creep: Single, sums: Field
 ) -> None:
     """The change e of the surface that belongs to eq.e; ``creep`` becomes their difference.
 
@@ -1205,7 +1055,7 @@ def surface_1(
     f, bound, _, _, diagonal, uniform, sites = eq
     zero, one = np.float32(0.0), np.float32(1.0)
     shift = spread * uniform
-    for i in range(low, high):
+    for i in range(sites.rows):
         above, below = neighbors(i, sites)
         squares = stretch = moves = opened = zero
         for side in range(2):
@@ -1273,43 +1123,30 @@ def coarse_defect_1(grid: CoarseOne, uniform: Scalar, i: int, defect: Single) ->
 
 
 @compiled
-def descend_1(
-    grid: CoarseOne, coupling: float, out: Single, totals: Field, gate: Gate, low: int, high: int
-) -> None:
-    """From no correction: a sweep, the total, the defect on the next coarser grid.
+def descend_1(grid: CoarseOne, coupling: float, out: Single) -> float:
+    """From no correction: a sweep, the defect on the next coarser grid; the total of the correction.
 
-    The total times the coupling is the uniform force on the grid. Phases: nothing; the sites of one color
-    but for those of an odd last row, which waits as in `sweeps_1`; those; both for the other color; the
-    total; the restriction.
+    The total times the coupling is the uniform force on the grid.
     """
     e, sites = grid.e, grid.sites
-    ny, _, width = e.shape
-    odd = ny % 2
-    for now in range(7):
-        meet(gate, now)
-        if now == 0:
-            e[low:high] = np.float32(0.0)
-        elif now < 5:
-            color, waiting = (now - 1) // 2, now % 2 == 0
-            first, last = (ny - odd if high == ny else ny, ny) if waiting else (low, min(high, ny - odd))
-            for i in range(first, last):
-                coarse_relax_1(grid, i, color)
-        elif now == 5:
-            if low == 0:
-                totals[0, 0] = weighted_total(e, grid.mx, grid.my)
-        else:
-            uniform = np.float32(coupling * totals[0, 0]) if coupling else np.float32(0.0)
-            defect, line = np.zeros((3, 2, width), np.float32), np.empty(width - 1, np.float32)
-            first = (low + 1) // 2
-            for k in range(first, (high + 1) // 2):
-                for offset in range(-1, 2):
-                    i, into = fine_row(k, offset, sites), defect[(2 * k + offset) % 3]
-                    if i < 0:
-                        into[:] = np.float32(0.0)
-                    elif not (offset == -1 and k > first):  # else it is still in the buffer
-                        coarse_defect_1(grid, uniform, i, into)
-                upper, here, lower = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
-                restrict_rows(defect[upper], defect[here], defect[lower], k, sites, line, out[k])
+    width = e.shape[2]
+    e[:] = np.float32(0.0)
+    for color in range(2):
+        for i in range(sites.rows):
+            coarse_relax_1(grid, i, color)
+    value = weighted_total(e, grid.mx, grid.my)
+    uniform = np.float32(coupling * value) if coupling else np.float32(0.0)
+    defect, line = np.zeros((3, 2, width), np.float32), np.empty(width - 1, np.float32)
+    for k in range((sites.rows + 1) // 2):
+        for offset in range(-1, 2):
+            i, into = fine_row(k, offset, sites), defect[(2 * k + offset) % 3]
+            if i < 0:
+                into[:] = np.float32(0.0)
+            elif offset > -1 or k == 0:  # else it is still in the buffer
+                coarse_defect_1(grid, uniform, i, into)
+        upper, here, lower = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
+        restrict_rows(defect[upper], defect[here], defect[lower], k, sites, line, out[k])
+    return value
 
 
 @inlined
@@ -1332,54 +1169,36 @@ def add_constant(b: Single, shift: Scalar, mx: Single, my: Single, columns: int,
 
 
 @compiled
-def ascend_1(
-    grid: CoarseOne,
-    coarse: Single,
-    shift: Scalar,
-    joined: Single,
-    totals: Field,
-    gate: Gate,
-    low: int,
-    high: int,
-) -> None:
-    """Add the correction of the next coarser grid, and ``shift`` to the source; sweep; the total.
+def ascend_1(grid: CoarseOne, coarse: Single, shift: Scalar, joined: Single) -> float:
+    """Add the next coarser grid's correction, and ``shift`` to the source; sweep, the other color first.
 
-    Phases: both additions; as in `descend_1`, colors exchanged; the total, and rows in order.
+    Returns the total.
     """
     e, sites = grid.e, grid.sites
-    ny, _, width = e.shape
-    odd = ny % 2
-    line = np.zeros((2, width), np.float32)
-    for now in range(6):
-        meet(gate, now)
-        if now == 0:
-            for i in range(low, high):
-                coarse_correct_row(coarse, e, sites, i, line)
-                add_constant(grid.b, shift, grid.mx, grid.my, sites.columns, i)
-        elif now < 5:
-            color, waiting = 1 - (now - 1) // 2, now % 2 == 0
-            first, last = (ny - odd if high == ny else ny, ny) if waiting else (low, min(high, ny - odd))
-            for i in range(first, last):
-                coarse_relax_1(grid, i, color)
-        else:
-            if low == 0:
-                totals[0, 0] = weighted_total(e, grid.mx, grid.my)
-            for i in range(low, high):
-                join(e[i], joined[i])
+    line = np.zeros((2, e.shape[2]), np.float32)
+    for i in range(sites.rows):
+        coarse_correct_row(coarse, e, sites, i, line)
+        add_constant(grid.b, shift, grid.mx, grid.my, sites.columns, i)
+    for color in (1, 0):
+        for i in range(sites.rows):
+            coarse_relax_1(grid, i, color)
+    for i in range(sites.rows):
+        join(e[i], joined[i])
+    return weighted_total(e, grid.mx, grid.my)
 
 
 # Two fields, of an implicit step of creep.
 
 
 @compiled
-def begin_error_2(e: Single, least: Single, error: Single, eq: Two, sums: Field, low: int, high: int) -> None:
+def begin_error_2(e: Single, least: Single, error: Single, eq: Two, sums: Field) -> None:
     """The equations of an error of u0, rows in order, from nothing; those of u hold where e is ``least``.
 
     ``sums``: squares of the error, contacts that opened.
     """
     change, stretch, bound, b, c, _, _, _, _, sites = eq
     zero, unbounded, heavy = np.float32(0.0), np.float32(-np.inf), np.float32(-1e30)
-    for i in range(low, high):
+    for i in range(sites.rows):
         part(error[i], c[i])
         change[i] = stretch[i] = zero
         squares, opened = zero, 0.0
@@ -1395,9 +1214,9 @@ def begin_error_2(e: Single, least: Single, error: Single, eq: Two, sums: Field,
 
 
 @compiled
-def differences(e: Single, f: Single, columns: int, sums: Field, low: int, high: int) -> None:
+def differences(e: Single, f: Single, columns: int, sums: Field) -> None:
     """Sums of e - f and of its squares."""
-    for i in range(low, high):
+    for i in range(e.shape[0]):
         value = squares = np.float32(0.0)
         for side in range(2):
             for k in range(side, end_of(side, columns)):
@@ -1499,71 +1318,53 @@ def correct_row_2(eq: Two, moves: Moves, i: int, line: Single) -> None:
 
 @compiled
 def cycle_2(
-    eq: Two,
-    moves: Moves,
-    correcting: bool,
-    sweeping: bool,
-    restricting: bool,
-    out: Pair,
-    sums: Field,
-    gate: Gate,
-    low: int,
-    high: int,
+    eq: Two, moves: Moves, correcting: bool, sweeping: bool, restricting: bool, out: Pair, sums: Field
 ) -> None:
-    """A cycle on the lattice: correction, a sweep, restriction of the defects; each on demand.
+    """A cycle on the lattice: a sweep, after the correction if wanted; restriction of the defects; on demand.
 
-    Phases: a wave of all three, drawn at the head of the module; the sweep on both sides of the slab's lower
-    edge, and on an odd last row, which waits as in `sweeps_1`; the restriction of the remaining rows.
-    Without a correction the wave is a row shorter.
+    A wave of all three, drawn at the head of the module; the sweep of the rows at both ends, the last of an
+    odd number waiting as in `sweeps_1`; the restriction of the rows that remain. Without a correction the
+    wave is a row shorter.
     """
     ny, _, width = eq.e.shape
     sites = eq.sites
     line, order = np.zeros((2, width), np.float32), np.empty(width - 1, np.float32)
     balance, creep = np.zeros((3, 2, width), np.float32), np.zeros((3, 2, width), np.float32)
-    ignored = np.empty(sums.shape[1])
-    last = high - 1 if high == ny and high % 2 else high
-    lead = 1 if correcting else 0
+    odd = ny % 2
+    last, lead = ny - odd, 1 if correcting else 0
     margin = lead + 2
-    for now in range(3):
-        meet(gate, now)
-        if now < 2 and not sweeping:
-            continue
-        if now == 0:
-            for front in range(low, high):
-                if correcting:
-                    correct_row_2(eq, moves, front, line)
-                for half in range(2):
-                    i, apart = front - lead - half, lead + half
-                    if low + apart <= i < last - apart:
-                        relax_row_2(eq, i, half)
-                i = front - margin
-                if restricting and low + margin <= i < last - margin:
-                    n = i % 3
-                    defect_row_2(eq, i, balance[n], creep[n], sums[i])
-                    if i % 2 == 1 and i - 2 >= low + margin:
-                        restrict_pair(balance, creep, i // 2, sites, order, out)
-        elif now == 1:
-            odd = 1 if low == 0 and ny % 2 else 0
+    if sweeping:
+        for front in range(ny):
+            if correcting:
+                correct_row_2(eq, moves, front, line)
             for half in range(2):
-                for i in range(low - half - lead - odd, low + half + lead):
-                    relax_row_2(eq, i % ny, half)
-        elif restricting:
-            done, resumed = (low + margin + 2) // 2, (last - margin) // 2
-            start, stop = (low + 1) // 2, (high + 1) // 2
-            if done >= resumed or not sweeping:
-                done = resumed = stop
-            for k in range(start, stop):
-                if done <= k < resumed:
-                    continue
-                for offset in range(-1, 2):
-                    i, n = fine_row(k, offset, sites), (2 * k + offset) % 3
-                    if i < 0:
-                        balance[n] = np.float32(0.0)
-                        creep[n] = np.float32(0.0)
-                    elif not (offset == -1 and k not in (start, resumed)):  # else it is still in the buffers
-                        into = ignored if offset == -1 else sums[i]
-                        defect_row_2(eq, i, balance[n], creep[n], into)
-                restrict_pair(balance, creep, k, sites, order, out)
+                i, apart = front - lead - half, lead + half
+                if apart <= i < last - apart:
+                    relax_row_2(eq, i, half)
+            i = front - margin
+            if restricting and margin <= i < last - margin:
+                n = i % 3
+                defect_row_2(eq, i, balance[n], creep[n], sums[i])
+                if i % 2 == 1 and i - 2 >= margin:
+                    restrict_pair(balance, creep, i // 2, sites, order, out)
+        for half in range(2):
+            for i in range(-half - lead - odd, half + lead):
+                relax_row_2(eq, i % ny, half)
+    if restricting:
+        done, resumed, stop = (margin + 2) // 2, (last - margin) // 2, (ny + 1) // 2
+        if done >= resumed or not sweeping:
+            done = resumed = stop
+        for k in range(stop):
+            if done <= k < resumed:
+                continue
+            for offset in range(-1, 2):
+                i, n = fine_row(k, offset, sites), (2 * k + offset) % 3
+                if i < 0:
+                    balance[n] = np.float32(0.0)
+                    creep[n] = np.float32(0.0)
+                elif offset > -1 or k in (0, resumed):  # else it is still in the buffers
+                    defect_row_2(eq, i, balance[n], creep[n], sums[i])
+            restrict_pair(balance, creep, k, sites, order, out)
 
 
 @inlined
@@ -1599,7 +1400,7 @@ def form_2(x: Pair, x_next: Pair, y: Pair, y_next: Pair, eq: Two, i: int) -> Any
 
 
 @compiled
-def products_2(eq: Two, moves: Moves, sums: Field, low: int, high: int) -> None:
+def products_2(eq: Two, moves: Moves, sums: Field) -> None:
     """Products of the symmetric form by rows, for the correction (d, p) and the previous move (q, g).
 
     Gradient with either, then dd, dq, qq, the sum of p and that of g.
@@ -1611,14 +1412,14 @@ def products_2(eq: Two, moves: Moves, sums: Field, low: int, high: int) -> None:
     d, p = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
     q, ones = np.zeros((2, 2, width), np.float32), np.ones((2, width), np.float32)
     line = np.zeros((2, width), np.float32)
-    for i in range(low, high + 1):
+    for i in range(ny + 1):
         y = i if i < ny else neighbors(ny - 1, sites)[1]
         now = i % 2
         interpolate_row(coarse.e, y, sites, line)
         off_contact(line, e[y], bound[y], sites, d[now])
         off_contact(previous.e[y], e[y], bound[y], sites, q[now])
         interpolate_row(coarse.f, y, sites, p[now])
-        if i == low:
+        if i == 0:
             continue
         x = i - 1
         here, below = Pair(e[x], f[x]), Pair(e[y], f[y])
@@ -1697,58 +1498,40 @@ def coarse_defect_2(grid: CoarseTwo, i: int, balance: Single, creep: Single) -> 
 
 
 @compiled
-def descend_2(grid: CoarseTwo, out: Pair, totals: Field, gate: Gate, low: int, high: int) -> None:
+def descend_2(grid: CoarseTwo, out: Pair) -> float:
     """As `descend_1`, for both fields; the total is that of f."""
-    ny, _, width = grid.e.shape
-    sites, odd = grid.sites, ny % 2
-    for now in range(7):
-        meet(gate, now)
-        if now == 0:
-            grid.e[low:high] = np.float32(0.0)
-            grid.f[low:high] = np.float32(0.0)
-        elif now < 5:
-            color, waiting = (now - 1) // 2, now % 2 == 0
-            first, last = (ny - odd if high == ny else ny, ny) if waiting else (low, min(high, ny - odd))
-            for i in range(first, last):
-                coarse_relax_2(grid, i, color)
-        elif now == 5:
-            if low == 0:
-                totals[0, 0] = weighted_total(grid.f, grid.mx, grid.my)
-        else:
-            balance, creep = np.zeros((3, 2, width), np.float32), np.zeros((3, 2, width), np.float32)
-            line, first = np.empty(width - 1, np.float32), (low + 1) // 2
-            for k in range(first, (high + 1) // 2):
-                for offset in range(-1, 2):
-                    i, n = fine_row(k, offset, sites), (2 * k + offset) % 3
-                    if i < 0:
-                        balance[n] = np.float32(0.0)
-                        creep[n] = np.float32(0.0)
-                    elif not (offset == -1 and k > first):  # else it is still in the buffers
-                        coarse_defect_2(grid, i, balance[n], creep[n])
-                restrict_pair(balance, creep, k, sites, line, out)
+    sites, width = grid.sites, grid.e.shape[2]
+    grid.e[:] = np.float32(0.0)
+    grid.f[:] = np.float32(0.0)
+    for color in range(2):
+        for i in range(sites.rows):
+            coarse_relax_2(grid, i, color)
+    balance, creep = np.zeros((3, 2, width), np.float32), np.zeros((3, 2, width), np.float32)
+    line = np.empty(width - 1, np.float32)
+    for k in range((sites.rows + 1) // 2):
+        for offset in range(-1, 2):
+            i, n = fine_row(k, offset, sites), (2 * k + offset) % 3
+            if i < 0:
+                balance[n] = np.float32(0.0)
+                creep[n] = np.float32(0.0)
+            elif offset > -1 or k == 0:  # else it is still in the buffers
+                coarse_defect_2(grid, i, balance[n], creep[n])
+        restrict_pair(balance, creep, k, sites, line, out)
+    return weighted_total(grid.f, grid.mx, grid.my)
 
 
 @compiled
-def ascend_2(
-    grid: CoarseTwo, coarse: Pair, shift: Scalar, joined: Pair, gate: Gate, low: int, high: int
-) -> None:
-    """As `ascend_1`, for both fields; the shift is that of the second equation."""
-    ny, _, width = grid.e.shape
-    sites, odd = grid.sites, ny % 2
-    line = np.zeros((2, width), np.float32)
-    for now in range(6):
-        meet(gate, now)
-        if now == 0:
-            for i in range(low, high):
-                coarse_correct_row(coarse.e, grid.e, sites, i, line)
-                coarse_correct_row(coarse.f, grid.f, sites, i, line)
-                add_constant(grid.c, shift, grid.mx, grid.my, sites.columns, i)
-        elif now < 5:
-            color, waiting = 1 - (now - 1) // 2, now % 2 == 0
-            first, last = (ny - odd if high == ny else ny, ny) if waiting else (low, min(high, ny - odd))
-            for i in range(first, last):
-                coarse_relax_2(grid, i, color)
-        else:
-            for i in range(low, high):
-                join(grid.e[i], joined.e[i])
-                join(grid.f[i], joined.f[i])
+def ascend_2(grid: CoarseTwo, coarse: Pair, shift: Scalar, joined: Pair) -> None:
+    """As `ascend_1`, for both fields; the shift is that of the second equation, and there is no total."""
+    sites = grid.sites
+    line = np.zeros((2, grid.e.shape[2]), np.float32)
+    for i in range(sites.rows):
+        coarse_correct_row(coarse.e, grid.e, sites, i, line)
+        coarse_correct_row(coarse.f, grid.f, sites, i, line)
+        add_constant(grid.c, shift, grid.mx, grid.my, sites.columns, i)
+    for color in (1, 0):
+        for i in range(sites.rows):
+            coarse_relax_2(grid, i, color)
+    for i in range(sites.rows):
+        join(grid.e[i], joined.e[i])
+        join(grid.f[i], joined.f[i])

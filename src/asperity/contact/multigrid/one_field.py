@@ -91,17 +91,17 @@ class OneField:
         for cycle in range(1, max_cycles + 1):
             backend.sweep_1(self.equation(), 4)
             eq = self.equation()
-            found = backend.restrict_1(eq, first.source[0], first.sites)
+            found = backend.restrict_1(eq, first.source[0])
             if found.contacts == 0 and springs.load is not None:
                 backend.touch(self.correction, self.bound)  # something must carry the load
                 continue
             if self.is_done(found):
-                backend.settle(u, heights, self.correction, self.bound, self.unit, self.sites)
+                backend.settle(u, heights, self.correction, self.bound, self.unit)
                 uniform, converged = self.measure(tolerance)
                 if converged:
                     return True, uniform, cycle
                 eq = self.equation()
-                backend.restrict_1(eq, first.source[0], first.sites)
+                backend.restrict_1(eq, first.source[0])
             if found.contacts != pinned:
                 self.set_pins(found.contacts)
                 pinned = found.contacts
@@ -109,7 +109,7 @@ class OneField:
             # Move by the combination of correction and previous move that has the lowest energy.
             directions = first.joined[0], self.previous
             backend.correct_1(eq, *directions, *lowest(backend.products_1(eq, *directions), self.coupling))
-        backend.settle(u, heights, self.correction, self.bound, self.unit, self.sites)
+        backend.settle(u, heights, self.correction, self.bound, self.unit)
         return False, uniform, max_cycles
 
     def measure(self, tolerance: float) -> tuple[float, bool]:

@@ -1,4 +1,4 @@
-"""The operations on grids that multigrid is made of, by compiled loops, in threads where that pays.
+"""The operations on grids that multigrid is made of, by compiled loops.
 
 Another backend is another class with these methods: whatever knows how a field is laid out is here and in
 `asperity.contact.multigrid.loops`. Fields that a method returns or takes are in the backend's own layout
@@ -8,9 +8,7 @@ corrections that a coarse grid hands to the next finer one. Numbers come back su
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,15 +30,7 @@ from asperity.contact.multigrid.loops import (
     Tangent,
     Two,
 )
-from asperity.contact.multigrid.team import Team
 from asperity.lattice import Field
-from asperity.threads import usual_threads
-
-_LOWEST_SLAB = 16
-"""Minimum rows of a thread; must exceed twice the number of half sweeps."""
-
-_WORTH_SHARING = 2**16
-"""Number of sites from which a second thread saves time."""
 
 
 class Defects(NamedTuple):
@@ -92,24 +82,10 @@ class Moments(NamedTuple):
 
 
 class Processor:
-    """The backend that computes on the processor, in a number of threads; by default `usual_threads`."""
+    """The backend that computes on the processor."""
 
-    def __init__(self, threads: int | None = None) -> None:
-        self.threads = threads or usual_threads()
-        self._team = Team(self.threads)
-        self._alone = (self._team.gate(1),)
+    def __init__(self) -> None:
         self._kept: dict[int, Field] = {}
-
-    def _over(self, loop: Callable[..., None], sites: Sites, *arguments: Any, meeting: bool = False) -> None:
-        """Call ``loop(*arguments, [gate,] low, high)`` for slabs that together are all rows."""
-        rows = sites.rows
-        slabs = min(self.threads, rows // _LOWEST_SLAB)
-        if slabs < 2 or rows * sites.columns < _WORTH_SHARING:
-            loop(*arguments, *(self._alone if meeting else ()), 0, rows)
-            return
-        gate = (self._team.gate(slabs),) if meeting else ()
-        edges = [rows * slab // slabs for slab in range(slabs + 1)]
-        self._team.do(loop, [(*arguments, *gate, low, high) for low, high in pairwise(edges)])
 
     def _sums(self, sites: Sites) -> Field:
         """A place for numbers by rows."""
@@ -150,7 +126,7 @@ class Processor:
     def total(self, field: Single, sites: Sites) -> float:
         """Sum of a field."""
         sums = self._sums(sites)
-        self._over(loops.total, sites, field, sites.columns, sums)
+        loops.total(field, sites.columns, sums)
         return float(sums[:, 0].sum())
 
     def touching(self, e: Single, bound: Single) -> int:
@@ -176,7 +152,7 @@ class Processor:
     ) -> Forces:
         """Bound and source of a state with the force (k0, bed, uniform): k0 L u + bed u + uniform."""
         sums = self._sums(sites)
-        self._over(loops.measure_1, sites, u, heights, *force, unit, bound, b, sites, sums)
+        loops.measure_1(u, heights, *force, unit, bound, b, sites, sums)
         worst, tension = sums[:, :2].max(axis=0)
         return Forces(worst, tension, *sums[:, 2:5].sum(axis=0).tolist())
 
@@ -192,16 +168,16 @@ class Processor:
     ) -> float:
         """Bound and both sources of a step from anchors; the sum of w."""
         sums = self._sums(sites)
-        self._over(loops.measure_2, sites, surface, anchors, springs, shift, unit, into, sites, sums)
+        loops.measure_2(surface, anchors, springs, shift, unit, into, sites, sums)
         return float(sums[:, 0].sum())
 
-    def settle(self, u: Field, heights: Field, e: Single, bound: Single, unit: float, sites: Sites) -> None:
+    def settle(self, u: Field, heights: Field, e: Single, bound: Single, unit: float) -> None:
         """Add a correction to a surface."""
-        self._over(loops.settle, sites, u, heights, e, bound, unit)
+        loops.settle(u, heights, e, bound, unit)
 
-    def add(self, w: Field, f: Single, unit: float, sites: Sites) -> None:
+    def add(self, w: Field, f: Single, unit: float) -> None:
         """Add a correction to a field."""
-        self._over(loops.add, sites, w, f, unit)
+        loops.add(w, f, unit)
 
     def settle_law(
         self,
@@ -215,7 +191,7 @@ class Processor:
     ) -> float:
         """Add corrections to u and w; squares of what the tangent of a law leaves of w."""
         sums = self._sums(sites)
-        self._over(loops.settle_law, sites, surface, correction, bound, lag, tangent, unit, sums)
+        loops.settle_law(surface, correction, bound, lag, tangent, unit, sums)
         return float(sums[:, 0].sum())
 
     def measure_law(
@@ -231,17 +207,15 @@ class Processor:
     ) -> list[float]:
         """Bound, sources and lag of a step by a law; the sums of `loops.measure_law`."""
         sums = self._sums(sites)
-        self._over(loops.measure_law, sites, surface, law, springs, tangent, scales, into, lag, sites, sums)
+        loops.measure_law(surface, law, springs, tangent, scales, into, lag, sites, sums)
         found: list[float] = sums[:, :5].sum(axis=0).tolist()
         return found
 
     # Coefficients of coarse grids.
 
-    def pin(
-        self, e: Single, bound: Single, sites: Sites, strength: float, out: Single, coarse: Sites
-    ) -> None:
+    def pin(self, e: Single, bound: Single, sites: Sites, strength: float, out: Single) -> None:
         """Pins on the first coarse grid: each contact counts ``strength``."""
-        self._over(loops.pins_of_contacts, coarse, e, bound, sites, np.float32(strength), out)
+        loops.pins_of_contacts(e, bound, sites, np.float32(strength), out)
 
     def coarser_pins(self, pins: Single, sites: Sites, softening: float, mean: float, out: Single) -> None:
         """Pins on the next coarser grid, less what stands out from a mean softens; 0 only restricts."""
@@ -255,53 +229,48 @@ class Processor:
 
     def sweep_1(self, eq: One, halves: int) -> None:
         """Half sweeps, one after the other."""
-        self._over(loops.sweeps_1, eq.sites, eq, halves, meeting=True)
+        loops.sweeps_1(eq, halves)
 
-    def restrict_1(self, eq: One, out: Single, coarse: Sites) -> Extremes:
+    def restrict_1(self, eq: One, out: Single) -> Extremes:
         """The defect, on the first coarse grid."""
         sums = self._sums(eq.sites)
-        self._over(loops.restrict_1, coarse, eq, out, sums)
+        loops.restrict_1(eq, out, sums)
         worst, far = sums[:, :2].max(axis=0).tolist()
         return Extremes(worst, far, float(sums[:, 2].sum()))
 
     def products_1(self, eq: One, coarse: Single, previous: Single) -> Field:
         """Products of gradient r, correction d, previous move q: rd, rq, dSd, dSq, qSq, sums of d and q."""
         sums = self._sums(eq.sites)
-        self._over(loops.products_1, eq.sites, eq, coarse, previous, sums)
+        loops.products_1(eq, coarse, previous, sums)
         return np.asarray(sums.sum(axis=0))
 
     def correct_1(self, eq: One, coarse: Single, previous: Single, alpha: float, beta: float) -> None:
         """Move free sites by alpha times the correction plus beta times the previous move, and project."""
-        weights = (np.float32(alpha), np.float32(beta))
-        self._over(loops.correct_1, eq.sites, eq, coarse, previous, *weights)
+        loops.correct_1(eq, coarse, previous, np.float32(alpha), np.float32(beta))
 
     def begin_1(self, eq: One, e: Single, least: Single, c: Single, spread: float, creep: Single) -> None:
         """From guesses of e and of eq.e: the latter within its bound, its source, and the difference."""
-        self._over(loops.begin_1, eq.sites, eq, e, least, c, np.float32(spread), creep)
+        loops.begin_1(eq, e, least, c, np.float32(spread), creep)
 
     def begin_error_1(
         self, eq: One, touching: tuple[Single, Single], error: Single, c: Single, spread: float
     ) -> None:
         """The same for an error of u0, rows in order, off contact where the two fields are equal."""
-        self._over(loops.begin_error_1, eq.sites, eq, *touching, error, c, np.float32(spread))
+        loops.begin_error_1(eq, *touching, error, c, np.float32(spread))
 
     def surface_1(self, eq: One, e: Single, least: Single, c: Single, spread: float, creep: Single) -> Creep:
         """The change e of the surface that belongs to eq.e, and their difference."""
         sums = self._sums(eq.sites)
-        self._over(loops.surface_1, eq.sites, eq, e, least, c, np.float32(spread), creep, sums)
+        loops.surface_1(eq, e, least, c, np.float32(spread), creep, sums)
         return Creep(*sums[:, :4].sum(axis=0).tolist())
 
     def descend_1(self, grid: CoarseOne, coupling: float, out: Single) -> float:
         """A sweep from nothing and the defect on the next coarser grid; the sum of the correction."""
-        totals = self._sums(grid.sites)
-        self._over(loops.descend_1, grid.sites, grid, coupling, out, totals, meeting=True)
-        return float(totals[0, 0])
+        return float(loops.descend_1(grid, coupling, out))
 
     def ascend_1(self, grid: CoarseOne, coarse: Single, shift: float, joined: Single) -> float:
         """Add the next coarser grid's correction, and a constant to the source; a sweep; the sum."""
-        totals = self._sums(grid.sites)
-        self._over(loops.ascend_1, grid.sites, grid, coarse, np.float32(shift), joined, totals, meeting=True)
-        return float(totals[0, 0])
+        return float(loops.ascend_1(grid, coarse, np.float32(shift), joined))
 
     # Two fields.
 
@@ -309,8 +278,8 @@ class Processor:
         self, eq: Two, moves: Moves, out: Pair, *, correcting: bool, sweeping: bool, restricting: bool
     ) -> Defects:
         """The coarse grids' correction, a sweep, and the defects on the first of them; each on demand."""
-        sums, wanted = self._sums(eq.sites), (correcting, sweeping, restricting)
-        self._over(loops.cycle_2, eq.sites, eq, moves, *wanted, out, sums, meeting=True)
+        sums = self._sums(eq.sites)
+        loops.cycle_2(eq, moves, correcting, sweeping, restricting, out, sums)
         return Defects(*sums[:, :5].sum(axis=0).tolist())
 
     def begin_error_2(self, e: Single, least: Single, error: Single, eq: Two) -> tuple[float, float]:
@@ -319,32 +288,30 @@ class Processor:
         Returns the squares of the error, and the number of contacts that opened.
         """
         sums = self._sums(eq.sites)
-        self._over(loops.begin_error_2, eq.sites, e, least, error, eq, sums)
+        loops.begin_error_2(e, least, error, eq, sums)
         squares, opened = sums[:, :2].sum(axis=0).tolist()
         return squares, opened
 
     def differences(self, correction: Pair, sites: Sites) -> tuple[float, float]:
         """Sum of e - f, and of its squares."""
         sums = self._sums(sites)
-        self._over(loops.differences, sites, *correction, sites.columns, sums)
+        loops.differences(*correction, sites.columns, sums)
         value, squares = sums[:, :2].sum(axis=0).tolist()
         return value, squares
 
     def products_2(self, eq: Two, moves: Moves) -> Field:
         """Products of the symmetric form, as `products_1` has them; the sums are those of f."""
         sums = self._sums(eq.sites)
-        self._over(loops.products_2, eq.sites, eq, moves, sums)
+        loops.products_2(eq, moves, sums)
         return np.asarray(sums.sum(axis=0))
 
     def descend_2(self, grid: CoarseTwo, out: Pair) -> float:
         """As `descend_1`, for both fields; the sum of f."""
-        totals = self._sums(grid.sites)
-        self._over(loops.descend_2, grid.sites, grid, out, totals, meeting=True)
-        return float(totals[0, 0])
+        return float(loops.descend_2(grid, out))
 
     def ascend_2(self, grid: CoarseTwo, coarse: Pair, shift: float, joined: Pair) -> None:
         """As `ascend_1`, for both fields; the constant is the second equation's."""
-        self._over(loops.ascend_2, grid.sites, grid, coarse, np.float32(shift), joined, meeting=True)
+        loops.ascend_2(grid, coarse, np.float32(shift), joined)
 
     # A time step of two stages.
 
@@ -353,7 +320,7 @@ class Processor:
     ) -> tuple[float, float, float]:
         """Guess and source of the first stage; sums of e, f and c."""
         sums = self._sums(sites)
-        self._over(loops.begin_stage_1, sites, past, bound, guess, c, sites, sums)
+        loops.begin_stage_1(past, bound, guess, c, sites, sums)
         e, f, source = sums[:, :3].sum(axis=0).tolist()
         return e, f, source
 
@@ -372,8 +339,7 @@ class Processor:
         The numbers: weight of the first stage, the constant its f lacks, weight of the rates.
         """
         sums, (growth, offset, weight) = self._sums(sites), map(np.float32, numbers)
-        known = (past, growth, offset, weight, middle, bound)
-        self._over(loops.begin_stage_2, sites, *known, guess, c, sites, sums)
+        loops.begin_stage_2(past, growth, offset, weight, middle, bound, guess, c, sites, sums)
         e, f, source = sums[:, :3].sum(axis=0).tolist()
         return e, f, source
 
@@ -383,7 +349,6 @@ class Processor:
         rates: tuple[Single, Single, Single],
         numbers: tuple[float, ...],
         error: Single,
-        sites: Sites,
     ) -> None:
         """The rate where the step ends, the last of the rates, and its error, rows in order.
 
@@ -391,8 +356,7 @@ class Processor:
         """
         offset, tau, weight, *shares = map(np.float32, numbers)
         rate, middle, end = rates
-        known = (correction, offset, rate, middle, tau, weight, tuple(shares))
-        self._over(loops.finish_step, sites, *known, end, error)
+        loops.finish_step(correction, offset, rate, middle, tau, weight, tuple(shares), end, error)
 
     def advance(
         self,
@@ -407,7 +371,6 @@ class Processor:
     ) -> Moments:
         """Add corrections, and an offset to w; bound, source b and flow (as c) of the new state."""
         sums = self._sums(sites)
-        state = (surface, springs, unit, level, into, sites, sums)
-        self._over(loops.advance, sites, correction, offset, *state, meeting=True)
+        loops.advance(correction, offset, surface, springs, unit, level, into, sites, sums)
         stretch, rise, squares_w, squares_u, _, contacts = sums[:, :6].sum(axis=0).tolist()
         return Moments(stretch, rise, squares_w, squares_u, float(sums[:, 4].max()), contacts)

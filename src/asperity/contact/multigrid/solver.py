@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -45,34 +46,29 @@ _SOFTEST, _STIFFEST = 1e-6, 1e6
 """Range of k1/k0; outside it one kind of spring hardly matters."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Multigrid:
     """Multigrid on neighbor differences, the default for the lattice of springs in two dimensions.
 
     The work per site does not depend on the size of the lattice; see
     `asperity.contact.multigrid.one_field` for the method. Where cycles do not converge, which dense
     and clustered contacts under long steps can cause, `ActiveSet` finishes from where they got.
+    One instance keeps its work arrays, and serves one thread of the caller at a time.
 
     Parameters
     ----------
-    threads
-        Number of threads; by default ``OMP_NUM_THREADS``, or as many as there are cores. Results do
-        not depend on it. One instance serves one thread of the caller at a time.
     max_cycles
         Cycles after which `ActiveSet` takes over.
     """
 
-    threads: int | None = field(default=None, repr=False)
     max_cycles: int = 40
     _work: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if self.threads is not None:
-            object.__setattr__(self, "threads", checks.integer("threads", self.threads, least=1))
         object.__setattr__(self, "max_cycles", checks.integer("max_cycles", self.max_cycles, least=0))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Multigrid, (self.threads, self.max_cycles)  # a copy has threads and work arrays of its own
+        return partial(Multigrid, max_cycles=self.max_cycles), ()  # a copy has work arrays of its own
 
     @staticmethod
     def suits(mechanics: Mechanics) -> bool:
@@ -131,7 +127,7 @@ class Multigrid:
         stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
         u = self._cold_start(stiffer, coarser)
         np.maximum(u, coarser, out=u)
-        OneField(_sites(coarser, springs), Processor(1)).solve(
+        OneField(_sites(coarser, springs), Processor()).solve(
             stiffer, coarser, u, _COARSE_TOLERANCE, self.max_cycles
         )
         return interpolated(u)
@@ -175,7 +171,7 @@ class Multigrid:
         """Work arrays, kept from call to call while the lattice stays the same."""
         space = self._work.get("space")
         if not isinstance(space, kind) or space.sites != sites:
-            self._work["space"] = space = kind(sites, Processor(self.threads))
+            self._work["space"] = space = kind(sites, Processor())
         return space
 
 

@@ -130,7 +130,7 @@ class StageSolver:
         """The error of the step in units of ``unit``, the sum of its three rates with weights."""
         rates = (self.rate, self.middle, self.work.source.f)
         numbers = (self.offset, self.tau, self.weight, *shares)
-        self.backend.finish(self.work.correction, rates, numbers, self.error, self.sites)
+        self.backend.finish(self.work.correction, rates, numbers, self.error)
         return self.error
 
     def left_of(self, error: Single, tau: float) -> float:

@@ -260,8 +260,8 @@ class TwoFields:
     def settle(self, surface: Surface, unit: float) -> None:
         """Add the correction."""
         (u, w, heights), (e, f) = surface, self.correction
-        self.backend.settle(u, heights, e, self.bound, unit, self.sites)
-        self.backend.add(w, f, unit, self.sites)
+        self.backend.settle(u, heights, e, self.bound, unit)
+        self.backend.add(w, f, unit)
 
     def equation(self) -> Two:
         """Fields and coefficients."""
