@@ -20,7 +20,7 @@ test: $(VENV)/.dev  ## Run the test suite
 	$(PYTEST)
 
 test-slow: $(VENV)/.dev  ## Run the long physics
-	$(PYTEST) -m slow
+	$(PYTEST) -m slow -o timeout=1800 -o faulthandler_timeout=2400
 	HYPOTHESIS_PROFILE=other $(PYTEST) tests/properties
 
 check: $(VENV)/.dev  ## Lint, format and types
