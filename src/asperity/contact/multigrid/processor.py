@@ -355,8 +355,9 @@ class Processor:
         The numbers: the constant that f lacks, tau, the weight of the rates, those of the error.
         """
         offset, tau, weight, *shares = map(np.float32, numbers)
+        first, second, third = shares
         rate, middle, end = rates
-        loops.finish_step(correction, offset, rate, middle, tau, weight, tuple(shares), end, error)
+        loops.finish_step(correction, offset, rate, middle, tau, weight, (first, second, third), end, error)
 
     def advance(
         self,
