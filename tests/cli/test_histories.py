@@ -89,6 +89,27 @@ def test_the_table_and_the_summary_name_legs(out: Path) -> None:
     assert "fit" not in text
 
 
+def test_the_summary_says_areas_in_a_unit_and_what_a_step_left(tmp_path: Path) -> None:
+    surface = ("--shape", "32x32", "--rms-height", "2e-7", "--spacing", "5e-8", "--unit", "m")
+    solid = ("--solid", "half_space", "--modulus", "3GPa", "--branch", "0.6 1 s", "--load", "80uN")
+    legs = ("--leg", "hold 3", "--leg", "step load=15uN", "--leg", "hold 5")
+    words = [*surface, *solid, *legs, "--figures", "", "--quiet", "--out", str(tmp_path / "out")]
+    assert main(["run", "--surface", "spectral", *words]) == 0
+    data = results.load(tmp_path / "out")
+    area, leg = data["contact_area"].values * 1e12, data["leg"].values  # um^2
+    sites = data["area"].values
+    before, after = np.flatnonzero(leg == 0)[-1], np.flatnonzero(leg == 1)[-1]
+    lines = (tmp_path / "out" / "summary.txt").read_text().splitlines()
+    first, step, last = (next(line for line in lines if line.startswith(f"leg {n} ")) for n in range(3))
+    assert f"contact {area[0]:.4g} to {area[before]:.4g} um^2 ({sites[0]} to {sites[before]} sites)" in first
+    assert first.endswith("sites)")
+    assert (
+        f"({sites[before]} to {sites[after]} sites) at once, {area[after] / area[before]:.4g} of before"
+        in step
+    )
+    assert f", {area[-1] / area[before]:.4g} of before the step" in last
+
+
 def test_a_file_with_repetitions(tmp_path: Path, asperity: Asperity) -> None:
     (tmp_path / "study.toml").write_text(FILE)
     config = read_config(tmp_path / "study.toml", {})

@@ -214,6 +214,7 @@ def test_what_the_instrument_sees_is_in_the_summary(finished: Path) -> None:
         (3.921e9, "Pa", "3.92 GPa"),
         (2.2e-11, "m^2", "22 µm²"),
         (1.61e-15, "m^2", "1610 nm²"),
+        (5.73e-13, "m^2", "0.573 µm²"),
         (9.7656e-10, "m", "977 pm"),
         (1e-3, "s", "1 ms"),
         (1.78e4, "s", "17800 s"),

@@ -56,6 +56,14 @@ def test_a_map_shows_the_pressure_of_each_site_that_touches(pressed: Contact) ->
     np.testing.assert_array_equal(drawn[pressed.in_contact], pressed.force[pressed.in_contact])
 
 
+def test_the_title_of_a_map_names_what_the_part_is_of(pressed: Contact) -> None:
+    assert "% of the sites touch, load" in pressed.plot(axes()).get_title()
+    rough = Surface(1e-7 * gaussian((16, 16)), unit="m", pixel_size=1e-6, length_unit="m")
+    contact = press(rough, half_space(modulus="3 GPa"), load="1 mN")
+    title = contact.plot(axes()).get_title()
+    assert f"{100 * contact.contact_fraction:.3g} % of the nominal area touches, load 1\u00a0mN" in title
+
+
 def test_a_map_of_changes_has_a_color_for_each(pressed: Contact, aged: History) -> None:
     ax = aged.final.plot(axes(), since=pressed)
     drawn, before, now = map_of(ax), pressed.in_contact, aged.final.in_contact

@@ -26,6 +26,9 @@ _PREFIXED = {
 }
 """Prefixes of SI units other than the meter with which figures count, rising."""
 
+_LEAST = {"m^2": 0.1}
+"""The smallest number that takes a prefix, where it is not 1: 0.16 um^2 rather than 160000 nm^2."""
+
 _PLAIN = (1e-2, 1e5)
 """Range of numbers without a unit that are written as they are."""
 
@@ -36,6 +39,7 @@ _SMALLEST = 1e-3
 def readable(unit: str, span: float) -> tuple[str, float]:
     """Choose the unit in which a span is a number from 1 to 1000, and the factor to it.
 
+    Prefixes of areas are a million apart: their numbers are from 0.1 to 100 000.
     Numbers without a unit ("1") that are very small or large get a power of ten in its place, "1e-06".
     """
     if is_length(unit) and span > 0:
@@ -45,8 +49,9 @@ def readable(unit: str, span: float) -> tuple[str, float]:
                 return name, factor
     if unit in _PREFIXED and math.isfinite(span):
         power = {"m^2": 2, "m^3": 3}.get(unit, 1)
+        least = _LEAST.get(unit, 1.0) * (1 - 1e-9)
         factors = {f"{prefix}{unit}": _PREFIXES[prefix] ** -power for prefix in _PREFIXED[unit]}
-        fitting = [name for name, factor in factors.items() if abs(span) * factor >= 1 - 1e-9]
+        fitting = [name for name, factor in factors.items() if abs(span) * factor >= least]
         name = fitting[-1] if fitting else unit if span == 0 else next(iter(factors))
         return name, factors[name]
     if unit == "1" and span > 0 and not _PLAIN[0] <= span < _PLAIN[1]:
@@ -67,4 +72,5 @@ def written(value: float, unit: str, digits: int = 4) -> str:
     name, factor = readable(unit, abs(value))
     if value and abs(value) * factor < _SMALLEST:
         name, factor = unit, 1.0
-    return f"{value * factor:.{digits}g} {name}"
+    number = f"{value * factor:.{digits}g}"
+    return f"{float(number):.0f} {name}" if number.endswith(("e+03", "e+04")) else f"{number} {name}"

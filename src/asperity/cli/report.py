@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from asperity.analysis.scan import written
+from asperity.analysis.scan import readable, written
 from asperity.results.quantities import PARAMETERS, Units, units_named
 from asperity.words import counted, printable, thousands
 
@@ -156,18 +156,34 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
 
     table = leg_table(dataset)
     first = _said(dataset, "load", float(dataset["load"][0]), 6)
-    rows = [("contact at t = 0", f"{int(dataset['area'][0])} sites at load {first}"), *_yielding(dataset)]
+    begun = _areas(dataset, float(dataset["area"][0]))
+    rows = [("contact at t = 0", f"{begun} at load {first}"), *_yielding(dataset)]
     for row in table[:_MOST_LEGS]:
         at = f"t = {_at(dataset, row.begin)}"
         at += f" to {_at(dataset, row.end)}" if row.begin != row.end else ""
         loads = " to ".join(_said(dataset, "load", load, 6) for load in row.load)
-        change = f"load {loads}, contact {row.area[0]:.0f} to {row.area[1]:.0f}"
+        change = f"load {loads}, contact {_areas(dataset, *row.area)}"
+        jump = row if row.begin == row.end else table[max(row.number - 1, 0)]
+        if jump.begin == jump.end and jump.area[0] > 0:
+            change += f"{' at once' if jump is row else ''}, {row.area[1] / jump.area[0]:.4g} of before"
+            change += "" if jump is row else f" the {jump.kind}"
         if row.lowest_area < min(row.area):
-            change += f", least {row.lowest_area:.0f} sites {row.lowest_after:.3g} after its beginning"
+            after = _at(dataset, float(f"{row.lowest_after:.3g}"))
+            change += f", least {_areas(dataset, row.lowest_area)} {after} after its beginning"
         rows.append((f"leg {row.number}", f"{row.kind}, {at}: {change}"))
     if len(table) > _MOST_LEGS:
         rows.append(("", f"and {len(table) - _MOST_LEGS} more legs: see aging.csv"))
     return rows
+
+
+def _areas(dataset: xr.Dataset, *sites: float) -> str:
+    """Areas of contact, of one moment or from one to another: in SI in one readable unit, and in sites."""
+    counted = f"{' to '.join(f'{area:.0f}' for area in sites)} sites"
+    if not dataset.attrs["si"]:
+        return counted
+    cell = math.prod(json.loads(dataset.attrs["spacing"]))
+    unit, factor = readable(dataset["contact_area"].attrs["units"], max(sites) * cell)
+    return f"{' to '.join(f'{area * cell * factor:.4g}' for area in sites)} {unit} ({counted})"
 
 
 def _loads(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:

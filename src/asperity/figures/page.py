@@ -165,7 +165,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
     if "e" in number:
         mantissa, ten = number.split("e")
         raised = str(int(ten)).translate(_RAISED)
-        number = f"{float(number):.0f}" if 3 <= int(ten) < 5 else f"{mantissa} × 10{raised}"
+        number = f"{mantissa} × 10{raised}"
     return f"{number.removeprefix('1 × ')} {name.replace('^2', '²').replace('u', 'µ')}"
 
 

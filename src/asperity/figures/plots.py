@@ -337,7 +337,8 @@ def _said(contact: Contact, maps: ContactMaps) -> str:
     """What touches, and under which load."""
     force = "N/m" if contact.lattice.dimension == 1 else "N"
     load = style.spaced(written(contact.load, force if contact.si else "1"))
-    percent = f"{100 * contact.contact_fraction:.3g} % of the sites touch, load {load}"
+    what = "nominal area touches" if contact.si else "sites touch"
+    percent = f"{100 * contact.contact_fraction:.3g} % of the {what}, load {load}"
     changes = [(word, maps.count(-1, state)) for state, word in _SINCE.items() if state != SiteState.KEPT]
     told = [f"{word} {count}" for word, count in changes if count]
     return "\n".join([percent, *([", ".join(told)] if told else [])])
