@@ -1,4 +1,4 @@
-"""Texts with a unit, such as "1 MPa", as numbers in a stated unit.
+"""Texts with a unit, such as "1 MPa", and quantities of Pint, as numbers in a stated unit.
 
 Pint knows the units. It is imported when the first text with a unit is read: that takes half a second.
 """
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import asperity.checks as checks
 from asperity.errors import InputError
-from asperity.words import InUnits, has_unit, written_with_units
+from asperity.words import InUnits, as_text, has_unit, written_with_units
 
 if TYPE_CHECKING:
     import pint
@@ -61,6 +61,8 @@ def converted(name: str, value: float | str | None, unit: str, *, si: bool) -> f
 
 def numbers(name: str, values: object, unit: str) -> object:
     """Replace texts with a unit, one or several in a list, by numbers; leave anything else as it is."""
+    if getattr(getattr(values, "magnitude", None), "ndim", 0) == 1:
+        values = list(values)  # type: ignore[call-overload]
     if has_unit(values):
         return [number(name, values, unit)]
     if isinstance(values, list | tuple) and any(map(has_unit, values)):
@@ -93,6 +95,7 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
     The unit is in Pint's spelling: ``"Pa"``, ``"N"``, ``"J/mol"``. `InputError`, about the name, if it is
     no number, or its unit is unknown or of another kind.
     """
+    value = as_text(value)
     if not isinstance(value, str):
         return checks.number(name, value)
     kind, example = _EXAMPLES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))

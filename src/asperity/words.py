@@ -68,8 +68,16 @@ def numbers(words: Iterable[str], *, whole: bool) -> list[object]:
     return found
 
 
+def as_text(value: Any) -> Any:
+    """Write a quantity of Pint, of one number, as a text with a unit; leave anything else as it is."""
+    if hasattr(type(value), "magnitude") and hasattr(type(value), "units"):
+        return f"{value.magnitude} {value.units:~}".replace(" ** ", "^")
+    return value
+
+
 def has_unit(word: object) -> bool:
-    """Whether a word is a number with a unit behind it, as far as its form tells."""
+    """Whether a word is a number with a unit behind it, as far as its form tells; or a quantity of Pint."""
+    word = as_text(word)
     return isinstance(word, str) and _WITH_UNIT.fullmatch(word) is not None
 
 

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
-from asperity.fits import LogarithmFit, SaturationFit, logarithm, saturation
+from asperity.fits import LogarithmFit, SaturationFit, compare, logarithm, saturation
 from asperity.theory import LATE_SLOPE, exponential_growth, site_stiffness
 from tests.refusals import refuses
 
@@ -183,6 +183,16 @@ def test_late_slope_of_the_dilute_theory_is_found() -> None:
 def test_labeled_arrays_are_welcome() -> None:
     area = xr.DataArray(noisy(), dims="time", coords={"time": TIME}, name="area")
     assert saturation(area.time, area) == saturation(TIME, noisy())
+
+
+@pytest.mark.parametrize("law", [logarithm, saturation, compare])
+def test_an_array_that_knows_its_time_is_fitted_alone(law: Callable[..., Any]) -> None:
+    time = np.array([0.0, *np.geomspace(0.1, 100, 12)])
+    area = xr.DataArray(50 * (3 - 2 * (1 + time / 2.0) ** -0.3), coords={"time": time}, dims="time")
+    assert repr(law(area)) == repr(law(time, area.values))
+    for wrong in (area.time, area.drop_vars("time"), area.values):
+        with refuses("area"):
+            law(wrong)
 
 
 def test_results_are_frozen_and_of_their_kind() -> None:

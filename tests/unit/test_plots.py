@@ -58,7 +58,7 @@ def test_a_map_shows_the_pressure_of_each_site_that_touches(pressed: Contact) ->
 
 def test_the_title_of_a_map_names_what_the_part_is_of(pressed: Contact) -> None:
     assert "% of the sites touch, load" in pressed.plot(axes()).get_title()
-    rough = Surface(1e-7 * gaussian((16, 16)), unit="m", pixel_size=1e-6, length_unit="m")
+    rough = Surface(1e-7 * gaussian((16, 16)), unit="m", pixel_size=(1e-6, 1e-6), length_unit="m")
     contact = press(rough, half_space(modulus="3 GPa"), load="1 mN")
     title = contact.plot(axes()).get_title()
     assert f"{100 * contact.contact_fraction:.3g} % of the nominal area touches, load 1\u00a0mN" in title

@@ -249,6 +249,18 @@ def test_names_of_other_formats_are_refused(tmp_path, name):
     )  # without a warning, which is an error here
 
 
+def test_the_table_of_a_history_has_a_row_for_each_time():
+    legs = [asp.protocols.Hold(1.0), asp.protocols.Step(load=5.0)]
+    history = asp.age(CONTACT, [0.5], protocol=legs, fields_at=[0.5])
+    table = history.table
+    assert table.index.name == "time"
+    assert len(table) == history.time.size == 4
+    assert {"area", "load", "separation", "residual", "leg"} <= set(table)
+    assert not {"heights", "u", "in_contact", "patches"} & set(table)
+    for name in map(str, table):
+        np.testing.assert_array_equal(table[name], history[name])
+
+
 def test_a_history_gives_its_series_by_name():
     for name in ("time", "area", "load", "separation", "energy", "u", "heights"):
         assert HISTORY[name].identical(HISTORY.dataset[name])

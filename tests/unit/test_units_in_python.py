@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pint
 import pytest
 
 from asperity import Contact, age, press
 from asperity.protocols import Hold, Ramp, Repeat, Step
 from asperity.solids import Solid, coated_half_space, half_space, layer, spring_lattice
 from asperity.surfaces import Surface, gaussian
+from asperity.units import quantity
 from tests.refusals import refuses
 
 SCAN = Surface(gaussian((16, 16)), unit="um", pixel_size=(2.0, 2.0), length_unit="um")
@@ -49,6 +53,32 @@ def test_loads_pressures_and_separations_take_units() -> None:
     same(press(RIDGES, HALF_SPACE, load="2 kN/m"), press(RIDGES, HALF_SPACE, load=2000.0))
     aged = press(SCAN, HALF_SPACE, load=0.01)
     same(press(aged, load="20 mN"), press(aged, load=0.02))
+
+
+def test_quantities_of_pint_are_texts_with_units() -> None:
+    of: Any = pint.UnitRegistry().Quantity
+    same(press(SCAN, HALF_SPACE, load=of(10, "mN")), press(SCAN, HALF_SPACE, load=0.01))
+    same(press(SCAN, HALF_SPACE, pressure=of(1, "kgf/mm^2")), press(SCAN, HALF_SPACE, pressure=9806650.0))
+    twice = of(5, "kg") * of(2e-3, "m/s^2")
+    same(
+        press(SCAN, half_space(modulus=of(3, "GPa")), load=twice),
+        press(SCAN, half_space(modulus=3e9), load=0.01),
+    )
+    held = press(SCAN, half_space(modulus=3e9, branches=[(0.5, of(2, "ms"))]), load=0.01)
+    aged = age(held, [of(1, "ms"), of(1, "min")], protocol=[Hold(of(1, "s")), Ramp(59, load=of(20, "mN"))])
+    np.testing.assert_allclose(aged.time, [0, 1e-3, 1, 60])
+    assert float(aged.load[-1]) == pytest.approx(0.02, rel=1e-12)
+    scan = Surface(BARE, unit="um", pixel_size=(of(2, "um"), of(2000, "nm")))
+    assert (scan.pixel_size, scan.length_unit) == (SCAN.pixel_size, "um")
+    assert quantity(of(0.5, "1/GPa"), "1/Pa") == pytest.approx(5e-10)
+    assert quantity(of(25, "degC"), "K") == pytest.approx(298.15)
+    both = press(SCAN, HALF_SPACE, load=of([5, 10], "mN"))
+    np.testing.assert_allclose([one.load for one in both], [0.005, 0.01])
+    np.testing.assert_allclose(age(both[0], of([1, 2], "ms")).time, [0, 1e-3, 2e-3])
+    with refuses("load"):
+        press(SCAN, HALF_SPACE, load=of(10, "MPa"))
+    with refuses("units"):
+        press(BARE, HALF_SPACE, load=of(1, "N"))
 
 
 @pytest.mark.parametrize("wrong", ["10 MPa", "ten N", "5", "10 mN 5"])

@@ -80,7 +80,7 @@ class Comparison(views.Brief):
     relative_likelihood: float
 
 
-def compare(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -> Comparison:
+def compare(time: ArrayLike, area: ArrayLike | None = None, stderr: ArrayLike | None = None) -> Comparison:
     """Fit both laws and say which the data prefer.
 
     Arguments and errors are those of `saturation`, but two values more are needed.

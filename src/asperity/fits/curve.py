@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import spearmanr
 
-from asperity.checks import Floats, line
+from asperity.checks import Floats, kind_of, line
 from asperity.errors import LARGEST, InputError
 
 MANY = 2000
@@ -102,8 +102,18 @@ class Curve:
     initial_known: bool
 
     @classmethod
-    def checked(cls, time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None, parameters: int) -> Curve:
-        """Check what was given; `parameters` does not count A(0)."""
+    def checked(
+        cls, time: ArrayLike, area: ArrayLike | None, stderr: ArrayLike | None, parameters: int
+    ) -> Curve:
+        """Check what was given; `parameters` does not count A(0). A DataArray alone knows its times."""
+        if area is None:
+            area, labels = time, getattr(time, "coords", {})
+            if "time" not in labels or getattr(area, "name", "") == "time":
+                expected = "areas beside the times, or one DataArray of areas over time"
+                raise InputError(
+                    "area", expected=expected, got=f"{kind_of(area)} alone", advice="history.area"
+                )
+            time = labels["time"]
         given = Series.checked(time, area, stderr)
         for name, values in (("time", given.x), ("area", given.y), ("stderr", given.stderr)):
             _refuse_overflow(name, values)

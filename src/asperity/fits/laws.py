@@ -130,7 +130,11 @@ class SaturationFit(GrowthFit):
 
 
 def saturation(
-    time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None, *, limit: float | None = None
+    time: ArrayLike,
+    area: ArrayLike | None = None,
+    stderr: ArrayLike | None = None,
+    *,
+    limit: float | None = None,
 ) -> SaturationFit:
     """Fit Eq. (a), a power law toward a final area, to a curve A(t).
 
@@ -140,7 +144,8 @@ def saturation(
         Times since the contact was made, shape (n,), not below 0, in any order, repeated or not.
     area
         Areas, shape (n,), above 0, in any unit: fraction, sites or square meters; or any other measure of
-        the contact, such as the coefficient of static friction. An xarray DataArray serves for both.
+        the contact, such as the coefficient of static friction. An xarray DataArray serves for both; one of
+        areas with a coordinate ``time`` needs no other argument: ``saturation(history.area)``.
     stderr
         Standard errors of the areas, shape (n,), above 0, if they are known.
     limit
@@ -198,7 +203,9 @@ def _fit_below(limit: float, curve: Curve, starts: list[Floats]) -> Optimum:
     return replace(best, theta=known + whole @ best.theta, covariance=whole @ best.covariance @ whole.T)
 
 
-def logarithm(time: ArrayLike, area: ArrayLike, stderr: ArrayLike | None = None) -> LogarithmFit:
+def logarithm(
+    time: ArrayLike, area: ArrayLike | None = None, stderr: ArrayLike | None = None
+) -> LogarithmFit:
     """Fit Eq. (log), a logarithm without end, to a curve A(t).
 
     Arguments and errors are those of `saturation`; the parameters are C, t0, and A(0) where it is one.

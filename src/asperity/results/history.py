@@ -16,6 +16,7 @@ from asperity.results.store import save
 from asperity.words import closest
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
     from asperity.views import Film
@@ -94,6 +95,15 @@ class History(views.InNotebooks):
     def separation(self) -> xr.DataArray:
         """Separation at each time."""
         return self["separation"]
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The series over time, without the fields: a pandas DataFrame with a row for each time.
+
+        Columns have the names and units of the dataset; ``leg`` is one after a protocol.
+        """
+        series = [name for name, one in self.dataset.data_vars.items() if one.dims == ("time",)]
+        return self.dataset[series].to_dataframe()
 
     def plot(
         self,

@@ -10,7 +10,7 @@ import asperity.units as units
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.surfaces.prepare import is_length
-from asperity.words import has_unit
+from asperity.words import as_text, has_unit
 
 
 def check_heights(heights: ArrayLike) -> Field:
@@ -54,8 +54,9 @@ def sides_of_pixels(
 
     Where no unit is given, it is that of the first text, or the meter if that is none of the usual ones.
     """
+    value = as_text(value)
     written = [value] if isinstance(value, str) else value
-    texts = [text for text in written if has_unit(text)] if isinstance(written, list | tuple) else []
+    texts = [as_text(one) for one in written if has_unit(one)] if isinstance(written, list | tuple) else []
     if texts:
         own = texts[0].lstrip("+-.0123456789eE ").strip().replace("µ", "u").replace("μ", "u")
         length_unit = length_unit or (own if is_length(own) else "m")
