@@ -44,6 +44,9 @@ _UNITS = {
 
 _AXES = {"x": (0, 1), "-x": (0, -1), "y": (1, 0), "-y": (-1, 0)}
 
+_MOST_LEGS = 100_000
+"""Legs of a history, repetitions written out: each is a march of its own."""
+
 _TARGETS = ("load", "separation", "pressure", "approach")
 """What a `Ramp` or a `Step` may prescribe."""
 
@@ -247,7 +250,7 @@ class Repeat(Leg):
     legs
         The legs.
     count
-        How many times they are done, >= 1.
+        How many times they are done, >= 1; at most 100,000 legs in all.
     """
 
     legs: Sequence[Leg]
@@ -256,6 +259,7 @@ class Repeat(Leg):
     def __post_init__(self) -> None:
         object.__setattr__(self, "count", checks.integer("count", self.count, least=1))
         object.__setattr__(self, "legs", tuple(legs_of(self.legs)))
+        _check_length(self.count * len(self.legs), f"{self.count:,} times {len(self.legs):,}")
 
 
 def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step | Slide]:
@@ -264,23 +268,32 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step | Slid
     Raises
     ------
     InputError
-        An entry is no leg, or there is none.
+        An entry is no leg, there is none, or there are more than 100,000.
     """
     if isinstance(protocol, Leg):
         protocol = [protocol]
     advice = "[asperity.protocols.Hold(10.0), asperity.protocols.Step(load=160.0)]"
     if not isinstance(protocol, Sequence) or len(protocol) == 0:
         raise InputError("protocol", expected="a list of legs", got=repr(protocol), advice=advice)
+    total = sum(leg.count * len(leg.legs) if isinstance(leg, Repeat) else 1 for leg in protocol)
+    _check_length(total, f"{total:,}")
     for leg in protocol:
         if isinstance(leg, Repeat):
             for _ in range(leg.count):
-                yield from legs_of(leg.legs)
+                yield from leg.legs
         elif isinstance(leg, Hold | Ramp | Step | Slide):
             yield leg
         else:
             raise InputError(
                 "protocol", expected="Hold, Ramp, Step, Slide or Repeat", got=repr(leg), advice=advice
             )
+
+
+def _check_length(count: int, shown: str) -> None:
+    """Refuse what would take days to follow, before it is written out."""
+    if count > _MOST_LEGS:
+        expected = f"at most {_MOST_LEGS:,} legs, repetitions written out"
+        raise InputError("protocol", expected=expected, got=shown, advice="fewer repetitions")
 
 
 def described(leg: Leg) -> dict[str, object]:
@@ -351,8 +364,8 @@ class Schedule:
         legs = tuple(protocol)
         switches = [0.0]
         for end in accumulate(leg.duration for leg in legs):
-            near = times[np.abs(times - end) <= _SAME_TIME * end]
-            switches.append(float(near[0]) if near.size else end)
+            near = times[np.searchsorted(times, end - _SAME_TIME * end) :][:1]
+            switches.append(float(near[0]) if near.size and near[0] <= end + _SAME_TIME * end else end)
         if times.size and times[-1] > switches[-1]:
             raise InputError(
                 "times",

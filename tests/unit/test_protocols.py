@@ -38,6 +38,8 @@ NAN = float("nan")
         (lambda: Repeat([Hold(1.0)], 0), "count"),
         (lambda: Repeat([], 2), "protocol"),
         (lambda: Repeat([Hold(1.0), "hold"], 2), "protocol"),  # type: ignore[list-item]
+        (lambda: Repeat([Repeat([Repeat([Hold(1.0)], 1000)], 1000)], 1000), "protocol"),
+        (lambda: asp.age(CONTACT, [1.0], protocol=[Repeat([Hold(1.0)], 1000)] * 101), "protocol"),
         (lambda: Slide(0.0, velocity=1.0), "distance"),
         (lambda: Slide(3.0, velocity=-1.0), "velocity"),
         (lambda: Slide(3.0, velocity=1.0, direction="z"), "direction"),
