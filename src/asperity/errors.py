@@ -83,6 +83,10 @@ class SurfaceFileError(InputError):
     """A surface file is missing, empty, truncated or of another kind."""
 
 
+SHOWN_PROBLEMS = 10
+"""Mistakes of a configuration that a terminal or a page shows."""
+
+
 class ConfigError(InputError):
     """A run configuration is wrong.
 
@@ -90,12 +94,21 @@ class ConfigError(InputError):
     ----------
     problems
         One line for each mistake.
+
+    Attributes
+    ----------
+    problems
+        All of them.
+    shown
+        The first ten, and how many more there are.
     """
 
     def __init__(self, problems: list[str]) -> None:
         self.problems = [brief(problem) for problem in problems]
+        more = len(problems) - SHOWN_PROBLEMS
+        self.shown = [*self.problems[:SHOWN_PROBLEMS], *[f"... and {more:,} more"] * (more > 0)]
         super().__init__("configuration", expected="no mistakes", got="")
-        self.got = "; ".join(self.problems)
+        self.got = "; ".join(self.shown)
         self.args = (self.got,)
 
 

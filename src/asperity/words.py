@@ -133,10 +133,10 @@ def closest(word: str, known: Iterable[str]) -> str | None:
 
     Capital letters count as small ones. None if no name is that close.
     """
-    wanted = word.casefold()
-    by_distance = [(_distance(wanted, name.casefold()), name) for name in known]
-    nearest, name = min(by_distance, default=(len(word), ""))
-    return name if nearest <= len(word) // 3 else None
+    wanted, most = word.casefold(), len(word) // 3
+    near = [name for name in known if abs(len(word) - len(name)) <= most]  # others need not be compared
+    nearest, name = min(((_distance(wanted, name.casefold()), name) for name in near), default=(most + 1, ""))
+    return name if nearest <= most else None
 
 
 def _distance(one: str, other: str) -> int:
@@ -158,9 +158,9 @@ def printable(text: str) -> str:
 
 
 def brief(text: str, longest: int = 400) -> str:
-    """Leave out the line breaks, and the middle of what is too long for a line."""
+    """Leave out the line breaks, and the middle of what is too long for a line; escape what is not shown."""
     line = " ".join(text.split()) if "\n" in text else text
-    return line if len(line) <= longest else f"{line[: longest // 2]} ... {line[-longest // 3 :]}"
+    return printable(line if len(line) <= longest else f"{line[: longest // 2]} ... {line[-longest // 3 :]}")
 
 
 def reason_of(error: BaseException) -> str:

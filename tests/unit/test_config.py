@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import time
 import tomllib
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import asperity as asp
 from asperity.cli.flags import flags_for, given
 from asperity.config.mistakes import ORDER, flag_of, models_of
 from asperity.config.models import (
@@ -341,8 +343,33 @@ def test_words_that_are_no_numbers_are_left_to_the_check() -> None:
     assert problem == "--shape: expected a whole number, got 'twenty'"
 
 
+@pytest.mark.parametrize("text", ["[solid]\n{keys}", "{sections}", "[[protocol]]\nkind = 'hold'\n{keys}"])
+def test_of_many_mistakes_the_first_are_told_at_once(tmp_path, text):
+    count = 20_000
+    keys, sections = ("\n".join(f"{form.format(n)}" for n in range(count)) for form in ("m{0} = 1", "[m{0}]"))
+    (tmp_path / "run.toml").write_text(text.format(keys=keys, sections=sections), encoding="utf-8")
+    begin = time.process_time()
+    with pytest.raises(ConfigError) as raised:
+        read_config(tmp_path / "run.toml", {})
+    assert time.process_time() - begin < 2.0  # comparing each with all names takes longer
+    assert len(raised.value.problems) == count + ("protocol" in text)  # which misses its duration
+    *told, rest = raised.value.shown
+    assert told == raised.value.problems[:10]
+    assert rest == f"... and {len(raised.value.problems) - 10:,} more"
+    assert str(raised.value) == "; ".join(raised.value.shown)
+
+
+def test_what_a_terminal_does_not_show_is_escaped(tmp_path):
+    for read in (asp.surfaces.read, asp.campaign.read_plan, asp.campaign.open):
+        with pytest.raises(InputError) as raised:
+            read(tmp_path / "a\0b")
+        assert "a\\x00b" in str(raised.value)
+        assert "digits" not in str(raised.value)
+        assert str(raised.value).isprintable()
+
+
 def test_a_mistake_of_any_length_is_a_line(tmp_path):
-    name = "k" * 3000
+    name = "k" * 300_000
     (tmp_path / "run.toml").write_text(f"[solid]\n{name} = 1\n[{name}]\n", encoding="utf-8")
     with pytest.raises(ConfigError) as raised:
         read_config(tmp_path / "run.toml", {})

@@ -28,7 +28,7 @@ from asperity._version import __version__
 from asperity.config import RunConfig, config_from, read_tables
 from asperity.config.mistakes import ORDER, Sections, models_of
 from asperity.config.models import KINDS
-from asperity.errors import ConfigError
+from asperity.errors import SHOWN_PROBLEMS, ConfigError
 from asperity.results.quantities import IN_A_LEG
 from asperity.words import written_with_units
 
@@ -193,7 +193,8 @@ def _lists(
             known = key not in _NOT_SWEPT
             advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kinds))}"
             if key not in homes or section not in (None, homes[key]):
-                close = get_close_matches(name, [*homes, "seeds", "combine"], n=1)
+                shown = len(problems) < SHOWN_PROBLEMS
+                close = get_close_matches(name, [*homes, "seeds", "combine"], n=1) if shown else []
                 hint = f"; did you mean {close[0]!r}?" if close else ""
                 problems.append(f"{where}: no such key{hint}")
                 continue

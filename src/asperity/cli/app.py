@@ -514,7 +514,7 @@ def _run(arguments: list[str]) -> int:
     except CycloptsError as error:
         return _complain(2, _usage(error))
     except ConfigError as error:
-        return _complain(2, *error.problems)
+        return _complain(2, *error.shown)
     except InputError as error:
         return _complain(2, str(error))
     except AsperityError as error:

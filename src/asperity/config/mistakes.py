@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from asperity.config.models import KINDS, LEGS, Aging, Contact, Friction, Output
+from asperity.errors import SHOWN_PROBLEMS
 from asperity.words import closest, has_decimal_comma, shortened
 
 Sections = dict[str, dict[str, object]]
@@ -50,26 +51,26 @@ def flag_of(section: str, key: str) -> str:
 
 def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) -> list[str]:
     """Find sections and keys that do not exist, and suggest those that do."""
-    problems = []
+    problems: list[str] = []
     for section, table in merged.items():
         if section == "protocol":
-            problems += _unknown_legs(table, flags, path)
+            _unknown_legs(table, flags, path, problems)
         elif section not in ORDER:
-            problems.append(_where(path, _no_section(section, table, path)))
+            problems.append(_where(path, _no_section(section, table, path, problems)))
         elif not isinstance(table, dict):
             problems.append(_where(path, f"{section}: expected a section [{section}], got {_shown(table)}"))
         else:
-            problems += _unknown_keys(section, table, flags, path)
+            _unknown_keys(section, table, flags, path, problems)
     return problems
 
 
-def _no_section(name: str, content: object, path: Path | None) -> str:
+def _no_section(name: str, content: object, path: Path | None, before: Sized) -> str:
     """Say what is wrong with a name at the top of the file."""
     if name == "sweep":
         command = f"asperity sweep {shlex.quote(str(path or 'campaign.toml'))} --out FOLDER"
         return f"[sweep]: makes this the file of a campaign, not of a run; try {command}"
     if isinstance(content, dict):
-        return f"[{name}]: no such section{_suggestion(name, ORDER)}"
+        return f"[{name}]: no such section{_suggestion(name, ORDER, before)}"
     homes = [
         section
         for section in (*SECTIONS, *KINDS)
@@ -79,14 +80,15 @@ def _no_section(name: str, content: object, path: Path | None) -> str:
     return f"{name}: stands outside any section{where}"
 
 
-def _unknown_keys(section: str, table: dict[str, Any], flags: Sections, path: Path | None) -> list[str]:
+def _unknown_keys(
+    section: str, table: dict[str, Any], flags: Sections, path: Path | None, problems: list[str]
+) -> None:
     kind = table.get("kind")
     kinds: Mapping[str, type[BaseModel]] = KINDS.get(section, {})
     model = SECTIONS.get(section) or (kinds.get(kind) if isinstance(kind, str) else None)
     if model is None:  # the kind itself is the mistake
-        return []
+        return
     known = list(model.model_fields)
-    problems = []
     for key in table:
         if key in known:
             continue
@@ -96,18 +98,19 @@ def _unknown_keys(section: str, table: dict[str, Any], flags: Sections, path: Pa
             if key in flags.get(section, {}):
                 reason += f"; try --{section} {owners[0]}"
         else:
-            hint = f"; try {_MEANT[key]}" if key in _MEANT else _suggestion(key, known)
+            hint = f"; try {_MEANT[key]}" if key in _MEANT else _suggestion(key, known, problems)
             reason = f"no such key{hint}"
         problems.append(_named(section, key, flags, path) + f": {reason}")
-    return problems
 
 
-def _unknown_legs(legs: object, flags: Sections, path: Path | None, where: str = "protocol") -> list[str]:
+def _unknown_legs(
+    legs: object, flags: Sections, path: Path | None, problems: list[str], where: str = "protocol"
+) -> None:
     """Find keys of legs that do not exist."""
     if not isinstance(legs, list) or not all(isinstance(leg, dict) for leg in legs):
         advice = '[[protocol]] with kind = "hold" and duration = 10.0'
-        return [_where(path, f"{where}: expected a list of legs; try {advice}")]
-    problems = []
+        problems.append(_where(path, f"{where}: expected a list of legs; try {advice}"))
+        return
     for number, leg in enumerate(legs):
         model = LEGS.get(str(leg.get("kind")))
         if model is None:
@@ -115,14 +118,13 @@ def _unknown_legs(legs: object, flags: Sections, path: Path | None, where: str =
         here = f"{where}[{number}]"
         for key in leg:
             if key not in model.model_fields:
-                hint = _suggestion(key, [name for name in model.model_fields if name != "kind"])
+                hint = _suggestion(key, [name for name in model.model_fields if name != "kind"], problems)
                 if "protocol" in flags:
                     problems.append(f"--leg {key}: no such key{hint}")
                 else:
                     problems.append(_where(path, f"{here} {key}: no such key{hint}"))
         if "legs" in leg and "legs" in model.model_fields:
-            problems += _unknown_legs(leg["legs"], flags, path, f"{here} legs")
-    return problems
+            _unknown_legs(leg["legs"], flags, path, problems, f"{here} legs")
 
 
 def is_unknown(detail: ErrorDetails) -> bool:
@@ -247,6 +249,8 @@ def _meant(word: object, known: Iterable[str]) -> str:
     return f"; did you mean {meant!r}?" if meant else ""
 
 
-def _suggestion(word: str, known: list[str]) -> str:
-    """Name the one of the known names that was meant, or else all of them."""
+def _suggestion(word: str, known: list[str], before: Sized) -> str:
+    """Name the one of the known names that was meant, or else all of them; nothing in lines not shown."""
+    if len(before) >= SHOWN_PROBLEMS:
+        return ""
     return _meant(word, known) or f"; there are {', '.join(known)}"

@@ -132,8 +132,9 @@ def read_tables(path: str | Path) -> dict[str, Any]:
     except UnicodeDecodeError:
         hint = "; for a surface, try --file"
         raise ConfigError([f"{path}: not a TOML file: not text in UTF-8{hint}"]) from None
-    except ValueError as error:  # TOML's own, or a number of thousands of digits
-        reason = str(error) if isinstance(error, tomllib.TOMLDecodeError) else "a number has too many digits"
+    except ValueError as error:  # TOML's own, a number of thousands of digits, or a name with NUL
+        own = isinstance(error, tomllib.TOMLDecodeError) or "null" in str(error)
+        reason = str(error) if own else "a number has too many digits"
         raise ConfigError([f"{path}: not a TOML file: {reason}"]) from None
     except RecursionError:
         raise ConfigError([f"{path}: not a TOML file: too many brackets within each other"]) from None

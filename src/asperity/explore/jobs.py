@@ -64,7 +64,7 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
             where = "solid.relaxation" if "relaxation" in str(error) else "surface.path"
             return [{"where": where, "text": brief(str(error).replace(path, name))}]
     if isinstance(error, ConfigError):
-        return [{"where": _place(problem), "text": problem} for problem in error.problems]
+        return [{"where": _place(problem), "text": problem} for problem in error.shown]
     if isinstance(error, InputError):
         name = error.name.removeprefix("--").replace("-", "_")
         homes = [
