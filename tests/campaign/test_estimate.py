@@ -159,7 +159,7 @@ def test_finished_runs_count_before_trials(tmp_path, monkeypatch):
     plan = campaign.read_plan(written(tmp_path, text))
     do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, (plan.runs[0], plan.runs[3])), tmp_path / "out")
     store = Store(tmp_path / "out")
-    seconds = [store.read(plan.runs[number].identity).scalars["seconds"] for number in (0, 3)]
+    seconds = [store.read(plan.runs[number]).scalars["seconds"] for number in (0, 3)]
     monkeypatch.setattr(forecast, "_tried", lambda configs: iter(dict.fromkeys(configs, None)))
     judged = campaign.estimate(plan, tmp_path / "out")
     assert (judged.runs, judged.basis) == (4, "finished runs at 2 points")

@@ -426,6 +426,60 @@ def test_a_run_with_a_damaged_description_is_named(tmp_path, kind):
         campaign.open(tmp_path / "out")
 
 
+def attributes_changed(folder, change):
+    facts = json.loads((folder / "zarr.json").read_text())
+    change(facts["attributes"])
+    (folder / "zarr.json").write_text(json.dumps(facts))
+
+
+def test_a_changed_number_of_a_run_is_named(tmp_path):
+    plan = campaign.read_plan(written(tmp_path))
+    do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:2]), tmp_path / "out")
+    folder = tmp_path / "out" / "runs.zarr" / plan.runs[0].identity
+    assert campaign.open(tmp_path / "out").attrs["finished"] == 2
+    attributes_changed(folder, lambda facts: facts["scalars"].update(initial_area=99999.0))
+    with pytest.raises(InputError, match=rf"{plan.runs[0].identity}, which is damaged; try removing"):
+        campaign.open(tmp_path / "out")
+
+
+@pytest.mark.parametrize("old", [False, True])
+def test_runs_in_the_place_of_another_are_named(tmp_path, old):
+    plan = campaign.read_plan(written(tmp_path))
+    one, other = plan.runs[:2]  # which differ by their seed
+    do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:2]), tmp_path / "out")
+    first, second = (tmp_path / "out" / "runs.zarr" / run.identity for run in (one, other))
+    if old:  # as version 0.4.6 wrote them
+        for folder in (first, second):
+            attributes_changed(
+                folder, lambda facts: [facts.pop("identity"), facts.pop("attributes_checksum")]
+            )
+    assert campaign.open(tmp_path / "out").attrs["finished"] == 2
+    first.rename(tmp_path / "aside")
+    second.rename(first)
+    (tmp_path / "aside").rename(second)
+    with pytest.raises(InputError, match="which holds another run; try removing that folder, and the same"):
+        campaign.open(tmp_path / "out")
+    with pytest.raises(InputError, match="which holds another run"):
+        Store(tmp_path / "out").fields(one)
+
+
+def test_remains_of_a_run_are_named_and_done_again(tmp_path, capsys):
+    plan = campaign.read_plan(written(tmp_path))
+    some, out = campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:2]), tmp_path / "out"
+    do_here(some, out)
+    whole = numbers(out)
+    (out / "runs.zarr" / plan.runs[0].identity / "zarr.json").unlink()
+    for command in ("status", "gather"):
+        assert main([command, str(out)]) == 0
+        said = capsys.readouterr()
+        assert f"{plan.runs[0].identity} without zarr.json: damaged, and not used" in said.err
+    assert do_here(some, out)[0] == (plan.runs[0].identity, "done", "")
+    assert numbers(out) == whole
+    assert list((out / "state" / "staging").iterdir()) == []
+    assert main(["status", str(out)]) == 0
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.parametrize("damage", ['{"zarr_format": "3"}', "[3]", "", "3"])
 def test_a_damaged_store_is_named(tmp_path, damage):
     plan = campaign.read_plan(written(tmp_path))

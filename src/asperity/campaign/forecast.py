@@ -154,7 +154,7 @@ def _finished(store: Store, runs: Sequence[Run]) -> dict[Point, _Cost]:
     """What finished runs cost: at each point the median of some of them."""
     rates: dict[Point, list[float]] = {}
     for run in runs[:: 1 + len(runs) // _READ]:
-        scalars = store.read(run.identity).scalars
+        scalars = store.read(run).scalars
         rates.setdefault(run.point, []).append(scalars["seconds"] / _work(scalars["sites"]))
     return {point: _Cost(0.0, float(np.median(some))) for point, some in rates.items()}
 

@@ -79,7 +79,9 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     """
     plan = load_plan(directory)
     store = Store(Path(directory))
-    finished = {name: store.read(name) for name in {run.identity for run in plan.runs} & store.done()}
+    runs, done = {run.identity: run for run in plan.runs}, store.done()
+    store.remark_on_remains(set(runs))
+    finished = {name: store.read(run) for name, run in runs.items() if name in done}
     if not finished:
         raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
     shape = _shape(plan)
@@ -166,7 +168,7 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
             expected=f"values of {', '.join(names) or 'nothing'} that name one run",
             got=f"{where}, which names {0 if unknown else len(chosen)}",
         )
-    return Store(Path(directory)).fields(chosen[0].identity)
+    return Store(Path(directory)).fields(chosen[0])
 
 
 def table(dataset: xr.Dataset) -> pd.DataFrame:

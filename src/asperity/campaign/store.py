@@ -12,8 +12,11 @@ Locks belong to living processes: the operating system drops them when one is ki
 from __future__ import annotations
 
 import hashlib
+import json
 import shutil
+import tomllib
 import uuid
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -26,7 +29,9 @@ import zarr
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from asperity.errors import InputError, OutputError
+from asperity.campaign.plan import Run, facts_of
+from asperity.config import from_tables
+from asperity.errors import InputError, OutputError, Remark
 from asperity.lattice import Field
 from asperity.patches import QUANTILES
 from asperity.results.quantities import (
@@ -60,6 +65,9 @@ KEPT_FIELDS = (
 
 _OF_MAPS = "of_maps"
 """The array of all that maps know of patches."""
+
+_WHOLE = "attributes_checksum"
+"""The attribute that is the checksum of all others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +131,18 @@ class Store:
         """Identities of all finished runs."""
         return {path.parent.name for path in self.runs.glob("*/zarr.json")}
 
+    def remark_on_remains(self, identities: set[str]) -> None:
+        """Name folders of these runs that lack their ``zarr.json``, as a cut-off copy does."""
+        found = {path.name for path in self.runs.glob("*/")} & identities  # before asking which are done
+        if lacking := sorted(found - self.done()):
+            more = f" and {len(lacking) - 1} more" if lacking[1:] else ""
+            warnings.warn(
+                f"{self.runs / lacking[0]}{more} without zarr.json: damaged, and not used; "
+                "asperity sweep does it again",
+                Remark,
+                stacklevel=3,
+            )
+
     def checkpoint(self, identity: str) -> Path:
         """Where a run keeps its place."""
         return self.work / "checkpoints" / f"{identity}.npz"
@@ -170,15 +190,18 @@ class Store:
         `OutputError` if the disk refused; the store is as it was.
         """
         staging = self.work / "staging" / f"{identity}.{uuid.uuid4().hex}"
+        remains = staging.with_name(f"{staging.name}.remains")
         try:
             try:
-                _write_group(staging, outcome, seconds)
+                _write_group(staging, identity, outcome, seconds)
                 flush(staging)
+                if not self.is_done(identity) and (self.runs / identity).exists():  # remains of a folder
+                    (self.runs / identity).rename(remains)
                 staging.rename(self.runs / identity)
                 flush_folder(self.runs)
             finally:
-                if staging.exists():
-                    shutil.rmtree(staging, ignore_errors=True)
+                shutil.rmtree(staging, ignore_errors=True)
+                shutil.rmtree(remains, ignore_errors=True)
         except OSError as error:
             if self.is_done(identity):  # another process was faster, with the same numbers
                 return
@@ -186,12 +209,13 @@ class Store:
                 f"could not write to {self.directory}: {error.strerror or error}; nothing there is damaged"
             ) from error
 
-    def read(self, identity: str) -> Finished:
+    def read(self, run: Run) -> Finished:
         """Read a finished run.
 
-        `InputError` if it is not there, or damaged.
+        `InputError` if it is not there, damaged, or another run.
         """
-        group, facts = self._opened(identity)
+        identity = run.identity
+        group, facts = self._opened(run)
         try:
             series = np.asarray(group["series"])
             scalars = {name: float(value) for name, value in facts["scalars"].items()}
@@ -208,12 +232,13 @@ class Store:
             raise self._damaged(identity)
         return finished
 
-    def fields(self, identity: str) -> xr.Dataset:
+    def fields(self, run: Run) -> xr.Dataset:
         """Read the fields that a finished run kept, as its history held them.
 
-        `InputError` if the run is not there, kept none, or is damaged.
+        `InputError` if the run is not there, kept none, is damaged, or another one.
         """
-        group, facts = self._opened(identity)
+        identity = run.identity
+        group, facts = self._opened(run)
         kept, lattice = facts.get("fields_checksum"), facts.get("lattice", {})
         if kept is None:
             raise InputError(
@@ -246,16 +271,29 @@ class Store:
         )
         return fields if of_patches is None else fields.assign(of_patches)
 
-    def _opened(self, identity: str) -> tuple[zarr.Group, dict[str, Any]]:
-        """The group of a finished run, and its attributes."""
+    def _opened(self, run: Run) -> tuple[zarr.Group, dict[str, Any]]:
+        """The group of a finished run, and its attributes, which are whole and that run's."""
+        identity = run.identity
         try:
             group = zarr.open_group(self.runs / identity, mode="r")
-            return group, dict(group.attrs)
+            facts = dict(group.attrs)
+            whole = facts.pop(_WHOLE, None)
+            if whole is None:  # version 0.4.6 and before
+                own = from_tables(tomllib.loads(facts["config"]))
+                same = facts_of(own, run.content) == facts_of(run.config, run.content)
+            else:
+                same = facts["identity"] == identity
+            sound = whole in (None, _checksum_of(facts))
         except FileNotFoundError as error:
             expected, got = f"a finished run in {self.runs}", f"{identity}: {error}"
             raise InputError("campaign", expected=expected, got=got) from error
         except Exception as error:  # a damaged byte of a description leads anywhere
             raise self._damaged(identity) from error
+        if not sound:
+            raise self._damaged(identity)
+        if not same:
+            raise _damage(self.runs / identity, "that folder", "holds another run")
+        return group, facts
 
     def _damaged(self, identity: str) -> InputError:
         return _damage(self.runs / identity, "that folder")
@@ -264,16 +302,16 @@ class Store:
         return self.work / "locks" / f"{identity}.lock"
 
 
-def _damage(place: Path, what: str) -> InputError:
+def _damage(place: Path, what: str, fault: str = "is damaged") -> InputError:
     return InputError(
         "campaign",
         expected="runs as they were written",
-        got=f"{place}, which is damaged",
+        got=f"{place}, which {fault}",
         advice=f"removing {what}, and the same sweep again",
     )
 
 
-def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
+def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) -> None:
     """One array holds the series: writing costs by the array, and there may be thousands of runs."""
     dataset = outcome.dataset
     known = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=0 * dataset["steps"])
@@ -290,32 +328,31 @@ def _write_group(folder: Path, outcome: Outcome, seconds: float) -> None:
         fields[_OF_MAPS] = np.concatenate(list(kept.values())).astype(np.float64)
     for name, values in fields.items():
         group.create_array(name, data=values, chunks=values.shape)
-    group.attrs.update(
-        {
-            "quantities": quantities,
-            "described": {
-                name: [known[name].attrs.get(key, "") for key in ("long_name", "units")]
-                for name in quantities
-            },
-            "lattice": {name: dataset.attrs[name] for name in ("spacing", "edges", "si")},
-            "scalars": _scalars(outcome) | {"seconds": seconds},
-            "config": str(dataset.attrs["config"]),
-            "asperity_version": str(dataset.attrs["asperity_version"]),
-            "heights_sha256": str(dataset.attrs["heights_sha256"]),
-            "checksum": _checksum(series),
-            **({"fields_checksum": _checksum(*fields.values())} if fields else {}),
-            _OF_MAPS: [
-                [
-                    name,
-                    len(values),
-                    values.dtype.str,
-                    *(dataset[name].attrs[key] for key in ("long_name", "units")),
-                ]
-                for name, values in kept.items()
-            ],
-            "complete": True,
-        }
-    )
+    facts = {
+        "identity": identity,
+        "quantities": quantities,
+        "described": {
+            name: [known[name].attrs.get(key, "") for key in ("long_name", "units")] for name in quantities
+        },
+        "lattice": {name: dataset.attrs[name] for name in ("spacing", "edges", "si")},
+        "scalars": _scalars(outcome) | {"seconds": seconds},
+        "config": str(dataset.attrs["config"]),
+        "asperity_version": str(dataset.attrs["asperity_version"]),
+        "heights_sha256": str(dataset.attrs["heights_sha256"]),
+        "checksum": _checksum(series),
+        **({"fields_checksum": _checksum(*fields.values())} if fields else {}),
+        _OF_MAPS: [
+            [
+                name,
+                len(values),
+                values.dtype.str,
+                *(dataset[name].attrs[key] for key in ("long_name", "units")),
+            ]
+            for name, values in kept.items()
+        ],
+        "complete": True,
+    }
+    group.attrs.update(facts | {_WHOLE: _checksum_of(facts)})
 
 
 def _completed(series: Field, quantities: Sequence[str]) -> Field:
@@ -368,6 +405,10 @@ def _checksum(*arrays: NDArray[Any]) -> str:
     for array in arrays:
         total.update(np.ascontiguousarray(array).tobytes())
     return total.hexdigest()
+
+
+def _checksum_of(facts: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 
 def _is_locked(path: Path) -> bool:

@@ -65,6 +65,7 @@ def tally(plan: Plan, directory: str | Path) -> Tally:
     """
     store = Store(Path(directory))
     wanted = {run.identity for run in plan.runs}
+    store.remark_on_remains(wanted)
     done = store.done() & wanted
     reasons = {name: why for name, why in store.failures().items() if name in wanted - done}
     running = (store.running() & wanted) - done - set(reasons)

@@ -447,6 +447,8 @@ def score_result(
 
 def _check_campaign(command: str, out: Path) -> None:
     """Say what else a folder is that is no campaign's."""
+    if (out / "plan.json").exists():  # what was gathered there has a seed, as a study has
+        return
     word = shlex.quote(str(out))
     if (out / "studies").is_dir():
         raise InputError(

@@ -172,7 +172,7 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
         known |= {"seed": run.seed} if plan.seeds else {}
         runs.append({"id": run.identity, "state": state, "reason": failed.get(run.identity, ""), **known})
         if state == "done" and len(arrays) < 2 * _MOST_CURVES:
-            series = dict(zip(QUANTITIES, store.read(run.identity).series, strict=True))
+            series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])
             arrays[f"area.{run.identity}"] = np.ascontiguousarray(series["area"])
     return {"kind": "campaign", "path": name, "parameters": names, "runs": runs}, arrays
@@ -180,10 +180,10 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
 
 def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig]:
     """One run of a campaign: its series, and where it kept fields its maps."""
-    finished = store.read(run.identity)
+    finished = store.read(run)
     config = _config(finished.config) or run.config
     try:
-        dataset = store.fields(run.identity)
+        dataset = store.fields(run)
     except InputError:  # it kept none
         rough = config.surface.build()
         heights = rough.in_meters()[0] if finished.lattice.get("si") else rough.heights
