@@ -4,6 +4,7 @@ import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -331,6 +332,37 @@ def test_on_a_cluster_by_its_address(done, tmp_path):
     assert status == 0, error
     assert "done     12" in out
     assert numbers(tmp_path / "out") == numbers(done / "out")
+
+
+def test_a_scheduler_without_workers_ends_in_words(tmp_path):
+    place = tmp_path / "scheduler.json"
+    words = ["-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    alone = subprocess.Popen([sys.executable, *words, "--scheduler-file", place], stderr=subprocess.DEVNULL)
+    try:
+        deadline = time.monotonic() + 60
+        while not (place.exists() and place.stat().st_size) and time.monotonic() < deadline:
+            time.sleep(0.1)
+        address = json.loads(place.read_text())["address"]
+        short = "import asperity.campaign.cluster as c; c._TELL, c._PATIENCE = 0.2, 1.0"
+        flags = ("--out", tmp_path / "out", "--scheduler", address)
+        status, _, error = finish("sweep", written(tmp_path), *flags, before=short)
+    finally:
+        alone.kill()
+        alone.wait()
+    assert status == 1
+    assert "waiting for workers: 0 connected" in error
+    assert error.splitlines()[-1].endswith("which had none for 1 seconds; try starting some")
+
+
+def test_what_takes_connections_and_is_no_scheduler_ends_in_words(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # the system connects; nobody answers
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        short = "import asperity.campaign.cluster as c; c._ANSWER = 1.0"
+        flags = ("--out", tmp_path / "out", "--scheduler", address)
+        status, _, error = finish("sweep", written(tmp_path), *flags, before=short)
+    assert status == 2
+    assert "expected the address of a Dask scheduler" in error.splitlines()[-1]
+    assert "Traceback" not in error
 
 
 def test_a_run_that_another_process_is_at_counts_as_running(tmp_path):

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import multiprocessing
 import signal
 import threading
+import warnings
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
-from asperity.errors import AsperityError, InputError
+from asperity.errors import AsperityError, InputError, Remark
 from asperity.threads import cores
 
 if TYPE_CHECKING:
@@ -21,8 +24,8 @@ ATTEMPTS = 3
 
 _THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
-_PATIENCE = 60.0
-"""Seconds to wait for the first worker of a given scheduler."""
+_ANSWER, _TELL, _PATIENCE = 30.0, 5.0, 300.0
+"""Seconds that a scheduler has to answer; to wait for its first worker before that is said, and in all."""
 
 
 @contextmanager
@@ -73,24 +76,32 @@ def leave_if_imported_by_worker() -> None:
 
 def _connected(scheduler: str) -> Client:
     """Connect to a scheduler, and wait for its first worker."""
-    from distributed import Client
+    from distributed import Client, rpc
+
+    async def asked() -> None:  # a client would wait forever for what takes connections and is no scheduler
+        async with rpc(scheduler) as there:
+            await asyncio.wait_for(there.identity(), _ANSWER)
 
     try:
+        with ThreadPoolExecutor(1) as aside:  # a notebook has a loop of its own
+            aside.submit(asyncio.run, asyncio.wait_for(asked(), _ANSWER)).result()
         client = Client(scheduler, timeout="10s")
     except (OSError, TimeoutError, ValueError) as error:
-        raise InputError(
-            "scheduler", expected="the address of a Dask scheduler", got=f"{scheduler}: {error}"
-        ) from error
-    try:
-        client.wait_for_workers(1, timeout=_PATIENCE)
-    except TimeoutError:
-        client.close()
-        raise InputError(
-            "scheduler",
-            expected="a Dask scheduler with workers",
-            got=f"{scheduler}, which had none for {_PATIENCE:.0f} seconds",
-            advice="starting some",
-        ) from None
+        got = f"{scheduler}: {error or f'no answer in {_ANSWER:.0f} seconds'}"
+        raise InputError("scheduler", expected="the address of a Dask scheduler", got=got) from error
+    for wait, last in ((_TELL, False), (_PATIENCE - _TELL, True)):
+        try:
+            client.wait_for_workers(1, timeout=wait)
+            break
+        except TimeoutError:
+            if last:
+                client.close()
+                raise AsperityError(
+                    f"scheduler: expected a Dask scheduler with workers, got {scheduler}, which had none for "
+                    f"{_PATIENCE:.0f} seconds; try starting some"
+                ) from None
+            warnings.warn("waiting for workers: 0 connected", Remark, stacklevel=2)
+    warnings.warn(f"workers connected: {len(client.nthreads())}", Remark, stacklevel=2)
     return client
 
 

@@ -279,7 +279,7 @@ class Store:
             facts = dict(group.attrs)
             whole = facts.pop(_WHOLE, None)
             if whole is None:  # version 0.4.6 and before
-                own = from_tables(tomllib.loads(facts["config"]))
+                own = from_tables(tomllib.loads(str(facts["config"])))
                 same = facts_of(own, run.content) == facts_of(run.config, run.content)
             else:
                 same = facts["identity"] == identity
@@ -328,7 +328,7 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
         fields[_OF_MAPS] = np.concatenate(list(kept.values())).astype(np.float64)
     for name, values in fields.items():
         group.create_array(name, data=values, chunks=values.shape)
-    facts = {
+    facts: dict[str, Any] = {
         "identity": identity,
         "quantities": quantities,
         "described": {
