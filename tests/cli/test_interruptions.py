@@ -58,7 +58,8 @@ def test_a_figure_on_a_disk_that_fills_up(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["rough.txt"]
 
 
-def test_a_run_that_is_stopped(tmp_path: Path) -> None:
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_that_is_stopped(tmp_path: Path, stop: signal.Signals) -> None:
     # Python ignores the signal if it was started with it ignored, as in a shell's background.
     listen = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
     running = process("run", "--shape", "400,400", "--out", tmp_path / "out", before=listen)
@@ -66,7 +67,7 @@ def test_a_run_that_is_stopped(tmp_path: Path) -> None:
     for line in running.stderr:
         if line.startswith("  t = 0.001"):
             break
-    running.send_signal(signal.SIGINT)
+    running.send_signal(stop)
     out, error = running.communicate(timeout=60)
     assert (running.returncode, out) == (130, "")
     assert error.splitlines()[-1] == "asperity: interrupted; nothing was written"

@@ -1,14 +1,16 @@
 """The commands, and the one place where errors become words.
 
-Exit status: 0 for success, 2 for bad input, 1 for any other failure, 130 when interrupted. The engine
-is imported inside the commands, so that help and mistakes in the arguments appear at once.
+Exit status: 0 for success, 2 for bad input, 1 for any other failure, 130 when interrupted or
+terminated. The engine is imported inside the commands, so that help and mistakes in the arguments appear at once.
 """
 
 from __future__ import annotations
 
 import logging
 import shlex
+import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -506,6 +508,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its fonts is no user's concern
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
+        in_main = threading.current_thread() is threading.main_thread()
+        if in_main and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
+            signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends with what Ctrl-C says
         return _run(sys.argv[1:] if arguments is None else list(arguments))
 
 
