@@ -280,7 +280,7 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step | Slid
     for leg in protocol:
         if isinstance(leg, Repeat):
             for _ in range(leg.count):
-                yield from leg.legs
+                yield from leg.legs  # type: ignore[misc]  # plain legs, as Repeat has written them out
         elif isinstance(leg, Hold | Ramp | Step | Slide):
             yield leg
         else:

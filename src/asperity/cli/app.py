@@ -1,7 +1,8 @@
 """The commands, and the one place where errors become words.
 
 Exit status: 0 for success, 2 for bad input, 1 for any other failure, 130 when interrupted or
-terminated. The engine is imported inside the commands, so that help and mistakes in the arguments appear at once.
+terminated. The engine is imported inside the commands, so that help and mistakes in the arguments appear
+at once.
 """
 
 from __future__ import annotations
