@@ -785,3 +785,25 @@ def test_a_part_of_a_real_scan(undrawn: list[Prediction], tmp_path: Path, asperi
     assert (np.diff(area) > 0).all()
     assert 0.05 < area[0] / (64 * 78.125e-9) ** 2 < 0.6
     assert 1.2 < area[-1] / area[0] < 3
+
+
+def test_beyond_a_table_the_contact_stays_where_its_last_modulus_does(
+    files: Path, tmp_path: Path, asperity: Asperity
+) -> None:
+    refused = asperity(*words(files, "--pressure", "40MPa", "--last", "500s", "--out", tmp_path / "out"))
+    assert refused[0] == 2
+    assert "try --extrapolate" in refused[2]
+    plateau = ("--pressure", "40MPa", "--last", "500s", "--extrapolate", "plateau", "--quiet")
+    assert asperity(*words(files, *plateau, "--out", tmp_path / "out"))[0] == 0
+    said = "beyond the last time of the table, 100 s, the modulus is assumed to stay"
+    for name in ("summary.txt", "prediction.html"):
+        assert said in (tmp_path / "out" / name).read_text(encoding="utf-8")
+    dataset = asp.results.load(tmp_path / "out" / "history.zarr")
+    assert json.loads(dataset.attrs["prediction"])["extrapolate"] == "plateau"
+    fitted = asp.relaxation.fit(asp.relaxation.read(files / "relaxation.csv"), extrapolate="plateau")
+    # A separable half-space: area in proportion to the compliance, which is 1/E on the plateau.
+    area = dataset["contact_area"]
+    ends = [float(area.sel(time=time, method="nearest")) for time in (100.0, 500.0)]
+    crept = fitted.series.compliance_at([100.0, 500.0])
+    assert ends[1] / ends[0] == pytest.approx(crept[1] / crept[0], rel=0.02)
+    assert (tmp_path / "out" / "solid.toml").read_text().count("assumed to stay") == 1

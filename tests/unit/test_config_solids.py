@@ -254,3 +254,20 @@ def test_a_flag_switches_the_creep_of_a_file_off_or_to_another(
     solid |= {"creep_energy": 2e-19, "creep_volume": 5e-28, "creep_prefactor": 1.0}
     found = config_from({"solid": solid}, {"solid": flags}, None).solid.model_dump(exclude_none=True)
     assert {key: value for key, value in found.items() if "creep" in key or key == "temperature"} == left
+
+
+def test_a_hold_longer_than_its_table_needs_a_plateau(tmp_path):
+    series, times = asp.relaxation.PronySeries(3e9, ((0.2, 0.1), (0.3, 10.0))), np.geomspace(0.01, 100.0, 25)
+    rows = "\n".join(f"{t:.6e},{e / 1e6:.10g}" for t, e in zip(times, series.modulus_at(times), strict=True))
+    (tmp_path / "pmma.csv").write_text(f"time_s,E_MPa\n{rows}\n")
+    text = "[solid]\nkind = 'half_space'\nrelaxation = 'pmma.csv'\npoisson = 0.5\n"
+    with pytest.raises(ConfigError, match='try extrapolate = "plateau"'):
+        configured(tmp_path, f"{text}[aging]\nlast = 500.0")
+    text += "extrapolate = 'plateau'\n"
+    assert configured(tmp_path, text).span == pytest.approx((0.01, 100.0))
+    config = configured(tmp_path, f"{text}[aging]\nlast = 500.0\nper_decade = 1\n[surface]\nshape = [16, 16]")
+    outcome = execute(config, Progress())
+    assert "beyond the last time of the table, 100 s, the modulus is assumed to stay" in outcome.remarks
+    assert outcome.config.solid.extrapolate is None  # the branches hold it
+    with pytest.raises(ConfigError, match=r"got one of 0.01 to inf$"):
+        configured(tmp_path, f"{text}[aging]\nfirst = 0.001\nlast = 500.0")

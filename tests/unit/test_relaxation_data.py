@@ -368,3 +368,55 @@ def test_the_figure_draws_the_numbers(data: Relaxation | Creep | Dynamic) -> Non
     assert said is not None
     assert float(said[1]) == pytest.approx(100 * found.rms, rel=0.05)
     assert float(said[2]) == pytest.approx(100 * found.series.error, rel=0.05)
+
+
+PLATEAU_TIME = np.geomspace(0.1, 1e3, 41)
+TO_LAST = PronySeries(2e9, ((0.3, 1.0), (0.2, 117.0)))
+
+
+@pytest.mark.parametrize(
+    ("modulus", "count"),
+    [(TO_LAST.modulus_at(PLATEAU_TIME), 2), (2e9 * (1 + PLATEAU_TIME) ** -0.1, 4)],
+    ids=["two branches", "power law"],
+)
+def test_on_a_plateau_the_last_modulus_stays_within_the_misfit(modulus: np.ndarray, count: int) -> None:
+    data = Relaxation(PLATEAU_TIME, modulus)
+    found = fit(data, extrapolate="plateau", over=(0.1, 5e3))
+    assert found.series.span == pytest.approx((0.1, math.inf))
+    assert len(found.series.branches) == count
+    later = found.series.modulus_at([5e3, 1e5, 1e8])
+    np.testing.assert_allclose(later, modulus[-1], rtol=found.series.error)
+    np.testing.assert_array_equal(found.data.columns[0], PLATEAU_TIME)  # the table stays what was measured
+    assert found.decades == pytest.approx(4)
+    assert "1000 s, the modulus is assumed to stay" in found.assumed
+    assert fit(data).assumed == ""
+    compliance = 1 / modulus
+    crept = fit(Creep(PLATEAU_TIME, compliance), extrapolate="plateau")
+    np.testing.assert_allclose(
+        crept.series.compliance_at([5e3, 1e5]), compliance[-1], rtol=crept.series.error
+    )
+
+
+def test_the_tables_that_noise_would_give_end_in_a_plateau_too() -> None:
+    data = Relaxation(PLATEAU_TIME, noisy(TO_LAST.modulus_at(PLATEAU_TIME), 0.01, 0))
+    drawn = fit(data, extrapolate="plateau").resampled
+    assert len(drawn) > 100
+    for one in drawn:
+        last = one.data.columns[1][0][-1]
+        np.testing.assert_allclose(one.series.modulus_at(5e3), last, rtol=one.series.error)
+
+
+def test_what_is_no_plateau_is_refused() -> None:
+    moduli = TO_LAST.storage(1 / PLATEAU_TIME[::-1]), TO_LAST.loss(1 / PLATEAU_TIME[::-1])
+    with refuses("extrapolate"):
+        fit(Dynamic(1 / PLATEAU_TIME[::-1], *moduli), extrapolate="plateau")
+    with refuses("extrapolate"):
+        fit(Relaxation(PLATEAU_TIME, TO_LAST.modulus_at(PLATEAU_TIME)), extrapolate="flat")  # type: ignore[arg-type]
+    with refuses("times"):
+        fit(Relaxation(PLATEAU_TIME, TO_LAST.modulus_at(PLATEAU_TIME)), over=(0.1, 5e3))
+    with refuses("times"):
+        fit(
+            Relaxation(PLATEAU_TIME, TO_LAST.modulus_at(PLATEAU_TIME)),
+            over=(0.01, 5e3),
+            extrapolate="plateau",
+        )

@@ -183,7 +183,7 @@ def _with_unit(flag: str, text: str, unit: str) -> float:
 def _flags_of_arguments() -> dict[str, str]:
     """Flags of arguments, by their names in Python."""
     keys = {key.name: flag_of(section, key.name) for section, key in keys_for("prediction")}
-    others = ("surface", "branches_per_decade", "ramp", *vars(PredictFlags()))
+    others = ("surface", "branches_per_decade", "extrapolate", "ramp", *vars(PredictFlags()))
     return keys | {name: _flag(name) for name in others}
 
 
@@ -200,7 +200,7 @@ def _report(prediction: Prediction, *, seconds: float) -> list[Row]:
     load, ramp = prediction.load, prediction.ramp
     rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}")]
     if fit is not None:
-        begin, end = fit.series.span
+        begin, end = fit.data.span
         rows.append(
             (
                 "relaxation",
@@ -322,8 +322,10 @@ def _solid(prediction: Prediction, fit: Fit) -> str:
     solid["branches"] = list(prediction.branches)
     if prediction.solid.yields:
         solid["hardness"] = prediction.solid.hardness
-    table, (first, last) = known["table"] or "A table", fit.series.span
+    table, (first, last) = known["table"] or "A table", fit.data.span
     head = f"# {table} as a sum of exponentials, known from {first:.4g} s to {last:.4g} s."
+    if fit.assumed:
+        head += f"\n# {fit.assumed.capitalize()}."
     return f"{head}\n{tables_to_toml({'solid': solid})}"
 
 

@@ -45,7 +45,9 @@ ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
 OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | ACTIVATION
 """Keys of local laws of creep."""
 
-PREDICTED = OF_LAWS | {"young", "poisson", "branches", "per_decade", "creep", "permanent", "hardness"}
+PREDICTED = OF_LAWS | {
+    *("young", "poisson", "branches", "per_decade", "extrapolate", "creep", "permanent", "hardness")
+}
 """Keys of a half-space that a prediction takes as flags."""
 
 _BEYOND = 10.0
@@ -72,6 +74,11 @@ class SolidSection(Section):
     def known(self) -> tuple[float, float] | None:
         """First and last time of which the solid is known, where that is limited."""
         return None
+
+    @property
+    def assumed(self) -> str:
+        """What is assumed of the solid beyond what is known; empty where nothing is."""
+        return ""
 
     def resolved(self) -> Self:
         """The same solid without files: with the numbers that they give."""
@@ -213,6 +220,11 @@ class Continuum(SolidSection):
         "times, fewer for noisy data. By default the fewest free times whose misfit looks like noise, "
         "five at most, else 1 a decade.",
     )
+    extrapolate: Literal["plateau"] | None = Field(
+        default=None,
+        description="What is assumed beyond the last time of that table: plateau, that the last modulus "
+        "stays. By default later times are refused.",
+    )
 
     @model_validator(mode="after")
     def _one_modulus(self) -> Self:
@@ -223,8 +235,9 @@ class Continuum(SolidSection):
             raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
         if self.modulus is None:
             self._check_bodies()
-        if self.relaxation is None and self.per_decade is not None:
-            raise ValueError("per_decade: expected relaxation beside it, got none")
+        for name in ("per_decade", "extrapolate"):
+            if self.relaxation is None and getattr(self, name) is not None:
+                raise ValueError(f"{name}: expected relaxation beside it, got none")
         if self.relaxation is not None:
             if self.branches:
                 raise ValueError("expected branches or relaxation, got both")
@@ -249,7 +262,12 @@ class Continuum(SolidSection):
             return None
         path = Path(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
-        return _fitted(path, self.per_decade, changed)
+        return _fitted(path, self.per_decade, self.extrapolate, changed)
+
+    @property
+    def assumed(self) -> str:
+        """What is assumed beyond the table."""
+        return "" if self.fit is None else self.fit.assumed
 
     def _series(self) -> PronySeries | None:
         return None if self.fit is None else self.fit.series
@@ -279,8 +297,8 @@ class Continuum(SolidSection):
     @property
     def span(self) -> tuple[float, float]:
         """From a tenth of the shortest relaxation time to ten times the longest; of a table, its times."""
-        if self.known is not None:
-            return self.known
+        if self.fit is not None:
+            return self.fit.data.span
         times = self.times
         return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
 
@@ -291,7 +309,7 @@ class Continuum(SolidSection):
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """First and last time that a table knows of; None without."""
+        """First and last time that a table knows of, or that are assumed beyond it; None without."""
         series = self._series()
         return None if series is None else series.span
 
@@ -300,6 +318,7 @@ class Continuum(SolidSection):
         if self.relaxation is None:
             return self
         numbers: dict[str, object] = {"branches": self.maxwell, "relaxation": None, "per_decade": None}
+        numbers["extrapolate"] = None
         if self.modulus is None and self.young is None:
             numbers |= {"modulus": self.contact_modulus} | dict.fromkeys(self.not_beside_a_modulus)
         return self.model_copy(update=numbers)
@@ -372,6 +391,7 @@ class BesideTable(Section):
 
     poisson: OnePoisson | None = None
     per_decade: PerDecade | None = None
+    extrapolate: Literal["plateau"] | None = None
     hardness: Pressure | None = None
     temperature: Temperature | None = None
 
@@ -427,9 +447,11 @@ AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(
 
 
 @functools.lru_cache(maxsize=8)
-def _fitted(path: Path, per_decade: float | None, changed: int) -> Fit:
+def _fitted(
+    path: Path, per_decade: float | None, extrapolate: Literal["plateau"] | None, changed: int
+) -> Fit:
     """A table, fitted; ``changed`` tells one state of the file from another."""
     from asperity.relaxation import fit, read
 
     del changed
-    return fit(read(path), per_decade=per_decade)
+    return fit(read(path), per_decade=per_decade, extrapolate=extrapolate)

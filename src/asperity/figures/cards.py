@@ -173,7 +173,7 @@ def _(fit: FitResult) -> str:
 @html_of.register
 def _(fit: Fit) -> str:
     series = fit.series
-    first, last = (quantity(time, "s") for time in series.span)
+    first, last = (quantity(time, "s") for time in fit.data.span)
     rows = [
         ("branches", str(len(series.branches))),
         ("times", f"{first} to {last}"),

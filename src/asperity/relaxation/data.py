@@ -12,8 +12,8 @@ Creep is converted to relaxation exactly afterwards (`series.from_retardation`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import ClassVar, Self
+from dataclasses import dataclass, field, fields, replace
+from typing import ClassVar, Literal, Self, get_args
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from asperity.errors import LARGEST, InputError
 from asperity.relaxation.positive_sums import positive_weights
 from asperity.relaxation.series import PronySeries, from_retardation
 
+Extrapolate = Literal["plateau"]
+
 FEWEST = 5
 """Points without which nothing is fitted."""
 
@@ -31,17 +33,29 @@ _NOISE = 0.05
 _FLOWS = 0.01
 """Steady flow is taken to be there where creep without it misses the data by this, rms, and twice as much."""
 _SMALLEST_LOSS = 1e-3
+_PLATEAU = 100.0
+"""Times the last time to which a plateau is fitted; no relaxation time is later than the last time itself."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Data(views.Brief):
-    """Data against times or frequencies: those first, then each quantity, and at last the noise."""
+    """Data against times or frequencies: those first, then each quantity, and then how they are taken."""
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns."""
+        return [one.name for one in fields(self) if one.name not in ("noise", "extrapolate")]
 
     @property
     def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
         """Times or angular frequencies, and the quantities at them."""
-        x, *values = (getattr(self, field.name) for field in fields(self)[:-1])
+        x, *values = (getattr(self, name) for name in self.names)
         return x, tuple(values)
+
+    @property
+    def fitted(self) -> Self:
+        """What branches are fitted to: the data, and the plateau after them where that is assumed."""
+        return self
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,6 +63,7 @@ class _InTime(_Data):
     """Data against times."""
 
     time: Floats
+    extrapolate: Extrapolate | None = field(default=None, kw_only=True)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -58,6 +73,16 @@ class _InTime(_Data):
     def shifted(self, factor: float) -> Self:
         """Data at another temperature: times multiplied by `factor`."""
         return replace(self, time=_factor(factor) * self.time)
+
+    @property
+    def fitted(self) -> Self:
+        """The data, and the plateau after them where that is assumed."""
+        if self.extrapolate is None:
+            return self
+        _, (values,) = self.columns
+        later = self.time[-1] * np.geomspace(1, _PLATEAU, values.size + 1)[1:]
+        longer = np.append(values, np.full(values.size, values[-1]))
+        return replace(self, time=np.append(self.time, later), extrapolate=None, **{self.names[1]: longer})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,6 +97,8 @@ class Relaxation(_InTime):
         Moduli above 0, Pa, shape (n,); they may rise by `noise` at most.
     noise
         Largest relative rise that is taken for noise.
+    extrapolate
+        "plateau": the last modulus is assumed to stay after the last time. None: nothing is known there.
 
     Raises
     ------
@@ -110,6 +137,8 @@ class Creep(_InTime):
         Compliances above 0, 1/Pa, shape (n,); they may fall by `noise` at most.
     noise
         Largest relative fall that is taken for noise.
+    extrapolate
+        "plateau": the last compliance is assumed to stay after the last time. None: nothing is known there.
 
     Raises
     ------
@@ -178,6 +207,7 @@ class Dynamic(_Data):
     noise: float = _NOISE
 
     quantities: ClassVar[tuple[str, ...]] = ("storage modulus", "loss modulus")
+    extrapolate: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         frequency = checks.line("frequency", self.frequency)
@@ -232,7 +262,9 @@ def _factor(factor: float) -> float:
 
 def _check_columns(data: Measured) -> None:
     """Make the columns float64, of one length, and positive."""
-    x, *names = (field.name for field in fields(data)[:-1])
+    x, *names = data.names
+    if data.extrapolate not in (None, *get_args(Extrapolate)):
+        raise InputError("extrapolate", expected="'plateau' or None", got=checks.shown(data.extrapolate))
     object.__setattr__(data, "noise", checks.number("noise", data.noise, least=0, below=1))
     for name in (x, *names):
         object.__setattr__(data, name, checks.line(name, getattr(data, name)))

@@ -11,7 +11,7 @@ import functools
 import math
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
@@ -22,7 +22,7 @@ import asperity.checks as checks
 import asperity.views as views
 from asperity.checks import Floats
 from asperity.errors import LARGEST, InputError
-from asperity.relaxation.data import Measured, scales
+from asperity.relaxation.data import Dynamic, Extrapolate, Measured, scales
 from asperity.relaxation.positive_sums import log_times
 from asperity.relaxation.series import PronySeries
 
@@ -47,7 +47,8 @@ class Fit(views.InNotebooks):
     Attributes
     ----------
     series
-        The solid; its `span` is that of the data, its `error` the largest relative deviation.
+        The solid; its `span` is that of the data, without an end where a plateau is assumed, and its `error`
+        the largest relative deviation from both.
     rms
         Root mean square of the relative deviations.
     data
@@ -65,7 +66,7 @@ class Fit(views.InNotebooks):
     per_decade: float | None = None
 
     def __repr__(self) -> str:
-        first, last = self.series.span
+        first, last = self.data.span
         over = f"{self.decades:.1f} decades from {first:.3g} to {last:.3g} s"
         said = f"deviations {100 * self.rms:.2g} % rms, {100 * self.series.error:.2g} % at most"
         return f"<Fit: {len(self.series.branches)} branches, {over}, {said}>"
@@ -73,15 +74,20 @@ class Fit(views.InNotebooks):
     @property
     def decades(self) -> float:
         """Decades of time that the data span."""
-        first, last = self.series.span
+        first, last = self.data.span
         return math.log10(last / first)
+
+    @property
+    def assumed(self) -> str:
+        """What is assumed beyond the data; empty where nothing is."""
+        if self.data.extrapolate is None:
+            return ""
+        last = self.data.span[1]
+        return f"beyond the last time of the table, {last:.4g} s, the modulus is assumed to stay"
 
     def residuals(self) -> tuple[Floats, ...]:
         """Relative deviations (data - fit) / data of each of the quantities, shape (n,)."""
-        x, values = self.data.columns
-        predicted = self.data.predicted(self.series, x)
-        relative_to = scales(self.data)
-        return tuple((v - p) / s for v, p, s in zip(values, predicted, relative_to, strict=True))
+        return _residuals(self.data, self.series)
 
     @functools.cached_property
     def systematic(self) -> bool:
@@ -114,7 +120,6 @@ class Fit(views.InNotebooks):
         if self.systematic or self.rms < _DIGITS:
             return ()
         random, (x, _) = np.random.default_rng(0), self.data.columns
-        names = [field.name for field in fields(self.data)][1:-1]
         predicted, deviations = self.data.predicted(self.series, x), self.residuals()
         found = len(self.series.branches) * (2 if self.per_decade is None else 1) + 1
         wider = math.sqrt(x.size / max(x.size - found, 1))
@@ -127,7 +132,7 @@ class Fit(views.InNotebooks):
             ]
             # A draw may be no relaxation where deviations are large.
             with suppress(InputError):
-                numbers: dict[str, Any] = dict(zip(names, columns, strict=True))
+                numbers: dict[str, Any] = dict(zip(self.data.names[1:], columns, strict=True))
                 table = replace(self.data, **numbers, noise=0.99)
                 times = self.times if self.per_decade else _improved(table, self.times)
                 drawn.append(_with(table, times, self.per_decade))
@@ -161,7 +166,7 @@ class Fit(views.InNotebooks):
                 "times",
                 expected=f"times that the data span, {begin:.3g} to {end:.3g} s ({self.decades:.1f} decades)",
                 got=f"{first:.3g} to {last:.3g} s ({math.log10(last / first):.1f} decades)",
-                advice="fewer times, or data of another temperature, shifted",
+                advice="fewer times, data of another temperature, shifted, or extrapolate='plateau'",
             )
 
 
@@ -171,6 +176,7 @@ def fit(
     per_decade: float | None = None,
     branches: int | None = None,
     over: tuple[float, float] | None = None,
+    extrapolate: Extrapolate | None = None,
 ) -> Fit:
     """Fit a generalized Maxwell solid to measured data by non-negative least squares.
 
@@ -191,14 +197,39 @@ def fit(
         In its place: how many free relaxation times.
     over
         First and last time, s, that the fit will be used for; refused where the data do not reach.
+    extrapolate
+        "plateau": the last modulus, or compliance, is assumed to stay after the last time, and is fitted too,
+        by as many points as there are over two decades. No time before the first is known all the same.
 
     Raises
     ------
     InputError
-        It is no data, `per_decade` or `branches` is out of its range, or the data do not span the times in
-        `over`.
+        It is no data, `per_decade` or `branches` is out of its range, the data do not span the times in
+        `over`, or a plateau is asked of a `Dynamic`.
     """
     data = _measured(data)
+    if extrapolate is not None:
+        if isinstance(data, Dynamic):
+            expected = "none beside storage and loss moduli, which have no last modulus"
+            raise InputError("extrapolate", expected=expected, got=checks.shown(extrapolate))
+        data = replace(data, extrapolate=extrapolate)
+    found = _found(
+        data if data.extrapolate is None else replace(data, extrapolate=None), per_decade, branches
+    )
+    if data.extrapolate is not None:  # the plateau has no say in how many times there are
+        times = found.times if found.per_decade else _improved(data, found.times)
+        found = _with(data, times, found.per_decade)
+    if over is not None:
+        try:
+            start, end = over
+        except (TypeError, ValueError) as error:
+            raise InputError("over", expected="a first and a last time", got=checks.shown(over)) from error
+        found.require(start, end)
+    return found
+
+
+def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fit:
+    """The fit of these data alone."""
     if branches is not None:
         if per_decade is not None:
             raise InputError(
@@ -207,19 +238,10 @@ def fit(
         most = (data.columns[0].size - 1) // 2
         expected = f"a number from 1 to {most}, for as many points as there are"
         count = checks.integer("branches", branches, least=1, most=most, expected=expected)
-        found = _with(data, next(islice(_free_times(data), count - 1, None)))
-    else:
-        density = 1.0 if per_decade is None else per_decade
-        found = _log_spaced(data, checks.number("per_decade", density, least=0.2, most=10))
-        if per_decade is None:
-            found = _with_few_times(data, found.rms) or found
-    if over is not None:
-        try:
-            start, end = over
-        except (TypeError, ValueError) as error:
-            raise InputError("over", expected="a first and a last time", got=checks.shown(over)) from error
-        found.require(start, end)
-    return found
+        return _with(data, next(islice(_free_times(data), count - 1, None)))
+    density = 1.0 if per_decade is None else per_decade
+    found = _log_spaced(data, checks.number("per_decade", density, least=0.2, most=10))
+    return found if per_decade is not None else _with_few_times(data, found.rms) or found
 
 
 def _log_spaced(data: Measured, density: float) -> Fit:
@@ -270,18 +292,28 @@ def _improved(data: Measured, times: Floats) -> Floats:
 
 def _deviations(data: Measured, logarithms: Floats) -> Floats:
     """Deviations from a fit of times of these logarithms; 1 where there is none."""
+    fitted = data.fitted
     try:
-        return np.concatenate(_with(data, np.exp(logarithms)).residuals())
+        return np.concatenate(_residuals(fitted, fitted.series(np.exp(logarithms))))
     except InputError:  # creep without an elastic strain
-        return np.ones(sum(values.size for values in data.columns[1]))
+        return np.ones(sum(values.size for values in fitted.columns[1]))
+
+
+def _residuals(data: Measured, series: PronySeries) -> tuple[Floats, ...]:
+    """Relative deviations of data from a series, of each of the quantities."""
+    x, values = data.columns
+    predicted = data.predicted(series, x)
+    return tuple((v - p) / s for v, p, s in zip(values, predicted, scales(data), strict=True))
 
 
 def _with(data: Measured, times: Floats, per_decade: float | None = None) -> Fit:
     """A fit of given times."""
-    found = Fit(replace(data.series(times), span=data.span), 0.0, data, times, per_decade)
-    deviations = np.concatenate(found.residuals())
-    largest, rms = float(np.abs(deviations).max()), float(np.sqrt(np.mean(deviations**2)))
-    return replace(found, series=replace(found.series, error=largest), rms=rms)
+    fitted = data.fitted
+    series, (first, last) = fitted.series(times), data.span
+    of_data, of_all = (np.concatenate(_residuals(one, series)) for one in (data, fitted))
+    span = (first, math.inf if data.extrapolate else last)
+    series = replace(series, span=span, error=float(np.abs(of_all).max()))
+    return Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade)
 
 
 def _measured(data: object) -> Measured:

@@ -212,7 +212,8 @@ def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) 
 def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
     """Decide what the configuration leaves open: the load, the times, the maps; make paths absolute."""
     chosen = config.surface.anywhere()
-    remarks = rough.remarks + _odd_numbers(config, rough)
+    assumed = (config.solid.assumed,) if config.solid.assumed else ()
+    remarks = rough.remarks + _odd_numbers(config, rough) + assumed
     contact = config.contact
     if not contact.model_dump(exclude_none=True):
         contact, remark = _usual_contact(config, rough)

@@ -32,6 +32,7 @@ from asperity.progress import Progress, listener
 from asperity.protocols import Hold, Ramp
 from asperity.relaxation import Fit, Measured, fit
 from asperity.relaxation import read as read_table
+from asperity.relaxation.data import Extrapolate
 from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
 from asperity.runs.defaults import USUAL_MAPS, hold_times
@@ -59,7 +60,10 @@ no contact without a load. What creeps until then is left out."""
 _UNEVEN = 1.5
 """Ratio of steps across rows to steps along them, above which a remark is made."""
 
-_OF_TABLES = ("kind", "columns", "noise", "modulus", "poisson", "shift", "branches", "branches_per_decade")
+_OF_TABLES = (
+    *("kind", "columns", "noise", "modulus", "poisson", "shift"),
+    *("branches", "branches_per_decade", "extrapolate"),
+)
 """Arguments that are about a relaxation table."""
 
 _RUN = "asperity run, which takes the same file"
@@ -83,6 +87,7 @@ def predict(
     per_decade: int = 4,
     branches: int | None = None,
     branches_per_decade: float | None = None,
+    extrapolate: Extrapolate | None = None,
     ramp: float | str | None = None,
     shear_strength: float | str | None = None,
     pixel: float | str | None = None,
@@ -120,12 +125,14 @@ def predict(
         Pressure under which the rough surface yields, Pa; see `asperity.solids.Solid.with_hardness`.
     first, last
         Times, s, between which to predict; by default all that the table spans and that are after the ramp,
-        and never more than the table spans. Without a table both are needed.
+        and never more than the table spans, unless `extrapolate` says so. Without a table both are needed.
     per_decade
         Times recorded in each decade.
     branches, branches_per_decade
         How many free relaxation times the fit of the table has; or how many in each decade, from 0.2 to 10.
         By default few free ones, where these suffice, see `asperity.relaxation.fit`.
+    extrapolate
+        "plateau": the last modulus of the table is assumed to stay for later times, up to `last`.
     ramp
         Time, s, within which the load is put on, in proportion to time; by default at once. All times count
         from the start of the loading.
@@ -187,15 +194,16 @@ def predict(
                 table = _table_with_units(material, kind, columns, noise)
             else:
                 table = material
-            found = fit(table, per_decade=branches_per_decade, branches=branches)
+            how: dict[str, Any] = {"per_decade": branches_per_decade, "branches": branches}
+            found = fit(table, extrapolate=extrapolate, **how)
             if factor != 1:
-                found = fit(found.data.shifted(factor), per_decade=branches_per_decade, branches=branches)
+                found = fit(found.data.shifted(factor), **how)
             stiffness = _contact_modulus(found.series.modulus, modulus, poisson)
             solid = half_space(modulus=stiffness, branches=found.series.branches)
             facts = {"measured": modulus, "poisson": None if modulus == "contact" else poisson}
             facts |= {"shift": factor, **_origin(material, found)}
         solid = solid.with_hardness(hardness)
-        times = _times(None if found is None else found.series.span, first, last, density, loading)
+        times = _times(found, first, last, density, loading)
         listening.stage("reading the scan")
         if isinstance(surface, str | Path):
             surface = read(surface, periodic="reflect")
@@ -419,7 +427,8 @@ def _origin(table: object, found: Fit) -> dict[str, object]:
     if path is not None:
         with path.open("rb") as stream:
             facts = {"table": path.name, "table_sha256": hashlib.file_digest(stream, "sha256").hexdigest()}
-    return facts | {"kind": type(found.data).__name__, "points": int(found.data.columns[0].size)}
+    facts |= {"kind": type(found.data).__name__, "points": int(found.data.columns[0].size)}
+    return facts | ({"extrapolate": found.data.extrapolate} if found.data.extrapolate else {})
 
 
 def _table_with_units(
@@ -446,18 +455,18 @@ def _ramp(given: float | str | None) -> float:
 
 
 def _times(
-    known: tuple[float, float] | None,
+    found: Fit | None,
     first: float | str | None,
     last: float | str | None,
     per_decade: int,
     ramp: float,
 ) -> Field:
-    """Times to record: of the table, and no others."""
-    if known is None and (first is None or last is None):
+    """Times to record: of the table, and no others but on a plateau after it."""
+    if found is None and (first is None or last is None):
         name, expected = "first" if first is None else "last", "a time, for no table spans any"
         raise InputError(name, expected=expected, got="none", advice='first="1 ms", last="10 days"')
-    begin, end = known or (0.0, math.inf)
-    stop = end if last is None else _quantity("last", last, "s")
+    begin, end = (0.0, math.inf) if found is None else found.series.span
+    stop = found.data.span[1] if found is not None and last is None else _quantity("last", last, "s")
     _check_ramp(ramp, stop)
     start = max(begin, ramp) if first is None else _quantity("first", first, "s")
     if not start < stop:
@@ -465,7 +474,10 @@ def _times(
     for name, time in (("first", start), ("last", stop)):
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
             expected = f"a time that the table spans, {begin:.3g} s to {end:.3g} s"
-            raise InputError(name, expected=expected, got=f"{time:.4g} s", advice="a table of more decades")
+            advice = "a table of more decades"
+            if time > end:
+                advice = "extrapolate=plateau"
+            raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
     _check_span("last", start, stop)
     least = math.ceil(_LEAST_TIMES / math.log10(stop / start))
     return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
@@ -501,6 +513,8 @@ def _remarks(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
     strain = pressure / prediction.modulus
     remarks = []
     known, fit = prediction.solid.parameters, prediction.fit
+    if fit is not None and fit.assumed:
+        remarks.append(fit.assumed)
     if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
         remarks.append("nothing grows: the solid is elastic")
     elif np.ptp(prediction.series("contact_area")) == 0:
