@@ -217,13 +217,15 @@ def test_a_folder_that_others_may_write_to_is_refused(tmp_path, kind):
     assert not list(place.iterdir())
 
 
-def test_a_run_says_that_it_compiles(tmp_path, monkeypatch, capsys):
+def test_a_wrong_scan_is_refused_before_anything_is_compiled_or_pressed(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(loops, "stamp_of", lambda *_: None)
-    monkeypatch.chdir(tmp_path)
-    assert main(["run", "--shape", "16", "16", "--times", "1", "--out", "first"]) == 0
-    first, second = capsys.readouterr().err.splitlines()[:2]
-    assert first == "compiling loops (once on this machine, about half a minute)"
-    assert second == "making the surface"
+    np.savetxt(tmp_path / "scan.txt", np.random.default_rng(0).normal(size=(8, 8)))
+    units = ("--file-unit", "nm", "--pixel-size", "0.1", "0.2", "--length-unit", "um")
+    out = str(tmp_path / "out")
+    assert main(["run", "--file", str(tmp_path / "scan.txt"), *units, "--out", out]) == 2
+    *stages, refusal = capsys.readouterr().err.splitlines()
+    assert stages == ["making the surface"]
+    assert "expected square pixels" in refusal
 
 
 def test_a_stamp_spares_the_second_run(tmp_path, monkeypatch):

@@ -12,7 +12,6 @@ from asperity.config import RunConfig, to_toml
 from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.runs import execute
-from asperity.runs.loops import compile_loops
 
 _CHECKPOINT_EVERY = 20.0
 """Seconds between checkpoints: shorter runs leave none."""
@@ -26,7 +25,6 @@ def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
     check_free(out, overwrite=overwrite)
     with place_beside(out, to_toml(config)) as place, listener(not quiet) as progress:
         resumed = place.exists()
-        compile_loops(progress.stage, progress.remark)
         started = clock.perf_counter()
         if resumed:
             progress.stage(f"going on from {place}")

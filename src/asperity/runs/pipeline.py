@@ -106,8 +106,9 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
         _require_memory(rough.shape, solid, config)
     check_units(config, solid, rough)
     _shear_strength(config)  # refuses before hours have passed, as does the next
+    bodies = bodies_of(rough, solid)  # refuses before anything is compiled
     if config.protocol:
-        check_slides(legs_of(config.legs), bodies_of(rough, solid).lattice, solid)
+        check_slides(legs_of(config.legs), bodies.lattice, solid)
     config, remarks = completed(config, rough)
     progress.completed(config)
     for remark in remarks:
