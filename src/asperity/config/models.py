@@ -601,9 +601,7 @@ class RunConfig(Section):
                 got = "{:g} to {:g}".format(*known)
                 expected = f"a table of the times to record, {first:g} to {self.end:g}"
                 begun = first >= known[0] * (1 - 1e-9)
-                advice = (
-                    '; try extrapolate = "plateau" (--extrapolate plateau), or branches' if begun else ""
-                )
+                advice = '; try extrapolate = "plateau" (--extrapolate plateau), or branches' if begun else ""
                 raise ValueError(f"[solid] relaxation: expected {expected}, got one of {got}{advice}")
         for where, times in (("[aging] times", self.aging.times), ("[output] maps_at", self.output.maps_at)):
             late = max(times or [], default=-math.inf)
