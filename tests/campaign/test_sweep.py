@@ -474,9 +474,13 @@ def test_a_changed_number_of_a_run_is_named(tmp_path):
         campaign.open(tmp_path / "out")
 
 
-@pytest.mark.parametrize("old", [False, True])
-def test_runs_in_the_place_of_another_are_named(tmp_path, old):
-    plan = campaign.read_plan(written(tmp_path))
+OPEN = "[surface]\nshape = [16, 16]\n[aging]\nper_decade = 2\n[sweep]\nk1 = [1.0, 3.0]\nseeds = 2\n"
+"""Loads and times are left open, and decided when a run begins."""
+
+
+@pytest.mark.parametrize(("text", "old"), [(SMALL, False), (SMALL, True), (OPEN, True)])
+def test_runs_in_the_place_of_another_are_named(tmp_path, text, old):
+    plan = campaign.read_plan(written(tmp_path, text))
     one, other = plan.runs[:2]  # which differ by their seed
     do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:2]), tmp_path / "out")
     first, second = (tmp_path / "out" / "runs.zarr" / run.identity for run in (one, other))

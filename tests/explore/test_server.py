@@ -229,7 +229,7 @@ def test_a_killed_process_is_said_and_replaced(server: Server) -> None:
 
 
 MISTAKES: dict[str, tuple[object, str, str]] = {
-    "number": ({"contact": {"load": -1}}, "contact.load", "expected a number above 0.0, got -1"),
+    "number": ({"contact": {"load": -1}}, "contact.load", "expected a number of at least 0.0, got -1"),
     "section": ({"contact": {"load": 1, "pressure": 1}}, "contact", "expected load or pressure, got both"),
     "leg": ({"protocol": [{"kind": "hold"}]}, "protocol[0].duration", "expected a value, got none"),
     "nested": (

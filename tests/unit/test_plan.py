@@ -146,7 +146,7 @@ def test_mistakes_in_any_run_are_named_once(tmp_path):
     text = f"{BASE}\n[sweep]\nload = [1.0, -1.0]\nk1 = [1.0, 'two']\nseeds = 3"
     assert problems_of(tmp_path, text) == [
         "[solid] k1: expected a number, got 'two'",
-        "[contact] load: expected a number above 0.0, got -1.0",
+        "[contact] load: expected a number of at least 0.0, got -1.0",
     ]
 
 

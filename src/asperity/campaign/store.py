@@ -29,8 +29,8 @@ import zarr
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from asperity.campaign.plan import Run, facts_of
-from asperity.config import from_tables
+from asperity.campaign.plan import Run
+from asperity.config import RunConfig, from_tables, to_tables
 from asperity.errors import InputError, OutputError, Remark
 from asperity.lattice import Field
 from asperity.patches import QUANTILES
@@ -279,8 +279,7 @@ class Store:
             facts = dict(group.attrs)
             whole = facts.pop(_WHOLE, None)
             if whole is None:  # version 0.4.6 and before
-                own = from_tables(tomllib.loads(str(facts["config"])))
-                same = facts_of(own, run.content) == facts_of(run.config, run.content)
+                same = _is_of(from_tables(tomllib.loads(str(facts["config"]))), run.config)
             else:
                 same = facts["identity"] == identity
             sound = whole in (None, _checksum_of(facts))
@@ -300,6 +299,16 @@ class Store:
 
     def _lock(self, identity: str) -> Path:
         return self.work / "locks" / f"{identity}.lock"
+
+
+def _is_of(completed: RunConfig, asked: RunConfig) -> bool:
+    """Whether a configuration has all that another one gives; a surface file may lie elsewhere now."""
+    has, gives = to_tables(completed), to_tables(asked)
+    gives["surface"].pop("path", None)
+    return all(
+        has.get(name, {}).items() >= table.items() if isinstance(table, dict) else has.get(name) == table
+        for name, table in gives.items()
+    )
 
 
 def _damage(place: Path, what: str, fault: str = "is damaged") -> InputError:
