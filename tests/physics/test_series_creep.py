@@ -12,7 +12,7 @@ from asperity.aging.tr_bdf2 import Aim
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
 from asperity.protocols import Hold, Step
-from asperity.solids import CreepBranch, Eyring, Solid, half_space
+from asperity.solids import CreepBranch, Eyring, Norton, Solid, half_space
 from asperity.solids.laws import PowerMobility, Scaled, WaveNumberSpectrum
 from tests.refusals import refuses
 
@@ -331,3 +331,28 @@ def test_a_flat_surface_creeps_as_one_beside_a_permanent_share():
     # The creeping springs bear 0.6 of the pressure, and the surface sinks by 0.6 of what they creep.
     sunk = np.diff(history.dataset["approach"].values[1:])[0]
     np.testing.assert_allclose(sunk, 0.6 * 9.0 * 1e-9 * np.sinh(0.6), rtol=1e-3)
+
+
+@pytest.mark.parametrize("law", [Eyring(rate=0.0307, stress=0.38), Norton(exponent=3, rate=0.03, stress=0.1)])
+@pytest.mark.parametrize("flat", [np.full((8, 26), 0.1095), np.zeros((5, 40)), np.full(7, 1e3)])
+@pytest.mark.parametrize(("permanent", "apparatus"), [(0.0, None), (0.4, None), (0.0, 20.0), (0.4, 20.0)])
+def test_flat_surfaces_of_any_height_sink_evenly(law, flat, permanent, apparatus):
+    solid = half_space(modulus=0.975, creep=law, permanent=permanent, apparatus=apparatus)
+    start = asp.press(flat, solid, load=0.1 * flat.size)
+    times, share = np.array([1.0, 10.0, 1e3]), 1 - permanent
+    stiffness = 0.0 if apparatus is None else solid.on(start.lattice).creeping[0].flat[0]
+
+    def speeds(_, state):
+        sinking = share * law.velocity(share * state[:1])[0].item()
+        return [-stiffness * sinking, sinking]
+
+    found = scipy.integrate.solve_ivp(
+        speeds, (0, times[-1]), [0.1, 0.0], t_eval=times, method="LSODA", rtol=1e-9, atol=1e-16
+    )
+    hold: Literal["load", "separation"] = "load" if apparatus is None else "separation"
+    data = asp.age(start, times, hold=hold).dataset
+    np.testing.assert_allclose(data["load"].values[1:], found.y[0] * flat.size, atol=2e-4 * flat.size)
+    if apparatus is None:
+        np.testing.assert_allclose(data["approach"].values[1:], found.y[1], rtol=1e-5)
+    bearing = found.y[0] > 1e-6
+    assert (data["area"].values[1:][bearing] == flat.size).all()

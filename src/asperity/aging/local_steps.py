@@ -126,7 +126,8 @@ class LocalSteps:
         """How large the deformation is."""
         if self.known_extent is None:
             u, force = self.moments[0].state.u, self.moments[0].state.force
-            self.known_extent = Extent(float(u.std()), rms(self.solver.stretch(force)), largest(u, np))
+            greatest = max(largest(u, np), self.solver.indented(force))
+            self.known_extent = Extent(float(u.std()), rms(self.solver.stretch(force)), greatest)
         return self.known_extent
 
     def speed(self) -> float:

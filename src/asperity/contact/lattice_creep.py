@@ -81,6 +81,10 @@ class LatticeCreep:
         """See `LocalCreepSolver`."""
         return force / self.springs.k1
 
+    def indented(self, force: Field) -> float:
+        """See `LocalCreepSolver`."""
+        return largest(force, np) / self.springs.k1
+
     def velocity(self, force: Field) -> Field:
         """See `LocalCreepSolver`."""
         s = self.springs

@@ -92,6 +92,10 @@ class LocalCreepSolver(Protocol):
         """Stretch of the creeping springs under their force."""
         ...
 
+    def indented(self, force: Field) -> float:
+        """How deep the largest force indents its site: under flat ones no other length tells rounding."""
+        ...
+
     def balanced(self, state: LocalState, load: float | None) -> Field:
         """Stretch with which the surface is in exact equilibrium, near that of the state."""
         ...

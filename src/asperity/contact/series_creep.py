@@ -117,6 +117,10 @@ class SeriesCreep:
         """See `LocalCreepSolver`."""
         return self.lattice.apply(self.compliance, force) / self.share
 
+    def indented(self, force: Field) -> float:
+        """See `LocalCreepSolver`."""
+        return self.site_compliance / self.share * largest(force, np)
+
     def velocity(self, force: Field) -> Field:
         """See `LocalCreepSolver`."""
         return self.shape_of(self.law.velocity(force / self.area)[0])
@@ -147,7 +151,8 @@ class SeriesCreep:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """See `LocalCreepSolver`."""
-        rounding = _ROUNDING * max(largest(self.heights, np), largest(stage.before, np))
+        lengths = largest(self.heights, np), largest(stage.before, np), self.indented(guess.force)
+        rounding = _ROUNDING * max(lengths)
         allowed = max(allowed_error, rounding)
         touching = guess.u <= self.heights + rounding
         if stage.load is not None and not touching.any():
