@@ -81,9 +81,13 @@ def talbot(transform, t, count=24):
     return r / count * (total + np.sum((np.exp(t * s) * values * (1 + 1j * sigma)).real))
 
 
+POWER_LAW = asp.relaxation.power_law(modulus=1.0, exponent=0.5, time=1.0, first=1e-2, last=1e6).branches
+
+
+@pytest.mark.parametrize("branches", [[(0.4, 1.0), (0.3, 30.0)], POWER_LAW])
 @pytest.mark.parametrize("x", [0.1, 1.0, 4.0])
-def test_relaxation_in_time_is_that_of_the_transform(x):
-    branches, base_branches = [(0.4, 1.0), (0.3, 30.0)], [(0.5, 5.0)]
+def test_relaxation_in_time_is_that_of_the_transform(x, branches):
+    base_branches = [(0.5, 5.0)]
     solid = asp.solids.coated_half_space(**FILM, branches=branches, base_branches=base_branches)
     line = Lattice((64,), (2 * np.pi / 64 / x * FILM["thickness"],))  # wave 1 has q thickness = x
     spectra = solid.on(line)

@@ -24,12 +24,12 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 import asperity.units as units
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.relaxation import check_branches
+from asperity.relaxation.positive_sums import positive_weights
 from asperity.solids.continua import Branches, checked_apparatus, checked_poisson
 from asperity.solids.laws import FixedRate, WithApparatus
 from asperity.solids.solid import CreepBranch, Solid
@@ -109,7 +109,7 @@ def shares_of(coated: Coated) -> tuple[Floats, Floats, Floats, float]:
     first, last = coated.over_wave_number(x, math.inf), coated.over_wave_number(x, 0.0)
     measured = (np.array([coated.over_wave_number(x, one) for one in s]) - last) / first
     kernel = 1 / (1 + 1 / np.outer(s, times))
-    shares = np.array([nnls(kernel, column)[0] for column in measured.T]).T
+    shares = np.array([positive_weights(kernel, column, np.ones(s.size)) for column in measured.T]).T
     error = float(np.abs(kernel @ shares - measured).max())
     kept = shares.max(axis=1) > _NEGLIGIBLE
     shares, times = shares[kept], times[kept]
