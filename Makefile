@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
-PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup
+PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup --max-worker-restart 0
 
 # The first use of a loop compiles it; done once here, for every process after.
 COMPILE = $(BIN)/python -W ignore -c "from asperity.runs.loops import compile_loops as c; c(lambda text: print(text, '...'))"

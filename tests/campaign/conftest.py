@@ -7,6 +7,8 @@ import os
 import signal
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -67,11 +69,22 @@ def start(*words: str | Path, before: str = "") -> subprocess.Popen[str]:
     )
 
 
+def wait_for_a_run(running: subprocess.Popen[str], directory: Path) -> None:
+    """Wait until a campaign under way has a finished run."""
+    limit = time.monotonic() + 120
+    while not numbers(directory):
+        if running.poll() is not None or time.monotonic() > limit:
+            with suppress(ProcessLookupError):
+                os.killpg(running.pid, signal.SIGKILL)
+            raise AssertionError(f"no run is done: {running.communicate(timeout=30)[1]}")
+        time.sleep(0.1)
+
+
 def finish(*words: str | Path, before: str = "") -> tuple[int, str, str]:
     """Run the command to its end."""
     running = start(*words, before=before)
     try:
-        out, error = running.communicate(timeout=300)
+        out, error = running.communicate(timeout=240)
     except subprocess.TimeoutExpired:
         os.killpg(running.pid, signal.SIGKILL)
         raise

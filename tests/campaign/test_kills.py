@@ -82,7 +82,7 @@ def kill_until_done(folder, seed, seeds, kills, rng):
                     break
         if running.poll() is None and len(hits) >= kills:
             os.killpg(running.pid, signal.SIGKILL)
-        running.communicate()
+        running.communicate(timeout=60)
         if rng.random() < 0.5:  # otherwise the next client starts beside dying workers
             wait_for_the_end_of(running.pid)
         now = numbers(out)

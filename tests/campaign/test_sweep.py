@@ -7,13 +7,15 @@ import signal
 import socket
 import subprocess
 import sys
-import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from filelock import FileLock
 
 import asperity.campaign as campaign
+import asperity.campaign.store
 from asperity import age, observe, press
 from asperity.campaign.cluster import connect
 from asperity.campaign.plan import _NOT_SWEPT, value_at
@@ -27,7 +29,8 @@ from asperity.results import load as load_results
 from asperity.results.quantities import OF_MAPS, PARAMETERS
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
-from tests.campaign.conftest import SMALL, do_here, finish, numbers, start, written
+from tests.campaign.conftest import SMALL, do_here, finish, numbers, start, wait_for_a_run, written
+from tests.refusals import refuses
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals"),
@@ -283,7 +286,7 @@ def test_two_campaigns_on_one_folder_at_once(tmp_path, done):
     path = written(tmp_path)
     both = [start("sweep", path, "--out", tmp_path / "out", "--workers", "1") for _ in range(2)]
     for running in both:
-        out, error = running.communicate(timeout=300)
+        out, error = running.communicate(timeout=240)
         assert running.returncode == 0, error
         assert "done     12" in out
     assert numbers(tmp_path / "out") == numbers(done / "out")
@@ -313,8 +316,7 @@ def test_interrupting_is_harmless(tmp_path):
     listen = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     text = SMALL.replace("seeds = 3", "seeds = 200")
     running = start("sweep", written(tmp_path, text), "--out", tmp_path / "out", "--quiet", before=listen)
-    while not numbers(tmp_path / "out"):
-        time.sleep(0.1)
+    wait_for_a_run(running, tmp_path / "out")
     os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to the workers too
     _, error = running.communicate(timeout=60)
     assert running.returncode == 130
@@ -549,6 +551,16 @@ def test_runs_of_a_version_with_fewer_series_are_read():
         np.testing.assert_array_equal(values, wanted)
 
 
+def test_a_folder_that_another_process_prepares_is_not_waited_for_for_ever(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(asperity.campaign.store, "_PATIENCE", 0.1)
+    store = Store(Path("out"))
+    store.work.mkdir(parents=True)
+    with FileLock(store.work / "prepare.lock"), refuses("campaign"):
+        store.prepare()
+    store.prepare()
+
+
 def test_a_bad_checkpoint_costs_time_and_nothing_else(tmp_path):
     plan = campaign.read_plan(written(tmp_path))
     store = Store(tmp_path / "out")
@@ -587,10 +599,9 @@ def test_a_scheduler_that_dies(tmp_path):
     address = owner.stdout.readline().strip()
     path = written(tmp_path, SMALL.replace("seeds = 3", "seeds = 200"))
     running = start("sweep", path, "--out", tmp_path / "out", "--quiet", "--scheduler", address)
-    while not numbers(tmp_path / "out"):
-        time.sleep(0.1)
+    wait_for_a_run(running, tmp_path / "out")
     os.killpg(owner.pid, signal.SIGKILL)
-    owner.communicate()
+    owner.communicate(timeout=30)
     _, error = running.communicate(timeout=120)
     assert running.returncode == 1
     (line,) = error.splitlines()

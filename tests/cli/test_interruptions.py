@@ -125,6 +125,7 @@ def test_a_stream_that_is_closed(tmp_path: Path, stream: int) -> None:
         check=False,
         capture_output=True,
         text=True,
+        timeout=120,
     )
     assert done.returncode == 0
     assert "Traceback" not in done.stdout + done.stderr
@@ -142,9 +143,8 @@ def test_a_stream_without_the_letters(finished: Path, tmp_path: Path) -> None:
         "--out",
         str(tmp_path / "a.png"),
     ]
-    done = subprocess.run(
-        words, env={**os.environ, "PYTHONIOENCODING": "ascii"}, check=False, capture_output=True, text=True
-    )
+    ascii_only = os.environ | {"PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(words, env=ascii_only, check=False, capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stderr) == (0, "")
     assert "value +- standard error" in done.stdout
 

@@ -196,24 +196,25 @@ def test_defaults_in_the_help_are_those_of_a_run(asperity: Asperity) -> None:
         assert words in text
 
 
+def python(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, *words]
+    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=120)
+
+
 def test_help_does_not_wait_for_the_engine() -> None:
     code = (
         "import sys\nfrom asperity.cli import main\nmain(['run', '--help'])\n"
         "sys.exit(any(m in sys.modules for m in ('numpy', 'xarray', 'matplotlib')))"
     )
-    assert subprocess.run([sys.executable, "-c", code], check=False, capture_output=True).returncode == 0
+    assert python("-c", code).returncode == 0
     bare = code.replace("'run', ", "").replace("'numpy'", "'numpy', 'pydantic'")
-    assert subprocess.run([sys.executable, "-c", bare], check=False, capture_output=True).returncode == 0
+    assert python("-c", bare).returncode == 0
 
 
 def test_as_a_module() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "asperity", "--version"], check=False, capture_output=True, text=True
-    )
+    done = python("-m", "asperity", "--version")
     assert (done.returncode, done.stdout) == (0, f"{__version__}\n")
-    done = subprocess.run(
-        [sys.executable, "-m", "asperity", "rnu"], check=False, capture_output=True, text=True
-    )
+    done = python("-m", "asperity", "rnu")
     assert done.returncode == 2
     assert done.stderr.startswith("asperity: unknown command rnu")
 

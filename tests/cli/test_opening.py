@@ -75,7 +75,7 @@ def test_bash_completes_commands_and_flags(
         line = " ".join(words)
         ask = f'source "{script}"; COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; _asperity; '
         ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
-        found = subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True)
+        found = subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True, timeout=60)
         return set(found.stdout.split())
 
     assert completed("asperity", "pre") == {"predict"}

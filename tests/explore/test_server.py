@@ -439,7 +439,7 @@ def test_its_processes_end_when_it_is_killed() -> None:
         children = psutil.Process(own.process.pid).children(recursive=True)
         assert children
     own.process.kill()
-    own.process.communicate()
+    own.process.communicate(timeout=30)
     _, alive = psutil.wait_procs(children, timeout=20)
     assert not alive
 

@@ -39,7 +39,7 @@ def without_extras(monkeypatch):
 
 def python(code, *arguments, folder):
     command = [sys.executable, "-W", "ignore", "-c", textwrap.dedent(code), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, timeout=240)
 
 
 def test_every_module_is_imported_without_the_extras(without_extras, tmp_path):

@@ -361,7 +361,7 @@ def test_figures_can_be_written(aged: xr.Dataset, summary: AgingSummary, tmp_pat
 
 def test_no_global_figure_machinery_is_touched() -> None:
     code = "import sys, asperity.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0
 
 
 def test_the_marks_of_maps_differ_in_gray() -> None:

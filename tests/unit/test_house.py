@@ -159,7 +159,22 @@ def test_no_module_hides_behind_a_function_of_its_name(room):
 
 def test_a_room_is_reached_whatever_was_imported_before():
     code = "import asperity; asperity.analysis.patches"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0
+
+
+def test_whatever_waits_for_a_process_in_a_test_has_a_limit():
+    unlimited = []
+    for file in Path(__file__).parents[1].rglob("*.py"):
+        nodes = list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
+        awaited = {id(node.value) for node in nodes if isinstance(node, ast.Await)}
+        for node in nodes:
+            if not isinstance(node, ast.Call) or id(node) in awaited:
+                continue
+            called, limited = ast.unparse(node.func), any(word.arg == "timeout" for word in node.keywords)
+            waits = called == "subprocess.run" or called.endswith((".communicate", ".wait"))
+            if (waits or (called.endswith(".join") and not node.args)) and not limited:
+                unlimited.append(f"{file.name}:{node.lineno}: {called}")
+    assert unlimited == []
 
 
 def test_type_checkers_know_the_public_names_and_no_others():
@@ -184,4 +199,4 @@ def test_other_names_do_not_exist():
 
 def test_a_bare_import_is_light():
     code = "import sys, asperity; sys.exit(any(m in sys.modules for m in ('numpy', 'xarray', 'matplotlib')))"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0

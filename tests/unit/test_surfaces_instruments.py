@@ -212,7 +212,7 @@ def test_without_the_library_it_says_how_to_install_it(
 
 def test_the_library_is_not_imported_before_it_is_needed() -> None:
     code = "import sys, asperity.surfaces; sys.exit('SurfaceTopography' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0
 
 
 def test_the_range_of_a_hurst_exponent_holds_no_waves_of_too_little_power() -> None:

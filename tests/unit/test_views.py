@@ -171,4 +171,4 @@ def test_what_has_no_card_is_refused() -> None:
 
 def test_nothing_is_drawn_before_it_is_asked_for() -> None:
     code = "import asperity.results, sys; sys.exit('matplotlib' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0

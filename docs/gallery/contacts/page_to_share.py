@@ -36,7 +36,7 @@ with tempfile.TemporaryDirectory() as folder:
     saved, page = Path(folder) / "aging.zarr", Path(folder) / "aging.html"
     history.save(saved)
     command = [sys.executable, "-m", "asperity", "explore", "--export", page, saved]
-    subprocess.run(command, check=True, capture_output=True)
+    subprocess.run(command, check=True, capture_output=True, timeout=120)
     text = page.read_text(encoding="utf-8")
 
 print(f"one file of {len(text) / 1e3:.0f} kB, which may load nothing from elsewhere")

@@ -63,6 +63,9 @@ KEPT_FIELDS = (
 )
 """Fields of a run that asked for maps."""
 
+_PATIENCE = 60.0
+"""Seconds to wait for another process that prepares the same folder, which takes it a moment."""
+
 _OF_MAPS = "of_maps"
 """The array of all that maps know of patches."""
 
@@ -110,7 +113,7 @@ class Store:
         """Create the folders, and clear what killed writers left; harmless while others write."""
         for name in ("locks", "failed", "checkpoints", "staging"):
             (self.work / name).mkdir(parents=True, exist_ok=True)
-        with FileLock(self.work / "prepare.lock"):  # one at a time: creating a group is no single act
+        with self._alone():  # creating a group is no single act
             try:
                 zarr.open_group(self.runs, mode="a")
             except OSError:
@@ -122,6 +125,24 @@ class Store:
             for left in found:
                 if left.name.partition(".")[0] not in running:  # its writer was killed
                     shutil.rmtree(left, ignore_errors=True)
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Wait until no other process prepares the folder, and keep others from it."""
+        lock = FileLock(self.work / "prepare.lock", timeout=_PATIENCE)
+        try:
+            lock.acquire()
+        except Timeout as error:
+            raise InputError(
+                "campaign",
+                expected="a folder that is free",
+                got=f"{self.directory}, which another process has been preparing for {_PATIENCE:g} s",
+                advice="ending that process",
+            ) from error
+        try:
+            yield
+        finally:
+            lock.release()
 
     def is_done(self, identity: str) -> bool:
         """Whether the run is finished."""
