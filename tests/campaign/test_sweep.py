@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -350,7 +351,7 @@ def test_a_scheduler_without_workers_ends_in_words(tmp_path):
         status, _, error = finish("sweep", written(tmp_path), *flags, before=short)
     finally:
         alone.kill()
-        alone.wait()
+        alone.wait(timeout=30)
     assert status == 1
     assert "waiting for workers: 0 connected" in error
     assert error.splitlines()[-1].endswith("which had none for 1 seconds; try starting some")

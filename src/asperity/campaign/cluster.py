@@ -101,7 +101,6 @@ def _connected(scheduler: str) -> Client:
                     f"{_PATIENCE:.0f} seconds; try starting some"
                 ) from None
             warnings.warn("waiting for workers: 0 connected", Remark, stacklevel=2)
-    warnings.warn(f"workers connected: {len(client.nthreads())}", Remark, stacklevel=2)
     return client
 
 

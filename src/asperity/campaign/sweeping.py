@@ -39,6 +39,8 @@ class Tally:
         Numbers of runs; those neither done, failed nor running are left.
     reasons
         Why runs failed, by identity.
+    workers
+        Number of workers that the campaign began with; 0 where none are at work.
     """
 
     total: int
@@ -46,6 +48,7 @@ class Tally:
     failed: int
     running: int
     reasons: dict[str, str]
+    workers: int = 0
 
     @property
     def left(self) -> int:
@@ -133,6 +136,8 @@ def sweep(
     if open_runs:
         compile_loops()  # once, rather than in every worker
         with connect(workers, scheduler, len(open_runs)) as client:
+            counts.workers = len(client.nthreads())
+            counts.tell()
             while open_runs:
                 busy = _round(client, store, open_runs, counts)
                 if busy:
@@ -162,7 +167,7 @@ class _Counts:
     def __init__(self, start: Tally, progress: Callable[[Tally], None] | None) -> None:
         self.total, self.done = start.total, start.done
         self.reasons = dict(start.reasons)
-        self.progress = progress
+        self.progress, self.workers = progress, 0
         self.tell()
 
     def take(self, report: Report) -> None:
@@ -175,7 +180,8 @@ class _Counts:
 
     def tell(self) -> None:
         if self.progress is not None:
-            self.progress(Tally(self.total, self.done, len(self.reasons), 0, dict(self.reasons)))
+            failed = len(self.reasons)
+            self.progress(Tally(self.total, self.done, failed, 0, dict(self.reasons), self.workers))
 
 
 def _open_runs(plan: Plan, store: Store) -> list[Run]:

@@ -25,7 +25,7 @@ from asperity.figures import campaign_figure
 from asperity.results import save
 from asperity.results.store import whole_file
 from asperity.tables import with_unit
-from asperity.words import data_size, duration
+from asperity.words import counted, data_size, duration
 
 _LINE_EVERY = 10.0
 """Seconds between two plain lines of progress."""
@@ -188,7 +188,7 @@ def tally_shown(*, quiet: bool) -> Iterator[Callable[[Tally], None]]:
 
 
 class _Lines:
-    """A line at the start, one every few seconds, one at the end.
+    """A line at the start, one when workers are there, one every few seconds, one at the end.
 
     The time left is that of the runs after the first one to end: before that workers start and loops compile.
     """
@@ -201,9 +201,9 @@ class _Lines:
     def say(self, now: Tally) -> None:
         over, moment = now.done + now.failed, clock.monotonic()
         self.calls += 1
-        if self.calls <= 2:
+        if self.calls <= 3:
             self.begin, self.over_at_begin = moment, over
-        if self.calls == 1 or over == now.total or moment - self.last >= _LINE_EVERY:
+        if self.calls <= 2 or over == now.total or moment - self.last >= _LINE_EVERY:
             self.last = moment
             fresh = over - self.over_at_begin
             left = (now.total - over) * (moment - self.begin) / fresh if fresh else None
@@ -212,7 +212,8 @@ class _Lines:
 
 
 def _words(now: Tally) -> str:
-    return f"runs, {now.failed} failed" if now.failed else "runs"
+    at_work = f" on {counted(now.workers, 'worker')}" if now.workers else ""
+    return f"runs{at_work}, {now.failed} failed" if now.failed else f"runs{at_work}"
 
 
 def _dimensions(plan: Plan) -> str:
