@@ -171,8 +171,10 @@ def test_whatever_waits_for_a_process_in_a_test_has_a_limit():
             if not isinstance(node, ast.Call) or id(node) in awaited:
                 continue
             called, limited = ast.unparse(node.func), any(word.arg == "timeout" for word in node.keywords)
-            waits = called == "subprocess.run" or called.endswith((".communicate", ".wait"))
-            if (waits or (called.endswith(".join") and not node.args)) and not limited:
+            waits = called.startswith("subprocess.") and called != "subprocess.Popen"
+            waits |= called.endswith((".communicate", ".wait"))
+            waits |= called.endswith(".join") and not node.args  # a thread's, not a string's
+            if waits and not limited:
                 unlimited.append(f"{file.name}:{node.lineno}: {called}")
     assert unlimited == []
 

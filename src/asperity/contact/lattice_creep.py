@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.arrays import largest
+from asperity.contact.arrays import inner, largest
 from asperity.contact.local_creep import LocalState, Stage, stretches_of
 from asperity.contact.multigrid.loops import ByLaw, Sites, Springs, Surface, Tangent
 from asperity.contact.multigrid.processor import Processor
@@ -221,7 +221,7 @@ class _Run:
 
     def damped(self, error: Field) -> Field:
         """An error of the creeping shape after an implicit step, the contacts staying what they are."""
-        scale = float(np.sqrt(np.vdot(error, error) / error.size))
+        scale = float(np.sqrt(inner(error, error, np) / error.size))
         if not 0 < scale < math.inf:
             return error
         work = self.work  # with the law as it was linearized last

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.contact.arrays import inner
 from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Pair, Single, Sites
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
@@ -185,7 +186,7 @@ class Hierarchy:
         if crowds_give and fraction < 1:
             count, random = math.prod(first.sites[:2]), _RANDOM * strength**2 * fraction * (1.0 - fraction)
             mean = float(first.pins.sum(dtype=float)) / count
-            variance = float(np.vdot(first.pins, first.pins)) / count - mean**2
+            variance = inner(first.pins, first.pins, np) / count - mean**2
             crowding = max(variance / random, 1.0)
             first.pins /= np.float32(crowding)
         # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.

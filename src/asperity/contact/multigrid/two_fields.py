@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.arrays import largest
+from asperity.contact.arrays import inner, largest
 from asperity.contact.multigrid.grids import Hierarchy
 from asperity.contact.multigrid.loops import (
     ByLaw,
@@ -389,6 +389,6 @@ def _relaxed(part: float, before: Single, now: Single) -> float:
     Taken whole, an error that changed sign and grew m times would do so again: 1 / (1 + m) of it removes it.
     """
     change = before - now
-    square = float(np.vdot(change, change))
-    part *= float(np.vdot(before, change)) / square if square > 0 else 1.0
+    square = inner(change, change, np)
+    part *= inner(before, change, np) / square if square > 0 else 1.0
     return min(max(part, _LEAST), _MOST)
