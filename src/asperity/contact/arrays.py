@@ -65,7 +65,7 @@ def largest(field: NDArray[Any], xp: Any) -> float:
     return max(float(xp.max(field)), -float(xp.min(field)))
 
 
-def inner(a: Field, b: Field, xp: Any) -> float:
+def inner(a: NDArray[np.floating], b: NDArray[np.floating], xp: Any) -> float:
     """Inner product of two fields, summed in double precision over the rows.
 
     Not over the whole field at once: the linear-algebra library would divide it among threads, which gain
