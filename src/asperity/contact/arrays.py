@@ -15,7 +15,6 @@ from array_api_compat import array_namespace
 from numpy.typing import NDArray
 
 from asperity.errors import InputError, MissingExtraError
-from asperity.lattice import Field
 
 
 def library(name: str) -> Any:
