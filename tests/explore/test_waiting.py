@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +15,12 @@ from asperity.explore.jobs import Jobs
 from asperity.explore.scene import Recording
 
 pytest.importorskip("uvicorn", reason="needs the extra explore")
+
+
+def outcome_of(doing: Coroutine[Any, Any, Any]) -> Any:
+    """Run in a thread, as the tests of the page in a browser leave a loop in this one."""
+    with ThreadPoolExecutor(1) as aside:
+        return aside.submit(asyncio.run, doing).result(timeout=60)
 
 
 def test_a_run_that_waits_for_loops_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,7 +39,7 @@ def test_a_run_that_waits_for_loops_says_so(monkeypatch: pytest.MonkeyPatch) -> 
         jobs._heard(worker, "ready", None)
         return recording
 
-    assert asyncio.run(ask()).stage == "starting"
+    assert outcome_of(ask()).stage == "starting"
 
 
 def test_a_connection_whose_sending_fails_is_closed() -> None:
@@ -63,4 +71,4 @@ def test_a_connection_whose_sending_fails_is_closed() -> None:
             await asyncio.wait_for(Session(socket, server).run(), 5)
         return list(socket.codes)
 
-    assert asyncio.run(serve())[0] == 1011
+    assert outcome_of(serve())[0] == 1011

@@ -195,13 +195,15 @@ class _Lines:
 
     def __init__(self) -> None:
         self.last = clock.monotonic()
-        self.begin = self.over_at_begin = 0.0
+        self.begin, self.over_at_start, self.over_at_begin = 0.0, 0, 0
         self.calls = 0
 
     def say(self, now: Tally) -> None:
         over, moment = now.done + now.failed, clock.monotonic()
         self.calls += 1
-        if self.calls <= 3:
+        if self.calls == 1:
+            self.over_at_start = over
+        if over <= self.over_at_start + 1:
             self.begin, self.over_at_begin = moment, over
         if self.calls <= 2 or over == now.total or moment - self.last >= _LINE_EVERY:
             self.last = moment
