@@ -332,7 +332,7 @@ def _with_seeds(
     config: RunConfig, point: tuple[int, ...], seeds: Sequence[int], content: str
 ) -> Iterator[Run]:
     """The runs of one point."""
-    facts = facts_of(config, content)
+    facts = _facts(config, content)
     if not seeds:
         yield Run(_identity(facts), point, None, config, content)
     for seed in seeds:
@@ -364,7 +364,7 @@ def _content(config: RunConfig, known: dict[str, str]) -> str:
     return known[name]
 
 
-def facts_of(config: RunConfig, content: str) -> dict[str, Any]:
+def _facts(config: RunConfig, content: str) -> dict[str, Any]:
     """All that the numbers of a run depend on; a measured surface counts by its content."""
     facts = config.model_dump()
     facts["output"].pop("figures")

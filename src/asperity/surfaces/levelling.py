@@ -84,7 +84,7 @@ class Levelled(NamedTuple):
         The heights; and as they were before the tilt was removed.
     facts
         What was done, and what was found: how many pixels are spikes, the highest in robust standard
-        deviations, what `bow` tells, and how many spikes were filled, if that was asked.
+        deviations, and how many spikes were filled, if that was asked.
     """
 
     level: Field
@@ -111,7 +111,6 @@ def levelled(heights: Field, missing: Mask, tilt: Tilt, most_spikes: float | Non
             raise InputError("despike", expected=expected, got=f"{share:.3g}", advice="heights as they are")
     facts: dict[str, str | int | float | list[float]] = {"tilt_rule": tilt, "tilt_coefficients": removed}
     facts |= {"outlying_pixels": int(outlying.sum()), "outlying_height": highest}
-    facts |= bow(level)
     if most_spikes is not None:
         facts["despiked_pixels"] = int((ignored & ~missing).sum())
     return Levelled(level, filled, facts)

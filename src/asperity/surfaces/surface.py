@@ -239,7 +239,8 @@ class Surface(views.InNotebooks):
         scan = self.scan
         nowhere = np.zeros(scan.shape, dtype=bool)
         found = levelling.levelled(scan.heights, nowhere, tilt, _SPIKY if despike else None)
-        return dataclasses.replace(scan, heights=found.level, provenance={**scan.provenance, **found.facts})
+        facts = {**scan.provenance, **found.facts, **levelling.bow(found.level)}
+        return dataclasses.replace(scan, heights=found.level, provenance=facts)
 
     def band(self, *, longest: float | None = None, shortest: float | None = None) -> Surface:
         """Leave out the waves that are longer or shorter than these; the mean stays.
