@@ -6,7 +6,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup --max-worker-restart 0
 
 # The first use of a loop compiles it; done once here, for every process after.
-COMPILE = $(BIN)/python -W ignore -c "from asperity.runs.loops import compile_loops as c; c(lambda text: print(text, '...'))"
+COMPILE = $(BIN)/python -W ignore -c "from asperity.app.runs.loops import compile_loops as c; c(lambda text: print(text, '...'))"
 
 .PHONY: help run test test-slow check format docs packages lock release bench clean
 
@@ -64,15 +64,15 @@ $(BIN)/python:
 	  $(PYTHON) -m pip install --quiet --target .boot virtualenv && \
 	  PYTHONPATH=.boot $(PYTHON) -m virtualenv --quiet $(VENV); }
 
-$(VENV)/.run: pyproject.toml | $(BIN)/python
+$(VENV)/.run: pyproject.toml research/pyproject.toml | $(BIN)/python
 	@echo "Installing Asperity ..."
-	@$(PIP) install --editable '.[campaign,explore]'
+	@$(PIP) install --editable '.[campaign,explore]' --editable ./research
 	@$(COMPILE)
 	@touch $@
 
-$(VENV)/.dev: pyproject.toml | $(BIN)/python
+$(VENV)/.dev: pyproject.toml research/pyproject.toml | $(BIN)/python
 	@echo "Installing Asperity and its tools ..."
 	@$(if $(LOCKED),$(PIP) install --require-hashes --requirement requirements-dev.lock)
-	@$(PIP) install $(if $(LOCKED),--no-deps) --editable '.[dev]'
+	@$(PIP) install $(if $(LOCKED),--no-deps) --editable '.[dev]' --editable ./research
 	@$(COMPILE)
 	@touch $@ $(VENV)/.run

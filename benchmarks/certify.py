@@ -29,8 +29,8 @@ import scipy
 import scipy.fft
 
 import asperity as asp
-from asperity.challenge import NAMES, Problem, problem, solve
-from asperity.challenge.posing import PARTS
+from asperity_research.challenge import NAMES, Problem, problem, solve
+from asperity_research.challenge.posing import PARTS
 
 USUAL = 2e-3
 ROUNDING = 1e-8

@@ -11,11 +11,11 @@ WIDTH, HEIGHT, STEP, CHARACTER, GAP = 620, 26, 50, 8.2, 14
 
 
 def rooms():
-    """Each folder or module of the package, with the rooms that it imports."""
+    """Each folder or module of the library and of the programs, with the rooms that it imports."""
     found = {}
     for path in sorted(SOURCE.rglob("*.py")):
-        room = path.relative_to(SOURCE).parts[0].removesuffix(".py")
-        if not room.startswith("_"):
+        room = _room(path.relative_to(SOURCE).with_suffix("").parts)
+        if room not in ("", "app", "__init__") and not room.startswith("_"):
             found.setdefault(room, set()).update(_imported(path) - {room})
     return {room: {other for other in others if other in found} for room, others in found.items()}
 
@@ -35,7 +35,12 @@ def _imported(path):
             names.add(node.module)
         elif isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
-    return {name.split(".")[1] for name in names if name.startswith("asperity.")}
+    return {_room(name.split(".")[1:]) for name in names if name.startswith("asperity.")}
+
+
+def _room(parts):
+    """The name of a room: a module or a folder of the library, or of the programs."""
+    return next(iter(parts[1:] if parts[0] == "app" else parts), "")
 
 
 def needed(imports):
@@ -144,7 +149,7 @@ def listed():
     """Each room with its first sentence, modules and lines, from the ground up."""
     rows = []
     for room in [room for row in levels(rooms()) for room in sorted(row)]:
-        folder = SOURCE / room
+        folder = SOURCE / "app" / room if (SOURCE / "app" / room).is_dir() else SOURCE / room
         files = sorted(folder.rglob("*.py")) if folder.is_dir() else [SOURCE / f"{room}.py"]
         first = folder / "__init__.py" if folder.is_dir() else files[0]
         said = (ast.get_docstring(ast.parse(first.read_text(encoding="utf-8"))) or "").split("\n\n")[0]

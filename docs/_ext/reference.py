@@ -9,8 +9,8 @@ from types import ModuleType
 import house
 
 import asperity
-from asperity.cli.app import app
-from asperity.config.keys import sections
+from asperity.app.cli.command import app
+from asperity.app.config.keys import sections
 from asperity.results import quantities
 
 DOCS = Path(__file__).parents[1]
@@ -19,7 +19,9 @@ DOCS = Path(__file__).parents[1]
 def rooms():
     """The public rooms by name."""
     return {
-        name: thing for name in asperity.__all__ if isinstance(thing := getattr(asperity, name), ModuleType)
+        name: thing
+        for name in (*asperity.__all__, "challenge")  # which asperity-research adds
+        if isinstance(thing := getattr(asperity, name), ModuleType)
     }
 
 

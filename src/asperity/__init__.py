@@ -23,8 +23,6 @@ from asperity._version import __version__
 if TYPE_CHECKING:
     from asperity import (
         analysis,
-        campaign,
-        challenge,
         errors,
         figures,
         fits,
@@ -38,9 +36,10 @@ if TYPE_CHECKING:
     )
     from asperity.aging import Frame
     from asperity.analysis import observe
+    from asperity.app import campaign
+    from asperity.app.runs.prediction import predict
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
     from asperity.results import Checkpoint, History
-    from asperity.runs.prediction import predict
     from asperity.simulate import age, press, relax, slide
 
 __all__ = [
@@ -56,7 +55,6 @@ __all__ = [
     "age",
     "analysis",
     "campaign",
-    "challenge",
     "errors",
     "figures",
     "fits",
@@ -77,11 +75,14 @@ __all__ = [
 _HOME = {
     "asperity.aging": ("Frame",),
     "asperity.analysis": ("observe",),
+    "asperity.app.runs.prediction": ("predict",),
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.results": ("Checkpoint", "History"),
-    "asperity.runs.prediction": ("predict",),
     "asperity.simulate": ("age", "press", "relax", "slide"),
 }
+_PROGRAMS = ("campaign", "cli", "config", "explore", "runs")
+_RESEARCH = ("challenge", "studies")
+"""Rooms that the distribution asperity-research adds, by entry points."""
 
 if not TYPE_CHECKING:  # for a type checker, a name that is not above does not exist
 
@@ -90,9 +91,17 @@ if not TYPE_CHECKING:  # for a type checker, a name that is not above does not e
         for home, names in _HOME.items():
             if name in names:
                 return getattr(importlib.import_module(home), name)
-        if name.startswith("_") or importlib.util.find_spec(f"asperity.{name}") is None:
-            raise AttributeError(f"module 'asperity' has no attribute {name!r}")
-        return importlib.import_module(f"asperity.{name}")
+        room = f"asperity.app.{name}" if name in _PROGRAMS else f"asperity.{name}"
+        if not name.startswith("_") and importlib.util.find_spec(room) is not None:
+            return importlib.import_module(room)
+        missing = f"module 'asperity' has no attribute {name!r}"
+        if name in _RESEARCH:
+            from importlib.metadata import entry_points
+
+            for found in entry_points(group="asperity.rooms", name=name):
+                return found.load()
+            missing += "; it comes with asperity-research; try pip install asperity-research"
+        raise AttributeError(missing)
 
 
 def __dir__() -> list[str]:

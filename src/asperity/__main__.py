@@ -2,6 +2,6 @@
 
 import sys
 
-from asperity.cli import main
+from asperity.app.cli import main
 
 sys.exit(main())

@@ -1,52 +1,32 @@
 """How results show themselves: in one line, as Datasets, as pictures, and as HTML in notebooks.
 
-A contact knows nothing of figures and Datasets, which come after it. Only when one is asked for does this
-module import `asperity.figures` or `asperity.results`. It is the one place where an import points downstream,
-and ``tests/unit/test_house.py`` lets no other do so.
+A contact knows nothing of figures and Datasets, which come after it. The rooms `results` and `figures`
+register here what they make, and are imported by name when it is first asked for.
 """
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sized
+from collections.abc import Callable, Sized
 from dataclasses import fields
-from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import Any, TypeVar
 
-if TYPE_CHECKING:
-    from asperity.figures.cards import html_of
-    from asperity.figures.film import Film, animate_history
-    from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
-    from asperity.results.contacts import contact_dataset
-    from asperity.results.store import save
-
-__all__ = [
-    "Brief",
-    "Film",
-    "InNotebooks",
-    "animate_history",
-    "contact_dataset",
-    "html_of",
-    "plot_contact",
-    "plot_history",
-    "plot_spectrum",
-    "plot_surface",
-    "save",
-]
-_OF_RESULTS = {"contact_dataset": "asperity.results.contacts", "save": "asperity.results.store"}
+_Maker = TypeVar("_Maker", bound=Callable[..., Any])
+_MAKERS: dict[str, Callable[..., Any]] = {}
 
 
-def _figures() -> ModuleType:
-    return importlib.import_module("asperity.figures")
+def maker(function: _Maker) -> _Maker:
+    """Register a function, by its name, as one that shows or keeps results."""
+    _MAKERS[function.__name__] = function
+    return function
 
 
-if not TYPE_CHECKING:
-
-    def __getattr__(name):
-        """Import what draws or saves, when it is first used."""
-        if name not in __all__:
-            raise AttributeError(f"module 'asperity.views' has no attribute {name!r}")
-        return getattr(importlib.import_module(_OF_RESULTS.get(name, "asperity.figures")), name)
+def made_by(name: str) -> Callable[..., Any]:
+    """Return the function that was registered by a name."""
+    for room in ("asperity.results", "asperity.figures"):
+        if name not in _MAKERS:
+            importlib.import_module(room)
+    return _MAKERS[name]
 
 
 class Brief:
@@ -74,5 +54,5 @@ class InNotebooks:
     """What a notebook shows as a small picture and numbers with units, with its certificate if it has one."""
 
     def _repr_html_(self) -> str:
-        html: str = _figures().html_of(self)
+        html: str = made_by("html_of")(self)
         return html

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asperity.config import config_from
-from asperity.explore.export import exported_page
-from asperity.explore.scene import ending, recorded
+from asperity.app.config import config_from
+from asperity.app.explore.export import exported_page
+from asperity.app.explore.scene import ending, recorded
+from asperity.app.runs import Progress, execute
 from asperity.results import save
-from asperity.runs import Progress, execute
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FOLDER = Path(__file__).parent

@@ -9,8 +9,8 @@ from PIL import Image
 from PIL.GifImagePlugin import GifImageFile
 
 import asperity as asp
-from asperity.explore.export import exported_page
-from asperity.explore.scene import ending, pack, recorded
+from asperity.app.explore.export import exported_page
+from asperity.app.explore.scene import ending, pack, recorded
 from tests.browser.conftest import rows, state, until
 
 KEPT, NEW, LOST = 1, 2, 3

@@ -8,9 +8,9 @@ import pytest
 from PIL.GifImagePlugin import GifImageFile
 
 import asperity as asp
-from asperity.config import config_from
-from asperity.config.reading import read_tables
-from asperity.runs import Progress, execute
+from asperity.app.config import config_from
+from asperity.app.config.reading import read_tables
+from asperity.app.runs import Progress, execute
 from tests.browser.conftest import SMALL, again, finished, link, rows, state, until
 
 

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import zarr
 
-from asperity.campaign.store import Store
-from asperity.campaign.sweeping import plan_to_json
-from asperity.campaign.worker import run_task
-from asperity.config import to_tables
+from asperity.app.campaign.store import Store
+from asperity.app.campaign.sweeping import plan_to_json
+from asperity.app.campaign.worker import run_task
+from asperity.app.config import to_tables
 
 SMALL = """
 [surface]
@@ -57,7 +57,7 @@ def start(*words: str | Path, before: str = "") -> subprocess.Popen[str]:
         "import sys\n"
         "if __name__ == '__main__':\n"
         f"    {before or 'pass'}\n"
-        "    from asperity.cli import main\n"
+        "    from asperity.app.cli import main\n"
         "    sys.exit(main(sys.argv[1:]))"
     )
     return subprocess.Popen(

@@ -7,10 +7,10 @@ from functools import partial
 import numpy as np
 import pytest
 
-import asperity.campaign as campaign
-import asperity.campaign.forecast as forecast
-from asperity.campaign.store import Store
-from asperity.runs import Progress, execute
+import asperity.app.campaign as campaign
+import asperity.app.campaign.forecast as forecast
+from asperity.app.campaign.store import Store
+from asperity.app.runs import Progress, execute
 from tests.campaign.conftest import do_here, written
 
 CASES = {

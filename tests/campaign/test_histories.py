@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-import asperity.campaign as campaign
+import asperity.app.campaign as campaign
 from asperity import age, press
 from asperity.errors import ConfigError
 from asperity.protocols import Hold, Step

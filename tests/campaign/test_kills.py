@@ -9,8 +9,8 @@ import time
 import psutil
 import pytest
 
-import asperity.campaign as campaign
-from asperity.campaign.store import Store
+import asperity.app.campaign as campaign
+from asperity.app.campaign.store import Store
 from tests.campaign.conftest import finish, numbers, start, written
 
 pytestmark = [

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import asperity as asp
-import asperity.campaign as campaign
-from asperity.campaign.forecast import _shrunk
-from asperity.campaign.plan import read_plan, value_at
-from asperity.cli import main
+import asperity.app.campaign as campaign
+from asperity.app.campaign.forecast import _shrunk
+from asperity.app.campaign.plan import read_plan, value_at
+from asperity.app.cli import main
 from asperity.errors import ConfigError
 from tests.campaign.conftest import do_here, written
 

@@ -15,16 +15,16 @@ import pytest
 import xarray as xr
 from filelock import FileLock
 
-import asperity.campaign as campaign
-import asperity.campaign.store
+import asperity.app.campaign as campaign
+import asperity.app.campaign.store
 from asperity import age, observe, press
-from asperity.campaign.cluster import connect
-from asperity.campaign.plan import _NOT_SWEPT, value_at
-from asperity.campaign.store import Store
-from asperity.campaign.sweeping import plan_to_json
-from asperity.campaign.worker import run_task
-from asperity.cli import main
-from asperity.config.mistakes import ORDER, models_of
+from asperity.app.campaign.cluster import connect
+from asperity.app.campaign.plan import _NOT_SWEPT, value_at
+from asperity.app.campaign.store import Store
+from asperity.app.campaign.sweeping import plan_to_json
+from asperity.app.campaign.worker import run_task
+from asperity.app.cli import main
+from asperity.app.config.mistakes import ORDER, models_of
 from asperity.errors import InputError
 from asperity.results import load as load_results
 from asperity.results.quantities import OF_MAPS, PARAMETERS
@@ -346,7 +346,7 @@ def test_a_scheduler_without_workers_ends_in_words(tmp_path):
         while not (place.exists() and place.stat().st_size) and time.monotonic() < deadline:
             time.sleep(0.1)
         address = json.loads(place.read_text())["address"]
-        short = "import asperity.campaign.cluster as c; c._TELL, c._PATIENCE = 0.2, 1.0"
+        short = "import asperity.app.campaign.cluster as c; c._TELL, c._PATIENCE = 0.2, 1.0"
         flags = ("--out", tmp_path / "out", "--scheduler", address)
         status, _, error = finish("sweep", written(tmp_path), *flags, before=short)
     finally:
@@ -360,7 +360,7 @@ def test_a_scheduler_without_workers_ends_in_words(tmp_path):
 def test_what_takes_connections_and_is_no_scheduler_ends_in_words(tmp_path):
     with socket.create_server(("127.0.0.1", 0)) as silent:  # the system connects; nobody answers
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        short = "import asperity.campaign.cluster as c; c._ANSWER = 1.0"
+        short = "import asperity.app.campaign.cluster as c; c._ANSWER = 1.0"
         flags = ("--out", tmp_path / "out", "--scheduler", address)
         status, _, error = finish("sweep", written(tmp_path), *flags, before=short)
     assert status == 2
@@ -554,7 +554,7 @@ def test_runs_of_a_version_with_fewer_series_are_read():
 
 def test_a_folder_that_another_process_prepares_is_not_waited_for_for_ever(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(asperity.campaign.store, "_PATIENCE", 0.1)
+    monkeypatch.setattr(asperity.app.campaign.store, "_PATIENCE", 0.1)
     store = Store(Path("out"))
     store.work.mkdir(parents=True)
     with FileLock(store.work / "prepare.lock"), refuses("campaign"):

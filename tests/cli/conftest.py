@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from asperity.cli import main
+from asperity.app.cli import main
 
 SMALL = ("--shape", "32x32", "--last", "10", "--per-decade", "2")
 """Flags of a run that takes less than a second."""
@@ -39,7 +39,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def process(*words: str | Path, before: str = "") -> subprocess.Popen[str]:
     """Start the command as a process of its own, after some Python code."""
-    code = f"import sys\n{before}\nfrom asperity.cli import main\nsys.exit(main(sys.argv[1:]))"
+    code = f"import sys\n{before}\nfrom asperity.app.cli import main\nsys.exit(main(sys.argv[1:]))"
     return subprocess.Popen(
         [sys.executable, "-c", code, *map(str, words)],
         stdout=subprocess.PIPE,

@@ -84,7 +84,7 @@ def test_without_its_libraries_it_says_what_to_install(
     asperity: Asperity, finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "uvicorn", None)
-    monkeypatch.delitem(sys.modules, "asperity.explore.server", raising=False)
+    monkeypatch.delitem(sys.modules, "asperity.app.explore.server", raising=False)
     status, out, err = asperity("explore", "--no-browser")
     assert (status, out) == (1, "")
     assert "try pip install 'asperity[explore]'" in err

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from asperity import age, press, results
-from asperity.cli import main
-from asperity.config import read_config
-from asperity.config.legs import legs_from_words
-from asperity.config.python import to_python
+from asperity.app.cli import main
+from asperity.app.config import read_config
+from asperity.app.config.legs import legs_from_words
+from asperity.app.config.python import to_python
+from asperity.app.runs.pipeline import recorded_times
 from asperity.protocols import Hold, Ramp, Repeat, Slide, Step
-from asperity.runs.pipeline import recorded_times
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
 from tests.cli.conftest import Asperity

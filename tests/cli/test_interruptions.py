@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from asperity.cli import main
+from asperity.app.cli import main
 from tests.cli.conftest import SMALL, process
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
@@ -76,7 +76,7 @@ def test_a_run_that_is_stopped(tmp_path: Path, stop: signal.Signals) -> None:
 
 
 def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) -> None:
-    often = "import asperity.cli.run as command\ncommand._CHECKPOINT_EVERY = 0.0"
+    often = "import asperity.app.cli.run as command\ncommand._CHECKPOINT_EVERY = 0.0"
     flags = ("--shape", "256,256", "--last", "1e6")  # long enough to be stopped on the way
     for stop in (signal.SIGKILL, signal.SIGINT):
         listen = f"{often}\nimport signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
@@ -152,7 +152,7 @@ def test_a_stream_without_the_letters(finished: Path, tmp_path: Path) -> None:
 def test_on_a_terminal_there_is_a_bar(tmp_path: Path) -> None:
     pty = pytest.importorskip("pty")
     ours, theirs = pty.openpty()
-    code = "import sys; from asperity.cli import main; sys.exit(main(sys.argv[1:]))"
+    code = "import sys; from asperity.app.cli import main; sys.exit(main(sys.argv[1:]))"
     words = [sys.executable, "-c", code, "run", *SMALL, "--out", str(tmp_path / "out")]
     with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=theirs) as running:
         os.close(theirs)

@@ -203,7 +203,7 @@ def python(*words: str) -> subprocess.CompletedProcess[str]:
 
 def test_help_does_not_wait_for_the_engine() -> None:
     code = (
-        "import sys\nfrom asperity.cli import main\nmain(['run', '--help'])\n"
+        "import sys\nfrom asperity.app.cli import main\nmain(['run', '--help'])\n"
         "sys.exit(any(m in sys.modules for m in ('numpy', 'xarray', 'matplotlib')))"
     )
     assert python("-c", code).returncode == 0

@@ -16,15 +16,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import asperity as asp
 from asperity.analysis.prediction import Prediction, growth_of
-from asperity.cli import main
-from asperity.cli import predict as command
-from asperity.cli.flags import of_flags
-from asperity.config.reading import read_config
+from asperity.app.cli import main
+from asperity.app.cli import predict as command
+from asperity.app.cli.flags import of_flags
+from asperity.app.config.reading import read_config
+from asperity.app.runs import Progress
+from asperity.app.runs.prediction import Modulus, predict_config
 from asperity.errors import InputError
 from asperity.figures.page import quantity
 from asperity.figures.prediction import growth_figure
-from asperity.runs import Progress
-from asperity.runs.prediction import Modulus, predict_config
 from tests.cli.conftest import Asperity
 from tests.refusals import refuses
 
@@ -490,7 +490,7 @@ def test_a_protocol_may_put_the_load_on(files: Path, scan: asp.surfaces.Surface)
 def test_wrong_files_are_refused_before_anything_is_pressed(
     broken: str, files: Path, tmp_path: Path, asperity: Asperity, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for place in ("asperity.runs.prediction.press", "asperity.cli.predict.compile_loops"):
+    for place in ("asperity.app.runs.prediction.press", "asperity.app.cli.predict.compile_loops"):
         monkeypatch.setattr(place, lambda *_, **__: pytest.fail("computing has begun"), raising=False)
     call = words(files, "--pressure", "40MPa", "--out", tmp_path / "out")
     wrong = tmp_path / "wrong.txt"
@@ -616,7 +616,9 @@ def test_flags_are_checked_before_anything_is_done(
     asperity: Asperity,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("asperity.runs.prediction.press", lambda *_, **__: pytest.fail("computing has begun"))
+    monkeypatch.setattr(
+        "asperity.app.runs.prediction.press", lambda *_, **__: pytest.fail("computing has begun")
+    )
     status, out, error = asperity(*words(files, "--pressure", "40MPa", *more, "--out", tmp_path / "out"))
     assert (status, out, error.count("\n")) == (2, "", 1)
     assert said in error

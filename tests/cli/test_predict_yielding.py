@@ -10,7 +10,7 @@ import pytest
 
 import asperity as asp
 from asperity.analysis.prediction import Prediction
-from asperity.cli import predict as command
+from asperity.app.cli import predict as command
 from asperity.figures.page import prediction_page
 from tests.cli.conftest import Asperity
 from tests.refusals import refuses

@@ -248,7 +248,7 @@ def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(
     def fail(*_: object) -> None:
         raise ValueError("no axis fits")
 
-    monkeypatch.setattr("asperity.cli.output.aging_curve", fail)
+    monkeypatch.setattr("asperity.app.cli.output.aging_curve", fail)
     status, text, _ = asperity("run", *SMALL, "--out", tmp_path / "out")
     assert status == 0
     assert "the figure 'aging' could not be drawn: no axis fits" in text

@@ -10,10 +10,10 @@ import xarray as xr
 import asperity as asp
 from asperity.analysis import contact_maps
 from asperity.analysis.scan import written
-from asperity.cli import main
-from asperity.config import read_config
+from asperity.app.cli import main
+from asperity.app.config import read_config
+from asperity.app.runs import Progress, execute
 from asperity.results import Checkpoint
-from asperity.runs import Progress, execute
 from tests.cli.conftest import Asperity
 
 BRANCHES = [(0.3, 0.01), (0.3, 1.0), (0.2, 100.0)]
@@ -35,7 +35,7 @@ def scan(tmp_path_factory):
 @pytest.fixture(scope="module")
 def done(scan):
     """A finished run, not to be changed."""
-    from asperity.cli import main
+    from asperity.app.cli import main
 
     out = scan.parent / "out"
     words = ["run", "--file", str(scan), *UNITS, *CREEPING, "--periodic", "reflect", *BRIEF]

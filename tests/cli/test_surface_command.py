@@ -206,7 +206,7 @@ def test_bow_and_spikes_are_remarked_and_removed(asperity: Asperity) -> None:
 def test_a_figure_that_cannot_be_is_refused_before_anything_is_computed(
     asperity: Asperity, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "asperity.cli.show", None)  # what reads and draws
+    monkeypatch.setitem(sys.modules, "asperity.app.cli.show", None)  # what reads and draws
     np.save("rough.npy", gaussian((8, 8)))
     Path("folder").mkdir()
     status, _, error = asperity("surface", "rough.npy", "--out", "folder")

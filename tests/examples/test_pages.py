@@ -21,10 +21,10 @@ import numpy as np
 import pytest
 
 from asperity import __version__
-from asperity.campaign import read_plan
-from asperity.cli import main
-from asperity.cli.app import app
-from asperity.config import config_from, read_tables
+from asperity.app.campaign import read_plan
+from asperity.app.cli import main
+from asperity.app.cli.command import app
+from asperity.app.config import config_from, read_tables
 
 ROOT = Path(__file__).parents[2]
 PAGES = [
@@ -32,7 +32,10 @@ PAGES = [
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "docs" / "studies").glob("*.md")),
 ]
-SOURCES = (ROOT, ROOT / "src" / "asperity", ROOT / "benchmarks")
+SOURCES = (
+    *(ROOT, ROOT / "src" / "asperity", ROOT / "src" / "asperity" / "app", ROOT / "benchmarks"),
+    *(ROOT / "research", ROOT / "research" / "src" / "asperity_research"),
+)
 ROOMS = (
     "asp",
     "asperity",

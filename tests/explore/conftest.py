@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from asperity.cli import main
-from asperity.explore.scene import Arrays, Header, unpack
+from asperity.app.cli import main
+from asperity.app.explore.scene import Arrays, Header, unpack
 from tests.campaign.conftest import do_here, written
 from tests.cli.conftest import process
 
@@ -134,7 +134,7 @@ def results_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("served")
     words = ("--shape", "24", "24", "--last", "10", "--load", "12", "--seed", "7", "--quiet", "--figures", "")
     assert main(["run", *words, "--out", str(root / "results" / "a run")]) == 0
-    from asperity.campaign import read_plan
+    from asperity.app.campaign import read_plan
 
     (root / "results" / "deeper").mkdir()
     do_here(read_plan(written(root, SWEPT)), root / "results" / "deeper" / "campaign")

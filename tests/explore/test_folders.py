@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.campaign import fields, load_plan
-from asperity.campaign import open as open_campaign
-from asperity.explore.export import exported_page
-from asperity.explore.folders import entries, inside, kind_of, open_entry
-from asperity.explore.scene import unpack
+from asperity.app.campaign import fields, load_plan
+from asperity.app.campaign import open as open_campaign
+from asperity.app.explore.export import exported_page
+from asperity.app.explore.folders import entries, inside, kind_of, open_entry
+from asperity.app.explore.scene import unpack
 from tests.explore.conftest import maps
 from tests.refusals import refuses
 
@@ -108,7 +108,7 @@ def test_a_campaign_is_shown_with_its_curves_and_any_of_its_runs(results_folder:
 
 
 def test_a_campaign_of_runs_without_fields_shows_their_surfaces(results_folder: Path, tmp_path: Path) -> None:
-    from asperity.campaign import read_plan
+    from asperity.app.campaign import read_plan
     from tests.campaign.conftest import do_here, written
 
     surface = (
@@ -171,8 +171,8 @@ def test_a_damaged_run_is_refused(results_folder: Path, tmp_path: Path) -> None:
 
 def test_surfaces_are_read_from_known_places_alone(tmp_path: Path) -> None:
     pytest.importorskip("uvicorn", reason="needs the extra explore")
-    from asperity.config import config_from
-    from asperity.explore.server import Places
+    from asperity.app.config import config_from
+    from asperity.app.explore.server import Places
 
     shown, dropped, elsewhere = (tmp_path / name for name in ("shown", "dropped", "elsewhere"))
     for folder in (shown, dropped, elsewhere):

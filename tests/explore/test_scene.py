@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.config import config_from
-from asperity.explore.scene import (
+from asperity.app.config import config_from
+from asperity.app.explore.scene import (
     Cursor,
     Recording,
     map_of,

@@ -14,10 +14,10 @@ import numpy as np
 import psutil
 import pytest
 
-from asperity.config import config_from
-from asperity.config.python import to_python
-from asperity.explore.export import page_files
-from asperity.runs import Progress, execute, recorded_times
+from asperity.app.config import config_from
+from asperity.app.config.python import to_python
+from asperity.app.explore.export import page_files
+from asperity.app.runs import Progress, execute, recorded_times
 from tests.explore.conftest import LARGE, QUICK, Server, column, maps, only
 
 pytest.importorskip("uvicorn", reason="needs the extra explore")

@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from asperity.config import config_from
-from asperity.explore.jobs import Jobs
-from asperity.explore.scene import Recording
+from asperity.app.config import config_from
+from asperity.app.explore.jobs import Jobs
+from asperity.app.explore.scene import Recording
 
 pytest.importorskip("uvicorn", reason="needs the extra explore")
 
@@ -27,7 +27,7 @@ def test_a_run_that_waits_for_loops_says_so(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(Jobs, "_start_worker", lambda _: None)
 
     async def ask() -> Recording:
-        from asperity.explore.jobs import _Worker
+        from asperity.app.explore.jobs import _Worker
 
         jobs = Jobs()
         process = SimpleNamespace(is_alive=lambda: True)
@@ -45,7 +45,7 @@ def test_a_run_that_waits_for_loops_says_so(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_connection_whose_sending_fails_is_closed() -> None:
     from starlette.websockets import WebSocketDisconnect
 
-    from asperity.explore.server import Session
+    from asperity.app.explore.server import Session
 
     class Socket:
         def __init__(self) -> None:

@@ -12,10 +12,10 @@ import xarray as xr
 
 import asperity as asp
 from asperity import campaign
-from asperity.campaign import sweeping
-from asperity.campaign.worker import run_task
-from asperity.cli import main
-from asperity.config import to_tables
+from asperity.app.campaign import sweeping
+from asperity.app.campaign.worker import run_task
+from asperity.app.cli import main
+from asperity.app.config import to_tables
 from asperity.errors import AsperityError
 from tests.campaign.conftest import do_here, written
 from tests.fuzz.fuzzing import Draw, assert_clear, damage_bytes, damage_folder, fuzz, tried

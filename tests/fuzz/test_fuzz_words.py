@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asperity.campaign import Plan, read_plan
-from asperity.config import RunConfig, read_config
-from asperity.config.mistakes import ORDER, flag_of, models_of
-from asperity.config.reading import to_toml
+from asperity.app.campaign import Plan, read_plan
+from asperity.app.config import RunConfig, read_config
+from asperity.app.config.mistakes import ORDER, flag_of, models_of
+from asperity.app.config.reading import to_toml
 from tests.fuzz.fuzzing import Draw, damage_bytes, fuzz, tried
 from tests.fuzz.test_fuzz_files import run_command
 
@@ -198,9 +198,9 @@ def test_command_lines(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
     def nothing(*_: Any, **__: Any) -> None:
         """In place of what takes hours."""
 
-    monkeypatch.setattr("asperity.cli.campaign.sweep", nothing)
-    monkeypatch.setattr("asperity.cli.reproduce.reproduce", nothing)
-    monkeypatch.setattr("asperity.cli.reproduce.say_what_it_takes", nothing)
+    monkeypatch.setattr("asperity.app.cli.campaign.sweep", nothing)
+    monkeypatch.setattr("asperity_research.commands.reproduce.reproduce", nothing)
+    monkeypatch.setattr("asperity_research.commands.reproduce.say_what_it_takes", nothing)
     flags = [flag_of(section, key) for section, keys in KEYS.items() for key in keys]
 
     def attempt(draw: Draw) -> None:

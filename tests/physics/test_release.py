@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 import asperity as asp
-from asperity.studies.release import maximum, superposed
 from asperity.theory import compliance
+from asperity_research.studies.release import maximum, superposed
 
 P = asp.protocols
 WAIT, TIMES = 10.0, np.geomspace(0.1, 300.0, 28)

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 import asperity as asp
-from asperity.cli.flags import flags_for, given
-from asperity.config.mistakes import ORDER, flag_of, models_of
-from asperity.config.models import (
+from asperity.app.cli.flags import flags_for, given
+from asperity.app.config.mistakes import ORDER, flag_of, models_of
+from asperity.app.config.models import (
     Aging,
     Exponential,
     Gaussian,
@@ -23,8 +23,8 @@ from asperity.config.models import (
     SelfAffine,
     Spectral,
 )
-from asperity.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
-from asperity.config.solids import SpringLattice
+from asperity.app.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
+from asperity.app.config.solids import SpringLattice
 from asperity.errors import ConfigError, InputError
 from asperity.theory import ExponentialHeights, GaussianHeights
 from asperity.words import closest

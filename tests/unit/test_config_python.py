@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asperity.config import RunConfig, config_from, to_toml
-from asperity.config.python import to_python
-from asperity.runs import Progress, execute, recorded_times
+from asperity.app.config import RunConfig, config_from, to_toml
+from asperity.app.config.python import to_python
+from asperity.app.runs import Progress, execute, recorded_times
 from tests.refusals import refuses
 
 GAUSSIAN = {"kind": "gaussian", "shape": [16, 12], "rms": 0.7, "seed": 3}

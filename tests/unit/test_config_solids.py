@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.cli.flags import flags_for, given
-from asperity.config import config_from
-from asperity.config.models import RunConfig
-from asperity.config.reading import from_tables, read_config, to_tables, to_toml
-from asperity.config.solids import HalfSpace, Layer, SpringLattice
+from asperity.app.cli.flags import flags_for, given
+from asperity.app.config import config_from
+from asperity.app.config.models import RunConfig
+from asperity.app.config.reading import from_tables, read_config, to_tables, to_toml
+from asperity.app.config.solids import HalfSpace, Layer, SpringLattice
+from asperity.app.runs import Progress, execute
 from asperity.errors import ConfigError
 from asperity.lattice import Lattice
-from asperity.runs import Progress, execute
 from asperity.words import has_unit, numbers, written_with_units
 from tests.refusals import refuses
 

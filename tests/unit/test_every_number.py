@@ -48,12 +48,6 @@ MAXWELL = [[0.25, 0.5], [0.5, 8.0]]
 SERIES = asp.relaxation.PronySeries(2.0, ((0.25, 0.5), (0.5, 8.0)))
 RELAXED = (np.round(8 * SERIES.modulus_at(TIME)) / 8 + 0.0).tolist()
 STIFFENING = RELAXED[::-1]
-REFERENCE = dataclasses.replace(
-    asp.challenge.problem("relaxing-half-space"),
-    heights={"rule": "waves", "grid": 2, "octaves": 2, "ratio": 0.5, "halvings": 1, "seed": 1}
-    | {"unit": "um", "side": 8.0},
-)
-
 RATE_AND_STATE = asp.friction.RateAndState(a=0.0, b=0.25, D_c=2.0, mu_0=1.0, V_0=1.0)
 STEPPED = asp.protocols.Repeat(asp.friction.velocity_steps([1.0, 4.0], distance=8.0), count=1)
 SLID = {
@@ -97,7 +91,6 @@ CALLS: list[tuple[Callable[..., Any], Arguments]] = [
     (asp.friction.Record, {**SLID, "friction": RECORD.friction.tolist()}),
     (asp.friction.rate_and_state, {"record": RECORD, "a": 0.0, "V_0": 2.0}),
     (asp.friction.compare_state_laws, {"records": RECORD, "a": 0.0, "V_0": 2.0}),
-    (asp.challenge.solve, {"name": REFERENCE, "rtol": 2.0**-5, "halvings": 1}),
     (asp.Checkpoint, {"path": "place", "every": 2.0}),
     (asp.Multigrid, {"max_cycles": 20}),
     (
@@ -294,11 +287,6 @@ WITHOUT_NUMBERS: set[Callable[..., Any]] = {
     asp.friction.add_friction,
     asp.figures.surface_figure,
     asp.figures.rate_and_state_figure,
-    asp.challenge.problem,
-    asp.challenge.problems,
-    asp.challenge.score,
-    asp.challenge.score_figure,
-    asp.challenge.write,
     asp.fits.jackknife,
     asp.friction.hold_peaks,
     asp.friction.read_record,

@@ -22,7 +22,7 @@ find = PathFinder.find_spec
 blocked = {blocked!r}
 PathFinder.find_spec = lambda name, *rest: None if name.partition(".")[0] in blocked else find(name, *rest)
 """
-MAIN = "from asperity.cli import main\nsys.argv[0] = 'asperity'\nsys.exit(main())"
+MAIN = "from asperity.app.cli import main\nsys.argv[0] = 'asperity'\nsys.exit(main())"
 
 
 @pytest.fixture
@@ -53,7 +53,7 @@ def test_every_module_is_imported_without_the_extras(without_extras, tmp_path):
                 importlib.import_module(module.name)
             except ModuleNotFoundError as error:
                 lacking = error.name.partition(".")[0]
-                assert module.name.startswith("asperity.explore."), (module.name, lacking)
+                assert module.name.startswith("asperity.app.explore."), (module.name, lacking)
                 assert lacking in ("starlette", "uvicorn", "websockets"), (module.name, lacking)
         print(len([name for name in sys.modules if name.startswith("asperity.")]))
     """)
@@ -94,6 +94,6 @@ def test_the_hints_name_extras_that_there_are():
 
 def test_what_is_slow_or_optional_is_imported_late():
     late = {"dask", "distributed", "pint", "SurfaceTopography", "matplotlib", "jinja2", "scipy.signal"}
-    code = f"import sys, asperity.cli.app, asperity as asp; asp.press; print({late!r} & set(sys.modules))"
+    code = f"import sys, asperity.app.cli.app, asperity as asp; asp.press; print({late!r} & set(sys.modules))"
     done = python(code, folder=None)
     assert done.stdout == "set()\n", done.stderr

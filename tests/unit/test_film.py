@@ -45,6 +45,7 @@ def frame(film: Film, number: int) -> tuple[np.ndarray, float]:
 
 def test_each_frame_is_a_map_and_its_time(aged: History) -> None:
     film = aged.animate()
+    assert isinstance(film, Film)
     black = to_rgb("black")
     left_end = film._fig.axes[1].get_xlim()[0]  # type: ignore[attr-defined]
     for number, time in enumerate((left_end, 0.5, 10.0)):

@@ -13,8 +13,9 @@ import pytest
 import asperity
 
 SOURCE = Path(asperity.__file__).parent
+RESEARCH = Path(__file__).parents[2] / "research" / "src" / "asperity_research"
 
-# Each room may import the rooms before it, and itself.
+# Each room may import the rooms before it, and itself. The library comes first, then the programs.
 ROOMS = [
     {"_version", "threads", "words", "views"},
     {"errors"},
@@ -32,60 +33,94 @@ ROOMS = [
     {"friction"},
     {"analysis"},
     {"figures"},
-    {"config"},
-    {"runs"},
-    {"challenge"},
-    {"campaign"},
-    {"explore"},
-    {"studies"},
-    {"paper"},
-    {"cli"},
+    {"app.config"},
+    {"app.runs"},
+    {"app.campaign"},
+    {"app.explore"},
+    {"app.cli"},
     {"__main__"},
 ]
-DOOR = SOURCE / "views.py"  # the only one that imports downstream, when a picture or a Dataset is asked for
-LEVEL = {room: level for level, rooms in enumerate(ROOMS) for room in rooms}
+ROOMS_OF_RESEARCH = [{"challenge"}, {"studies"}, {"paper"}, {"commands"}]
 
 
-def rooms_imported(file):
-    for node in ast.walk(ast.parse(file.read_text())):
+def levels(rooms):
+    return {room: level for level, there in enumerate(rooms) for room in there}
+
+
+def room_of(module, package):
+    """The room of a module of a package, of which the programs are one each."""
+    parts = module.removeprefix(f"{package}.").split(".")
+    return ".".join(parts[: 2 if parts[0] == "app" else 1])
+
+
+def imported(file):
+    """Modules that a file imports anywhere: at its top, in a function, or for type checkers."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{file}: write the full name"
-            modules = [node.module or ""]
+            # What is imported from a package may be a module of it.
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.Import):
-            modules = [alias.name for alias in node.names]
-        else:
-            continue
-        for module in modules:
-            parts = module.split(".")
-            if parts[0] == "asperity":
-                yield parts[1] if len(parts) > 1 else "asperity"
+            yield from (alias.name for alias in node.names)
 
 
-def test_imports_point_upstream():
-    checked = 0
-    for file in SOURCE.rglob("*.py"):
-        room = file.relative_to(SOURCE).parts[0].removesuffix(".py")
-        if room == "__init__":
-            continue
-        for other in rooms_imported(file):
-            if file == DOOR:
-                assert other in ("figures", "results")
+@pytest.mark.parametrize(
+    ("source", "package", "rooms"),
+    [(SOURCE, "asperity", ROOMS), (RESEARCH, "asperity_research", ROOMS_OF_RESEARCH)],
+)
+def test_imports_point_upstream(source, package, rooms):
+    level, checked = levels(rooms), 0
+    for file in source.rglob("*.py"):
+        module = ".".join([package, *file.relative_to(source).with_suffix("").parts])
+        room = room_of(module.removesuffix(".__init__"), package)
+        for other in imported(file):
+            if not other.startswith(f"{package}.") or room in (package, "app"):  # their doors show all
                 continue
-            assert other != "asperity", f"{file} imports the package root"
-            assert other == room or LEVEL[other] < LEVEL[room], f"{file}: {room} imports {other}"
+            there = room_of(other, package)
+            assert there in level, f"{file} imports {other}"
+            assert there == room or level[there] < level[room], f"{file}: {room} imports {there}"
             checked += 1
     assert checked > 50
+
+
+def circles(files):
+    """Files that import each other in a loop."""
+    arrows = {name: {other for other in others if other in files} - {name} for name, others in files.items()}
+    while ends := [name for name, others in arrows.items() if not others]:
+        arrows = {name: others - set(ends) for name, others in arrows.items() if name not in ends}
+    return sorted(arrows)
+
+
+@pytest.mark.parametrize(("source", "package"), [(SOURCE, "asperity"), (RESEARCH, "asperity_research")])
+def test_no_files_import_each_other_in_a_circle(source, package):
+    files = {}
+    for file in source.rglob("*.py"):
+        name = ".".join([package, *file.relative_to(source).with_suffix("").parts])
+        found = set(imported(file)) | {other.rpartition(".")[0] for other in imported(file)}
+        files[name.removesuffix(".__init__")] = found
+    # A package's face hands names on.
+    faces = {name for name in files if any(other.startswith(f"{name}.") for other in files)}
+    assert circles({name: found for name, found in files.items() if name not in faces}) == []
+
+
+def test_the_library_knows_neither_programs_nor_research():
+    for file in SOURCE.rglob("*.py"):
+        named = set(imported(file))
+        assert not any(module.startswith("asperity_research") for module in named), file
+        if file.relative_to(SOURCE).parts[0] not in ("app", "__main__.py", "__init__.py"):
+            assert not any(module.startswith("asperity.app") for module in named), file
 
 
 def test_no_other_module_imports_by_a_text():
     imports = {file for file in SOURCE.rglob("*.py") if "import_module(" in file.read_text()}
     # The last imports libraries of arrays.
-    assert imports == {DOOR, SOURCE / "__init__.py", SOURCE / "contact" / "arrays.py"}
+    assert imports == {SOURCE / "views.py", SOURCE / "__init__.py", SOURCE / "contact" / "arrays.py"}
 
 
 def test_theory_imports_nothing_of_the_simulation():
     for file in (SOURCE / "theory").rglob("*.py"):
-        assert set(rooms_imported(file)) <= {"theory", "checks", "errors"}
+        rooms = {room_of(module, "asperity") for module in imported(file) if module.startswith("asperity.")}
+        assert rooms <= {"theory", "checks", "errors"}
 
 
 def test_public_names():
@@ -103,7 +138,6 @@ def test_public_names():
         "age",
         "analysis",
         "campaign",
-        "challenge",
         "errors",
         "figures",
         "fits",
@@ -129,17 +163,16 @@ def test_public_rooms_show_public_names():
             assert sorted(member.__all__) == dir(member)
 
 
-@pytest.mark.parametrize("room", sorted(set(LEVEL) - {"_version", "__main__"}))
+@pytest.mark.parametrize("room", sorted(set(levels(ROOMS)) - {"_version", "__main__"}))
 def test_every_room_is_reached(room):
-    assert asperity.__getattr__(room) is sys.modules[f"asperity.{room}"]
+    assert asperity.__getattr__(room.removeprefix("app.")) is sys.modules[f"asperity.{room}"]
 
 
 @pytest.mark.parametrize(
     "room",
     [
         "analysis",
-        "campaign",
-        "challenge",
+        "app.campaign",
         "figures",
         "fits",
         "friction",

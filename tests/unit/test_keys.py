@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from asperity.config.keys import Key, sections
-from asperity.config.mistakes import models_of
-from asperity.config.models import LEGS
+from asperity.app.config.keys import Key, sections
+from asperity.app.config.mistakes import models_of
+from asperity.app.config.models import LEGS
 
 MODELS: dict[tuple[str, str], Any] = {("protocol", kind): model for kind, model in LEGS.items()} | {
     (section, str(model.model_fields["kind"].default) if "kind" in model.model_fields else ""): model

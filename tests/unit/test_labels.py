@@ -7,8 +7,8 @@ import pytest
 
 import asperity as asp
 from asperity.analysis.scan import written
-from asperity.cli.report import _solid
-from asperity.config import config_from
+from asperity.app.cli.report import _solid
+from asperity.app.config import config_from
 from asperity.figures.style import spelled
 
 P = asp.protocols

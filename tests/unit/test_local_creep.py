@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import asperity as asp
-import asperity.runs.pipeline as pipeline
-from asperity.config.models import RunConfig
-from asperity.config.python import to_python
+import asperity.app.runs.pipeline as pipeline
+from asperity.app.config.models import RunConfig
+from asperity.app.config.python import to_python
 from asperity.errors import CheckpointError, ConvergenceError
 from asperity.solids import CreepLaw, Eyring, Norton, half_space, spring_lattice
 from tests.refusals import refuses

@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.cli import main
+from asperity.app.cli import main
+from asperity.app.runs import loops
 from asperity.contact import compiled
 from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, One, Sites, Two
 from asperity.contact.stencils import forces
 from asperity.errors import Remark
-from asperity.runs import loops
 
 HISTORIES = """
 import hashlib, numpy as np, asperity as asp
@@ -147,7 +147,7 @@ def test_all_loops_are_compiled_beforehand():
     code = (
         HISTORIES
         + """
-from asperity.runs import loops
+from asperity.app.runs import loops
 from importlib import import_module
 loops.stamp_of = lambda *_: None
 loops.compile_loops(print, print)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from asperity.campaign import load_plan, read_plan
-from asperity.campaign.plan import name_of
-from asperity.campaign.sweeping import plan_to_json
-from asperity.config import read_config
+from asperity.app.campaign import load_plan, read_plan
+from asperity.app.campaign.plan import name_of
+from asperity.app.campaign.sweeping import plan_to_json
+from asperity.app.config import read_config
 from asperity.errors import ConfigError
 
 BASE = """

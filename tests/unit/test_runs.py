@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-import asperity.runs.pipeline as module
-from asperity.config import config_from
+import asperity.app.runs.pipeline as module
+from asperity.app.config import config_from
+from asperity.app.runs import Progress, execute
+from asperity.app.runs.defaults import hold_times, map_times, modest_load
 from asperity.errors import ConvergenceError, InputError
-from asperity.runs import Progress, execute
-from asperity.runs.defaults import hold_times, map_times, modest_load
 from tests.refusals import refuses
 
 TIMES = np.geomspace(1e-2, 1e4, 25)

@@ -1,7 +1,6 @@
 """What is given in place of a dataset, a result or a name is refused in words, whatever it is."""
 
 import inspect
-import itertools
 from types import ModuleType
 from typing import Any
 
@@ -10,9 +9,7 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-import asperity.studies as studies
 from asperity.errors import InputError
-from tests.refusals import refuses
 
 CONTACT = asp.press(
     np.random.default_rng(1).normal(size=(8, 8)), asp.solids.spring_lattice(k0=1.0, k1=3.0), load=8.0
@@ -33,15 +30,8 @@ FUNCTIONS = [
         for name in room.__all__
         if not inspect.isclass(getattr(room, name)) and name not in ELSEWHERE
     ),
-    ("asperity.challenge", "score"),
-    ("asperity.challenge", "score_figure"),
-    ("asperity.challenge", "problem"),
-    ("asperity.challenge", "solve"),
     ("asperity.friction", "compare_state_laws"),
     ("asperity.friction", "hold_peaks"),
-    ("asperity.studies", "conclude"),
-    ("asperity.studies", "named"),
-    ("asperity.studies", "run"),
 ]
 
 
@@ -54,16 +44,3 @@ def test_a_wrong_thing_is_refused(room: str, name: str) -> None:
         with pytest.raises(InputError) as raised:
             function(**words)
         assert "\n" not in str(raised.value)
-
-
-def test_the_problem_is_looked_up_before_the_answer() -> None:
-    for result, name in itertools.product(({}, {"time": [1.0]}), ("nope", "dens")):
-        with refuses("problem"):
-            asp.challenge.score(result, name)
-    with refuses("result"):
-        asp.challenge.score({}, "dense")
-
-
-def test_a_study_goes_by_its_name() -> None:
-    with pytest.raises(InputError, match="got 'unlaoding'; try unloading"):
-        studies.run("unlaoding", "nowhere")

@@ -20,7 +20,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import asperity as asp
-from asperity.explore.scene import unpack
+from asperity.app.explore.scene import unpack
 
 rough = asp.surfaces.gaussian((64, 64), rms=1.0, seed=0)
 contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=80.0)

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import asperity as asp
-from asperity.studies.patch_sizes import growth
+from asperity_research.studies.patch_sizes import growth
 
 heights = asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=16.0, cutoff=4.0, rms_slope=1.0, seed=0)
 branches = [(0.25, 1.0), (0.25, 10.0), (0.25, 100.0)]

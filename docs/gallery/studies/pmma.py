@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import asperity as asp
-from asperity.studies.pmma import MODULUS, PREFACTOR, PRESSURE, VOLUME, energy
+from asperity_research.studies.pmma import MODULUS, PREFACTOR, PRESSURE, VOLUME, energy
 
 heights = asp.surfaces.spectral((64, 64), spacing=0.1, hurst=0.8, roll_off=3.2, cutoff=0.8, rms_slope=0.5)
 rough = asp.surfaces.Surface(heights, unit="um", pixel_size=(0.1, 0.1), length_unit="um")

@@ -267,7 +267,8 @@ class Contact(views.InNotebooks):
         InputError
             The earlier contact is of another surface.
         """
-        return views.plot_contact(self, ax, since=since, colorbar=colorbar)
+        axes: Axes = views.made_by("plot_contact")(self, ax, since=since, colorbar=colorbar)
+        return axes
 
     @property
     def dataset(self) -> xr.Dataset:
@@ -275,14 +276,15 @@ class Contact(views.InNotebooks):
 
         Maps are over the sites, ``anchors`` over the branches too: ``contact.dataset["pressure"].plot()``.
         """
-        return views.contact_dataset(self)
+        dataset: xr.Dataset = views.made_by("contact_dataset")(self)
+        return dataset
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write `dataset` to a zarr folder, as `asperity.results.save` does.
 
         `asperity.results.load` reads the Dataset, `asperity.results.load_contact` the contact, to be aged on.
         """
-        views.save(self.dataset, path, overwrite=overwrite)
+        views.made_by("save")(self.dataset, path, overwrite=overwrite)
 
     def system(self, control: Control | None = None) -> System:
         """Set up the system that this contact is a state of, under its own control or another."""

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import asperity.views as views
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import lateral_unit, written
 from asperity.contact.state import ACCEPTED_RESIDUAL, Contact
@@ -40,6 +41,7 @@ _MOST_BRANCHES = 8
 _OWN_UNITS = "Lengths are in the unit of the heights, forces in stiffness × height."
 
 
+@views.maker
 @singledispatch
 def html_of(thing: object) -> str:
     """Write a result as HTML for a notebook.

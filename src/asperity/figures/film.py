@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 
 import asperity.checks as checks
 import asperity.figures.contacts as contacts
+import asperity.views as views
 from asperity.analysis import ContactMaps, SiteState, contact_maps
 from asperity.analysis.legs import numbers_of
 from asperity.errors import InputError, OutputError
@@ -52,6 +53,7 @@ class Film(FuncAnimation):
         return re.sub(r'<link rel="stylesheet"\s+href="https?://[^>]*>', "", player)
 
 
+@views.maker
 def animate_history(
     dataset: xr.Dataset,
     path: str | Path | None = None,

@@ -12,6 +12,7 @@ from matplotlib.colors import LogNorm, to_hex
 from matplotlib.figure import Figure, SubFigure
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.maps import maps_between
 from asperity.analysis.scan import readable, written
@@ -40,6 +41,7 @@ _LOWEST = 0.02
 _SINCE = {SiteState.KEPT: "touches, then and now", SiteState.NEW: "new", SiteState.LOST: "lost"}
 
 
+@views.maker
 def plot_contact(
     contact: Contact, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True
 ) -> Axes:
@@ -91,6 +93,7 @@ def plot_contact(
     return axes
 
 
+@views.maker
 def plot_history(
     dataset: xr.Dataset,
     ax: Axes | None = None,
@@ -196,6 +199,7 @@ def draw_series(
     return place
 
 
+@views.maker
 def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
     """Draw a surface as a map of heights, a profile as a line, and of a mirrored scan the scan.
 
@@ -217,6 +221,7 @@ def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
     return axes
 
 
+@views.maker
 def plot_spectrum(spectrum: PowerSpectrum, ax: Axes | None = None) -> Axes:
     """Draw a power spectrum, with the power law of its self-affine range if it has one.
 

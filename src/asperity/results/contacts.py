@@ -8,6 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import Solution
@@ -21,6 +22,7 @@ from asperity.results.store import load
 from asperity.solids import Solid
 
 
+@views.maker
 def contact_dataset(contact: Contact) -> xr.Dataset:
     """Gather the maps and numbers of a contact; see `Contact.dataset`."""
     sites = ("y", "x")[2 - contact.heights.ndim :]

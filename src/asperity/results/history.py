@@ -17,9 +17,8 @@ from asperity.words import closest
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
-
-    from asperity.views import Film
 
 
 def check_dataset(dataset: object) -> None:
@@ -118,7 +117,9 @@ class History(views.InNotebooks):
 
         Arguments, result and errors are those of `asperity.figures.plot_history`.
         """
-        return views.plot_history(self.dataset, ax, quantity=quantity, limit=limit, label=label, color=color)
+        plot = views.made_by("plot_history")
+        axes: Axes = plot(self.dataset, ax, quantity=quantity, limit=limit, label=label, color=color)
+        return axes
 
     def animate(
         self,
@@ -127,14 +128,15 @@ class History(views.InNotebooks):
         quantity: str = "area",
         frames_per_second: float = 4.0,
         overwrite: bool = False,
-    ) -> Film:
+    ) -> FuncAnimation:
         """Animate the contact at the times of ``fields_at``.
 
         Arguments, result and errors are those of `asperity.figures.animate_history`.
         """
-        return views.animate_history(
+        film: FuncAnimation = views.made_by("animate_history")(
             self.dataset, path, quantity=quantity, frames_per_second=frames_per_second, overwrite=overwrite
         )
+        return film
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the dataset; see `asperity.results.save`. To age on later, save ``history.final`` too."""

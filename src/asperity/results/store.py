@@ -16,6 +16,7 @@ import zarr
 from zarr.codecs import ZstdCodec
 
 import asperity.checks as checks
+import asperity.views as views
 from asperity.errors import InputError, OutputError
 from asperity.words import reason_of
 
@@ -26,6 +27,7 @@ _WHOLE = "every_chunk_is_written"
 """Mark of a folder in which a chunk that is not there was lost: zarr would read zeros in its place."""
 
 
+@views.maker
 def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> None:
     """Write a Dataset to a zarr folder, which appears under its name only when it is complete.
 

@@ -143,7 +143,8 @@ class PowerSpectrum:
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw it, into axes that are given or a new figure; see `asperity.figures.plot_spectrum`."""
-        return views.plot_spectrum(self, ax)
+        axes: Axes = views.made_by("plot_spectrum")(self, ax)
+        return axes
 
 
 def power_spectrum(

@@ -158,7 +158,8 @@ class Surface(views.InNotebooks):
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights, into axes that are given or a new figure; see `asperity.figures.plot_surface`."""
-        return views.plot_surface(self, ax)
+        axes: Axes = views.made_by("plot_surface")(self, ax)
+        return axes
 
     def describe(self) -> Statistics:
         """Measure the surface.

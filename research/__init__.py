@@ -1,0 +1,1 @@
+"""The folder of asperity-research; so that its tests have names of their own."""

@@ -1,0 +1,78 @@
+"""A score as a figure: the certified answer with what was given, and the deviations below."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import asperity.checks as checks
+from asperity.figures import style
+from asperity.lattice import Field
+from asperity_research.challenge.scoring import QuantityScore, Score
+
+
+def score_figure(score: Score) -> Figure:
+    """Draw each quantity, and how far it deviates in percent, with error bars and tolerance.
+
+    Parameters
+    ----------
+    score
+        From `asperity_research.challenge.score`.
+    """
+    checks.instance("score", score, Score, "asperity_research.challenge.score(result)")
+    count = len(score.quantities)
+    figure = style.Drawing(figsize=(4.2 * count + 0.6, 5.2), layout="constrained")
+    panels = figure.subplots(2, count, sharex=True, squeeze=False, height_ratios=[2.2, 1])
+    for (upper, lower), one in zip(panels.T, score.quantities, strict=True):
+        _draw(upper, lower, one)
+        label = score.problem.abscissa.heading
+        lower.set_xlabel(style.verbatim(label))
+        _logarithmic(lower, one.abscissa)
+    figure.suptitle(style.verbatim(f"{score.problem.name}: {score.problem.title}"), fontsize=10)
+    return figure
+
+
+def _draw(upper: Axes, lower: Axes, one: QuantityScore) -> None:
+    upper.errorbar(
+        one.abscissa,
+        one.certified,
+        yerr=one.bar,
+        fmt="-",
+        color=style.GRAY,
+        ecolor=style.INK,
+        capsize=2.5,
+        label="certified",
+    )
+    upper.plot(
+        one.abscissa,
+        one.given,
+        "o",
+        color=style.BLUE,
+        markerfacecolor="none",
+        markersize=5,
+        label=f"given: {one.verdict}",
+    )
+    upper.set_ylabel(style.verbatim(one.column.heading))
+    upper.legend(fontsize=8)
+    tolerance, bar = 100 * one.column.tolerance, 100 * one.bar / np.abs(one.certified + (one.certified == 0))
+    lower.axhspan(-tolerance, tolerance, color="0.92", label="tolerance")
+    lower.errorbar(
+        one.abscissa,
+        np.zeros_like(one.abscissa),
+        yerr=np.where(one.certified == 0, 0.0, bar),
+        fmt="none",
+        ecolor=style.INK,
+        capsize=2.5,
+        label="error bar",
+    )
+    lower.plot(one.abscissa, 100 * one.relative, "o", color=style.BLUE, markerfacecolor="none", markersize=5)
+    lower.set_ylabel("deviation [%]")
+    lower.legend(fontsize=7)
+
+
+def _logarithmic(axes: Axes, places: Field) -> None:
+    """A logarithmic axis, linear below the first place that is not 0."""
+    positive = places[places > 0]
+    if positive.size and positive.max() > 20 * positive.min():
+        axes.set_xscale("symlog", linthresh=float(positive.min()))

@@ -1,0 +1,251 @@
+"""The reference problems: what is asked, of what, and the certified answers; all read from files beside this.
+
+A problem is a TOML file: its words, the rule of its heights, and under ``run`` the configuration of a run
+that solves it. Its answer is a CSV file, made by ``benchmarks/certify.py``: the abscissa, and each quantity
+that is asked with its error bar (``_bar``) and the parts of which the bar is made: time steps (``_time``),
+solver (``_solver``), and lattice (``_lattice``).
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import asperity.checks as checks
+from asperity.app.config import MeasuredSurface, RunConfig, config_from
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.protocols import Leg, leg_of
+from asperity.surfaces import Surface
+from asperity.tables import read_table, with_unit
+from asperity.words import closest
+from asperity_research.challenge.heights import independent, waves
+
+_DATA = files("asperity_research.challenge") / "data"
+
+Table = Mapping[str, Any]
+"""A table of a TOML file."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of an answer.
+
+    Attributes
+    ----------
+    name, unit
+        What it is, as in the dataset of a history; the unit is "1" or "sites" where there is none.
+    meaning
+        The same in words.
+    tolerance
+        Relative deviation that counts as agreement in practice; 0 for an abscissa.
+    reading
+        The variable of a history in which Asperity has it, if that is another one.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    tolerance: float = 0.0
+    reading: str = ""
+
+    @property
+    def heading(self) -> str:
+        """Its name in tables: ``load_N``."""
+        return with_unit(self.name, self.unit if self.unit != "sites" else "1")
+
+    @property
+    def headings(self) -> tuple[str, ...]:
+        """Names under which a result may have it, the best first."""
+        own = (self.heading,) if self.heading == self.name else (self.heading, self.name)
+        return (with_unit(self.reading, self.unit), *own) if self.reading else own
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A certified answer.
+
+    Attributes
+    ----------
+    abscissa
+        Where it is known, shape (n,).
+    values, bars
+        By the name of each quantity, shape (n,): the value, and its error bar.
+    parts
+        What the bars are made of, by name of the quantity and part.
+    origin
+        The lines that say how it was made.
+    """
+
+    abscissa: Field
+    values: Mapping[str, Field]
+    bars: Mapping[str, Field]
+    parts: Mapping[tuple[str, str], Field]
+    origin: tuple[str, ...]
+
+
+PARTS = ("time", "solver", "lattice")
+"""What error bars are made of."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Problem:
+    """A reference problem.
+
+    Attributes
+    ----------
+    name, title, question
+        What it is, in words.
+    abscissa
+        The column along which it is asked.
+    asked
+        The quantities that are asked.
+    heights
+        The rule of the heights; see `asperity_research.challenge.heights`.
+    run
+        Tables of the configuration of a run that solves it, all but the surface of a made one.
+    """
+
+    name: str
+    title: str
+    question: str
+    abscissa: Column
+    asked: tuple[Column, ...]
+    heights: Table
+    run: Table
+
+    def __repr__(self) -> str:
+        return f"<Problem {self.name}: {self.title}>"
+
+    @property
+    def continuous(self) -> bool:
+        """Whether it is known between the sites, so that a finer lattice comes closer to the answer."""
+        return "side" in self.heights
+
+    @property
+    def config(self) -> RunConfig:
+        """The run that solves it, but for surface and history."""
+        tables = {key: table for key, table in self.run.items() if key not in ("surface", "protocol")}
+        return config_from(tables, {}, None)
+
+    @property
+    def legs(self) -> tuple[Leg, ...]:
+        """The history of the load; none where it is constant."""
+        return tuple(map(leg_of, self.run.get("protocol", ())))
+
+    def surface(self, *, halvings: int = 0, scan: str | Path | None = None) -> Surface:
+        """Make the surface, or read the scan.
+
+        Parameters
+        ----------
+        halvings
+            How often the distance between the sites is halved; only where the surface is known between them.
+        scan
+            The file of a measured problem.
+
+        Raises
+        ------
+        InputError
+            The scan is missing or another one, or there is nothing between the sites.
+        """
+        rule = dict(self.heights)
+        kind = rule.pop("rule")
+        halvings = checks.integer("halvings", halvings, least=0)
+        if halvings and not self.continuous:
+            raise InputError(
+                "halvings", expected=f"0 for {self.name}, whose sites are the problem", got=halvings
+            )
+        if kind == "scan":
+            return MeasuredSurface(path=str(self._scan(scan)), **self.run["surface"]).build()
+        if kind == "independent":
+            return Surface(independent(rule["sites"], seed=rule["seed"]))
+        spline = {key: rule[key] for key in ("octaves", "ratio", "seed")}
+        heights = waves(rule["grid"], **spline, halvings=rule["halvings"] + halvings) * rule.get("times", 1.0)
+        if not self.continuous:
+            return Surface(heights)
+        return Surface(heights, rule["unit"], (rule["side"] / len(heights),) * 2, rule["unit"])
+
+    def _scan(self, scan: str | Path | None) -> Path:
+        """The file, if it is the right one."""
+        file, source = self.heights["file"], self.heights["source"]
+        if scan is None or not Path(scan).is_file():
+            got = "none" if scan is None else f"{scan}, which is no file"
+            raise InputError("scan", expected=f"the file {file}", got=got, advice=f"the {source}")
+        if hashlib.sha256(Path(scan).read_bytes()).hexdigest() != self.heights["sha256"]:
+            got = f"{scan}, which holds something else"
+            raise InputError("scan", expected=f"the file {file}", got=got, advice=f"the {source}")
+        return Path(scan)
+
+    @functools.cached_property
+    def answer(self) -> Answer:
+        """The certified answer."""
+        path = _DATA / f"{self.name}.csv"
+        table = read_table(Path(str(path)))
+        columns = dict(zip(table.names, table.values.T, strict=True))
+        text = path.read_text(encoding="utf-8").splitlines()
+        headings = {column.name: column.heading for column in self.asked}
+        return Answer(
+            abscissa=columns[self.abscissa.heading],
+            values={name: columns[heading] for name, heading in headings.items()},
+            bars={name: columns[f"{heading}_bar"] for name, heading in headings.items()},
+            parts={
+                (name, part): columns.get(f"{heading}_{part}", np.zeros(len(table.values)))
+                for name, heading in headings.items()
+                for part in PARTS
+            },
+            origin=tuple(line.lstrip("# ") for line in text if line.startswith("#")),
+        )
+
+
+NAMES = (
+    "dilute",
+    "dense",
+    "self-affine",
+    "measured-scan",
+    "two-step-load",
+    "constant-area",
+    "relaxing-half-space",
+    "slide-hold-slide",
+)
+
+
+def problems() -> tuple[Problem, ...]:
+    """The eight reference problems."""
+    return tuple(problem(name) for name in NAMES)
+
+
+def problem(name: str) -> Problem:
+    """The reference problem of a name.
+
+    Raises
+    ------
+    InputError
+        There is none of this name.
+    """
+    if not isinstance(name, str) or name not in NAMES:
+        meant = closest(str(name), NAMES)
+        expected = f"one of {', '.join(NAMES)}"
+        raise InputError("problem", expected=expected, got=checks.shown(name), advice=meant or "")
+    return _read(name)
+
+
+@functools.cache
+def _read(name: str) -> Problem:
+    tables = tomllib.loads((_DATA / f"{name}.toml").read_text(encoding="utf-8"))
+    return Problem(
+        name=name,
+        title=tables["title"],
+        question=tables["question"].strip(),
+        abscissa=Column(**tables["abscissa"]),
+        asked=tuple(Column(**column) for column in tables["asked"]),
+        heights=tables["heights"],
+        run=tables["run"],
+    )

@@ -1,0 +1,143 @@
+"""The command ``asperity study``, and the words that go with campaigns of a study."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from functools import partial
+from pathlib import Path
+
+import asperity.app.campaign as campaign
+from asperity.app.campaign import Estimate, Tally
+from asperity.app.cli.campaign import tally_shown
+from asperity.app.cli.options import Work
+from asperity.app.cli.report import aligned
+from asperity.words import data_size, duration
+from asperity_research.commands.ensembles import Ensembles
+from asperity_research.studies import STUDIES, Study, conclude, named
+from asperity_research.studies.campaigns import Home, Prepared, run_campaigns
+from asperity_research.studies.typeset import interval, plain
+
+Prepare = Callable[[Path], AbstractContextManager[tuple[Prepared, ...]]]
+"""Writes the campaigns into a folder."""
+
+
+def say_studies() -> None:
+    """List the studies and their questions."""
+    rows = [(study.name, study.question) for study in STUDIES.values()]
+    sys.stdout.write(f"{aligned(rows)}\n\nasperity study NAME --quick answers one in minutes\n")
+
+
+def say_what_it_takes(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
+    """Say how many runs, how long, and how much disk, without leaving anything behind."""
+    one = named(name)
+    say_estimate(one.home, out, partial(_prepared, one, ensembles), work)
+
+
+def say_estimate(home: Home, out: Path, prepare: Prepare, work: Work) -> None:
+    """Say what each campaign would take, and all, where some of them may be done in a folder."""
+    home.check(out)
+    with tempfile.TemporaryDirectory() as nowhere, prepare(Path(nowhere)) as prepared:
+        judged = [campaign.estimate(one.plan, out / home.inside / one.campaign.name) for one in prepared]
+        rows = [
+            (
+                one.campaign.name,
+                f"{it.runs} runs",
+                f"about {duration(it.wall(work.hands))}",
+                one.campaign.purpose,
+            )
+            for one, it in zip(prepared, judged, strict=True)
+        ]
+        rows.append(("all", *_total(judged, work.hands)))
+        sys.stdout.write(f"{aligned(rows)}\n")
+
+
+def study(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
+    """Run the campaigns that are missing, and write the report.
+
+    `AsperityError` if there is no such study, the folder cannot be used, the disk or the scheduler
+    refused, or some runs failed.
+    """
+    one = named(name)
+    command = command_of(["study", one.name], out, ensembles)
+    with worked_through("campaign", _prepared(one, ensembles, out), work) as (prepared, voice):
+        voice.say("computing the numbers and drawing the figure")
+        done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
+    if work.quiet:
+        return
+    for finding in done.outcome.findings:
+        rows = [("", plain(m.what), plain(str(interval(m.estimate)))) for m in finding.measured]
+        sys.stdout.write(f"{finding.verdict.value}: {plain(finding.claim)}\n{aligned(rows)}\n")
+    sys.stdout.write(f"\n{done.report}\n")
+
+
+def _prepared(one: Study, ensembles: Ensembles, folder: Path) -> AbstractContextManager[tuple[Prepared, ...]]:
+    return one.prepared_in(folder, quick=ensembles.quick, seed=ensembles.seed)
+
+
+def command_of(words: list[str], out: Path, ensembles: Ensembles) -> str:
+    """Return the command line that runs a study or a reproduction."""
+    return shlex.join(["asperity", *words, "--out", str(out), *ensembles.flags])
+
+
+@contextmanager
+def worked_through(
+    what: str, preparing: AbstractContextManager[tuple[Prepared, ...]], work: Work
+) -> Iterator[tuple[tuple[Prepared, ...], Voice]]:
+    """Do what is missing of some campaigns; who interrupts that, or what follows, is told what is kept."""
+    try:
+        with preparing as prepared:
+            voice = Voice(what, prepared, workers=work.hands, quiet=work.quiet)
+            run_campaigns(
+                prepared,
+                workers=work.workers,
+                scheduler=work.scheduler,
+                retry_failed=work.retry_failed,
+                watch=voice.watch,
+            )
+            yield prepared, voice
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            "interrupted; what is finished is kept, and the same command does the rest"
+        ) from None
+
+
+class Voice:
+    """Says which campaign begins, and at first how long it all will take."""
+
+    def __init__(self, what: str, prepared: Sequence[Prepared], *, workers: int, quiet: bool) -> None:
+        self._what = what
+        self._prepared = prepared
+        self._workers = workers
+        self._quiet = quiet
+        self._announced = False
+
+    @contextmanager
+    def watch(self, one: Prepared) -> Iterator[Callable[[Tally], None]]:
+        """Tell of one campaign while it runs."""
+        if not self._announced and not self._quiet:
+            self._announced = True
+            self.say("judging how long it will take")
+            judged = [campaign.estimate(each.plan, each.folder) for each in self._prepared]
+            self.say(", ".join(_total(judged, self._workers)))
+        number = 1 + [each.folder for each in self._prepared].index(one.folder)
+        self.say(f"{self._what} {number} of {len(self._prepared)}: {one.campaign.purpose}")
+        with tally_shown(quiet=self._quiet) as show:
+            yield show
+
+    def say(self, text: str) -> None:
+        """Print a line of progress."""
+        if not self._quiet:
+            print(text, file=sys.stderr, flush=True)
+
+
+def _total(judged: Sequence[Estimate], workers: int) -> tuple[str, str, str]:
+    seconds = sum(one.wall(workers) for one in judged)
+    return (
+        f"{sum(one.runs for one in judged)} runs",
+        f"about {duration(seconds)} on {workers} workers",
+        f"about {data_size(sum(one.bytes for one in judged))}",
+    )

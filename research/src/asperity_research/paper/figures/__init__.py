@@ -1,0 +1,22 @@
+"""The nine figures of the paper, drawn anew: one module each, with the numbers behind it."""
+
+from __future__ import annotations
+
+from asperity_research.paper.figures.figure_1 import figure_1
+from asperity_research.paper.figures.figure_2 import figure_2
+from asperity_research.paper.figures.figure_3 import figure_3
+from asperity_research.paper.figures.figure_4 import figure_4
+from asperity_research.paper.figures.figure_5 import figure_5
+from asperity_research.paper.figures.figure_6 import figure_6
+from asperity_research.paper.figures.figure_7 import figure_7
+from asperity_research.paper.figures.figure_8 import figure_8
+from asperity_research.paper.figures.figure_9 import figure_9
+from asperity_research.paper.figures.paper_figure import PaperFigure
+from asperity_research.studies.evidence import Evidence
+
+_DRAWINGS = (figure_1, figure_2, figure_3, figure_4, figure_5, figure_6, figure_7, figure_8, figure_9)
+
+
+def draw(evidence: Evidence) -> tuple[PaperFigure, ...]:
+    """Draw all figures from the finished studies."""
+    return tuple(drawing(evidence) for drawing in _DRAWINGS)

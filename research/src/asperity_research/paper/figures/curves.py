@@ -1,0 +1,228 @@
+"""What the curves of the reproduction share: ensembles with their intervals, and how these are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike
+
+from asperity.figures import style
+from asperity.fits import jackknife
+from asperity.lattice import Field
+from asperity_research.studies.evidence import Evidence
+
+LABEL = 8.0
+"""Font size of the labels of axes, points at final size."""
+
+SMALL = 7.0
+"""Font size of everything else."""
+
+_LIGHTEST = 0.82
+"""Where the color map is cut: beyond it, yellow vanishes on white."""
+
+_NEAR_ZERO = 1e-6
+"""Lower ends of error bars, relative to the value, where the interval includes 0 and the axis cannot."""
+
+_MARKERS = "osD^vPX*"
+_DASHES = ((6, 1.5), (4, 1.5, 1, 1.5), (3, 1), (1.5, 1))
+
+
+@dataclass(frozen=True)
+class Look:
+    """Color and marker of one curve; either alone tells it from its neighbors.
+
+    Attributes
+    ----------
+    color
+        As ``#rrggbb``.
+    marker
+        As Matplotlib names them.
+    """
+
+    color: str
+    marker: str = "o"
+
+
+def looks(count: int) -> list[Look]:
+    """Return a look for each of some values in order: dark to light, so that gray print keeps the order."""
+    shades = np.linspace(0, _LIGHTEST, count)
+    return [
+        Look(to_hex(colormaps["viridis"](shade)), _MARKERS[at % len(_MARKERS)])
+        for at, shade in enumerate(shades)
+    ]
+
+
+def finished(samples: Field) -> Field:
+    """Drop the runs (first axis) that are not finished, or lack what is asked for: those with NaN."""
+    return samples[np.isfinite(samples).reshape(len(samples), -1).all(axis=1)]
+
+
+def mean(samples: Field) -> Field:
+    """Mean over the runs."""
+    return np.asarray(samples.mean(axis=0))
+
+
+def growth(areas: Field) -> Field:
+    """A(t)/A(0) of the means over the runs, shape (runs, times); steadier than the mean of the ratios."""
+    return np.asarray(areas.mean(axis=0) / areas[:, 0].mean())
+
+
+def over_seeds(
+    evidence: Evidence, study: str, name: str, *, called: str, statistic: Callable[[Field], Field] = mean
+) -> pd.DataFrame:
+    """Estimate a statistic of the surfaces for every value of the swept parameters of a study.
+
+    Of a variable with the dimension ``seed``; the statistic, as in `asperity.fits.jackknife`, keeps the
+    time, where there is one. The table has a row for each value of the swept parameters, and time: these,
+    the statistic as it is called, the ends ``_low`` and ``_high`` of its 95 % interval (NaN for one
+    surface), and ``seeds``, the number of surfaces. Values without a finished run have no row.
+    """
+    values = evidence[study][name]
+    swept = [str(dim) for dim in values.dims if dim not in ("seed", "time")]
+    times = {"time": values["time"].to_numpy()} if "time" in values.dims else {}
+    columns = [called, f"{called}_low", f"{called}_high"]
+    frames = []
+    for place in product(*(values[dim].to_numpy() for dim in swept)):
+        here = dict(zip(swept, place, strict=True))
+        samples = finished(evidence.samples(study, name, **here))
+        if len(samples):
+            found = jackknife(statistic, samples)
+            numbers = np.atleast_2d(np.stack([found.value, found.low, found.high], axis=-1))
+            table = pd.DataFrame(numbers, columns=columns).assign(seeds=found.runs)
+            frames.append(pd.DataFrame({**here, **times}, index=table.index).join(table))
+    return stacked(frames, [*swept, *times, *columns, "seeds"])
+
+
+def stacked(frames: Iterable[pd.DataFrame], columns: list[str]) -> pd.DataFrame:
+    """Put tables below each other; without any, an empty one of these columns."""
+    several = list(frames)
+    return pd.concat(several, ignore_index=True) if several else pd.DataFrame(columns=columns, dtype=float)
+
+
+def points(
+    axes: Axes,
+    table: pd.DataFrame,
+    x: str,
+    y: str,
+    look: Look,
+    *,
+    filled: bool = True,
+    label: str | None = None,
+    size: float = 3.5,
+) -> None:
+    """Draw the columns x and y of a table, and ``_low`` and ``_high`` of y, as symbols with error bars.
+
+    Symbols are filled or open, of this size in points.
+    """
+    value, low, high = (table[f"{y}{end}"].to_numpy(np.float64) for end in ("", "_low", "_high"))
+    below = np.minimum(value - low, value * (1 - _NEAR_ZERO))
+    axes.errorbar(
+        table[x].to_numpy(np.float64),
+        value,
+        yerr=None if np.isnan(below).all() else np.nan_to_num(np.stack([below, high - value])),
+        fmt=look.marker,
+        color=look.color,
+        markersize=size,
+        markerfacecolor=look.color if filled else "none",
+        markeredgewidth=0.8,
+        elinewidth=0.8,
+        label=label,
+    )
+
+
+def band(
+    axes: Axes,
+    table: pd.DataFrame,
+    x: str,
+    y: str,
+    look: Look,
+    *,
+    filled: bool = True,
+    label: str | None = None,
+) -> None:
+    """Draw a curve as a band, its interval, with some symbols, about two for each decade of `x`.
+
+    Arguments are those of `points`; `x` is above 0.
+    """
+    place = table[x].to_numpy(np.float64)
+    low, high = (table[f"{y}{end}"].to_numpy(np.float64) for end in ("_low", "_high"))
+    axes.fill_between(place, low, high, color=look.color, alpha=0.25, linewidth=0)
+    axes.plot(
+        place,
+        table[y].to_numpy(np.float64),
+        look.marker,
+        color=look.color,
+        markersize=3,
+        markerfacecolor=look.color if filled else "none",
+        markeredgewidth=0.7,
+        markevery=max(1, round(place.size / (1 + 2 * np.log10(place[-1] / place[0])))),
+        label=label,
+    )
+
+
+def line(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look, at: int, label: str) -> None:
+    """Draw the line number `at` of a family: besides color, dashes tell them apart."""
+    dashes = (0, _DASHES[at % 5 - 1]) if at % 5 else "-"
+    axes.plot(x, y, color=look.color, linestyle=dashes, linewidth=1.3, label=label)
+
+
+def symbols(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look) -> Line2D:
+    """Draw computed points on a line, without error bars: open, so that the line is seen around them."""
+    [drawn] = axes.plot(
+        x, y, look.marker, color=look.color, markerfacecolor="white", markersize=3, markeredgewidth=0.7
+    )
+    return drawn
+
+
+def dress(axes: Axes, x: str, y: str, *, panel: str = "") -> None:
+    """Label the axes, in fonts that are legible in print; name the panel, if there are several."""
+    axes.set_xlabel(x, fontsize=LABEL)
+    axes.set_ylabel(y, fontsize=LABEL)
+    axes.tick_params(which="both", direction="in", labelsize=SMALL, top=True, right=True)
+    if panel:
+        axes.set_title(panel, loc="left", fontsize=LABEL, fontweight="bold", pad=3)
+
+
+def legend(
+    axes: Axes,
+    where: Literal["upper left", "lower right"],
+    title: str | None = None,
+    *,
+    together: Mapping[str, Sequence[Line2D]] | None = None,
+) -> None:
+    """Add a legend of what is labeled in a panel.
+
+    Below the others stand symbols that go `together`, side by side for one label.
+    """
+    handles, labels = axes.get_legend_handles_labels()
+    several = {label: tuple(symbols) for label, symbols in (together or {}).items() if symbols}
+    axes.legend(
+        [*handles, *several.values()],
+        [*labels, *several],
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0.4)},
+        loc=where,
+        title=title,
+        fontsize=SMALL,
+        title_fontsize=SMALL,
+        frameon=False,
+        handletextpad=0.4,
+        labelspacing=0.25,
+        borderpad=0.2,
+    )
+
+
+def note(
+    axes: Axes, text: str, at: tuple[float, float], *, where: Literal["left", "right", "center"] = "left"
+) -> None:
+    """Write a few words that begin, end or are centered (`where`) at a point in the units of the axes."""
+    axes.annotate(text, at, ha=where, va="center", fontsize=SMALL, color=style.INK)

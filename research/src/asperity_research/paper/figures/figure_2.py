@@ -1,0 +1,84 @@
+"""Figure 2: the area against the load, before creep and fully relaxed, on independent Gaussian heights."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity.figures import style
+from asperity.theory import GaussianHeights, compliance, dilute_area
+from asperity_research.paper.figures import curves
+from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
+from asperity_research.studies.evidence import Evidence
+
+_FAR_APART = 3.0
+"""Spacing of contacts, in widths of the dips around them, from which on they are drawn as independent."""
+
+_DILUTE = 0.1
+"""Largest contact fraction at which the dilute theory is drawn."""
+
+
+def figure_2(evidence: Evidence) -> PaperFigure:
+    """Draw A(F_N) for several stiffness ratios, and of the relaxed state.
+
+    Tables ``instantaneous``, ``relaxed`` (for every k1, though all are the same) and ``dilute``, of the
+    study ``load``.
+    """
+    sites = evidence.sites("load")
+    tables = {
+        "instantaneous": _fractions(evidence, "initial_area", sites),
+        "relaxed": _fractions(evidence, "relaxed_area", sites),
+    }
+    tables["dilute"] = _dilute(tables["instantaneous"])
+    spread = float(tables["relaxed"].groupby("load")["area"].agg(np.ptp).max())
+    facts = {"sites": sites, "spread": spread, "far_apart": _FAR_APART, "dilute_fraction": _DILUTE}
+    return captioned(2, _draw(tables), tables, facts)
+
+
+def _fractions(evidence: Evidence, area: str, sites: float) -> pd.DataFrame:
+    """Areas, and over the sites; loads, and over the sites."""
+    table = curves.over_seeds(evidence, "load", area, called="area")
+    for end in ("", "_low", "_high"):
+        table[f"contact_fraction{end}"] = table[f"area{end}"] / sites
+    table.insert(2, "load_per_site", table["load"] / sites)
+    return table
+
+
+def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
+    """Independent asperities, each with the compliance of the lattice; where they are far apart."""
+    loads = np.geomspace(areas["load_per_site"].min(), areas["load_per_site"].max(), 241)
+    frames = []
+    for k1 in areas["k1"].unique():
+        fraction = dilute_area(loads, compliance(k1, 0.0), GaussianHeights(rms=1.0))
+        apart = (fraction <= _DILUTE) & (_FAR_APART * np.sqrt(1 / k1) < fraction**-0.5)
+        frames.append(
+            pd.DataFrame({"k1": k1, "load_per_site": loads[apart], "contact_fraction": fraction[apart]})
+        )
+    return curves.stacked(frames, ["k1", "load_per_site", "contact_fraction"])
+
+
+def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    axes = figure.add_subplot(xscale="log", yscale="log")
+    areas, relaxed = tables["instantaneous"], tables["relaxed"]
+    ratios = areas["k1"].unique()
+    for k1, look in zip(ratios, curves.looks(len(ratios)), strict=True):
+        theory = tables["dilute"].query("k1 == @k1")
+        axes.plot(theory["load_per_site"], theory["contact_fraction"], color=look.color, linewidth=0.8)
+        curves.points(
+            axes, areas.query("k1 == @k1"), "load_per_site", "contact_fraction", look, label=f"{k1:g}"
+        )
+    one = relaxed[relaxed["k1"] == relaxed["k1"].iloc[0]]
+    ring = curves.Look(style.INK)
+    curves.points(axes, one, "load_per_site", "contact_fraction", ring, filled=False, label="relaxed", size=5)
+    start, level = one["load_per_site"].iloc[0], 3 * one["contact_fraction"].iloc[0]
+    span = np.array([1.0, max(1.0, 0.6 / level)])
+    axes.plot(start * span, level * span, ":", color=style.INK, linewidth=1.2)
+    curves.note(axes, "slope 1", (start * 8, level * 15), where="right")
+    axes.set_ylim(areas["contact_fraction"].min() / 3, 2)
+    curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
+    curves.legend(axes, "lower right", r"$k_1/k_0$")
+    return figure

@@ -1,0 +1,53 @@
+"""What a figure of the reproduction is: a drawing, the numbers behind it, and the words under it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity_research.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
+from asperity_research.paper.wording import sentences, spelled
+
+COLUMN = 3.4
+"""Width of a journal column, inches."""
+
+PAGE = 7.0
+"""Width of a journal page, inches."""
+
+
+@dataclass(frozen=True, eq=False)
+class PaperFigure:
+    """One figure of the paper, reproduced.
+
+    Attributes
+    ----------
+    number
+        Its number in the paper.
+    title
+        What it shows, in a few words.
+    caption
+        What one sees and under which conditions; plain text with the tags i, sub and sup of HTML.
+    figure
+        The drawing.
+    tables
+        The numbers behind every curve, by name; one row a point.
+    """
+
+    number: int
+    title: str
+    caption: str
+    figure: Figure
+    tables: Mapping[str, pd.DataFrame]
+
+
+def captioned(
+    number: int, figure: Figure, tables: Mapping[str, pd.DataFrame], facts: Mapping[str, object]
+) -> PaperFigure:
+    """Give a drawing its title and caption, from ``captions.toml``, with the tables and other facts in it."""
+    words = sentences("figures/captions.toml")[f"figure-{number}"]
+    studied = {"HURST": HURST, "DELTA": DELTA, "SELF_AFFINE_RATIO": SELF_AFFINE_RATIO}
+    caption = spelled(words["caption"], {**studied, **tables, **facts})
+    return PaperFigure(number, words["title"], caption, figure, tables)

@@ -1,0 +1,169 @@
+"""The report of a reproduction: one page that needs no network, beside its figures, numbers and ledger.
+
+The page is written last: where it stands, all that it links to is there.
+"""
+
+from __future__ import annotations
+
+import base64
+import datetime
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import jinja2
+from markupsafe import Markup
+
+from asperity.app.config.models import RunConfig
+from asperity.errors import InputError
+from asperity.results.store import whole_file
+from asperity.words import duration
+from asperity_research.paper.corrections import corrections
+from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure
+from asperity_research.paper.places import SECTIONS, numbered, section_of
+from asperity_research.studies.ledger import Finding, Measurement, Verdict
+from asperity_research.studies.report import Simulated, file_name, ledger_table, write_drawing, write_table
+from asperity_research.studies.typeset import bounds, interval, number, plain, rich
+
+_LARGEST_SVG = 1_500_000
+
+
+@dataclass(frozen=True)
+class About:
+    """Where a report comes from.
+
+    Attributes
+    ----------
+    effort
+        ``"quick"`` or ``"full"``.
+    version
+        Of Asperity.
+    date
+        Of the report.
+    command
+        The command line that made it.
+    wall_seconds, run_seconds
+        From the last start of the command to its end, and summed over all runs; NaN where unknown.
+    studies
+        What was simulated.
+    """
+
+    effort: str
+    version: str
+    date: datetime.date
+    command: str
+    wall_seconds: float
+    run_seconds: float
+    studies: tuple[Simulated, ...]
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """A figure as it stands on the page; the first of its files is the drawing that has no pixels."""
+
+    figure: PaperFigure
+    source: str
+    files: tuple[str, ...]
+
+    @property
+    def wide(self) -> bool:
+        """Whether it takes the width of a page: too much for a telephone."""
+        return self.figure.figure.get_figwidth() > COLUMN
+
+
+def write_report(
+    folder: Path, figures: Sequence[PaperFigure], findings: Sequence[Finding], about: About
+) -> Path:
+    """Write figures, the numbers behind them, the ledger, and the page that explains them; return the page.
+
+    ``figures/figure-N.svg``, ``.pdf`` and ``.png``, ``data/figure-N-TABLE.csv``, ``ledger.csv``,
+    ``ledger.md`` (the verdicts as one table) and, last, ``report.html``; what is there under these names
+    is replaced. Figures and findings come in any order; the page has them in the paper's, and findings of
+    one section as they come. `InputError` if two figures, two findings or two tables of a figure go by
+    one name, or a text has a tag that is not closed; nothing is written. `OutputError` if the disk
+    refused; every file that stands is whole.
+    """
+    _check(figures, findings)
+    pictures = [_write_figure(folder, figure) for figure in sorted(figures, key=lambda one: one.number)]
+    ordered = sorted(findings, key=lambda finding: list(SECTIONS).index(section_of(finding.place)))
+    write_table(folder, "ledger", ledger_table(ordered))
+    templates = _templates()
+    for name in ("ledger.md", "report.html"):
+        page = templates.get_template(name).render(
+            about=about,
+            pictures=pictures,
+            findings=ordered,
+            ledger={name: [f for f in ordered if section_of(f.place) == name] for name in SECTIONS},
+            tally=Counter(finding.verdict for finding in ordered),
+            corrections=corrections(),
+            usual=RunConfig(),
+        )
+        with whole_file(folder / name) as part:
+            part.write_text(page, encoding="utf-8")
+    return folder / "report.html"
+
+
+def _check(figures: Sequence[PaperFigure], findings: Sequence[Finding]) -> None:
+    _check_distinct("figures", [str(figure.number) for figure in figures])
+    _check_distinct("findings", [finding.key for finding in findings])
+    for figure in figures:
+        _check_distinct("tables", [file_name(name) for name in figure.tables])
+        rich_numbered(figure.title), rich_numbered(figure.caption)
+    for finding in findings:
+        for text in (finding.place, finding.claim, finding.correction, finding.note):
+            rich_numbered(text)
+        for measurement in (*finding.measured, *finding.corrected):
+            rich_numbered(measurement.what)
+
+
+def _check_distinct(name: str, keys: list[str]) -> None:
+    if twice := [key for key, count in Counter(keys).items() if count > 1]:
+        raise InputError(name, expected="each under a name of its own", got=f"{twice[0]} twice")
+
+
+def _write_figure(folder: Path, figure: PaperFigure) -> _Picture:
+    """Write the drawing in three formats and its tables, and choose what the page shows."""
+    name = f"figure-{figure.number}"
+    written = write_drawing(folder / "figures", name, figure.figure)
+    tables = [
+        write_table(folder / "data", f"{name}-{table}", figure.tables[table]) for table in figure.tables
+    ]
+    shown, kind = written["svg"], "image/svg+xml"
+    if shown.stat().st_size > _LARGEST_SVG:
+        shown, kind = written["png"], "image/png"
+    encoded = base64.b64encode(shown.read_bytes()).decode("ascii")
+    drawings = tuple(f"figures/{path.name}" for path in written.values())
+    numbers = tuple(f"data/{path.name}" for path in tables)
+    return _Picture(figure, f"data:{kind};base64,{encoded}", drawings + numbers)
+
+
+def _templates() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("asperity_research.paper", "templates"),
+        autoescape=jinja2.select_autoescape(),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {
+        "rich": rich_numbered,
+        "plain": plain,
+        "number": number,
+        "interval": interval,
+        "duration": duration,
+        "file_name": lambda path: Path(path).name,
+    }
+    environment.globals |= {"bounds": bounds, "numbers": _numbers, "Verdict": Verdict, "SECTIONS": SECTIONS}
+    return environment
+
+
+def rich_numbered(text: str) -> Markup:
+    """Make HTML of a text, whose equations get their numbers for their labels, as in Eq. (17)."""
+    return rich(numbered(text))
+
+
+def _numbers(measured: Sequence[Measurement]) -> str:
+    """Spell different numbers of a claim in plain text; equal ones once."""
+    return "; ".join(dict.fromkeys(plain(interval(one.estimate)) for one in measured))

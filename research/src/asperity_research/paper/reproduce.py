@@ -1,0 +1,95 @@
+"""Reproduce the paper: run the studies, draw the figures, judge the claims, write the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import asperity_research.studies.campaigns as campaigns
+from asperity._version import __version__
+from asperity_research.paper.claims import ledger
+from asperity_research.paper.figures import draw
+from asperity_research.paper.report import About, write_report
+from asperity_research.paper.studies import Effort, studies
+from asperity_research.studies.campaigns import Home, Prepared
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.report import Simulated
+
+STUDIES = "studies"
+"""Folder of the campaigns, in that of the reproduction."""
+
+
+HOME = Home("a reproduction", STUDIES)
+"""Whose folder it is."""
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What came out.
+
+    Attributes
+    ----------
+    report
+        The page to read.
+    findings
+        The lines of its ledger.
+    """
+
+    report: Path
+    findings: tuple[Finding, ...]
+
+
+def prepared_in(
+    directory: str | Path, effort: Effort, *, seed: int = 0
+) -> AbstractContextManager[tuple[Prepared, ...]]:
+    """Write the campaign files of all studies, and keep other reproductions out of the folder.
+
+    Arguments and errors are those of `studies.campaigns.prepared_in`; `effort` says how much to compute.
+    """
+    return campaigns.prepared_in(directory, studies(effort), HOME, seed=seed)
+
+
+def conclude(
+    directory: str | Path, prepared: Sequence[Prepared], *, effort: Effort, command: str, seconds: float
+) -> Reproduction:
+    """Draw the figures, judge the claims and write the report, from studies that are finished.
+
+    Parameters
+    ----------
+    directory
+        The folder of the reproduction.
+    prepared
+        From `prepared_in`.
+    effort
+        How much was computed.
+    command
+        The command that did it, for the report.
+    seconds
+        How long it took.
+
+    Raises
+    ------
+    AsperityError
+        A study is not finished; or the disk refused. An earlier report stays.
+    """
+    folder = Path(directory)
+    evidence = Evidence(folder / STUDIES)
+    runs = campaigns.finished(evidence, prepared)
+    findings = ledger(evidence)
+    about = About(
+        effort=effort.name,
+        version=__version__,
+        date=datetime.now(UTC).date(),
+        command=command,
+        wall_seconds=seconds,
+        run_seconds=sum(float(evidence[one.campaign.name]["seconds"].sum()) for one in prepared),
+        studies=tuple(
+            Simulated(one.campaign, runs[one.campaign.name], f"{STUDIES}/{one.campaign.name}")
+            for one in prepared
+        ),
+    )
+    return Reproduction(write_report(folder, draw(evidence), findings, about), findings)

@@ -1,0 +1,80 @@
+"""Studies: open questions, each with the campaigns that answer it, a verdict and a figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import asperity.checks as checks
+from asperity.errors import InputError
+from asperity.words import closest
+from asperity_research.studies.activated_creep import ACTIVATED_CREEP
+from asperity_research.studies.campaigns import run_campaigns
+from asperity_research.studies.growth_rate import GROWTH_RATE
+from asperity_research.studies.logarithm import LOGARITHM
+from asperity_research.studies.patch_sizes import PATCH_SIZES
+from asperity_research.studies.pmma import PMMA
+from asperity_research.studies.release import RELEASE
+from asperity_research.studies.slide_hold_slide import SLIDE_HOLD_SLIDE
+from asperity_research.studies.study import Concluded, Outcome, Study, conclude
+from asperity_research.studies.unloading import UNLOADING
+
+_ALL = (UNLOADING, LOGARITHM, GROWTH_RATE, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES, ACTIVATED_CREEP, PMMA)
+STUDIES = {study.name: study for study in _ALL}
+"""All studies by name, in the order of the list."""
+
+__all__ = ["STUDIES", "Concluded", "Outcome", "Study", "conclude", "named", "run"]
+
+
+def named(name: str) -> Study:
+    """Return a study by its name.
+
+    Raises
+    ------
+    InputError
+        There is none of that name.
+    """
+    if not isinstance(name, str) or name not in STUDIES:
+        meant = closest(str(name), STUDIES) or "asperity study, which lists them"
+        raise InputError("study", expected=" or ".join(STUDIES), got=checks.shown(name), advice=meant)
+    return STUDIES[name]
+
+
+def run(
+    study: Study | str,
+    directory: str | Path,
+    *,
+    quick: bool = False,
+    seed: int = 0,
+    workers: int | None = None,
+    command: str = "asperity_research.studies.run",
+) -> Concluded:
+    """Run what is missing of a study, and write its report.
+
+    Parameters
+    ----------
+    study
+        A study or its name, such as ``"unloading"``.
+    directory
+        Its folder; made, or gone on with.
+    quick
+        The smaller effort.
+    seed
+        First seed of every ensemble.
+    workers
+        Worker processes on this machine; by default its cores.
+    command
+        The command, for the report.
+
+    Raises
+    ------
+    AsperityError
+        There is no such study; or as `asperity_research.studies.campaigns.prepared_in`, `run_campaigns` and
+        `conclude`.
+    """
+    one = study if isinstance(study, Study) else named(study)
+    with one.prepared_in(directory, quick=quick, seed=seed) as prepared:
+        run_campaigns(prepared, workers=workers)
+        return conclude(one, directory, prepared, quick=quick, command=command, seed=seed)
+
+
+__dir__ = __all__.copy  # dir() lists the public names alone

@@ -1,0 +1,130 @@
+"""Slide, hold, slide, and two steps of the velocity, at several temperatures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from asperity.checks import Floats
+from asperity.fits.resampling import jackknife
+from asperity_research.studies.activated_creep.steps import LOAD, PROPORTIONAL, ROUGH, SIDE, eyring_lattice
+from asperity_research.studies.campaigns import Campaign, hold, slide, zipped
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.numbers import columns, power
+from asperity_research.studies.sliding import before_shifts, steady_area
+
+TEMPERATURES = (0.015, 0.03, 0.06)
+"""kT over the activation volume, which is s0 too."""
+
+_BARRIER, _PREFACTOR = 1.0, 1e3
+_HOLD = 1e5
+_SLIDES = (16, 8, 12, 12)
+_VELOCITIES = (1.0, 1.0, 100.0, 0.01)
+
+
+def sliding(surfaces: int, temperatures: tuple[float, ...]) -> Campaign:
+    """Return the campaign."""
+    slides = [slide(*one) for one in zip(_SLIDES, _VELOCITIES, strict=True)]
+    solid = eyring_lattice("lattice of springs", temperatures[0], (), ())
+    rates = [_PREFACTOR * math.exp(-_BARRIER / kT) for kT in temperatures]
+    return solid.campaign(
+        "sliding",
+        "Slide, hold, slide, and two steps of the velocity, at several temperatures",
+        ROUGH | solid.rough,
+        friction={"shear_strength": 1.0},
+        aging={"first": 1.0, "per_decade": 1, "rtol": 0.02},
+        protocol=[slides[0], hold(_HOLD), *slides[1:]],
+        sweep=zipped(surfaces, creep_stress=temperatures, creep_rate=rates),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Rests:
+    """Slide, hold, slide at several temperatures.
+
+    Attributes
+    ----------
+    temperature
+        kT over the activation volume, shape (temperatures,).
+    time
+        At rest, shape (times,).
+    rest
+        Area at rest over that just before, shape (surfaces, temperatures, times).
+    steady
+        Area in steady sliding at each of `_VELOCITIES` but the first, shape (surfaces, temperatures, 3).
+    """
+
+    temperature: Floats
+    time: Floats
+    rest: Floats
+    steady: Floats
+
+    @classmethod
+    def of(cls, evidence: Evidence) -> Rests:
+        """Read them from the campaign."""
+        data = evidence["sliding"]
+        temperature = data["creep_stress"].values.astype(np.float64)
+        rest, steady = [], []
+        for seed in data["seed"].values:
+            runs = [data.sel(seed=seed).isel(point=point) for point in range(len(temperature))]
+            before = [before_shifts(one, 0)[-1] for one in runs]
+            held = [one["area"].values[one["leg"].values == 1] for one in runs]
+            rest.append([area / start for area, start in zip(held, before, strict=True)])
+            steady.append([[steady_area(one, leg) for leg in (2, 3, 4)] for one in runs])
+        one = data.isel(seed=0, point=0)
+        time = one["time"].values[one["leg"].values == 1] - _SLIDES[0] / _VELOCITIES[0]
+        return cls(temperature, time, np.array(rest), np.array(steady))
+
+    @property
+    def late(self) -> Floats:
+        """Which times at rest count for B: those in which a slide would have passed several contacts."""
+        return np.asarray(self.time >= 10)
+
+    def growth(self, rest: Floats) -> Floats:
+        """B, the growth at rest for every e-fold of time over the area before, at each temperature."""
+        slopes: Floats = np.polyfit(np.log(self.time[self.late]), rest.mean(axis=0)[:, self.late].T, 1)[0]
+        return slopes
+
+    def fall(self, steady: Floats) -> Floats:
+        """Fall of the area in steady sliding for every e-fold of the velocity, over that at 1."""
+        mean = steady.mean(axis=0)
+        order = np.log(_VELOCITIES[1:])
+        slopes: Floats = np.polyfit(order, (mean / mean[:, :1]).T, 1)[0]
+        return -slopes
+
+    def force(self, steady: Floats, rest: Floats) -> Floats:
+        """Mean force of a contact at rest, in the middle of the times that count."""
+        area = steady[:, :, :1] * rest[:, :, self.late]
+        return np.asarray(LOAD * SIDE**2 / np.exp(np.log(area.mean(axis=0)).mean(axis=1)))
+
+    def findings(self) -> Iterator[Finding]:
+        """Judge what is claimed of friction at rest."""
+        at, both = self.temperature, (self.rest, self.steady)
+        found = jackknife(lambda rest: power(at, self.growth(rest)), self.rest)
+        claim = "Static friction grows with the logarithm of the hold time, in proportion to temperature"
+        numbers = {"power of <i>T</i> in B": found}
+        yield Finding.within(PROPORTIONAL, "temperature", "Baumberger and Caroli 2006", claim, numbers)
+        found = jackknife(
+            lambda rest, steady: (self.growth(rest) / (at / self.force(steady, rest))).mean(), both
+        )
+        numbers = {"B s/s0, mean over temperatures": found}
+        yield Finding.within((0.5, 1.0), "slope", "docs/creep.md", "B of rests is s0/s", numbers)
+        found = jackknife(lambda rest, steady: (self.fall(steady) / self.growth(rest)).mean(), both)
+        claim = "Steady friction falls with velocity as static friction grows with hold time"
+        numbers = {"b of steady sliding over B, mean over temperatures": found}
+        yield Finding.within((0.8, 1.25), "steady", "Dieterich 1979", claim, numbers)
+
+    def table(self) -> pd.DataFrame:
+        """B at rest and in steady sliding, and s0/s, at each temperature."""
+        head = {
+            "kT": self.temperature,
+            "s0_over_s": self.temperature / self.force(self.steady, self.rest),
+            "surfaces": len(self.rest),
+        }
+        rest, steady = jackknife(self.growth, self.rest), jackknife(self.fall, self.steady)
+        return pd.DataFrame(head | columns("rest", rest) | columns("steady", steady))

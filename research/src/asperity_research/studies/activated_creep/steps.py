@@ -1,0 +1,311 @@
+r"""Study: two-step loads, and slide-hold-slide, with creep that stress and heat activate.
+
+A contact is held under a load for a waiting time t_w; then the load falls at once to a part of it, and stays.
+Creep follows Eyring's law v0 sinh(s/s0), and linear laws on the same surfaces stand beside it. The unit of
+time is s0/(k1 v0): the relaxation time of a creeping spring under a small force.
+
+While s >> s0 the force that a contact still bears after a time t is about s0 ln(2/t), whatever it was at
+first. A load that falls at t_w leaves contacts with a mean force s_2 below the mean s_1 before. They
+flow again once s0 ln(2/t) has come down to s_2, that is, at the time t_r with
+
+    ln(t_r/t_w) = (s_1 - s_2)/s0,       d ln t_r/d ln t_w = d s_2/d s_1 ,
+
+a number below 1 where s_2 is a fixed part of s_1. This is an estimate from mean forces, not a theorem.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import chain
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from asperity.checks import Floats
+from asperity.fits.resampling import Estimate, jackknife
+from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
+from asperity_research.studies.evidence import Around, Evidence
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.numbers import columns, crossing, mean, slope, vertex
+
+_STEPS = (1e-6, 1e-4, 1e-2, 1.0)
+_DECADES = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)
+_LINEAR = (0.1, 1.0, 10.0, 100.0, 1e3)
+_END = 1e5
+SIDE = 64
+"""Sites along a side."""
+
+LOAD = 0.05
+"""Load a site before the step."""
+
+ROUGH = waves(SIDE, 16.0)
+"""The table of the surface, without its height."""
+
+_FLAT = {"k0": 1.0, "k1": 3.0, "R": 0.0}
+_HALF_SPACE = {"kind": "half_space", "modulus": 1.0}
+
+
+def _eyring(stress: float, stiffness: float) -> dict[str, Any]:
+    """Eyring's law whose linear limit relaxes a spring of this stiffness in a time of 1."""
+    return {"creep": "eyring", "creep_rate": stress / stiffness, "creep_stress": stress}
+
+
+def eyring_lattice(
+    words: str, stress: float, waits: tuple[float, ...], ratios: tuple[float, ...], k0: float = 1.0
+) -> Solid:
+    """Return a lattice of springs with Eyring's law of this stress s0."""
+    return Solid(words, _FLAT | {"k0": k0} | _eyring(stress, 3.0), LOAD, waits, ratios)
+
+
+SOLIDS = {
+    "lattice": eyring_lattice("lattice of springs, s0 = 0.05", 0.05, _DECADES, (0.2, 0.5)),
+    "lighter": eyring_lattice("lattice of springs, s0 = 0.05", 0.05, _STEPS, (0.8,)),
+    "cold": eyring_lattice("lattice of springs, s0 = 0.025", 0.025, _STEPS, (0.5,)),
+    "warm": eyring_lattice("lattice of springs, s0 = 0.1", 0.1, _STEPS, (0.5,)),
+    "bed": eyring_lattice("independent springs, s0 = 0.05", 0.05, _STEPS, (0.5,), k0=0.0),
+    "half_space": Solid(
+        "half-space in series with creep, s0 = 0.05",
+        _HALF_SPACE | _eyring(0.05, 1.0),
+        LOAD,
+        _STEPS,
+        (0.5, 0.8),
+    ),
+    "viscous": Solid("linear lattice, R_viscous = 1/3", _FLAT | {"R_viscous": 1 / 3}, LOAD, _LINEAR, (0.2,)),
+    "conserved": Solid("linear lattice, R = 1", _FLAT | {"R": 1.0}, LOAD, _LINEAR, (0.2,)),
+    "logarithm": Solid(
+        "linear half-space, E(t) like ln t",
+        _HALF_SPACE | {"branches": [[0.06, 10.0**decade] for decade in range(-7, 6)]},
+        LOAD,
+        (1e-3, 1e-2, 0.1, 1.0),
+        (0.5,),
+    ),
+}
+"""By the names of their campaigns. k1 = 3 k0 and E* = 1; M k1 = 1 in the linear limit of each lattice."""
+
+IN_SERIES = ("bed", "half_space")
+"""Solids whose whole stiffness creeps."""
+
+
+def campaigns(surfaces: int, every: int) -> Iterator[Campaign]:
+    """Give the campaigns, with so many surfaces each and every so many waiting times."""
+    for name, solid in SOLIDS.items():
+        for ratio in solid.steps:
+            yield solid.campaign(
+                f"{name}_{ratio:g}",
+                f"Area after the load has fallen to {ratio:g} of it, waiting time as a factor on creep",
+                ROUGH | solid.rough,
+                aging={"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
+                **after_waits({"load": ratio * (LOAD * SIDE**2)}, solid.waits[::every], _END, surfaces),
+            )
+
+
+FELL = 0.01
+"""Lost part of the area from which on it counts as a fall."""
+
+RISE = 1.03
+"""Area over the smallest one so far at which growth counts as resumed."""
+
+PROPORTIONAL = (0.8, 1.2)
+"""Powers of the waiting time that bear out that a time is proportional to it."""
+
+
+Reading = Callable[[Floats, Floats], float]
+"""What is read off times and areas, shapes (n,)."""
+
+
+def time_of_minimum(time: Floats, area: Floats) -> float:
+    """Time at which an area is smallest: that of the parabola in ln t through it and its neighbors.
+
+    Parameters
+    ----------
+    time
+        Since the step, the first 0 and all others above it, shape (n,).
+    area
+        Areas at them, the first just after the step.
+
+    Returns
+    -------
+    float
+        NaN where the area does not fall by a part `FELL`, or is smallest at the end.
+    """
+    at = int(np.argmin(area))
+    if area[at] > (1 - FELL) * area[0] or at == area.size - 1:
+        return math.nan
+    return float(time[1]) if at == 1 else vertex(time, area, at)
+
+
+def time_of_growth(time: Floats, area: Floats) -> float:
+    """Time at which an area first exceeds the smallest one so far by 3 %; times and areas as above."""
+    over = area / np.minimum.accumulate(area)
+    at = int(np.argmax(over > RISE))
+    if not over[at] > RISE:
+        return math.nan
+    return float(time[1]) if at == 1 else crossing(time, over, at, RISE)[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """All histories of a load that falls: one solid, one ratio of loads.
+
+    Attributes
+    ----------
+    name, ratio
+        Of the solid; load after the step over that before.
+    wait
+        Waiting times, shape (waits,).
+    load
+        Before the step.
+    time
+        Since the step, over the waiting time; 0 is just after it.
+    before
+        Area just before the step, shape (surfaces, waits).
+    area
+        Area after it, shape (surfaces, waits, times).
+    """
+
+    name: str
+    ratio: float
+    wait: Floats
+    load: float
+    time: Floats
+    before: Floats
+    area: Floats
+
+    @classmethod
+    def of(cls, evidence: Evidence, name: str, ratio: float) -> Steps:
+        """Read them from a campaign."""
+        data = evidence[f"{name}_{ratio:g}".replace(".", "_")]
+        some = [Around.step(data.isel(point=point)) for point in range(data.sizes["point"])]
+        wait = data["protocol.0.mobility"].values.astype(np.float64)
+        before, area = (
+            np.stack(one, axis=1) for one in zip(*((a.before, a.after) for a in some), strict=True)
+        )
+        return cls(name, ratio, wait, LOAD * SIDE**2, some[0].time, before, area)
+
+    @property
+    def words(self) -> str:
+        """Which ones, for a reader."""
+        return f"{SOLIDS[self.name].what}, load × {self.ratio:g}"
+
+    @property
+    def creep_stress(self) -> float:
+        """s0; 0 for a linear solid."""
+        return float(SOLIDS[self.name].table.get("creep_stress", 0.0))
+
+    @property
+    def head(self) -> dict[str, object]:
+        """What they are of, as columns."""
+        return {"solid": self.name, "load_ratio": self.ratio}
+
+    @property
+    def depth(self) -> Floats:
+        """Lost area over that just after the step, shape (surfaces, waits)."""
+        return np.asarray(1 - self.area.min(axis=2) / self.area[:, :, 0])
+
+    def times(self, of: Reading, area: Floats) -> Floats:
+        """Return ln(time / waiting time) at each wait, for a sample of areas after the step."""
+        return np.log([of(self.time, one) for one in area.mean(axis=0)])
+
+    def estimated(self, before: Floats, area: Floats) -> Floats:
+        """Return ln(t_r/t_w) = (s_1 - s_2)/s0 from mean forces before and after the step; NaN without s0."""
+        first = self.load / before.mean(axis=0)
+        then = self.ratio * self.load / area[:, :, 0].mean(axis=0)
+        return np.asarray((first - then) / (self.creep_stress or math.nan))
+
+    def _slope(self, of: Reading, statistic: Callable[[Floats, Floats], Floats]) -> Estimate | None:
+        """Slope against ln t_w, where every sample has that time; None for fewer than three waits."""
+        shared = np.isfinite(jackknife(partial(self.times, of), self.area).high)
+        if shared.sum() < 3 or np.isnan(statistic(self.before, self.area)[shared]).any():
+            return None
+        samples = (self.before, self.area)
+        return jackknife(lambda *some: slope(self.wait[shared], statistic(*some)[shared]), samples)
+
+    def power(self, of: Reading) -> Estimate | None:
+        """Power of the waiting time in a time; None where fewer than three waits have one in every sample."""
+        return self._slope(of, lambda _, area: np.log(self.wait) + self.times(of, area))
+
+    def estimated_power(self) -> Estimate | None:
+        """Power of the waiting time in the estimate, at the waits at which growth resumes."""
+        return self._slope(time_of_growth, lambda *some: np.log(self.wait) + self.estimated(*some))
+
+    def excess(self) -> Estimate | None:
+        """Power of the waiting time in t_r less that of the estimate, where both are known."""
+        of = time_of_growth
+        return self._slope(of, lambda before, area: self.times(of, area) - self.estimated(before, area))
+
+    def deepest(self) -> Estimate:
+        """Largest over the waits of the lost area, the mean over the surfaces."""
+        return jackknife(lambda depth: depth.mean(axis=0).max(), self.depth)
+
+    def rows(self) -> pd.DataFrame:
+        """Return areas, lost area and times, a row each waiting time."""
+        times = {
+            name: jackknife(partial(self.times, of), self.area)
+            for name, of in (("minimum", time_of_minimum), ("growth", time_of_growth))
+        }
+        logarithms = columns("minimum", times["minimum"]) | columns("growth", times["growth"])
+        logarithms["growth_estimated"] = self.estimated(self.before, self.area)
+        areas = {
+            "waiting_time": self.wait,
+            "surfaces": len(self.area),
+            "area_before": self.before.mean(axis=0),
+            "area_after": self.area[:, :, 0].mean(axis=0),
+        }
+        found = {name: np.exp(values) for name, values in logarithms.items()}
+        return pd.DataFrame(self.head | areas | columns("depth", mean(self.depth)) | found)
+
+    def powers(self) -> dict[str, object]:
+        """Return the lost area and the powers of the waiting time."""
+        found = {
+            "depth": self.deepest(),
+            "minimum": self.power(time_of_minimum),
+            "growth": self.power(time_of_growth),
+            "estimated": self.estimated_power(),
+        }
+        ends = [columns(name, one).items() for name, one in found.items()]
+        return self.head | {"surfaces": len(self.area)} | dict(chain(*ends))
+
+    def curves(self) -> pd.DataFrame:
+        """Return the mean area over that just after the step, for each waiting time."""
+        course = {
+            "waiting_time": np.repeat(self.wait, self.time.size),
+            "time": np.tile(self.time, self.wait.size),
+            "area": (self.area / self.area[:, :, :1]).mean(axis=0).ravel(),
+        }
+        return pd.DataFrame(self.head | course)
+
+
+def findings(every: list[Steps]) -> Iterator[Finding]:
+    """Judge what is claimed of the area after a fall of the load."""
+
+    def known(what: str, number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
+        return {f"{what}: {one.words}": found for one in every if (found := number(one)) is not None}
+
+    def deepest(*, in_series: bool) -> dict[str, Estimate]:
+        return known(
+            "largest mean of lost area over that after the step",
+            lambda one: one.deepest() if one.creep_stress and (one.name in IN_SERIES) is in_series else None,
+        )
+
+    dillavou, here = "Dillavou and Rubinstein 2018", "this study"
+    claim = "Where all of the stiffness creeps, no contact is lost after the load has fallen"
+    numbers = deepest(in_series=True)
+    yield Finding.within((-math.inf, FELL), "series", "the proof on this page", claim, numbers)
+    claim = "With activated creep beside permanent springs, the area falls before it rises"
+    numbers = deepest(in_series=False)
+    note = "The largest over the waiting times."
+    yield Finding.within((FELL, math.inf), "falls", dillavou, claim, numbers, note)
+    in_time = "power of the waiting time in the time of"
+    claim = "The time of the minimum is proportional to the waiting time"
+    numbers = known(f"{in_time} the minimum", lambda one: one.power(time_of_minimum))
+    yield Finding.within(PROPORTIONAL, "minimum", dillavou, claim, numbers)
+    claim = "The time at which growth resumes is proportional to the waiting time"
+    numbers = known(f"{in_time} growth", lambda one: one.power(time_of_growth))
+    yield Finding.within(PROPORTIONAL, "growth", here, claim, numbers)
+    claim = "The power in the time of growth is that of the mean forces"
+    numbers = known("power less d s_2/d s_1", Steps.excess)
+    yield Finding.within((-0.1, 0.1), "estimate", here, claim, numbers)

@@ -1,0 +1,348 @@
+"""The campaigns of a study: ordinary files of ``asperity sweep`` in one folder, and the running of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from filelock import FileLock, Timeout
+
+import asperity.app.campaign as campaign
+import asperity.checks as checks
+from asperity.app.campaign import Plan, Tally, read_plan
+from asperity.errors import AsperityError, InputError, OutputError
+from asperity.lattice import Field
+from asperity.results.store import whole_file
+from asperity.words import tables_to_toml
+from asperity_research.studies.evidence import Evidence
+
+Tables = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """One campaign.
+
+    Attributes
+    ----------
+    name
+        Its folder.
+    purpose
+        What it is for, in a few words.
+    tables
+        The campaign file, section by section; ``protocol`` is a list of legs.
+    heights
+        Surfaces that it reads, by the names of their files (.npy); none for surfaces that are made.
+    """
+
+    name: str
+    purpose: str
+    tables: Tables
+    heights: Mapping[str, Field] = field(default_factory=dict)
+
+    def write(self, folder: Path) -> Plan:
+        """Write the campaign file, and its surfaces if it has any, and read the plan back.
+
+        `OutputError` if the disk refused.
+        """
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            for name, heights in self.heights.items():
+                with whole_file(folder / name) as part, part.open("wb") as stream:
+                    np.save(stream, heights)
+            path = folder / "campaign.toml"
+            with whole_file(path) as part:
+                part.write_text(f"# {self.purpose}\n\n{tables_to_toml(self.tables)}", encoding="utf-8")
+        except OSError as error:
+            raise OutputError(f"cannot write {folder}: {error.strerror or error}") from error
+        return read_plan(path)
+
+    def seeded(self, first: int) -> Campaign:
+        """Return the same campaign with as many surfaces, whose seeds go on from a first one.
+
+        `InputError` for a negative seed, and where the seeds are a list already, not a number of surfaces.
+        """
+        if first < 0:
+            raise InputError("seed", expected="0 or more", got=first)
+        if "seeds" not in self.tables["sweep"]:  # a surface from a file
+            return self
+        count = self.tables["sweep"]["seeds"]
+        if not isinstance(count, int):
+            raise InputError(
+                f"seeds of {self.name}", expected="a number of surfaces", got=checks.shown(count)
+            )
+        sweep = {**self.tables["sweep"], "seeds": list(range(first, first + count))}
+        return replace(self, tables={**self.tables, "sweep": sweep})
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A solid of a study, and what is done to it.
+
+    Attributes
+    ----------
+    what
+        In words.
+    table
+        Its section of the campaign file.
+    load
+        Load a site at first, or the separation where that is prescribed.
+    waits
+        Waiting times before a step.
+    steps
+        Loads after the step over that before, or by how much the bodies are brought apart.
+    """
+
+    what: str
+    table: Tables
+    load: float
+    waits: tuple[float, ...] = ()
+    steps: tuple[float, ...] = ()
+
+    @property
+    def rough(self) -> dict[str, float]:
+        """What of the heights is 1: their slope where there is a modulus, else their height."""
+        return {"rms_slope" if "modulus" in self.table else "rms_height": 1.0}
+
+    def campaign(self, name: str, purpose: str, surface: Tables, **tables: Any) -> Campaign:
+        """Return one on this solid, under its load unless the tables have another contact; without maps.
+
+        Parameters
+        ----------
+        name
+            Its folder, in which a point is written as an underscore.
+        purpose
+            What it is for; the words of the solid follow.
+        surface
+            That section of the campaign file.
+        tables
+            The others.
+        """
+        contact = {"load": self.load * math.prod(surface["shape"])}
+        shared = {"surface": surface, "solid": self.table, "contact": contact, "output": {"maps_at": []}}
+        return Campaign(name.replace(".", "_"), f"{purpose}: {self.what}", shared | tables)
+
+
+def waves(side: int, roll_off: float, cutoff: float = 4.0, **more: float) -> dict[str, Any]:
+    """Return the table of a square surface of waves, with the Hurst exponent 0.8 unless there is another."""
+    shape = {"kind": "spectral", "shape": [side, side]}
+    return {**shape, "hurst": 0.8, "roll_off": roll_off, "cutoff": cutoff, **more}
+
+
+def hold(duration: float, **more: Any) -> dict[str, Any]:
+    """Return the table of a hold."""
+    return {"kind": "hold", "duration": duration, **more}
+
+
+def slide(distance: float, velocity: float = 1.0) -> dict[str, Any]:
+    """Return the table of a slide."""
+    return {"kind": "slide", "distance": float(distance), "velocity": velocity}
+
+
+def zipped(seeds: int, **values: Sequence[float]) -> dict[str, Any]:
+    """Return the table of a sweep in which the values of several keys go together."""
+    return {**{key: list(some) for key, some in values.items()}, "seeds": seeds, "combine": "zip"}
+
+
+def after_waits(
+    step: Mapping[str, float], waits: Sequence[float], duration: float, surfaces: int
+) -> dict[str, Any]:
+    """Return the tables of a hold for each waiting time, a step and a hold; times over the waiting time.
+
+    Creep t_w times as fast for a time of 1 is creep for t_w: waiting times are factors on creep.
+
+    Parameters
+    ----------
+    step
+        What the step changes, as in a leg of the campaign file.
+    waits
+        Waiting times, swept.
+    duration
+        Of the second hold, over the waiting time.
+    surfaces
+        Number of seeds.
+    """
+    factors = {f"protocol.{leg}.mobility": waits for leg in (0, 2)}
+    return {
+        "protocol": [hold(1.0), {"kind": "step", **step}, hold(duration)],
+        "sweep": zipped(surfaces, **factors),
+    }
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A campaign that is ready to run.
+
+    Attributes
+    ----------
+    campaign
+        What it is.
+    plan
+        Its runs.
+    folder
+        Where they go.
+    """
+
+    campaign: Campaign
+    plan: Plan
+    folder: Path
+
+
+@dataclass(frozen=True)
+class Home:
+    """Whose folder it is that campaigns are written to.
+
+    Attributes
+    ----------
+    owner
+        Such as ``"a reproduction"``.
+    inside
+        Folder of the campaigns, in that of the owner.
+    """
+
+    owner: str
+    inside: str
+
+    def check(self, folder: Path) -> None:
+        """Refuse a folder that holds something else; `InputError`."""
+        if folder.exists() and not folder.is_dir():
+            raise InputError("--out", expected="a folder", got=f"{folder}, which is a file")
+        if folder.exists() and any(folder.iterdir()) and not (folder / self.inside / "seed").is_file():
+            raise InputError(
+                "--out",
+                expected=f"a new folder, or that of {self.owner}",
+                got=f"{folder}, which holds something else and is kept",
+                advice="another name",
+            )
+
+    def claim(self, folder: Path, seed: int) -> None:
+        """Mark the folder as one of this seed, or find that it is another's, of other surfaces."""
+        mark = folder / self.inside / "seed"
+        if mark.exists() and (other := mark.read_text(encoding="utf-8").strip()) != str(seed):
+            raise InputError(
+                "--out",
+                expected=f"a new folder, or that of {self.owner} with this seed",
+                got=f"{folder}, which is that of --seed {other}",
+                advice="another name",
+            )
+        with whole_file(mark) as part:
+            part.write_text(f"{seed}\n", encoding="utf-8")
+
+    @contextmanager
+    def alone(self, folder: Path) -> Iterator[None]:
+        """Keep others out of the folder."""
+        try:
+            (folder / self.inside).mkdir(parents=True, exist_ok=True)
+            lock = FileLock(folder / self.inside / "lock")
+            lock.acquire(blocking=False)
+        except Timeout as error:
+            kind = self.owner.removeprefix("a ").removeprefix("the ")
+            raise InputError(
+                "--out",
+                expected="a folder that nothing is at work on",
+                got=f"{folder}, which another {kind} is writing",
+                advice="waiting, or another name",
+            ) from error
+        except OSError as error:
+            raise OutputError(f"cannot write {folder / self.inside}: {error.strerror or error}") from error
+        try:
+            yield
+        finally:
+            lock.release()
+
+
+@contextmanager
+def prepared_in(
+    directory: str | Path, campaigns: Sequence[Campaign], home: Home, *, seed: int = 0
+) -> Iterator[tuple[Prepared, ...]]:
+    """Write the campaign files, and keep others out of the folder.
+
+    Parameters
+    ----------
+    directory
+        The folder; made, or gone on with.
+    campaigns
+        What to run.
+    home
+        Whose folder it is.
+    seed
+        First seed of every ensemble.
+
+    Raises
+    ------
+    InputError
+        The folder holds something else, or is of another seed, or something is at work there; or the seed is
+        negative.
+    OutputError
+        The disk refused.
+    """
+    folder = Path(directory)
+    wanted = [one.seeded(seed) for one in campaigns]
+    home.check(folder)
+    with home.alone(folder):
+        home.claim(folder, seed)
+        places = [(one, folder / home.inside / one.name) for one in wanted]
+        yield tuple(Prepared(one, one.write(place), place) for one, place in places)
+
+
+def run_campaigns(
+    prepared: Sequence[Prepared],
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    retry_failed: bool = False,
+    watch: Callable[[Prepared], AbstractContextManager[Callable[[Tally], None] | None]] | None = None,
+) -> None:
+    """Do what is missing of every campaign.
+
+    Parameters
+    ----------
+    prepared
+        From `prepared_in`.
+    workers, scheduler, retry_failed
+        As `asperity.app.campaign.sweep`.
+    watch
+        Entered for each campaign that has runs to do, until they are done; gives what is told the tally
+        after every run.
+
+    Raises
+    ------
+    AsperityError
+        The disk or the scheduler refused; or some runs failed, after all others were done.
+    """
+    failed = []
+    for one in prepared:
+        before = campaign.tally(one.plan, one.folder)
+        # A finished campaign is swept too, which takes no time: its folder may hold another plan.
+        silent = watch is None or before.done == before.total
+        with nullcontext() if silent or watch is None else watch(one) as progress:
+            now = campaign.sweep(
+                one.plan,
+                one.folder,
+                workers=workers,
+                scheduler=scheduler,
+                retry_failed=retry_failed,
+                progress=progress,
+            )
+        if now.done < now.total:
+            failed.append(one)
+    if failed:
+        names = ", ".join(f"asperity status {one.folder}" for one in failed)
+        raise AsperityError(f"some runs failed ({names} say why); --retry-failed tries them again")
+
+
+def finished(evidence: Evidence, prepared: Sequence[Prepared]) -> dict[str, int]:
+    """Return the number of finished runs of every campaign, by name.
+
+    `AsperityError` if a campaign is not finished.
+    """
+    counts = {one.campaign.name: int(evidence[one.campaign.name].attrs["finished"]) for one in prepared}
+    for one in prepared:
+        if counts[one.campaign.name] < len({run.identity for run in one.plan.runs}):
+            raise AsperityError(f"{one.folder} is not finished: asperity status says what is left")
+    return counts

@@ -1,0 +1,250 @@
+"""The campaigns of growth, and areas against time beside those of the dilute theory."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from itertools import product
+
+import numpy as np
+
+import asperity.theory as theory
+from asperity.checks import Floats
+from asperity.lattice import Field
+from asperity.surfaces import exponential, gaussian
+from asperity_research.studies.campaigns import Campaign, Solid
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.numbers import crossing, slope
+
+WINDOW = (10.0, 1e3)
+"""Reduced times k0 R t between which B is measured."""
+
+HEIGHTS: Mapping[str, tuple[Callable[..., Field], Callable[[float], theory.HeightLaw]]] = {
+    "gaussian": (gaussian, theory.GaussianHeights),
+    "exponential": (exponential, theory.ExponentialHeights),
+}
+"""Surfaces that have a closed form, and their laws of heights, by kind."""
+
+_MIDDLE, _LAST = 100.0, 1e6
+"""Where its halves meet, and the end of the runs in which the end of the closed form is looked for."""
+
+SIDE = 512
+RATIO = 3.0
+"""k1/k0 where it is not varied."""
+
+_SOLID = {"k0": 1.0, "k1": RATIO, "R": 1.0}
+
+LIGHT, LIGHTEST = 1e-3, 1e-4
+"""Loads a site, over k0 and the rms height, of contacts far apart."""
+
+LOADS = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
+RATIOS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
+VISCOUS = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)
+RMS = 4.0
+ZERO = 1e-3
+"""Where R_viscous = 0 is drawn."""
+
+SIZES = (128, 256, 512)
+SIZE_LOAD = 1e-2
+
+HURST, CUTOFFS = (0.2, 0.5, 0.8), (2.0, 4.0, 8.0)
+_WAVE_SIDE, _WAVE_SIZES = 256, (128, 512)
+
+ENDING = (1e-3, 3e-3, 1e-2, 3e-2)
+"""Loads a site at which the end of the closed form is looked for."""
+
+END = 0.9
+"""Area over that of the closed form at which this has come to its end."""
+
+
+Number = Callable[[Floats, Field], float]
+"""What is computed from times and areas, shapes (n,) and (runs, n)."""
+
+Key = tuple[str, str, float]
+"""What is varied, on which surfaces or under which load, and its value."""
+
+
+def campaigns(*, seeds: int, light: int | None = None) -> tuple[Campaign, ...]:
+    """Return the campaigns, with so many surfaces each; where all loads are light, another number."""
+    return tuple(_campaigns(seeds, light or seeds))
+
+
+def _campaigns(seeds: int, light: int) -> Iterator[Campaign]:
+    sites = SIDE**2
+
+    def campaign(
+        name: str,
+        purpose: str,
+        sweep: Mapping[str, object] | None = None,
+        *,
+        side: int = SIDE,
+        load: float = LIGHT,
+        surface: Mapping[str, object] | None = None,
+        last: float = WINDOW[1],
+    ) -> Campaign:
+        return Solid("k1/k0 = 3" if name != "ratio" else "R = 1", _SOLID, load).campaign(
+            name,
+            f"Growth {purpose}",
+            {"kind": "gaussian", "shape": [side, side], **(surface or {})},
+            aging={"first": 0.1, "last": last, "per_decade": 4},
+            sweep=sweep or {"seeds": seeds},
+        )
+
+    loads = [LIGHTEST * sites, LIGHT * sites]
+    sweep = {"load": loads, "R_viscous": list(VISCOUS), "seeds": light}
+    yield campaign("viscous", "for several R_viscous/R, under two loads", sweep)
+    yield campaign("ratio", "for several k1/k0", {"k1": list(RATIOS), "seeds": light})
+    sweep = {"load": [load * sites for load in LOADS], "seeds": seeds}
+    yield campaign("load", "under several loads", sweep, last=_LAST)
+    higher = "on higher heights under a load as much higher"
+    yield campaign("rms", higher, load=RMS * LIGHT, surface={"rms": RMS})
+    yield campaign("exponential", "on exponential heights", surface={"kind": "exponential"})
+    rough = {"kind": "spectral", "hurst": 0.8, "roll_off": 32.0, "cutoff": 4.0, "rms_height": 1.0}
+    sweep = {"hurst": list(HURST), "cutoff": list(CUTOFFS), "seeds": seeds}
+    several = "on surfaces of several Hurst exponents and shortest wavelengths"
+    yield campaign("waves", several, sweep, side=_WAVE_SIDE, load=SIZE_LOAD, surface=rough)
+    for side in SIZES[:-1]:
+        yield campaign(
+            f"side_{side}", f"on independent heights, {side} along a side", side=side, load=SIZE_LOAD
+        )
+    for side in _WAVE_SIZES:
+        words = f"on surfaces with waves, {side} sites along a side"
+        yield campaign(f"waves_{side}", words, side=side, load=SIZE_LOAD, surface=rough)
+
+
+def rate(time: Floats, area: Field) -> float:
+    """B in the window, of the mean over surfaces; times (n,), the first of them 0, and areas (runs, n)."""
+    mean = area.mean(axis=0)
+    return slope(time, mean, *WINDOW) / float(mean[0])
+
+
+def relative_rate(time: Floats, area: Field) -> float:
+    """Return d ln A/d ln t in the window; arguments as for `rate`."""
+    return slope(time, np.log(area.mean(axis=0)), *WINDOW)
+
+
+def straightness(time: Floats, area: Field) -> float:
+    """B in the second half of the window over that in the first half; 1 for a logarithm."""
+    mean = area.mean(axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):  # an area that does not grow at first: no number
+        return float(np.divide(slope(time, mean, _MIDDLE, WINDOW[1]), slope(time, mean, WINDOW[0], _MIDDLE)))
+
+
+def end(time: Floats, area: Field, closed: Field) -> tuple[float, float]:
+    """Time at which the mean area falls to `END` of that of the closed form for good, and the area then.
+
+    Times (n,) and areas (runs, n); NaN where it does not fall so far.
+    """
+    mean, over = area.mean(axis=0), area.mean(axis=0) / closed.mean(axis=0)
+    above = np.flatnonzero(over >= END)
+    last = int(above[-1]) if above.size else 0
+    if last + 1 == len(time) or last == 0:
+        return math.nan, math.nan
+    at, part = crossing(time, over, last + 1, END)
+    return at, float(mean[last] + part * (mean[last + 1] - mean[last]))
+
+
+def closed_area(heights: theory.HeightLaw, load: float, time: Floats, x1: float, viscous: float) -> Floats:
+    """Part of the sites in contact by the dilute theory, with k0 = 1: load a site, k1/k0, R_viscous/R."""
+    return theory.dilute_area(load, theory.compliance(x1, time, viscous), heights)
+
+
+@dataclass(frozen=True)
+class Grown:
+    """Areas of several surfaces against time, and those of the closed form.
+
+    Attributes
+    ----------
+    load
+        Load a site.
+    sites
+        Of the surface.
+    time
+        Reduced times k0 R t, the first of which is 0, shape (n,).
+    area
+        Shape (runs, n), as a part of all sites.
+    closed
+        The same by the dilute theory with the heights of each surface; NaN where it has none.
+    endless
+        The same on a surface without end, shape (n,).
+    """
+
+    load: float
+    sites: int
+    time: Floats
+    area: Field
+    closed: Field
+    endless: Floats
+
+    @property
+    def limit(self) -> float:
+        """B of the closed form on a surface without end; NaN where there is no closed form."""
+        return math.nan if np.isnan(self.endless).any() else rate(self.time, self.endless[None])
+
+    def number(self, of: Number, area: Field, closed: Field) -> float:
+        """Return a number of some of the surfaces; where there is a closed form, by the ratio estimator."""
+        found = of(self.time, area)
+        if np.isnan(closed).any():
+            return found
+        with np.errstate(divide="ignore", invalid="ignore"):  # a closed form that does not grow: no number
+            return float(np.divide(found, of(self.time, closed)) * of(self.time, self.endless[None]))
+
+
+def _grown(evidence: Evidence, name: str, **at: float) -> Grown:
+    """Read what grew at some values of the swept parameters; a load is that of a site."""
+    tables = next(one.tables for one in campaigns(seeds=1) if one.name == name)
+    surface, plotted = tables["surface"], math.prod(tables["surface"]["shape"])
+    load = at.get("load", tables["contact"]["load"] / plotted)
+    dataset = evidence[name].sel(at | ({"load": load * plotted} if "load" in at else {}))
+    sites = int(dataset["sites"].max())
+    time = np.asarray(dataset["time"].values, dtype=np.float64)
+    area = dataset["area"].transpose("seed", "time").values.astype(np.float64) / sites
+    closed, endless = np.full_like(area, np.nan), np.full_like(time, np.nan)
+    if surface["kind"] in HEIGHTS:
+        numbers, rms = (at.get("k1", RATIO), at.get("R_viscous", 0.0)), surface.get("rms", 1.0)
+        endless = closed_area(HEIGHTS[surface["kind"]][1](rms), load, time, *numbers)
+        for row, seed in enumerate(dataset["seed"].values.tolist()):
+            law = _empirical(surface["kind"], math.isqrt(sites), rms, seed)
+            closed[row] = closed_area(law, load, time, *numbers)
+    return Grown(load, sites, time, area, closed, endless)
+
+
+@lru_cache(maxsize=64)
+def _empirical(kind: str, side: int, rms: float, seed: int) -> theory.HeightLaw:
+    """Law of the heights of one surface."""
+    return theory.EmpiricalHeights(HEIGHTS[kind][0]((side, side), rms=rms, seed=seed))
+
+
+GAUSSIAN, EXPONENTIAL = "independent heights", "exponential heights"
+
+
+def by_load(load: float) -> str:
+    """Name surfaces by their load."""
+    return f"load {load:g}"
+
+
+def by_hurst(hurst: float) -> str:
+    """Name surfaces by their Hurst exponent."""
+    return f"Hurst exponent {hurst:g}"
+
+
+def sets_of(evidence: Evidence) -> dict[Key, Grown]:
+    """Read all sets of parameters."""
+    grown = partial(_grown, evidence)
+    waves = by_hurst(0.8)
+    sets: dict[Key, Grown] = {("k1/k0", GAUSSIAN, x1): grown("ratio", k1=x1) for x1 in RATIOS}
+    sets |= {("load", GAUSSIAN, load): grown("load", load=load) for load in LOADS}
+    for load, r in product((LIGHTEST, LIGHT), VISCOUS):
+        sets["R_viscous/R", by_load(load), r] = grown("viscous", load=load, R_viscous=r)
+    for hurst, cutoff in product(HURST, CUTOFFS):
+        sets["cutoff", by_hurst(hurst), cutoff] = grown("waves", hurst=hurst, cutoff=cutoff)
+    for side in SIZES:
+        known = {SIDE: sets["load", GAUSSIAN, SIZE_LOAD]}
+        sets["side", GAUSSIAN, side] = known.get(side) or grown(f"side_{side}")
+        known = {_WAVE_SIDE: sets["cutoff", waves, 4.0]}
+        sets["side", waves, side] = known.get(side) or grown(f"waves_{side}")
+    sets["rms", GAUSSIAN, RMS] = grown("rms")
+    sets["law", EXPONENTIAL, 1.0] = grown("exponential")
+    return sets

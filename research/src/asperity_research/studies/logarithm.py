@@ -1,0 +1,318 @@
+r"""Study: which relaxation makes the contact of a rough half-space grow like the logarithm of time.
+
+The stiffness of a half-space is E* abs(q)/2. If all of it relaxes alike, with the creep compliance J(t),
+J(0) = 1, the contact under a constant load F is the elastic one under the load J(t) F (E. H. Lee and J. R. M.
+Radok, J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020). With the elastic area A_e(F),
+
+    A(t)/A(0) = A_e(J(t) F)/A_e(F),        B = d (A/A(0))/d ln t,    n = d ln A_e/d ln F.
+
+So the area grows like ln t if J does, while A_e is near proportional to F. One relaxation time gives an
+exponential approach to a limit. Equal parts of compliance in each decade give J = 1 + j log10(t/t_0),
+and B near n j/ln 10. Equal parts g of the modulus give J near 1/(1 - g log10(t/t_0)), which bends up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.lattice import Field
+from asperity.relaxation import PronySeries, from_retardation
+from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.numbers import columns, power, slope
+from asperity_research.studies.panels import points
+from asperity_research.studies.study import Outcome, Study
+
+SIDE = 128
+"""Sites along a side."""
+
+_PRESSURE = 0.01
+"""Load over E* and nominal area, where it is not varied."""
+
+_PRESSURES = (0.0025, 0.01, 0.04)
+_FACTORS = (1.0, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0, 2.5)
+"""Loads of the curve of the elastic area, over the load."""
+
+_TIMES = tuple(10.0**decade for decade in range(9))
+_FIRST, _LAST = 10.0, 1e7
+"""The decades of time in which growth is judged."""
+
+_END_DECADES = 2
+
+WANTED = 0.01
+"""B that is looked for."""
+
+STRAIGHT = (0.9, 1.1)
+"""Ratios of the slope in the last two decades to that in the first two that bear out a logarithm."""
+
+
+@dataclass(frozen=True)
+class Relaxing:
+    """A relaxation.
+
+    Attributes
+    ----------
+    what
+        In words.
+    series
+        Its branches.
+    share
+        Share of a decade of time; NaN if that is no one number.
+    """
+
+    what: str
+    series: PronySeries
+    share: float = math.nan
+
+
+def equal_compliance(share: float, times: tuple[float, ...] = _TIMES) -> PronySeries:
+    """J = 1 + a share at every one of the retardation times."""
+    return from_retardation(1.0, [(share, time) for time in times])
+
+
+def equal_modulus(share: float, times: tuple[float, ...] = _TIMES) -> PronySeries:
+    """E = 1 less a share at every one of the relaxation times."""
+    return PronySeries(1.0, tuple((share, time) for time in times))
+
+
+_COMPLIANCES, _MODULI = (0.01, 0.02, 0.03, 0.1), (0.01, 0.02, 0.05)
+
+RELAXATIONS: Mapping[str, Relaxing] = {
+    "one_time": Relaxing("one relaxation time, 30, of share 0.2", PronySeries(1.0, ((0.2, 30.0),))),
+    "power": Relaxing(
+        "parts of compliance that rise like the power 0.1 of their time",
+        from_retardation(1.0, [(0.01 * time**0.1, time) for time in _TIMES]),
+    ),
+    **{
+        f"{kind}_{share:g}": Relaxing(words.format(share), series(share), share)
+        for kind, words, series, shares in (
+            ("modulus", "{:g} of the modulus in each decade", equal_modulus, _MODULI),
+            ("compliance", "compliance grows by {:g} in each decade", equal_compliance, _COMPLIANCES),
+        )
+        for share in shares
+    },
+}
+"""The relaxations by name."""
+
+_OF_LOADS = "compliance_0.03"
+
+
+def _campaigns(seeds: int, side: int = SIDE) -> Iterator[Campaign]:
+    def campaign(
+        name: str, purpose: str, relaxing: Relaxing, duration: float = _LAST, **sweep: object
+    ) -> Campaign:
+        branches = [list(one) for one in relaxing.series.branches]
+        half_space = {"kind": "half_space", "modulus": 1.0, "branches": branches}
+        return Solid(relaxing.what, half_space, _PRESSURE).campaign(
+            name,
+            purpose,
+            waves(side, side / 2, rms_slope=0.2),
+            aging={"first": 1.0, "per_decade": 4, "rtol": 5e-3},
+            protocol=[hold(duration)],
+            sweep={**sweep, "seeds": seeds},
+        )
+
+    for name, relaxing in RELAXATIONS.items():
+        yield campaign(name, "Growth under a constant load", relaxing)
+    one = RELAXATIONS[_OF_LOADS]
+    loads = [side**2 * pressure for pressure in _PRESSURES]
+    yield campaign("loads", "Growth under other loads", one, load=loads)
+    loads = [side**2 * _PRESSURE * factor for factor in _FACTORS]
+    yield campaign("elastic", "Area against load, before anything has relaxed", one, 1.0, load=loads)
+
+
+def rate(time: Floats, growth: Floats, first: float = _FIRST, last: float = _LAST) -> float:
+    """B between two times: of the mean growth A/A(0), shape (runs, times)."""
+    return slope(time, growth.mean(axis=0), first, last)
+
+
+def straightness(time: Floats, growth: Floats) -> float:
+    """B in the last two of the decades over that in the first two; 1 for a logarithm."""
+    decades = 10.0**_END_DECADES
+    return rate(time, growth, _LAST / decades) / rate(time, growth, last=_FIRST * decades)
+
+
+def share_for(shares: Floats, slopes: Floats, wanted: float = WANTED) -> float:
+    """Share a decade at which B has a value: ln B linear in ln share between its neighbors.
+
+    Parameters
+    ----------
+    shares
+        Increasing, shape (n,).
+    slopes
+        B at them, shape (n,); increasing.
+    wanted
+        The value of B.
+    """
+    return float(np.exp(np.interp(math.log(wanted), np.log(slopes), np.log(shares))))
+
+
+def predicted(loads: Floats, areas: Floats, series: PronySeries, time: Floats) -> Field:
+    """A/A(0) from the curve of the elastic area against load, by ln A linear in ln F between its points.
+
+    Parameters
+    ----------
+    loads
+        Over the load that is kept, increasing from 1, shape (n,).
+    areas
+        Elastic areas at them, shape (runs, n).
+    series
+        The relaxation.
+    time
+        Times, shape (m,).
+
+    Returns
+    -------
+    ndarray
+        Shape (runs, m).
+    """
+    at = np.log(series.compliance_at(time))
+    ratios = np.log(areas / areas[:, :1])
+    return np.exp([np.interp(at, np.log(loads), one) for one in ratios])
+
+
+def _growth(evidence: Evidence, name: str, **where: float) -> tuple[Floats, Field]:
+    """Times and A/A(0), one row a seed."""
+    folder = name.replace(".", "_")
+    area = evidence.samples(folder, "area", **where)
+    return np.asarray(evidence[folder]["time"].values, dtype=np.float64), area / area[:, :1]
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Find B and the straightness of all relaxations, and the share for a given B."""
+    elastic = evidence["elastic"]
+    loads = np.asarray(elastic["load"].values, dtype=np.float64)
+    areas = evidence.samples("elastic", "area")[..., 0]
+    rows: list[dict[str, Any]] = []
+    curves, grown, straight, ratios = [], {}, {}, {}
+
+    def noted(number: str, relaxation: str, at: float, found: Estimate) -> Estimate:
+        row = {"number": number, "relaxation": relaxation, "at": at}
+        rows.append(row | columns("value", found, shared=True) | {"runs": found.runs})
+        return found
+
+    for name, relaxing in RELAXATIONS.items():
+        time, growth = _growth(evidence, name)
+        grown[name] = growth
+        bent = jackknife(partial(straightness, time), growth)
+        straight[name] = noted("straightness", name, relaxing.share, bent)
+        noted("B", name, relaxing.share, jackknife(partial(rate, time), growth))
+        forecast = predicted(loads / loads[0], areas, relaxing.series, time)
+        if not math.isnan(relaxing.share):
+            over = jackknife(partial(_over, time), (growth, forecast))
+            ratios[relaxing.what] = noted("B over prediction", name, relaxing.share, over)
+        course = {"relaxation": name, "time": time, "growth": growth.mean(axis=0)}
+        course |= {"predicted": forecast.mean(axis=0), "compliance": relaxing.series.compliance_at(time)}
+        curves.append(pd.DataFrame(course))
+    wanted = {}
+    for kind, shares in (("compliance", _COMPLIANCES), ("modulus", _MODULI)):
+        samples = tuple(grown[f"{kind}_{share:g}"] for share in shares)
+        found = jackknife(partial(_share_wanted, time, np.array(shares)), samples)
+        wanted[kind] = noted("share for B = 0.01", kind, WANTED, found)
+    near = loads <= 2.001 * loads[0]
+    exponent = jackknife(lambda some: power(loads[near], some.mean(axis=0)[near]), areas)
+    noted("d ln A/d ln F", "elastic", _PRESSURE, exponent)
+    by_load = [_growth(evidence, "loads", load=load)[1] for load in evidence["loads"]["load"].values.tolist()]
+    for pressure, growth in zip(_PRESSURES, by_load, strict=True):
+        noted("B of a load", _OF_LOADS, pressure, jackknife(partial(rate, time), growth))
+    of_loads = jackknife(partial(_over, time), (by_load[-1], by_load[0]))
+    findings = tuple(_findings(straight, ratios, wanted, of_loads))
+    return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(curves, ignore_index=True)})
+
+
+def _over(time: Floats, one: Floats, other: Floats) -> float:
+    return rate(time, one) / rate(time, other)
+
+
+def _share_wanted(time: Floats, shares: Floats, *grown: Floats) -> float:
+    return share_for(shares, np.array([rate(time, one) for one in grown]))
+
+
+def _findings(
+    straight: Mapping[str, Estimate],
+    ratios: Mapping[str, Estimate],
+    wanted: Mapping[str, Estimate],
+    of_loads: Estimate,
+) -> Iterator[Finding]:
+    for key, words in (
+        ("one_time", "one relaxation time"),
+        ("power", "a compliance like a power of time"),
+        ("modulus", "equal parts of the modulus in each decade"),
+        ("compliance", "equal parts of compliance in each decade"),
+    ):
+        numbers = {
+            f"slope in the last two decades over that in the first two: {RELAXATIONS[name].what}": bent
+            for name, bent in straight.items()
+            if name.startswith(key)
+        }
+        claim = f"With {words} the area grows like a logarithm over six decades"
+        yield Finding.within(STRAIGHT, key, "this study", claim, numbers)
+    proportional = math.log(10) * WANTED
+    ends = 0.8 * proportional, 1.2 * proportional
+    share = "share of {} in each decade that gives <i>B</i> = 0.01".format
+    numbers = {share(kind): found for kind, found in wanted.items()}
+    claim = "B = 0.01 takes a share of 0.01 ln 10 a decade, within a fifth"
+    yield Finding.within(ends, "share", "this study", claim, numbers)
+    numbers = {f"<i>B</i> over that from <i>J</i>(<i>t</i>): {what}": over for what, over in ratios.items()}
+    claim = "B follows from the compliance and the elastic area against load"
+    yield Finding.within((0.95, 1.05), "prediction", "Lee and Radok 1960", claim, numbers)
+    what = f"<i>B</i> at the load 0.04 over that at 0.0025: {RELAXATIONS[_OF_LOADS].what}"
+    yield Finding.within((0.9, 1.1), "load", "Amontons' law", "B does not depend on load", {what: of_loads})
+
+
+_LOOKS = {
+    "one_time": ("one time", "^", style.SKY),
+    "power": ("power", "v", style.VERMILION),
+    "modulus_0.05": ("modulus, 0.05", "s", style.BLUE),
+    "compliance_0.1": ("compliance, 0.1", "o", style.INK),
+    "compliance_0.03": ("compliance, 0.03", "D", style.INK),
+}
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw growth against time, and B against the share of a decade."""
+    figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    curves, numbers = tables["curves"], tables["numbers"]
+    for name, (words, mark, color) in _LOOKS.items():
+        own = curves[(curves["relaxation"] == name) & (curves["time"] > 0)]
+        left.plot(own["time"], own["growth"], mark, color=color, markersize=3, label=words)
+        left.plot(own["time"], own["predicted"], "-", color=color, linewidth=0.8)
+    left.set(xscale="log", xlabel=r"time $t$", ylabel=r"area $A/A(0)$")
+    left.legend(fontsize=7, loc="upper left")
+    for kind, mark, color in (("compliance", "o", style.INK), ("modulus", "s", style.BLUE)):
+        own = numbers[(numbers["number"] == "B") & numbers["relaxation"].str.startswith(kind)]
+        points(right, own, "at", "value", mark, color, label=kind, linewidth=None)
+    shares = np.geomspace(0.008, 0.12, 20)
+    right.plot(shares, shares / math.log(10), ":", color="0.5", label=r"share$\,/\ln 10$")
+    right.axhline(WANTED, color="0.7", linewidth=0.8)
+    right.set(xscale="log", yscale="log", xlabel="share of each decade", ylabel=r"$B$")
+    right.legend(fontsize=7)
+    return figure
+
+
+LOGARITHM = Study(
+    name="logarithm",
+    question="Which relaxation makes the area on a half-space grow like ln t, and by 1 % an e-fold?",
+    quick=tuple(_campaigns(4)),
+    full=tuple(_campaigns(16)),
+    analyse=analyse,
+    draw=draw,
+    caption="Left: area under a constant load over that at first, mean over the surfaces (points), and of "
+    "an elastic contact under <i>J</i>(<i>t</i>) <i>F</i> (lines). Right: <i>B</i> = "
+    "d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> against the part of compliance or modulus in each decade of time, "
+    "with 95 % intervals; dotted for an area in proportion to load.",
+    page="docs/studies/logarithm.md",
+)

@@ -1,0 +1,419 @@
+r"""Study: the sizes of patches of contact under several loads, and which of them grow at constant area.
+
+J. H. Dieterich and B. D. Kilgore, Tectonophysics 256, 219 (1996), DOI 10.1016/0040-1951(95)00165-4, see areas
+of contacts that follow a power law from the smallest that they resolve up to a limiting size, whatever the
+load, and find the same where fractal surfaces overlap. T. Pilvelait, S. Dillavou and S. M. Rubinstein, Phys.
+Rev. Research 2, 012056 (2020), DOI 10.1103/PhysRevResearch.2.012056, hold the area constant: small contacts
+shrink, and large ones coarsen.
+
+Laws for the sizes s = s_min, s_min + 1 and so on are
+
+    power        p(s) ~ s^-tau
+    cut          p(s) ~ s^-tau exp(-s/s_c)
+    lognormal    p(s) ~ s^-a exp(-b ln(s)^2)
+
+each with its norm as a sum over all s (A. Clauset, C. R. Shalizi, M. E. J. Newman, SIAM Review 51, 661
+(2009), DOI 10.1137/070710111). They are exponential families: the likelihood is concave, and of the
+data it holds the means of ln s, s and ln(s)^2 alone.
+
+At constant area a patch at first has grown by what its sites have become: it loses the sites that are off
+contact at the end, and shares the new sites of a later patch with the other patches that are part of it, by
+the sites that each has in it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+import asperity_research.studies.unloading as unloading
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.patches import link_patches, patches
+from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding, Measurement
+from asperity_research.studies.numbers import columns, part
+from asperity_research.studies.panels import points
+from asperity_research.studies.study import Outcome, Study
+
+SMALLEST = 16
+"""Smallest size of the fits: the square of the shortest wavelength, below which surfaces are smooth."""
+
+PRESSURES = (0.01, 0.02, 0.04, 0.08)
+"""Load a site, over E*, of surfaces with an rms slope of 1."""
+
+HURST = (0.4, 0.8)
+CLASSES = (1, 4, 16, 64, 256)
+"""Least sizes of the classes."""
+
+SMALL, LARGE = 16, 64
+"""Small patches have fewer sites, large ones as many or more."""
+
+SAME_EXPONENT = (-0.05, 0.05)
+"""Change of the exponent, over that of the logarithm of load, that bears out that load leaves it alone."""
+
+SAME_SIZE = (-0.1, 0.1)
+"""The same for the logarithm of a size."""
+
+_CHANGES = 0.01
+"""Part of its sites by which a class has to grow, or shrink, to count as one that does."""
+
+SOLIDS = {
+    name: replace(unloading.SOLIDS[name], load=load)
+    for name, load in (("half_space", 0.04), ("conserved", 0.08), ("viscous", 0.08))
+}
+"""By name, under a load at which the area is that to be held."""
+
+
+def campaigns(*, seeds: int, side: int = 256, held_side: int = 128) -> tuple[Campaign, ...]:
+    """Return the campaigns, with so many surfaces each."""
+    # The run ends long before the only relaxation time.
+    half_space = {"kind": "half_space", "modulus": 1.0, "branches": [[0.5, 1e3]]}
+    pressed = Solid("just after the half-space was pressed", half_space, PRESSURES[0]).campaign(
+        "pressed",
+        "Patches under several loads",
+        waves(side, side / 4, rms_slope=1.0),
+        aging={"first": 1e-3, "per_decade": 1},
+        protocol=[hold(1e-3)],
+        output={"maps_at": [0.0]},
+        sweep={"hurst": list(HURST), "load": [p * side**2 for p in PRESSURES], "seeds": seeds},
+    )
+    held = (
+        solid.campaign(
+            name,
+            "Patches while the area is held constant",
+            waves(held_side, held_side / 8) | solid.rough,
+            aging={"first": 0.1, "per_decade": 1},
+            protocol=[hold(100.0, hold="area")],
+            output={"maps_at": [0.0, 100.0]},
+            sweep={"seeds": seeds},
+        )
+        for name, solid in SOLIDS.items()
+    )
+    return (pressed, *held)
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law of sizes that was fitted.
+
+    Attributes
+    ----------
+    exponent
+        tau, or a of the lognormal law.
+    second
+        1/s_c or b; 0 where the likelihood is greatest without that factor.
+    likelihood
+        Mean over the patches of the logarithm of p(s).
+    """
+
+    exponent: float
+    second: float
+    likelihood: float
+
+
+def fit(means: Floats, support: Floats) -> Law:
+    r"""Fit p ~ exp(-sum theta_i T_i) by maximum likelihood, with theta_2 not below 0.
+
+    Parameters
+    ----------
+    means
+        Means of T over the data, shape (n,), n of 1 or 2.
+    support
+        T of all sizes that can be, shape (n, sizes).
+
+    Returns
+    -------
+    Law
+
+    Notes
+    -----
+    The logarithm of the likelihood is concave in theta: Newton's method with halved steps finds its maximum.
+    If theta_2 is below 0 there, the maximum under the bound has theta_2 = 0.
+    """
+    unit = support[:, -1][:, None]  # of order 1
+    scaled, wanted = support / unit, means / unit[:, 0]
+    theta: Floats = np.zeros(len(means))
+    value = -math.inf
+    step: Floats = np.zeros_like(theta)
+    for _ in range(200):
+        tried = theta + step
+        exponent = -tried @ scaled
+        norm = float(logsumexp(exponent))
+        now = float(-tried @ wanted) - norm
+        if now < value:
+            step = step / 2
+            if np.abs(step).max() <= 1e-12 * (1 + np.abs(theta).max()):
+                break
+            continue
+        gained, theta, value = now - value, tried, now
+        share = np.exp(exponent - norm)
+        mean = scaled @ share
+        centered = scaled - mean[:, None]
+        step = np.asarray(np.linalg.solve((centered * share) @ centered.T, mean - wanted), dtype=np.float64)
+        if gained < 1e-13:
+            break
+    theta = theta / unit[:, 0]
+    if len(theta) == 2 and theta[1] < 0:
+        bound = fit(means[:1], support[:1])
+        return Law(bound.exponent, 0.0, bound.likelihood)
+    return Law(float(theta[0]), float(theta[1]) if len(theta) == 2 else 0.0, value)
+
+
+@dataclass(frozen=True)
+class Laws:
+    """The three laws, fitted to sums over the patches of several surfaces.
+
+    Attributes
+    ----------
+    power, cut, lognormal
+        The fits.
+    """
+
+    power: Law
+    cut: Law
+    lognormal: Law
+
+    @classmethod
+    def of(cls, sums: Floats, largest: int) -> Laws:
+        """Fit them to rows of `sums_of`, for sizes from SMALLEST to a largest that can be."""
+        count, *moments = sums.sum(axis=0)[:4]
+        means, support = np.array(moments) / count, _moments(np.arange(SMALLEST, largest + 1.0))
+        return cls(*(fit(means[use], support[use]) for use in ([0], [0, 1], [0, 2])))
+
+
+def _moments(sizes: Floats) -> Floats:
+    logs = np.log(sizes)
+    return np.stack([logs, sizes, logs**2])
+
+
+def sums_of(sizes: NDArray[np.int64]) -> Floats:
+    """Sums over the patches of one surface.
+
+    Returns
+    -------
+    ndarray, shape (6,)
+        Number of those of SMALLEST sites and more, sums of ln s, s and ln(s)^2 over these; sums of s and s^2
+        over all.
+    """
+    fitted = sizes[sizes >= SMALLEST].astype(np.float64)
+    return np.array([fitted.size, *_moments(fitted).sum(axis=1), sizes.sum(), (sizes**2).sum()], dtype=float)
+
+
+def overlap(heights: Floats, sites: int) -> NDArray[np.bool_]:
+    """Where the heights reach through a plane that leaves so many sites above it."""
+    return np.asarray(heights >= np.partition(heights, -sites, axis=None)[-sites])
+
+
+def growth(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[NDArray[np.int64], Floats, int]:
+    """By how much each patch has grown from one map to another.
+
+    Returns
+    -------
+    ndarray of int, shape (patches,)
+        Their sizes before.
+    ndarray, shape (patches,)
+        By how many sites each has grown, below 0 where it has shrunk.
+    int
+        Sites of patches that share none with a patch before. With these the growths add up to the change of
+        the area.
+    """
+    links = link_patches(before, after)
+    one, other = (links.pairs - 1).T
+    whole = np.bincount(other, links.shared, links.after.size)
+    part = links.after[other] * links.shared / whole[other]
+    born = int(links.after[whole == 0].sum())
+    grown: Floats = np.bincount(one, part, links.before.size) - links.before.astype(float)
+    return links.before, grown, born
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Fit the laws of sizes under each load, and find what grows at constant area."""
+    exponents, sizes, of_load = _pressed(evidence)
+    grown, of_area = _grown(evidence)
+    return Outcome((*of_load, *of_area), {"exponents": exponents, "sizes": sizes, "growth": grown})
+
+
+def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Finding, ...]]:
+    """Exponents by Hurst exponent and load, shares of patches by size, and the findings."""
+    opened = evidence["pressed"]
+    loads, seeds = opened["load"].values, opened["seed"].values.tolist()
+    sites = int(evidence.sites("pressed"))
+    rows, shares, load_free = list[dict[str, object]](), list[dict[str, object]](), list[Measurement]()
+    laws: dict[str, Estimate] = {}
+    for hurst, kind in product(opened["hurst"].values.tolist(), ("contact", "overlap")):
+        sums = []
+        for load in loads:
+            found = [_sizes(evidence, kind, hurst=hurst, load=load, seed=seed) for seed in seeds]
+            sums.append([sums_of(sizes) for sizes in found])
+            head = {"of": kind, "hurst": hurst, "pressure": load / sites}
+            survival = _survival(np.concatenate(found))
+            shares += [head | {"size": size, "share": share} for size, share in survival]
+        samples = np.array(sums).transpose(1, 0, 2)  # seeds, loads, sums
+        numbers = jackknife(partial(_numbers, loads=loads, largest=sites // 4), samples)
+        for at, load in enumerate(loads):
+            head = {"of": kind, "hurst": hurst, "pressure": load / sites}
+            head["area"] = samples[:, at, 4].mean() / sites
+            counted = {"patches": int(samples[:, at, 0].sum())}
+            rows.append(head | counted | _columns(numbers, at) | {"runs": len(seeds)})
+        if kind == "overlap":
+            continue
+        about = f"half-space, Hurst exponent {hurst:g}"
+        words = f"ln likelihood a patch, power law with a limit less lognormal: {about}, load a site"
+        laws |= {f"{words} {load / sites:g}": part(numbers, at, 2) for at, load in enumerate(loads)}
+        exponent, size = (part(numbers, len(loads), column) for column in (0, 1))
+        load_free += [
+            Measurement(f"d tau / d ln load: {about}", exponent, *SAME_EXPONENT),
+            Measurement(f"d ln (mean size by area) / d ln load: {about}", size, *SAME_SIZE),
+        ]
+    place = "Dieterich and Kilgore 1996"
+    claim = "Sizes of patches follow a power law up to a limiting size"
+    findings = (
+        Finding.within((0.0, math.inf), "law", place, claim, laws),
+        Finding("load", place, "Load leaves the distribution of sizes alone", tuple(load_free)),
+    )
+    in_order = pd.DataFrame(shares).sort_values(["hurst", "pressure"], kind="stable", ignore_index=True)
+    return pd.DataFrame(rows), in_order, findings
+
+
+def _sizes(evidence: Evidence, kind: str, **where: float) -> NDArray[np.int64]:
+    """Sizes of the patches of one run, in contact, or of a plane through the heights with the same area."""
+    one = evidence.fields("pressed", **where)
+    touching = one["in_contact"].values[0]
+    found = touching if kind == "contact" else overlap(one["heights"].values, int(touching.sum()))
+    return patches(found).sizes
+
+
+_COLUMNS = ("exponent", "mean_size", "over_lognormal", "over_power", "inverse_limit")
+
+
+def _numbers(samples: Floats, loads: Floats, largest: int) -> Floats:
+    """Numbers of `_COLUMNS` under each load, the size as a logarithm; then their slopes against ln load."""
+    rows = []
+    for at in range(len(loads)):
+        laws = Laws.of(samples[:, at], largest)
+        area, squares = samples[:, at].sum(axis=0)[4:]
+        better = (laws.cut.likelihood - other.likelihood for other in (laws.lognormal, laws.power))
+        rows.append((laws.cut.exponent, math.log(squares / area), *better, laws.cut.second))
+    return np.vstack([rows, np.polyfit(np.log(loads), np.array(rows), 1)[0]])
+
+
+def _columns(found: Estimate, at: int) -> dict[str, float]:
+    row: dict[str, float] = {}
+    for column, name in enumerate(_COLUMNS):
+        row |= columns(name, part(found, at, column))
+    return {name: math.exp(value) if name.startswith("mean_size") else value for name, value in row.items()}
+
+
+def _survival(sizes: NDArray[np.int64]) -> list[tuple[int, float]]:
+    """Share of the patches that have so many sites or more, at sizes that grow by a fifth."""
+    at = np.unique(np.geomspace(1, sizes.max(), 1 + round(math.log(sizes.max()) / math.log(1.2))).round())
+    ordered = np.sort(sizes)
+    return [(int(size), float(1 - np.searchsorted(ordered, size) / sizes.size)) for size in at]
+
+
+def _grown(evidence: Evidence) -> tuple[pd.DataFrame, tuple[Finding, ...]]:
+    """Growth by class of sizes at constant area, and the findings."""
+    tables, findings = [], []
+    for name, solid in SOLIDS.items():
+        table, counts = [], []
+        ends: dict[str, list[Floats]] = {"small": [], "large": []}
+        for seed in evidence[name]["seed"].values:
+            maps = evidence.fields(name, seed=int(seed))["in_contact"].values
+            before, net, born = growth(maps[0], maps[-1])
+            of = np.searchsorted(CLASSES, before, side="right") - 1
+            gained, sites = (np.bincount(of, some, len(CLASSES)) for some in (net, before))
+            table.append([[*gained, born], [*sites, before.sum()]])
+            counts.append([*np.bincount(of, minlength=len(CLASSES)), 0])
+            for kind, chosen in (("small", before < SMALL), ("large", before >= LARGE)):
+                ends[kind].append(np.array([net[chosen].sum(), before[chosen].sum()], dtype=float))
+        found = jackknife(_ratio, np.array(table, dtype=float))
+        classes = {
+            "solid": name,
+            "from": (*CLASSES, 0),
+            "below": [*CLASSES[1:], math.inf, math.nan],
+            "patches": np.sum(counts, axis=0),
+        }
+        tables.append(pd.DataFrame(classes | columns("growth", found, shared=True) | {"runs": found.runs}))
+        small, large = (jackknife(_ratio, np.array(some)) for some in ends.values())
+        said = "growth of patches of {} sites{}, over their sites: {}".format
+        measured = (
+            Measurement(said(f"fewer than {SMALL}", "", solid.what), small, high=-_CHANGES),
+            Measurement(said(LARGE, " and more", solid.what), large, low=_CHANGES),
+        )
+        claim = "At constant area small patches shrink and large ones grow"
+        findings.append(Finding(name, "Pilvelait et al. 2020", claim, measured, note=_NOTES.get(name, "")))
+    return pd.concat(tables, ignore_index=True), tuple(findings)
+
+
+_NOTES = {
+    "half_space": "The relaxation is the same at all wavelengths: with the contacts as they are, the force "
+    "relaxes as the modulus, and nothing else changes."
+}
+
+
+def _ratio(sample: Floats) -> Floats:
+    """Sum over surfaces of the first row over that of the second; NaN where that is 0."""
+    gained, sites = sample.sum(axis=0)
+    return np.asarray(np.divide(gained, sites, out=np.full_like(gained, np.nan), where=sites > 0))
+
+
+_KINDS = {"contact": "o-", "overlap": "s:"}
+_LOOKS = {"half_space": ("D", style.SKY), "conserved": ("^", style.VERMILION), "viscous": ("o", style.INK)}
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw the sizes, their exponent, and the growth at constant area."""
+    figure = style.Drawing(figsize=(8.6, 3.1), layout="constrained")
+    sizes, exponent, held = figure.subplots(1, 3)
+    shares = tables["sizes"]
+    shown = shares[(shares["of"] == "contact") & (shares["hurst"] == HURST[-1])]
+    for (pressure, own), look in zip(shown.groupby("pressure"), "o^sD", strict=False):
+        sizes.plot(
+            own["size"], own["share"], f"{look}-", markersize=2.5, linewidth=0.7, label=f"{pressure:g}"
+        )
+    sizes.axvline(SMALLEST, color="0.7", linewidth=0.8)
+    sizes.set(xscale="log", yscale="log", xlabel="size $s$ (sites)", ylabel="share of $s$ sites or more")
+    sizes.legend(title="load a site", fontsize=7, title_fontsize=7)
+    for (kind, hurst), own in tables["exponents"].groupby(["of", "hurst"], sort=False):
+        color = style.INK if hurst == HURST[-1] else style.VERMILION
+        points(exponent, own, "pressure", "exponent", _KINDS[str(kind)], color, label=f"{kind}, {hurst:g}")
+    exponent.set(xscale="log", xlabel="load a site", ylabel=r"exponent $\tau$")
+    exponent.set_xticks(PRESSURES, [f"{p:g}" for p in PRESSURES])
+    exponent.tick_params(axis="x", which="minor", labelbottom=False)
+    exponent.legend(title="Hurst exponent", fontsize=7, title_fontsize=7)
+    for name, own in tables["growth"].groupby("solid", sort=False):
+        mark, color = _LOOKS[str(name)]
+        label = str(name).replace("_", "-")
+        points(held, own[own["from"] > 0], "from", "growth", f"{mark}-", color, label=label)
+    held.axhline(0.0, color="0.7", linewidth=0.8)
+    held.set(xscale="log", xlabel="size at first, from (sites)", ylabel="growth at constant area")
+    held.set_yscale("symlog", linthresh=0.5)
+    held.legend(fontsize=7)
+    return figure
+
+
+PATCH_SIZES = Study(
+    name="patch-sizes",
+    question="Are sizes of patches a power law that load leaves alone, and which grow at constant area?",
+    quick=campaigns(seeds=3),
+    full=campaigns(seeds=8),
+    analyse=analyse,
+    draw=draw,
+    caption="Left: share of the patches of <i>s</i> sites and more on a half-space, Hurst exponent 0.8; fits "
+    "begin at the line. Middle: exponent of the power law with a limit; overlap is a plane through the "
+    "heights with the same area. Right: growth at constant area, by class of sizes at first. Bars: 95 % "
+    "intervals.",
+    page="docs/studies/patch_sizes.md",
+)

@@ -1,0 +1,244 @@
+r"""Study: the growth of a contact of PMMA, from its activation volume, its modulus and a hardness.
+
+Each site of a half-space flows by Eyring's law v0 sinh(s/s0), s0 = kT/Omega, under its own pressure s. B is
+at most s0/s, see `asperity.theory.flowing_area`. The pressure of a contact that flows is 3 sqrt(3) times its
+shear stress (D. Tabor and R. von Mises), so Omega is the shear activation volume over 3 sqrt(3). Its energy
+of activation Q is such that the surface sinks by 1 nm/s under a hardness H at room temperature:
+Q = kT ln(prefactor/(2 nm/s)) + H Omega.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits.resampling import jackknife
+from asperity.solids.creep_laws import BOLTZMANN
+from asperity_research.studies.campaigns import Campaign
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.numbers import columns, part, power, slope
+from asperity_research.studies.panels import points
+from asperity_research.studies.study import Outcome, Study
+
+SHEAR_VOLUME = 8.2e-27 * 0.078**0.6
+"""m^3: J. Ho, L. Govaert, M. Utz, Macromolecules 36, 7398 (2003), for 0.078 entanglements a nm^3."""
+
+VOLUME = SHEAR_VOLUME / (3 * math.sqrt(3))
+"""Activation volume of the pressure, m^3."""
+
+MODULUS = 3.8e9
+"""Contact modulus, Pa: Young's modulus 3.3 GPa, Poisson's ratio 0.35, both round."""
+
+PREFACTOR = 1e4
+"""m/s: 1e13 attempts a second, 1 nm each."""
+
+ROOM = 298.15
+"""K."""
+
+PRESSURE = 1e7
+"""Load over nominal area, Pa."""
+
+_INDENTED = 1e-9
+"""Velocity under the hardness, m/s."""
+
+_HARDNESSES = (3e8, 4e8, 5e8, 6e8)
+_TEMPERATURES = (250.0, 275.0, 300.0, 325.0, 350.0)
+_SLOPES = (0.25, 0.5, 1.0)
+_FIRST, _LAST = 10.0, 1e4
+"""Times between which growth is measured, s."""
+
+_SIDE, _SPACING = 128, 0.1
+"""Sites along a side, and their distance, um."""
+
+HARDNESS = 0.3
+"""Mean contact pressure at which B is stated, GPa: an assumed round number."""
+
+WANTED = (0.01, 0.02)
+"""B of static friction of PMMA: T. Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006)."""
+
+
+def energy(hardness: float) -> float:
+    """Energy of activation with which the surface sinks by 1 nm/s under a hardness, J."""
+    thermal = BOLTZMANN * ROOM
+    return float(f"{thermal * math.log(PREFACTOR / (2 * _INDENTED)) + hardness * VOLUME:.4g}")
+
+
+_FAMILIES: Mapping[str, tuple[str, tuple[float, ...]]] = {
+    "hardness": ("creep_energy", tuple(energy(one) for one in _HARDNESSES)),
+    "temperature": ("temperature", _TEMPERATURES),
+    "roughness": ("rms_slope", _SLOPES),
+}
+"""What each campaign sweeps."""
+
+
+def _campaigns(surfaces: int) -> Iterator[Campaign]:
+    for name, (parameter, values) in _FAMILIES.items():
+        tables = {
+            "surface": {
+                "kind": "spectral",
+                "shape": [_SIDE, _SIDE],
+                "spacing": [_SPACING],
+                "unit": "um",
+                "hurst": 0.8,
+                "roll_off": _SIDE * _SPACING / 2,
+                "cutoff": 8 * _SPACING,
+                "rms_slope": 0.5,
+            },
+            "solid": {
+                "kind": "half_space",
+                "modulus": MODULUS,
+                "creep": "eyring",
+                "creep_energy": energy(4e8),
+                "creep_volume": float(f"{VOLUME:.4g}"),
+                "creep_prefactor": PREFACTOR,
+                "temperature": ROOM,
+            },
+            "contact": {"pressure": PRESSURE},
+            "aging": {"first": 1.0, "last": 1e5, "per_decade": 4, "rtol": 5e-3},
+            "output": {"maps_at": []},
+            "sweep": {parameter: list(values), "seeds": surfaces},
+        }
+        yield Campaign(name, f"Half-spaces with the numbers of PMMA, by {name}", tables)
+
+
+def rate(time: Floats, area: Floats) -> float:
+    """B: slope of ln of the mean area, shape (runs, times), against ln t."""
+    return slope(time, np.log(area.mean(axis=0)), _FIRST, _LAST)
+
+
+def pressure(time: Floats, area: Floats) -> float:
+    """Mean contact pressure, geometric mean over the times in which B is measured, GPa."""
+    inside = (time >= _FIRST * (1 - 1e-9)) & (time <= _LAST * (1 + 1e-9))
+    logarithms = np.log(area.mean(axis=0)[inside])
+    return 1e-9 * PRESSURE * _SIDE**2 / math.exp(float(logarithms.mean()))
+
+
+def share(time: Floats, stress: float, area: Floats) -> float:
+    """B over s0/s, for s0 in GPa."""
+    return rate(time, area) * pressure(time, area) / stress
+
+
+def rate_at(time: Floats, wanted: float, *areas: Floats) -> tuple[float, float]:
+    """B at a mean contact pressure, GPa, and the pressure of B = 0.02, by ln B linear in ln s."""
+    s, b = (np.log([one(time, area) for area in areas]) for one in (pressure, rate))
+    power, shift = np.polyfit(s, b, 1)
+    return math.exp(power * math.log(wanted) + shift), math.exp((math.log(WANTED[1]) - shift) / power)
+
+
+def _power(time: Floats, temperatures: Floats, *areas: Floats) -> float:
+    return power(temperatures, np.array([rate(time, area) for area in areas]))
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Find B, the mean contact pressure, and what B is of s0/s."""
+    rows: list[dict[str, Any]] = []
+    courses, shares, grown = [], {}, {}
+    for family, (parameter, _) in _FAMILIES.items():
+        time = np.asarray(evidence[family]["time"].values, dtype=np.float64)
+        values = evidence.values(family, parameter)
+        grown[family] = tuple(evidence.samples(family, "area", **{parameter: value}) for value in values)
+        for value, area in zip(values, grown[family], strict=True):
+            kelvin = value if parameter == "temperature" else ROOM
+            stress = 1e-9 * BOLTZMANN * kelvin / VOLUME
+            found = {
+                "B": jackknife(partial(rate, time), area),
+                "pressure": jackknife(partial(pressure, time), area),
+                "share": jackknife(partial(share, time, stress), area),
+            }
+            shares[family, value] = found["share"]
+            row = {"family": family, "at": value, "s0": stress, "runs": area.shape[0]}
+            rows.append(row | {key: one for name in found for key, one in columns(name, found[name]).items()})
+            course = {"family": family, "at": value, "time": time, "area": area.mean(axis=0) / _SIDE**2}
+            courses.append(pd.DataFrame(course))
+    both = jackknife(partial(rate_at, time, HARDNESS), grown["hardness"])
+    at_hardness, softest = part(both, 0), part(both, 1)
+    rows.append({"family": "B = 0.02", "at": WANTED[1], **columns("pressure", softest), "runs": both.runs})
+    growing = jackknife(partial(_power, time, np.array(_TEMPERATURES)), grown["temperature"])
+    rough = jackknife(lambda one, other: rate(time, one) / rate(time, other), grown["roughness"][::-1][:2])
+    findings = (
+        Finding.within(
+            WANTED,
+            "friction",
+            "Baumberger and Caroli 2006",
+            "B of a contact with the activation volume of PMMA is that of its friction",
+            {f"<i>B</i> at a mean contact pressure of {HARDNESS} GPa": at_hardness},
+        ),
+        Finding.within(
+            (0.8, 1.2),
+            "flow",
+            "this study",
+            "Contacts that flow bear all of the load: B is s0/s within a fifth",
+            {
+                f"<i>B s</i>/<i>s</i><sub>0</sub>, hardness {1e-9 * hardness:g} GPa": shares["hardness", at]
+                for hardness, at in zip(_HARDNESSES, _FAMILIES["hardness"][1], strict=True)
+            },
+        ),
+        Finding.within(
+            (0.8, 1.2),
+            "temperature",
+            "this study",
+            "B is in proportion to the temperature",
+            {"power of <i>T</i> in <i>B</i>, 250 to 350 K": growing},
+        ),
+        Finding.within(
+            (0.8, 1.2),
+            "roughness",
+            "this study",
+            "Where contacts flow, B does not depend on the roughness",
+            {f"<i>B</i> at the rms slope {_SLOPES[-1]:g} over that at {_SLOPES[-2]:g}": rough},
+        ),
+    )
+    return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(courses, ignore_index=True)})
+
+
+_LOOKS = {"hardness": ("o", style.INK), "temperature": ("s", style.VERMILION), "roughness": ("D", style.BLUE)}
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw areas against time, and B against s0/s."""
+    figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    curves, numbers = tables["curves"], tables["numbers"]
+    own = curves[(curves["family"] == "hardness") & (curves["time"] > 0)]
+    marks = zip(_HARDNESSES, own.groupby("at"), ("^", "o", "s", "D"), strict=True)
+    for hardness, (_, course), mark in marks:
+        words = f"{1e-9 * hardness:g} GPa"
+        left.plot(course["time"], 100 * course["area"], f"{mark}-", markersize=3, linewidth=0.8, label=words)
+    left.set(xscale="log", yscale="log", xlabel="time, s", ylabel="contact, % of the nominal area")
+    left.yaxis.set_major_formatter("{x:g}")
+    left.yaxis.set_minor_formatter("{x:g}")
+    left.legend(title="hardness", fontsize=7, title_fontsize=7)
+    numbers = numbers.assign(x=numbers["s0"] / numbers["pressure"])
+    for family, (mark, color) in _LOOKS.items():
+        rows = numbers[numbers["family"] == family]
+        points(right, rows, "x", "B", mark, color, label=f"{family} varied", linewidth=None)
+    ends = np.array([0.0, 1.1 * numbers["x"].max()])
+    right.plot(ends, ends, ":", color="0.5", label=r"$B = s_0/s$")
+    right.axhspan(*WANTED, color="0.9", zorder=0, label="friction of PMMA")
+    right.set(xlabel=r"$s_0/s$", ylabel=r"$B$", xlim=(0, None), ylim=(0, None))
+    right.legend(fontsize=7)
+    return figure
+
+
+PMMA = Study(
+    name="pmma",
+    question="Does the contact of PMMA grow by 1 to 2 % an e-fold, by its activation volume and hardness?",
+    quick=tuple(_campaigns(2)),
+    full=tuple(_campaigns(8)),
+    analyse=analyse,
+    draw=draw,
+    caption="Left: contact area under 10 MPa at room temperature, mean over the surfaces, for four "
+    "hardnesses. Right: <i>B</i> = d ln <i>A</i>/d ln <i>t</i> between 10 and 10 000 s against "
+    "<i>s</i><sub>0</sub> over the mean contact pressure <i>s</i>, with 95 % intervals; dotted where those "
+    "that flow bear all of the load; gray: static friction of PMMA.",
+    page="docs/studies/pmma.md",
+)

@@ -1,0 +1,301 @@
+r"""Study: the force after a partial release of the displacement, and whether it remembers the waiting time.
+
+Two bodies are pressed, held at that displacement for a time t_w, brought apart by a little, and held there.
+The force rises for a while, and then falls. Y. Lahini, O. Gottesman, A. Amir, S. M. Rubinstein, Phys. Rev.
+Lett. 118, 085501 (2017), DOI 10.1103/PhysRevLett.118.085501, find on crumpled sheets and foams that it is
+greatest at a time in proportion to t_w.
+
+With a fixed set of contacts a separable solid is linear: the force after every displacement relaxes as the
+modulus E(t), so that, with t from the release on,
+
+    F(t) = [F_0 E(t + t_w) - F_1 E(t)] / E(0),
+
+F_0 being the force at first and F_1 the fall of the force at the release. Where E falls like ln t or like a
+power of t, the greatest F comes at a fixed multiple of t_w; where E relaxes with one time there is no
+maximum. A rough contact loses contacts in the release and wins some again, so that this is an estimate for
+it: the tables have its maximum beside the measured one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits.resampling import jackknife
+from asperity.relaxation import PronySeries
+from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
+from asperity_research.studies.evidence import Around, Evidence
+from asperity_research.studies.ledger import Finding, Measurement, proportion
+from asperity_research.studies.numbers import columns, mean, slope, vertex
+from asperity_research.studies.panels import points
+from asperity_research.studies.study import Outcome, Study
+
+PROPORTIONAL = (0.95, 1.05)
+"""Slopes d ln t_max/d ln t_w that bear out that the two are proportional."""
+
+PROMINENT = 1e-4
+"""Part of the greatest force by which the first and the last one are to be below it."""
+
+HAS_MAXIMUM = (0.95, 1.0)
+"""Shares of the runs with a maximum that bear out that there is one."""
+
+_WAITING = (1.0, 10.0, 100.0, 1e3, 1e4)
+_QUICK_WAITING = (1.0, 10.0, 100.0)
+
+_TIMES = [float(f"{time:.4g}") for time in np.geomspace(1e-4, 1e8, 25)]
+_LOGARITHMIC = [[0.03, time] for time in _TIMES]
+"""Equal shares, two in a decade: the modulus falls by 0.06 in each decade, for twelve of them."""
+
+_POWER = [
+    [float(f"{0.09 * (exact / 1e-4) ** -0.1:.4g}"), time]
+    for exact, time in zip(np.geomspace(1e-4, 1e8, 25), _TIMES, strict=True)
+]
+"""Shares that fall as the power -0.1 of their time: so does the modulus, beside what does not relax."""
+
+_ROUGH = waves(48, 24.0, rms_height=1.0)
+_HELD = {"kind": "half_space", "modulus": 1.0, "apparatus": math.inf}
+_SPRINGS = {"kind": "spring_lattice", "k0": 1.0, "k1": 3.0}
+_WHITE = {"kind": "gaussian", "shape": [96, 96]}
+
+_SOLIDS = {
+    name: Solid(words, solid, 0.5 if "modulus" in solid else 2.5, steps=moves)
+    for name, words, solid, moves in (
+        (
+            "logarithm",
+            "half-space with a modulus that falls like ln t",
+            _HELD | {"branches": _LOGARITHMIC},
+            (0.1, 0.2),
+        ),
+        (
+            "power",
+            "half-space with a modulus that falls like a power of t",
+            _HELD | {"branches": _POWER},
+            (0.1,),
+        ),
+        ("one_time", "half-space with one relaxation time, 10", _HELD | {"branches": [[0.75, 10.0]]}, (0.1,)),
+        ("conserved", "lattice of springs, conserved creep (R = 1)", _SPRINGS | {"R": 1.0}, (0.05, 0.1)),
+        (
+            "viscous",
+            "lattice of springs, viscous creep (R_viscous = 1, R = 0)",
+            _SPRINGS | {"R": 0.0, "R_viscous": 1.0},
+            (0.1,),
+        ),
+    )
+}
+"""By name, with the separation at first, and by how much they are brought apart."""
+
+_CASES = [(name, solid, move) for name, solid in _SOLIDS.items() for move in solid.steps]
+
+
+def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
+    """Campaigns by solid and release."""
+    for name, solid, move in _CASES:
+        half_space = "modulus" in solid.table
+        yield solid.campaign(
+            f"{name}_{move:g}",
+            f"Force after a release by {move:g}, with the waiting time as a factor on mobility",
+            _ROUGH if half_space else _WHITE,
+            contact={"separation": solid.load},
+            aging={"first": 0.01, "per_decade": 8},
+            **after_waits({"approach": -move}, waiting, 30.0, seeds // 8 if half_space else seeds),
+        )
+
+
+def maximum(time: Floats, force: Floats) -> float:
+    """Time at which a force is greatest: that of the parabola in ln t through the greatest and its neighbors.
+
+    Parameters
+    ----------
+    time
+        Increasing times above 0, shape (n,).
+    force
+        Forces at them.
+
+    Returns
+    -------
+    float
+        NaN where the force does not rise to it and fall after it by more than a part `PROMINENT`.
+    """
+    at = int(np.argmax(force))
+    if not force[at] - max(force[0], force[-1]) > PROMINENT * abs(force[at]):
+        return math.nan
+    return vertex(time, force, at)
+
+
+def superposed(series: PronySeries, waiting: float, fall: float) -> float:
+    """Time of the maximum of E(t + t_w) - fall E(t): that of a linear solid; NaN where there is none.
+
+    Parameters
+    ----------
+    series
+        Relaxation of the modulus.
+    waiting
+        t_w.
+    fall
+        Fall of the force at the release, over the force at first.
+    """
+    time = np.geomspace(1e-2, 30.0, 241) * waiting
+    return maximum(time, series.modulus_at(time + waiting) - fall * series.modulus_at(time))
+
+
+def _runs(evidence: Evidence) -> pd.DataFrame:
+    """Return one row a run: the force at the switches and the time of its maximum."""
+    rows = []
+    for name, solid, move in _CASES:
+        branches = solid.table.get("branches", ())
+        series = PronySeries(1.0, tuple((share, time) for share, time in branches))
+        for waiting, seeds, forces in _after_releases(evidence, name, move):
+            for seed, force, before, first in zip(
+                seeds, forces.after, forces.before, forces.first, strict=True
+            ):
+                fall = float(before - force[0]) / float(first)
+                rows.append(
+                    {
+                        **{"solid": name, "move": move, "waiting": waiting, "seed": seed},
+                        "before": float(before / first),
+                        "released": float(force[0] / first),
+                        "greatest": float(force[1:].max() / first),
+                        "time_of_maximum": maximum(forces.time[1:] * waiting, force[1:]),
+                        "superposed": superposed(series, waiting, fall) if branches else math.nan,
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
+def _after_releases(evidence: Evidence, name: str, move: float) -> Iterator[tuple[float, list[int], Around]]:
+    """Give each waiting time, the seeds, and the forces around the release at times over it."""
+    data = evidence[f"{name}_{move:g}".replace(".", "_")]
+    for point in range(data.sizes["point"]):
+        runs = data.isel(point=point)
+        yield float(runs["protocol.0.mobility"]), data["seed"].values.tolist(), Around.step(runs, "load")
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Find the maxima, and the slopes of their times."""
+    runs = _runs(evidence)
+    ratios, slopes = [], []
+    judged: dict[str, list[Measurement]] = {name: [] for name in _SOLIDS}
+    for name, solid, move in _CASES:
+        head = {"solid": name, "move": move}
+        part = runs[(runs["solid"] == name) & (runs["move"] == move)]
+        times, estimates = (
+            part.pivot(index="seed", columns="waiting", values=number)
+            for number in ("time_of_maximum", "superposed")
+        )
+        waiting, logs = times.columns.to_numpy(dtype=float), np.log(times.to_numpy())
+        ratio = columns("ratio", mean(logs - np.log(waiting)), shared=True)
+        course = {
+            "waiting": waiting,
+            **{key: np.exp(values) for key, values in ratio.items()},
+            "with_maximum": np.isfinite(logs).mean(axis=0),
+            "superposed_ratio": np.exp(np.log(estimates.to_numpy()).mean(axis=0)) / waiting,
+            "runs": len(logs),
+        }
+        ratios.append(pd.DataFrame(head | course))
+        one = _measured(waiting, logs, f"{solid.what}, released by {move:g}")
+        judged[name].append(one)
+        head["measured"] = "share" if (one.low, one.high) == HAS_MAXIMUM else "slope"
+        found = {"runs": one.estimate.runs, "verdict": one.verdict.value}
+        slopes.append(head | columns("value", one.estimate, shared=True) | found)
+    claim = "The force is greatest at a time in proportion to the waiting time"
+    findings = tuple(
+        Finding(name, "Lahini et al. 2017", claim, tuple(some), note=_NOTES.get(name, ""))
+        for name, some in judged.items()
+    )
+    tables = {
+        "runs": runs,
+        "ratios": pd.concat(ratios, ignore_index=True),
+        "slopes": pd.DataFrame(slopes),
+        "forces": _forces(evidence),
+    }
+    return Outcome(findings, tables)
+
+
+def _measured(waiting: Floats, logs: Floats, solid: str) -> Measurement:
+    """Slope of the mean of ln t_max, shape (runs, waiting times), where each run has one; or their share."""
+    shared = np.isfinite(logs).all(axis=0)
+    if shared.sum() > 2:
+        found = jackknife(lambda some: slope(waiting[shared], some.mean(axis=0)), logs[:, shared])
+        what = f"slope of ln <i>t</i><sub>max</sub> against ln <i>t</i><sub>w</sub>: {solid}"
+        return Measurement(what, found, *PROPORTIONAL)
+    found = proportion(int(np.isfinite(logs).sum()), logs.size)
+    what = f"share of the runs in which the force has a maximum: {solid}"
+    return Measurement(what, found, *HAS_MAXIMUM)
+
+
+_NOTES = {
+    "one_time": "With one relaxation time the modulus gives no maximum: the force moves one way only.",
+    "viscous": "The held bodies lose all force in the end, while the release stays what it is.",
+}
+
+
+def _forces(evidence: Evidence) -> pd.DataFrame:
+    """Return force over that at first against the time since the release, of the first surface."""
+    first = next(iter(_CASES))
+    parts = []
+    for waiting, _, forces in _after_releases(evidence, first[0], first[2]):
+        course = {"time": forces.time[1:] * waiting, "force": forces.after[0, 1:] / forces.first[0]}
+        parts.append(pd.DataFrame({"waiting": waiting, **course}))
+    return pd.concat(parts, ignore_index=True)
+
+
+_LOOKS = {
+    "logarithm": ("o", style.INK),
+    "power": ("s", style.BLUE),
+    "conserved": ("^", style.VERMILION),
+    "viscous": ("D", style.SKY),
+}
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw the force after the release, and the times of its maxima."""
+    figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    forces, ratios = tables["forces"], tables["ratios"]
+    for _, part in forces.groupby("waiting"):
+        greatest = part.iloc[int(part["force"].to_numpy().argmax())]
+        left.plot(part["time"], part["force"], "-", color=style.INK, linewidth=0.9)
+        left.plot(greatest["time"], greatest["force"], "o", color=style.INK, markersize=4)
+        left.annotate(
+            rf"$t_\mathrm{{w}}={style.power(float(part['waiting'].iloc[0]))}$",
+            (part["time"].iloc[0], part["force"].iloc[0]),
+            xytext=(0, -9),
+            textcoords="offset points",
+            fontsize=7,
+        )
+    left.set(xscale="log", xlabel=r"time since the release $t$", ylabel="force over that at first")
+    for (name, move), part in ratios.groupby(["solid", "move"], sort=False):
+        if name not in _LOOKS or part["ratio"].isna().all():
+            continue
+        mark, color = _LOOKS[str(name)]
+        look = {"label": f"{str(name).replace('_', ', ')}, {move:g}"}
+        look["markerfacecolor"] = color if move == _SOLIDS[str(name)].steps[0] else "white"
+        points(right, part, "waiting", "ratio", f"{mark}-", color, **look)
+        if not part["superposed_ratio"].isna().any():
+            right.plot(part["waiting"], part["superposed_ratio"], ":", color=color, linewidth=1.2)
+    right.set(xscale="log", yscale="log", xlabel=r"waiting time $t_\mathrm{w}$")
+    right.set_ylabel(r"time of the maximum over $t_\mathrm{w}$")
+    right.set_ylim(0.02, 3)
+    right.legend(fontsize=7, loc="lower left", ncols=2)
+    return figure
+
+
+RELEASE = Study(
+    name="release",
+    question="After a partial release, is the force greatest at a time in proportion to the waiting time?",
+    quick=tuple(_campaigns(_QUICK_WAITING, seeds=16)),
+    full=tuple(_campaigns(_WAITING, seeds=32)),
+    analyse=analyse,
+    draw=draw,
+    caption="Left: force after a release by 0.1, on a half-space with a modulus like ln <i>t</i>; "
+    "one surface, several waiting times, the greatest force marked. Right: time of the greatest force over "
+    "the waiting time, geometric mean over the surfaces with its 95 % interval; filled marks are the smaller "
+    "release; dotted is the linear superposition for fixed contacts.",
+    page="docs/studies/release.md",
+)

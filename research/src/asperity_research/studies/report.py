@@ -1,0 +1,144 @@
+"""What reports are made of: drawings, tables, ledgers, and what was simulated."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import pandas as pd
+from markupsafe import Markup, escape
+from matplotlib.figure import Figure
+
+from asperity.errors import OutputError
+from asperity.results.store import whole_file
+from asperity_research.studies.campaigns import Campaign
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.typeset import number, plain
+
+_RESOLUTION = 250
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A campaign as it was run.
+
+    Attributes
+    ----------
+    campaign
+        Its conditions.
+    runs
+        Finished runs.
+    folder
+        Where it lies, relative to the report; holds ``campaign.toml``.
+    """
+
+    campaign: Campaign
+    runs: int
+    folder: str
+
+    @property
+    def conditions(self) -> list[Markup]:
+        """Its tables, a line each."""
+        return [
+            Markup("; ").join(
+                Markup("{} = {}").format(name, _brief(name, value))
+                for name, value in table.items()
+                if name != "seeds"
+            )
+            for table in _each(self.campaign.tables)
+        ]
+
+    @property
+    def seeds(self) -> Markup:
+        """Its seeds, or a dash for a surface that has none."""
+        return _brief("seeds", self.campaign.tables["sweep"].get("seeds", "–"))
+
+
+def write_drawing(folder: Path, name: str, figure: Figure) -> dict[str, Path]:
+    """Write a drawing as ``NAME.svg``, ``.pdf`` and ``.png``; return its files by their suffixes.
+
+    `OutputError` if the disk refused.
+    """
+    written: dict[str, Path] = {}
+    for suffix, metadata in (("svg", {"Date": None}), ("pdf", {"CreationDate": None}), ("png", {})):
+        path = _in(folder) / f"{name}.{suffix}"
+        # Letters as paths, so that the drawing looks the same where a font is missing.
+        with whole_file(path) as part, mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "asperity"}):
+            figure.savefig(part, format=suffix, dpi=_RESOLUTION, metadata=metadata)
+        written[suffix] = path
+    return written
+
+
+def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
+    """Write a table as ``NAME.csv``, with a hyphen for what no name of a file has; return the file.
+
+    `OutputError` if the disk refused.
+    """
+    path = _in(folder) / f"{file_name(name)}.csv"
+    with whole_file(path) as part:
+        table.to_csv(part, index=False)
+    return path
+
+
+def file_name(name: str) -> str:
+    """Return a name with a hyphen for whatever is no letter, digit or underscore."""
+    return re.sub(r"[^A-Za-z0-9_]+", "-", name).strip("-")
+
+
+def ledger_table(findings: Iterable[Finding]) -> pd.DataFrame:
+    """Return the ledger with one row a measurement, in plain text and full precision."""
+    return pd.DataFrame(
+        {
+            "key": finding.key,
+            "place": plain(finding.place),
+            "claim": plain(finding.claim),
+            "verdict": finding.verdict.value,
+            "judged": judged,
+            "what": plain(measurement.what),
+            "value": float(measurement.estimate.value),
+            "low": float(measurement.estimate.low),
+            "high": float(measurement.estimate.high),
+            "range_low": measurement.low,
+            "range_high": measurement.high,
+            "runs": measurement.estimate.runs,
+            "correction": plain(finding.correction),
+            "note": plain(finding.note),
+            "needs": finding.needs,
+        }
+        for finding in findings
+        for judged, part in (("as it stands", finding.measured), ("corrected", finding.corrected))
+        for measurement in part
+    )
+
+
+def _brief(name: str, value: object) -> Markup:
+    """A value of a campaign file in words: a shape as 200 × 200, a long list by its ends."""
+    if not isinstance(value, list):
+        return number(value) if isinstance(value, float) else escape(value)
+    words = [_brief(name, item) for item in value]
+    if not words:
+        return escape("none")
+    if name == "shape":
+        return Markup("\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}").join(words)
+    ends = Markup("{} to {}").format(words[0], words[-1])
+    if name == "seeds" and value == list(range(value[0], value[-1] + 1)) and len(value) > 1:
+        return ends
+    return Markup(", ").join(words) if len(words) <= 6 else Markup("{} ({} values)").format(ends, len(words))
+
+
+def _each(tables: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """Tables, and each of a list of tables."""
+    for table in tables.values():
+        yield from table if isinstance(table, list) else [table]
+
+
+def _in(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"could not write {folder}: {error.strerror or error}") from error
+    return folder

@@ -1,0 +1,387 @@
+r"""Study: slide, hold, slide: static friction against hold time, steady friction against velocity, and D_c.
+
+By Tabor's relation with a constant shear strength, friction is in proportion to the real area of contact.
+The rough surface slides by whole sites under a body that keeps its crept shape: at the velocity 1 for a
+run-in, and again after each of four rests, and then at other velocities. Rate-and-state friction with the
+aging law (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979), DOI 10.1029/JB084iB05p02161) says without a
+direct effect
+
+    at rest      mu(t) = mu_0 + b ln(1 + V t/D_c)
+    steady       mu(V) = mu_0 - b ln(V)
+    after a rest a small excess falls by a factor e within a slip of D_c.
+
+`asperity.friction.rate_and_state` fits b and D_c to the rests and to the steps of the velocity, by the aging
+law and by the slip law. Other slides, with one rest, give the slip that forgets it on surfaces of several
+wavelengths.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+
+import asperity.friction as friction
+import asperity_research.studies.slip_on_lines as lines
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.friction.fitting import Events
+from asperity_research.studies.campaigns import Campaign, hold, slide, waves
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.numbers import columns, mean, power
+from asperity_research.studies.panels import points
+from asperity_research.studies.sliding import (
+    HALF_SPACE,
+    LATTICE,
+    STEADY,
+    area_at_rest,
+    before_shifts,
+    correlation_length,
+    steady_area,
+)
+from asperity_research.studies.study import Outcome, Study
+
+HOLDS = (10.0, 100.0, 1e3, 1e4)
+VELOCITIES = (10.0, 0.1, 0.01)
+"""Those after the rests; all slides before are at 1."""
+
+_SIDE = 128
+_RUN_IN, _AGAIN, _STEP = 24, 16, 20
+_SLIP = 28
+
+SOLIDS = {"lattice": LATTICE, "half_space": HALF_SPACE}
+"""By the names of their campaigns."""
+
+LOADS = {"lattice": (0.01, 0.05), "half_space": (0.02,)}
+"""Loads a site."""
+
+_RTOL = {"lattice": 0.02, "half_space": 0.05}
+_REST = {"lattice": 10.0, "half_space": 1e3}
+"""Hold times where wavelengths are varied."""
+
+LONGEST = (8.0, 16.0, 32.0, 64.0)
+"""Longest wavelengths with one shortest, 4 sites, on the lattice."""
+
+_HISTORY = [
+    slide(_RUN_IN),
+    *(leg for time in HOLDS for leg in (hold(time), slide(_AGAIN))),
+    *(slide(_STEP, velocity) for velocity in VELOCITIES),
+]
+
+
+def _campaign(solid: str, name: str, purpose: str, rough: dict[str, Any], **tables: Any) -> Campaign:
+    return SOLIDS[solid].campaign(
+        name,
+        purpose,
+        rough | SOLIDS[solid].rough,
+        friction={"shear_strength": 1.0},
+        aging={"first": 1.0, "per_decade": 1, "rtol": _RTOL[solid]},
+        **tables,
+    )
+
+
+def _varied(
+    solid: str, family: str, what: str, side: int, waves_of: Mapping[str, tuple[float, ...]], surfaces: int
+) -> Campaign:
+    """Return a rest and a slide on surfaces of several wavelengths."""
+    first = {"cutoff": 4.0} | {name: values[0] for name, values in waves_of.items()}
+    together: dict[str, Any] = {"combine": "zip"} if len(waves_of) > 1 else {}
+    return _campaign(
+        solid,
+        family,
+        f"A rest and a slide on surfaces of several {what}",
+        waves(side, **first),
+        protocol=[slide(_RUN_IN), hold(_REST[solid]), slide(_SLIP)],
+        sweep={name: list(values) for name, values in waves_of.items()} | {"seeds": surfaces} | together,
+    )
+
+
+def campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
+    """Return the campaigns, with so many surfaces each; the quick ones have one load."""
+    found = []
+    for name, side, longest in (
+        ("lattice", _SIDE, (16.0, 32.0, 64.0)),
+        ("half_space", 64, (12.0, 20.0, 32.0)),
+    ):
+        loads = [load * _SIDE**2 for load in LOADS[name][: 1 if quick else None]]
+        sweep = {"load": loads, "seeds": surfaces}
+        purpose = "Rests and steps of the velocity"
+        found.append(_campaign(name, name, purpose, waves(_SIDE, 48.0, 12.0), protocol=_HISTORY, sweep=sweep))
+        both = {"roll_off": longest, "cutoff": tuple(wave / 4 for wave in longest)}
+        found.append(_varied(name, f"waves_{name}", "scales", side, both, surfaces))
+    found.append(_varied("lattice", "longest", "longest wavelengths", _SIDE, {"roll_off": LONGEST}, surfaces))
+    return (*found, *lines.campaigns(2 * surfaces))
+
+
+def slip_of_memory(excess: Floats) -> float:
+    """Slip over which an excess that falls exponentially loses a factor e, from its sum.
+
+    Parameters
+    ----------
+    excess
+        At slips of 0, 1, 2 and so on, shape (n,); the sum 1 + e^(-1/D) + ... is 1/(1 - e^(-1/D)).
+    """
+    total = float(np.sum(excess) / excess[0])
+    return 1 / math.log(total / (total - 1)) if total > 1 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Records:
+    """Friction of all surfaces of one solid under one load.
+
+    Attributes
+    ----------
+    solid
+        Name of the solid.
+    load
+        A site.
+    records
+        Of each surface, over its steady friction at the velocity 1.
+    steady
+        Friction at the end of the slide at each of the velocities 1, then `VELOCITIES`, over that at 1;
+        shape (surfaces, 4).
+    """
+
+    solid: str
+    load: float
+    records: list[friction.Record]
+    steady: Floats
+
+    @classmethod
+    def of(cls, data: xr.Dataset, solid: str, load: float) -> Records:
+        """Read them from the campaign of the solid."""
+        records, steady = [], []
+        last = 1 + 2 * len(HOLDS)
+        for seed in data["seed"].values:
+            one = data.sel(load=load, seed=seed)
+            slides = [*range(0, last, 2), *range(last, last + len(VELOCITIES))]
+            ends = [steady_area(one, leg) for leg in slides]
+            slow = np.mean(ends[: -len(VELOCITIES)])
+            steady.append(np.array([slow, *ends[-len(VELOCITIES) :]]) / slow)
+            unit = float(one["friction"].values[0] / one["area"].values[0] * slow)
+            record = friction.Record.of_displacement(
+                one["time"].values,
+                one["displacement"].values,
+                one["friction"].values / unit,
+                strength_at_rest=True,
+                a=0.0,
+                si=False,
+            )
+            records.append(record)
+        return cls(solid, load / _SIDE**2, records, np.array(steady))
+
+    @property
+    def words(self) -> str:
+        """Which ones, for a reader."""
+        return f"{SOLIDS[self.solid].what}, load {self.load:g}"
+
+    @property
+    def rest(self) -> Floats:
+        """1 and the growth of friction in each of `HOLDS`, shape (surfaces, holds)."""
+        peaks = [friction.hold_peaks(record) for record in self.records]
+        return np.array([1 + one.peak - one.before for one in peaks])
+
+    def _of_mean(self, number: Callable[[friction.Record], float]) -> Estimate:
+        """Estimate a number of the mean record over surfaces."""
+        first, samples = self.records[0], np.array([record.friction for record in self.records])
+        return jackknife(lambda sample: number(replace(first, friction=sample.mean(axis=0))), samples)
+
+    def ratio_of_b(self) -> Estimate:
+        """B of the steps of the velocity over that of the rests, by fits of the aging law."""
+
+        def ratio(record: friction.Record) -> float:
+            steps, holds = (friction.rate_and_state(record, events=one).b for one in ("steps", "holds"))
+            return steps / holds
+
+        return self._of_mean(ratio)
+
+    def explained(self) -> Estimate:
+        """Part of the variance of friction that the aging law, fitted to the whole record, explains."""
+
+        def share(record: friction.Record) -> float:
+            residual = friction.rate_and_state(record).residual
+            return 1 - float(np.var(residual) / np.var(record.friction))
+
+        return self._of_mean(share)
+
+    def laws(self) -> list[dict[str, object]]:
+        """Parameters of both laws by rests, by steps and by both, a row each."""
+        rows: list[dict[str, object]] = []
+        for events in _EVENTS:
+            found = friction.compare_state_laws(self.records, events=events)
+            for law, estimates in found.estimates.items():
+                fit = found.fits[law]
+                rows.append(
+                    {
+                        "solid": self.solid,
+                        "load": self.load,
+                        "events": events,
+                        "law": law,
+                        **columns("b", estimates["b"]),
+                        **columns("D_c", estimates["D_c"]),
+                        "determined": fit.determined,
+                        "misfit": float(np.sqrt(np.mean(fit.residual**2))),
+                        "runs": found.runs,
+                    }
+                )
+        return rows
+
+    def points(self) -> pd.DataFrame:
+        """Friction after each rest and at each velocity, a row each."""
+        parts = []
+        for what, at, sample in (("rest", HOLDS, self.rest), ("steady", (1.0, *VELOCITIES), self.steady)):
+            head = {"solid": self.solid, "load": self.load, "what": what, "at": at}
+            parts.append(pd.DataFrame(head | columns("value", mean(sample), shared=True)))
+        return pd.concat(parts).assign(runs=len(self.records))
+
+
+Slips = tuple[Floats, tuple[Floats, ...]]
+"""Correlation lengths, shape (n,), and for each the excesses of area after a rest, (surfaces, shifts)."""
+
+_EVENTS: tuple[Events, ...] = ("holds", "steps", "all")
+FAMILIES = {
+    "waves_lattice": "all waves longer, lattice of springs",
+    "longest": "only the longest waves longer, lattice of springs",
+    "waves_half_space": "all waves longer, half-space",
+}
+"""Campaigns in which wavelengths are varied."""
+
+
+def analyse(evidence: Evidence) -> Outcome:
+    """Find the growth at rest, the fall with velocity, the laws, and the slip of memory."""
+    every = [
+        Records.of(data, name, load)
+        for name in SOLIDS
+        for data in [evidence[name]]
+        for load in data["load"].values
+    ]
+    slips = {name: _slips(evidence[name]) for name in FAMILIES}
+    on_lines = [lines.Lines.of(evidence, name) for name in lines.FAMILIES]
+    tables = {
+        "points": pd.concat([one.points() for one in every], ignore_index=True),
+        "laws": pd.DataFrame([row for one in every for row in one.laws()]),
+        "slips": pd.concat([_slip_rows(name, *one) for name, one in slips.items()], ignore_index=True),
+        "lines": pd.concat([one.table() for one in on_lines], ignore_index=True),
+    }
+    return Outcome((*_findings(every, slips), *lines.findings(on_lines)), tables)
+
+
+def _findings(every: list[Records], slips: Mapping[str, Slips]) -> Iterator[Finding]:
+    def each(what: str, number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
+        return {f"{what}: {one.words}": number(one) for one in every}
+
+    aging, same = "Dieterich 1979", (0.8, 1.25)
+    claim = "Static friction grows with the logarithm of the hold time"
+    what = "growth in the last decade over that in the first"
+    numbers = each(what, lambda one: jackknife(_bend, one.rest))
+    yield Finding.within(same, "logarithm", aging, claim, numbers)
+    claim = "The aging law describes rests and steps of the velocity by one b and one D_c"
+    numbers = each("explained part of the variance", Records.explained)
+    yield Finding.within((0.9, 1.0), "explained", aging, claim, numbers)
+    claim = "b from steps of the velocity is b from rests"
+    numbers = each("b of steps over b of rests", Records.ratio_of_b)
+    yield Finding.within(same, "same_b", aging, claim, numbers)
+    claim = "The aging law fits better than the slip law"
+    what = "ln of the squares of the aging law over those of the slip law"
+    numbers = each(what, lambda one: friction.compare_state_laws(one.records).log_ratio)
+    yield Finding.within((-math.inf, 0.0), "law", "Ruina 1983", claim, numbers)
+    claim = "The slip D_c that forgets a rest is in proportion to the correlation length"
+    what = "d ln <i>D</i><sub>c</sub> / d ln (correlation length)"
+    numbers = {f"{what}: {words}": _exponent(*slips[name]) for name, words in FAMILIES.items()}
+    yield Finding.within((0.8, 1.2), "length", aging, claim, numbers)
+
+
+def _bend(rest: Floats) -> float:
+    """Growth in the last decade of hold time over that in the first."""
+    mean = rest.mean(axis=0)
+    return float((mean[-1] - mean[-2]) / (mean[1] - mean[0]))
+
+
+def _slips(data: xr.Dataset) -> Slips:
+    along = "point" if "point" in data.dims else "roll_off"
+    lengths, excesses = [], []
+    for at in range(data.sizes[along]):
+        runs = data.isel({along: at})
+        cutoff = float(runs["cutoff"]) if "cutoff" in runs.coords else float(data.attrs["cutoff"])
+        lengths.append(correlation_length(float(runs["roll_off"]), cutoff))
+        rows = []
+        for seed in runs["seed"].values:
+            one = runs.sel(seed=seed)
+            again = before_shifts(one, 2)
+            rows.append(np.append(area_at_rest(one, 1), again[:-STEADY]) / again[-STEADY:].mean() - 1)
+        excesses.append(np.array(rows))
+    return np.array(lengths), tuple(excesses)
+
+
+def _memory(*excesses: Floats) -> Floats:
+    return np.array([slip_of_memory(excess.mean(axis=0)) for excess in excesses])
+
+
+def _exponent(lengths: Floats, excesses: tuple[Floats, ...]) -> Estimate:
+    return jackknife(lambda *some: power(lengths, _memory(*some)), excesses)
+
+
+def _slip_rows(name: str, lengths: Floats, excesses: tuple[Floats, ...]) -> pd.DataFrame:
+    found = jackknife(_memory, excesses)
+    return pd.DataFrame({"family": name, "length": lengths, **columns("slip", found), "runs": found.runs})
+
+
+_MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^", "waves_half_space": "s"}
+
+
+def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    """Draw static and steady friction, and the slip that forgets a rest."""
+    figure = style.Drawing(figsize=(7.6, 6.0), layout="constrained")
+    (rest, steady), (memory, resolved) = figure.subplots(2, 2)
+    values, slips = tables["points"], tables["slips"]
+    for axis, what, label in (
+        (rest, "rest", "hold time (sites / velocity 1)"),
+        (steady, "steady", "velocity (sites / time)"),
+    ):
+        shown = values[values["what"] == what].sort_values("at", kind="stable")
+        for (solid, load), part in shown.groupby(["solid", "load"], sort=False):
+            heavy = part["load"].iloc[0] > LOADS[str(solid)][0]
+            points(
+                axis,
+                part,
+                "at",
+                "value",
+                f"{_MARKS[str(solid)]}-",
+                style.INK if solid == "lattice" else style.BLUE,
+                markerfacecolor=None if heavy else "white",
+                label=f"{str(solid).replace('_', '-')}, load {load:g}",
+            )
+        axis.set(xscale="log", yscale="log", xlabel=label, ylabel="friction over that steady at $V = 1$")
+    rest.legend(fontsize=7)
+    for name, part in slips.groupby("family", sort=False):
+        color = style.BLUE if name == "waves_half_space" else style.INK
+        label = FAMILIES[str(name)]
+        points(memory, part, "length", "slip", f"{_MARKS[str(name)]}-", color, label=label)
+    memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
+    memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
+    memory.legend(fontsize=6)
+    lines.draw(resolved, tables["lines"])
+    return figure
+
+
+SLIDE_HOLD_SLIDE = Study(
+    name="slide-hold-slide",
+    question="How do static and steady friction depend on hold time, velocity and correlation length?",
+    quick=campaigns(2, quick=True),
+    full=campaigns(4, quick=False),
+    analyse=analyse,
+    draw=draw,
+    caption="Friction by Tabor's relation, on the half-space and the lattice of springs. Top: at "
+    "the end of a rest, and in steady sliding against the velocity. Bottom: slip that forgets a rest against "
+    "the correlation length, on these surfaces and on lines, whose contacts are many sites long. Bars: 95 % "
+    "intervals.",
+    page="docs/studies/slide_hold_slide.md",
+)

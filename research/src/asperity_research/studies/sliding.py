@@ -1,0 +1,50 @@
+"""What the studies of sliding share: two solids, and what is read off a slide by whole sites."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from asperity.checks import Floats
+from asperity.surfaces import spectral
+from asperity_research.studies.campaigns import Solid
+
+STEADY = 8
+"""Shifts at the end of a slide that count as steady."""
+
+LATTICE = Solid("lattice of springs, conserved creep", {"k0": 1.0, "k1": 3.0, "R": 1.0}, 0.01)
+HALF_SPACE = Solid(
+    "half-space, E(t) like ln t",
+    {"kind": "half_space", "modulus": 1.0, "branches": [[0.06, 10.0**decade] for decade in range(-3, 7)]},
+    0.02,
+)
+
+
+def before_shifts(one: xr.Dataset, leg: int) -> Floats:
+    """Area in a slide at the end of each time between shifts, shape (shifts,)."""
+    chosen = one["leg"].values == leg
+    place, area = one["displacement"].values[chosen], one["area"].values[chosen]
+    last = np.append(np.diff(place) > 0, True)
+    return np.asarray(area[last & (place > 0)], dtype=np.float64)
+
+
+def steady_area(one: xr.Dataset, leg: int) -> float:
+    """Mean area before the last shifts of a slide."""
+    return float(before_shifts(one, leg)[-STEADY:].mean())
+
+
+def area_at_rest(one: xr.Dataset, leg: int) -> float:
+    """Area at the end of a rest."""
+    return float(one["area"].values[one["leg"].values == leg][-1])
+
+
+def correlation_length(roll_off: float, cutoff: float, shape: tuple[int, ...] = (512, 512)) -> float:
+    """Distance at which the correlation of such heights has fallen to 1/e, in sites, by their spectrum."""
+    heights = spectral(shape, hurst=0.8, roll_off=roll_off, cutoff=cutoff, rms_height=1.0, seed=0)
+    square = np.abs(np.fft.fft(heights.reshape(-1, shape[-1]), axis=1)) ** 2
+    row = np.fft.ifft(np.mean(square, axis=0)).real
+    falls = int(np.argmax(row < row[0] / math.e))
+    high, low = row[falls - 1] / row[0], row[falls] / row[0]
+    return float(falls - 1 + (high - 1 / math.e) / (high - low))

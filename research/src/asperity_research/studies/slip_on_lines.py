@@ -1,0 +1,194 @@
+"""The slip that forgets a rest on lines, whose contacts are many sites long.
+
+Slides by whole sites resolve only contacts of several sites. On a line such contacts take few sites in all.
+Each line slides twice, with a rest and with one of 1, the time of a shift. The difference of the two areas at
+the same slip leaves out what differs from place to place, and D_c is the slip at which its mean has fallen
+to 1/e of that at the end of the rest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+
+from asperity.checks import Floats
+from asperity.figures import style
+from asperity.fits.resampling import Estimate, jackknife
+from asperity.patches import patches
+from asperity_research.studies.campaigns import Campaign, hold, slide
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.numbers import columns, power
+from asperity_research.studies.panels import points
+from asperity_research.studies.sliding import (
+    HALF_SPACE,
+    LATTICE,
+    area_at_rest,
+    before_shifts,
+    correlation_length,
+)
+
+REST = "protocol.1.duration"
+
+
+SOLIDS = {
+    "half_space": (replace(HALF_SPACE, load=0.1), 1e3, style.BLUE),
+    "lattice": (replace(LATTICE, load=0.3), 10.0, style.INK),
+}
+"""Solids, with the load of a site; hold times; colors."""
+
+Waves = tuple[tuple[float, float], ...]
+"""Longest and shortest wavelengths."""
+
+_ALL = ((64.0, 16.0), (128.0, 32.0), (256.0, 64.0))
+FAMILIES: Mapping[str, tuple[str, str, Waves, str]] = {
+    "line_half_space": ("all waves longer, half-space", "half_space", _ALL, "s-"),
+    "line_longest": (
+        "only the longest waves longer, half-space",
+        "half_space",
+        ((64.0, 32.0), (128.0, 32.0), (256.0, 32.0)),
+        "^-",
+    ),
+    "line_lattice": ("all waves longer, lattice of springs", "lattice", _ALL, "o-"),
+}
+"""By name: words, solid, longest and shortest wavelengths, and marks."""
+
+
+def campaigns(surfaces: int) -> Iterator[Campaign]:
+    """Give the campaigns, with so many lines each."""
+    conditions = {(solid, *waves): None for _, solid, every, _ in FAMILIES.values() for waves in every}
+    for name, roll_off, cutoff in conditions:
+        solid, rest, _ = SOLIDS[name]
+        slip = max(1.5 * cutoff, 0.375 * roll_off)
+        run_in = round(slip * 2 / 3)
+        rough = {"hurst": 0.8, "roll_off": roll_off, "cutoff": cutoff, **solid.rough}
+        yield solid.campaign(
+            _folder(name, roll_off, cutoff),
+            f"A slide after a rest and after hardly one, lines with waves from {cutoff:g} to {roll_off:g}",
+            {"kind": "spectral", "shape": [max(2048, int(16 * roll_off))], **rough},
+            aging={"first": 1.0, "per_decade": 1, "rtol": 0.05},
+            protocol=[slide(run_in), hold(rest), slide(slip)],
+            output={"maps_at": [float(run_in)]},
+            sweep={REST: [1.0, rest], "seeds": surfaces},
+        )
+
+
+def _folder(solid: str, roll_off: float, cutoff: float) -> str:
+    return f"line_{solid}_{roll_off:g}_{cutoff:g}"
+
+
+def slip_to_one_over_e(excess: Floats) -> float:
+    """Slip at which an excess first falls to 1/e; NaN if it does not.
+
+    Parameters
+    ----------
+    excess
+        At slips of 0, 1, 2 and so on, shape (n,).
+    """
+    below = excess < excess[0] / math.e
+    at = int(np.argmax(below))
+    if not below[at]:
+        return math.nan
+    return float(at - (excess[0] / math.e - excess[at]) / (excess[at - 1] - excess[at]))
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """All lines of one family.
+
+    Attributes
+    ----------
+    name
+        Of the family.
+    length
+        Correlation lengths, sites, shape (n,).
+    patch
+        Mean length of a contact by site, before the rest, one array for each length, shape (lines,).
+    excess
+        What a rest adds to the area, at slips of 0, 1, 2 and so on; for each length, shape (lines, slips).
+    """
+
+    name: str
+    length: Floats
+    patch: tuple[Floats, ...]
+    excess: tuple[Floats, ...]
+
+    @classmethod
+    def of(cls, evidence: Evidence, name: str, every: Waves | None = None) -> Lines:
+        """Read them from the campaigns of the family, or of some of its wavelengths."""
+        _, solid, all_of_it, _ = FAMILIES[name]
+        every = every or all_of_it
+        sizes, excesses = [], []
+        for waves in every:
+            data, rests = evidence[_folder(solid, *waves)], evidence.values(_folder(solid, *waves), REST)
+            rows, longer = [], []
+            for seed in data["seed"].values.tolist():
+                hardly, rested = (_after_rest(data.sel({REST: rest, "seed": seed})) for rest in rests)
+                rows.append(rested - hardly)
+                fields = evidence.fields(_folder(solid, *waves), **{REST: rests[-1], "seed": seed})
+                found = patches(fields["in_contact"].values[0]).sizes
+                longer.append((found**2).sum() / found.sum())
+            sizes.append(np.array(longer))
+            excesses.append(np.array(rows))
+        lengths = np.array([correlation_length(*waves, shape=(2**16,)) for waves in every])
+        return cls(name, lengths, tuple(sizes), tuple(excesses))
+
+    def slips(self, *excess: Floats) -> Floats:
+        """D_c for each length, of samples of `excess`."""
+        return np.array([slip_to_one_over_e(one.mean(axis=0)) for one in excess])
+
+    def of_length(self) -> Estimate:
+        """Power of the correlation length in D_c."""
+        return jackknife(lambda *some: power(self.length, self.slips(*some)), self.excess)
+
+    def of_patch(self) -> Estimate:
+        """Power of the mean length of a contact in D_c."""
+        several = len(self.patch)
+
+        def statistic(*some: Floats) -> float:
+            return power(np.array([one.mean() for one in some[:several]]), self.slips(*some[several:]))
+
+        return jackknife(statistic, (*self.patch, *self.excess))
+
+    def table(self) -> pd.DataFrame:
+        """Return the contacts and D_c, a row each length."""
+        found, patch = jackknife(self.slips, self.excess), [one.mean() for one in self.patch]
+        head = {"family": self.name, "length": self.length, "patch": patch}
+        return pd.DataFrame(head | columns("slip", found) | {"runs": found.runs})
+
+
+def _after_rest(one: xr.Dataset) -> Floats:
+    """Area at the end of a rest, and before each shift of the slide that follows."""
+    return np.append(area_at_rest(one, 1), before_shifts(one, 2))
+
+
+def findings(every: list[Lines]) -> Iterator[Finding]:
+    """Judge what is claimed of D_c."""
+    for key, words, what, number in (
+        ("resolved", "the correlation length", "correlation length", Lines.of_length),
+        ("contact", "the length of contacts", "mean length of a contact", Lines.of_patch),
+    ):
+        claim = f"On lines, where slips resolve contacts, D_c is in proportion to {words}"
+        head = f"d ln <i>D</i><sub>c</sub> / d ln ({what}), lines"
+        numbers = {f"{head}: {FAMILIES[one.name][0]}": number(one) for one in every}
+        yield Finding.within((0.8, 1.2), key, "Dieterich 1979", claim, numbers)
+
+
+def draw(ax: Axes, table: pd.DataFrame) -> None:
+    """Draw D_c against the correlation length."""
+    for name, own in table.groupby("family", sort=False):
+        words, solid, _, mark = FAMILIES[str(name)]
+        points(ax, own, "length", "slip", mark, SOLIDS[solid][2], label=words)
+    ax.set(xscale="log", yscale="log", xlim=(10, 70), ylim=(2, 20))
+    for axis, marks in ((ax.xaxis, (10, 20, 50)), (ax.yaxis, (2, 5, 10, 20))):
+        axis.set_ticks(marks, [f"{mark}" for mark in marks])
+        axis.set_tick_params(which="minor", labelbottom=False, labelleft=False)
+    ax.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
+    ax.set_title("on lines", fontsize=9)
+    ax.legend(fontsize=6)

@@ -1,0 +1,189 @@
+"""A study: a question, the campaigns that answer it, and one function for the numbers and one for the figure.
+
+The report lies in the folder of the study, beside its campaigns::
+
+    report.md  ledger.csv  figure.svg .pdf .png  data/TABLE.csv  origin.toml  NAME/CAMPAIGN/campaign.toml
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import jinja2
+import pandas as pd
+from matplotlib.figure import Figure
+
+import asperity.checks as checks
+import asperity_research.studies.campaigns as campaigns
+from asperity._version import __version__
+from asperity.results.store import whole_file
+from asperity.words import duration, tables_to_toml
+from asperity_research.studies.campaigns import Campaign, Home, Prepared
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding
+from asperity_research.studies.report import Simulated, ledger_table, write_drawing, write_table
+from asperity_research.studies.typeset import bounds, interval, plain
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a study found.
+
+    Attributes
+    ----------
+    findings
+        What was claimed, measured, and follows.
+    tables
+        The numbers behind the figure, by name; one row a point.
+    """
+
+    findings: tuple[Finding, ...]
+    tables: Mapping[str, pd.DataFrame]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A question and what answers it.
+
+    Attributes
+    ----------
+    name
+        One word.
+    question
+        One sentence.
+    quick, full
+        The campaigns; the full ones hold the runs of the quick ones where that can be.
+    analyse
+        Computes the outcome from the finished campaigns.
+    draw
+        Draws the figure of the tables of the outcome.
+    caption
+        What the figure shows; plain text with the tags i, sub and sup of HTML.
+    page
+        Page of the documentation that says what follows.
+    """
+
+    name: str
+    question: str
+    quick: tuple[Campaign, ...]
+    full: tuple[Campaign, ...]
+    analyse: Callable[[Evidence], Outcome]
+    draw: Callable[[Mapping[str, pd.DataFrame]], Figure]
+    caption: str
+    page: str
+
+    @property
+    def home(self) -> Home:
+        """Whose folder it writes to."""
+        return Home(f"the study {self.name}", self.name)
+
+    def campaigns(self, *, quick: bool) -> tuple[Campaign, ...]:
+        """Return the campaigns of one effort or the other."""
+        return self.quick if quick else self.full
+
+    def prepared_in(
+        self, directory: str | Path, *, quick: bool = False, seed: int = 0
+    ) -> AbstractContextManager[tuple[Prepared, ...]]:
+        """Write the campaign files; see `asperity_research.studies.campaigns.prepared_in`."""
+        return campaigns.prepared_in(directory, self.campaigns(quick=quick), self.home, seed=seed)
+
+
+@dataclass(frozen=True, eq=False)
+class Concluded:
+    """What came out.
+
+    Attributes
+    ----------
+    report
+        The page to read.
+    outcome
+        What was found.
+    """
+
+    report: Path
+    outcome: Outcome
+
+
+def conclude(
+    study: Study,
+    directory: str | Path,
+    prepared: Sequence[Prepared],
+    *,
+    quick: bool,
+    command: str,
+    seed: int = 0,
+) -> Concluded:
+    """Compute the numbers, judge, draw, and write the report, from campaigns that are finished.
+
+    Parameters
+    ----------
+    study
+        The study.
+    directory
+        Its folder.
+    prepared
+        From `Study.prepared_in`.
+    quick
+        Whether they are the quick ones.
+    command
+        The command that ran them, for the report.
+    seed
+        First seed of every ensemble.
+
+    Raises
+    ------
+    AsperityError
+        A campaign is not finished; or the disk refused. An earlier report stays.
+    """
+    checks.instance("study", study, Study, 'asperity_research.studies.named("unloading")')
+    folder = Path(directory)
+    evidence = Evidence(folder / study.home.inside)
+    runs = campaigns.finished(evidence, prepared)
+    outcome = study.analyse(evidence)
+    figure = study.draw(outcome.tables)
+    write_drawing(folder, "figure", figure)
+    write_table(folder, "ledger", ledger_table(outcome.findings))
+    for name, table in outcome.tables.items():
+        write_table(folder / "data", name, table)
+    simulated = [
+        Simulated(one.campaign, runs[one.campaign.name], f"{study.home.inside}/{one.campaign.name}")
+        for one in prepared
+    ]
+    origin = {
+        "study": study.name,
+        "effort": "quick" if quick else "full",
+        "command": command,
+        "version": __version__,
+        "date": datetime.now(UTC).date().isoformat(),
+        "first_seed": seed,
+        "runs": sum(runs.values()),
+        "cpu_seconds": round(sum(float(evidence[name]["seconds"].sum()) for name in runs)),
+    }
+    pages = {
+        "origin.toml": tables_to_toml({"origin": origin}),
+        "report.md": _page().render(
+            study=study, origin=origin, findings=outcome.findings, tables=outcome.tables, simulated=simulated
+        ),
+    }
+    for name, text in pages.items():
+        with whole_file(folder / name) as part:
+            part.write_text(text, encoding="utf-8")
+    return Concluded(folder / "report.md", outcome)
+
+
+def _page() -> jinja2.Template:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("asperity_research.studies", "templates"),
+        autoescape=False,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"plain": plain, "interval": interval, "duration": duration}
+    environment.globals |= {"bounds": bounds}
+    return environment.get_template("report.md")

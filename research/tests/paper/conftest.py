@@ -1,0 +1,52 @@
+"""A whole reproduction on tiny lattices, computed once."""
+
+import json
+
+import pytest
+
+from asperity.app.campaign.store import Store
+from asperity.app.campaign.sweeping import plan_to_json
+from asperity.app.campaign.worker import run_task
+from asperity.app.config import to_tables
+from asperity_research.paper.reproduce import STUDIES, prepared_in
+from asperity_research.paper.studies import Effort
+from asperity_research.studies.evidence import Evidence
+
+TINY = Effort(
+    "tiny",
+    seeds=2,
+    aging_seeds=2,
+    pressed_seeds=2,
+    light_seeds=4,
+    loads_per_decade=2,
+    aging_loads=(1e-2, 1e-1, 3e-1),
+    sizes=(32, 64),
+    aging_sizes=(16, 32),
+    maps_size=64,
+    side=40,
+)
+
+
+def do_here(prepared):
+    """Do studies in this process."""
+    for one in prepared:
+        Store(one.folder).prepare()
+        (one.folder / "plan.json").write_text(plan_to_json(one.plan), encoding="utf-8")
+        for run in one.plan.runs:
+            config = json.dumps(to_tables(run.config))
+            report = run_task(str(one.folder), run.identity, config, run.content)
+            assert report[1] == "done", (one.campaign.name, report)
+
+
+@pytest.fixture(scope="session")
+def reproduction(tmp_path_factory):
+    """Folder of a tiny reproduction whose studies are done, and its studies."""
+    folder = tmp_path_factory.mktemp("reproduction")
+    with prepared_in(folder, TINY, seed=3) as prepared:
+        do_here(prepared)
+    return folder, prepared
+
+
+@pytest.fixture(scope="session")
+def evidence(reproduction):
+    return Evidence(reproduction[0] / STUDIES)

@@ -1,0 +1,479 @@
+"""The curves: what is drawn is what the tables say, and the tables are what was simulated."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections import Counter
+from itertools import pairwise, product
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from matplotlib.container import ErrorbarContainer
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+from scipy import stats
+
+import asperity as asp
+from asperity_research.paper.figures import curves
+from asperity_research.paper.figures.figure_2 import figure_2
+from asperity_research.paper.figures.figure_3 import figure_3
+from asperity_research.paper.figures.figure_5 import figure_5
+from asperity_research.paper.figures.figure_6 import figure_6
+from asperity_research.paper.figures.figure_8 import figure_8, indentation
+from asperity_research.paper.figures.figure_9 import figure_9
+from asperity_research.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
+from asperity_research.paper.studies import PEAK
+from asperity_research.paper.wording import spelled
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.typeset import rich
+
+SITES = 900
+TIMES = np.concatenate([[0.0], np.geomspace(1e-2, 1e6, 25)])
+POINT_TIMES = np.array([0.0, 0.1, 1.0, 10.0, 100.0, 1e3])
+FIGURES = {2: figure_2, 3: figure_3, 5: figure_5, 6: figure_6, 8: figure_8, 9: figure_9}
+
+
+def dataset(axes, values, *, times=None, sites=SITES):
+    """Shaped as `asperity.app.campaign.open` gives it; `values` takes one value of each axis."""
+    shape = tuple(len(axis) for axis in axes.values())
+    dims = (*axes, "time") if times is not None else tuple(axes)
+    results = [values(*place) for place in product(*axes.values())]
+    coordinates = axes if times is None else axes | {"time": times}
+    made = xr.Dataset(coords=coordinates)
+    for name in results[0]:
+        array = np.array([np.asarray(result[name], dtype=float) for result in results])
+        made[name] = (dims if array.ndim > 1 else tuple(axes), array.reshape(shape + array.shape[1:]))
+    return made.assign(sites=(tuple(axes), np.full(shape, float(sites))))
+
+
+def saturating(a, q, t0):
+    return a - (a - 1) / (1 + TIMES / t0) ** q
+
+
+def of_seed(seed):
+    """Surfaces differ by a factor of their areas, so that ratios of mean areas are those of each surface."""
+    return 1 + 0.1 * math.sin(1 + 7 * seed)
+
+
+def studies_of(seeds):
+    """Studies in which all laws are known."""
+    seed = list(range(seeds))
+    loads = [SITES * p for p in (0.003, 0.03, 0.3)]
+
+    def load(k1, load, seed):
+        area = SITES * (1 - math.exp(-load / SITES / (1 + k1)))
+        return {"initial_area": of_seed(seed) * area, "relaxed_area": SITES * (1 - math.exp(-load / SITES))}
+
+    def aging(k1, load, seed):
+        law = saturating(a=1 + k1, q=2 * math.sqrt(load / SITES), t0=1 / k1)
+        return {"area": of_seed(seed) * 50 * load / SITES * law}
+
+    def self_affine_load(size, load, seed):
+        return {"initial_area": of_seed(seed) * 9 * load**0.8, "relaxed_area": min(80 * load, size**2)}
+
+    def self_affine_aging(size, k1, load, seed):
+        return {"area": of_seed(seed) * load * (1 + 0.1 * k1 * np.log1p(np.minimum(TIMES, 1e4) * k1))}
+
+    return {
+        "load": dataset({"k1": [0.01, 1.0, 10.0], "load": loads, "seed": seed}, load),
+        "aging": dataset({"k1": [1.0, 10.0], "load": loads, "seed": seed}, aging, times=TIMES),
+        "self_affine_load": dataset(
+            {"size": [16, 32, 64], "load": [1.0, 10.0, 100.0, 1000.0], "seed": seed}, self_affine_load
+        ),
+        "self_affine_aging": dataset(
+            {"size": [16, 32], "k1": [3.0, 10.0], "load": [5.0, 20.0, 80.0], "seed": seed},
+            self_affine_aging,
+            times=TIMES,
+        ),
+    }
+
+
+@pytest.fixture(scope="module")
+def point():
+    """One asperity, simulated."""
+    heights = np.zeros((24, 24))
+    heights.flat[0] = PEAK
+
+    def run(k1, R_viscous):
+        solid = asp.solids.spring_lattice(k0=1.0, k1=k1, R=1.0, R_viscous=R_viscous)
+        history = asp.age(asp.press(heights, solid, load=2.0), times=POINT_TIMES[1:]).dataset
+        return {"separation": history["separation"], "approach": history["approach"], "held": 2.0}
+
+    return dataset({"k1": [1.0, 3.0], "R_viscous": [0.0, 0.5]}, run, times=POINT_TIMES, sites=heights.size)
+
+
+@pytest.fixture(scope="module", params=[4, 1], ids=["four seeds", "one seed"])
+def evidence(request, point):
+    return Evidence(Path(), studies_of(request.param) | {"point": point})
+
+
+@pytest.fixture(scope="module")
+def made(evidence) -> dict[int, PaperFigure]:
+    return {number: draw(evidence) for number, draw in FIGURES.items()}
+
+
+def drawn(axes):
+    """Places of all points with error bars, and of the bars' ends (None without any)."""
+    for container in axes.containers:
+        if isinstance(container, ErrorbarContainer):
+            symbols, _, bars = container.lines
+            ends = np.array([segment[:, 1] for segment in bars[0].get_segments()]) if bars else None
+            yield np.asarray(symbols.get_xydata()), ends, symbols
+
+
+def lines(axes, style):
+    return [line for line in axes.lines if line.get_linestyle() == style and len(line.get_xdata()) > 0]
+
+
+def slope(line, x_scale=np.log, y_scale=np.log):
+    x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+    return (y_scale(y[-1]) - y_scale(y[0])) / (x_scale(x[-1]) - x_scale(x[0]))
+
+
+def legend_of(axes):
+    return [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+# -- what all have in common
+
+
+def test_every_figure_can_be_printed(made, evidence):
+    for number, one in made.items():
+        assert one.number == number
+        assert isinstance(one.figure, Figure)
+        assert one.figure.get_size_inches()[0] in (COLUMN, PAGE)
+        one.figure.savefig(io.BytesIO(), dpi=60, format="png")
+        words = [text for text in one.figure.findobj(Text) if text.get_text() and text.get_visible()]
+        assert min(float(text.get_fontsize()) for text in words) >= 7
+        for axes in one.figure.axes:
+            assert axes.get_ylabel()
+
+
+def test_captions_are_html_and_say_how_many_surfaces(made, evidence):
+    seeds = evidence["load"].sizes["seed"]
+    words = "One surface, and so no" if seeds == 1 else f"Means over {seeds} surfaces"
+    for number, one in made.items():
+        assert "&lt;" not in rich(
+            one.caption
+        )  # it raises for tags that are not closed, and escapes other tags
+        assert (words in one.caption) == (number < 8)
+        assert "nan" not in one.caption
+
+
+def test_tables_are_tidy_numbers(made):
+    for one in made.values():
+        for name, table in one.tables.items():
+            assert len(table) > 0, (one.number, name)
+            assert all(dtype.kind in "fib" for dtype in table.dtypes), (one.number, name)
+
+
+# -- ensembles
+
+
+def test_over_seeds_is_the_mean_with_the_interval_of_student(evidence):
+    table = curves.over_seeds(evidence, "aging", "area", called="area")
+    raw = evidence["aging"]["area"]
+    assert len(table) == raw.size / raw.sizes["seed"]
+    for row in table.iloc[:: len(table) // 7].to_dict("records"):
+        runs = raw.sel(k1=row["k1"], load=row["load"], time=row["time"]).to_numpy()
+        assert row["area"] == pytest.approx(runs.mean(), rel=1e-12)
+        assert row["seeds"] == runs.size
+        interval = (math.nan, math.nan)
+        if runs.size > 1:
+            interval = stats.t.interval(0.95, runs.size - 1, runs.mean(), stats.sem(runs))
+        assert (row["area_low"], row["area_high"]) == pytest.approx(interval, rel=1e-12, nan_ok=True)
+
+
+def test_over_seeds_leaves_out_what_is_not_finished():
+    study = studies_of(4)["load"].copy(deep=True)
+    study["initial_area"].loc[{"k1": 1.0, "load": 27.0, "seed": 2}] = np.nan
+    study["initial_area"].loc[{"k1": 10.0, "load": 27.0}] = np.nan
+    table = curves.over_seeds(Evidence(Path(), {"load": study}), "load", "initial_area", called="area")
+    here = table[table["load"] == 27.0].set_index("k1")
+    assert list(here.index) == [0.01, 1.0]
+    assert list(here["seeds"]) == [4, 3]
+    left = study["initial_area"].sel(k1=1.0, load=27.0).dropna("seed")
+    assert here["area"].iloc[1] == pytest.approx(float(left.mean()), rel=1e-12)
+    caption = spelled("{{ensemble(seeds, 'bars')}}", {"seeds": table["seeds"]})
+    assert caption.startswith("Means over 3 to 4 surfaces; bars: 95 %")
+
+
+def test_over_seeds_of_nothing_finished_is_an_empty_table():
+    study = studies_of(2)["aging"]
+    nothing = Evidence(Path(), {"aging": study.where(False)})
+    table = curves.over_seeds(nothing, "aging", "area", called="ratio", statistic=curves.growth)
+    assert list(table.columns) == ["k1", "load", "time", "ratio", "ratio_low", "ratio_high", "seeds"]
+    assert len(table) == 0
+
+
+def test_growth_is_the_ratio_of_means():
+    areas = np.array([[1.0, 3.0], [3.0, 5.0]])
+    np.testing.assert_allclose(curves.growth(areas), [1.0, 2.0])  # the mean of the ratios is 2.33
+
+
+def test_error_bars_end_where_the_interval_does_and_never_below_zero():
+    table = pd.DataFrame({"x": [1.0, 2.0], "y": [2.0, 1.0], "y_low": [1.5, -1.0], "y_high": [2.5, 3.0]})
+    axes = Figure().add_subplot(xscale="log", yscale="log")
+    curves.points(axes, table, "x", "y", curves.Look("#000000"))
+    [(places, ends, _)] = drawn(axes)
+    np.testing.assert_allclose(places, [[1, 2], [2, 1]])
+    np.testing.assert_allclose(ends[0], [1.5, 2.5])
+    assert 0 < ends[1, 0] < 1e-3
+    assert ends[1, 1] == 3
+
+
+def test_looks_darken_in_order_and_differ_in_markers():
+    looks = curves.looks(6)
+    rgb = [[int(look.color[at : at + 2], 16) for at in (1, 3, 5)] for look in looks]
+    gray = [0.299 * r + 0.587 * g + 0.114 * b for r, g, b in rgb]  # luma, ITU-R BT.601
+    assert all(later - earlier > 15 for earlier, later in pairwise(gray))
+    assert gray[-1] < 190
+    assert len({look.marker for look in looks}) == 6
+
+
+@pytest.mark.parametrize(
+    ("values", "words"), [([2.0], "2"), ([10.0, 1.0], "1 and 10"), ([1, 3, 3, 0.1], "0.1, 1 and 3")]
+)
+def test_several(values, words):
+    assert spelled("({{several(values)}})", {"values": values}) == f"({words})"
+
+
+# -- figure by figure
+
+
+def test_figure_2_shows_contact_fractions_against_loads_per_site(made, evidence):
+    one = made[2]
+    [axes] = one.figure.axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert "F_N" in axes.get_xlabel()
+    assert "A" in axes.get_ylabel()
+    raw = evidence["load"]["initial_area"].mean("seed")
+    shown = list(drawn(axes))
+    for k1, (places, ends, symbols) in zip(raw["k1"].values, shown, strict=False):
+        np.testing.assert_allclose(places[:, 0], raw["load"] / SITES)
+        np.testing.assert_allclose(places[:, 1], raw.sel(k1=k1) / SITES)
+        assert symbols.get_markerfacecolor() != "none"
+        assert (ends is None) == (evidence["load"].sizes["seed"] == 1)
+    places, _, symbols = shown[-1]
+    assert len(shown) == raw.sizes["k1"] + 1
+    assert symbols.get_markerfacecolor() == "none"
+    np.testing.assert_allclose(places[:, 1], 1 - np.exp(-raw["load"] / SITES))
+    assert legend_of(axes) == ["0.01", "1", "10", "relaxed"]
+    assert slope(lines(axes, ":")[0]) == pytest.approx(1)
+    assert "largest difference of their mean areas: 0 sites" in one.caption
+
+
+def test_figure_2_draws_independent_asperities_only_where_they_are_apart(made):
+    dilute = made[2].tables["dilute"]
+    assert set(dilute["k1"]) == {1.0, 10.0}  # at 0.01 dips are 10 sites wide: they meet at a percent and less
+    assert dilute["contact_fraction"].max() <= 0.1
+    row = dilute[dilute["k1"] == 10.0].iloc[5]
+    # Greenwood and Williamson: at the separation that bears the load, the tail of the normal law touches.
+    stiffness = float(asp.theory.site_stiffness(10.0))
+    separation = stats.norm.isf(row.contact_fraction)
+    excess = stats.norm.pdf(separation) - separation * row.contact_fraction
+    assert excess * stiffness == pytest.approx(row.load_per_site, rel=1e-9)
+
+
+def test_figure_3_finds_the_laws_again(made, evidence):
+    fits = made[3].tables["fits"]
+    assert len(fits) == 6
+    for row in fits.itertuples():
+        assert row.a == pytest.approx(1 + row.k1, rel=1e-4)
+        assert row.q == pytest.approx(2 * math.sqrt(row.load_per_site), rel=1e-4)
+        assert row.t0 == pytest.approx(1 / row.k1, rel=1e-4)
+        assert row.rms_misfit < 1e-6
+    growth = made[3].tables["growth"]
+    np.testing.assert_allclose(growth["fitted"], growth["area_ratio"], rtol=1e-5)
+    raw = evidence["aging"]["area"].isel(k1=1, load=2).sum("seed")
+    last = growth.query("k1 == 10 and load == 270")["area_ratio"].iloc[-1]
+    assert last == pytest.approx(float(raw[-1] / raw[0]))
+
+
+def test_figure_3_has_a_panel_a_stiffness_ratio_and_the_inset(made, evidence):
+    soft, stiff, inset = made[3].figure.axes
+    for axes, k1 in ((soft, 1.0), (stiff, 10.0)):
+        assert axes.get_title() == rf"$k_1/k_0 = {k1:g}$"
+        assert (axes.get_xscale(), axes.get_yscale()) == ("log", "linear")
+        symbols = [line for line in axes.lines if line.get_marker() not in ("None", None)]
+        thin = lines(axes, "-")
+        assert len(symbols) == len(thin) == 3
+        table = made[3].tables["growth"].query("k1 == @k1 and load == 270 and time > 0")
+        np.testing.assert_allclose(symbols[2].get_xydata(), table[["time", "area_ratio"]])
+        np.testing.assert_allclose(thin[2].get_xydata(), table[["time", "fitted"]])
+        if evidence["aging"].sizes["seed"] > 1:
+            assert len(axes.collections) == 3
+    assert legend_of(soft) == ["0.003", "0.03", "0.3"]
+    assert (inset.get_xscale(), inset.get_yscale()) == ("log", "log")
+    assert inset.get_title(loc="left") == "(c)"
+    assert "= 1 (a) and 10 (b), and" in made[3].caption
+    assert "(c), the inset of the paper's figure" in made[3].caption
+    full, open_ = drawn(inset)
+    fits = made[3].tables["fits"]
+    np.testing.assert_allclose(full[0], fits[fits["k1"] == 1][["load_per_site", "q"]])
+    np.testing.assert_allclose(open_[0], fits[fits["k1"] == 10][["load_per_site", "q"]])
+    assert open_[2].get_markerfacecolor() == "none"
+    assert slope(lines(inset, ":")[0]) == pytest.approx(0.5)
+
+
+def test_figure_3_lives_with_areas_that_do_not_grow():
+    study = studies_of(2)["aging"]
+    frozen = study.assign(area=study["area"] * 0 + 7.0)
+    one = figure_3(Evidence(Path(), {"aging": frozen}))
+    assert len(one.tables["fits"]) == 0
+    assert one.tables["growth"]["fitted"].isna().all()
+    assert "misses" not in one.caption
+
+
+def test_figure_5_counts_sites(made, evidence):
+    [axes] = made[5].figure.axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    shown = list(drawn(axes))
+    raw = evidence["self_affine_load"]
+    for at, size in enumerate(raw["size"].values):
+        for (places, _, symbols), name in zip(
+            shown[2 * at :], ("initial_area", "relaxed_area"), strict=False
+        ):
+            means = raw[name].sel(size=size).mean("seed")
+            np.testing.assert_allclose(places, np.column_stack([raw["load"], means]))
+            assert (symbols.get_markerfacecolor() == "none") == (name == "relaxed_area")
+    horizontal = [
+        line for line in axes.lines if len(set(line.get_ydata())) == 1 and len(line.get_xdata()) == 2
+    ]
+    assert [line.get_ydata()[0] for line in horizontal] == [16**2, 32**2, 64**2]
+    [reference] = lines(axes, ":")
+    assert slope(reference) == pytest.approx(0.8)
+    means = raw["initial_area"].mean("seed").isel(size=0, load=0)
+    assert 0.2 < reference.get_ydata()[0] / float(means) < 0.6  # beside the points, not on them
+    assert legend_of(axes) == ["open: relaxed", "$16^2$ sites", "$32^2$ sites", "$64^2$ sites"]
+
+
+def test_figure_6_raw_and_normalized(made, evidence):
+    raw_axes, scaled_axes = made[6].figure.axes
+    assert (raw_axes.get_xscale(), raw_axes.get_yscale()) == ("log", "log")
+    assert (scaled_axes.get_xscale(), scaled_axes.get_yscale()) == ("log", "linear")
+    assert raw_axes.get_title() == "$k_1/k_0 = 10$"
+    places = [np.asarray(line.get_xydata()) for line in raw_axes.lines]
+    raw = evidence["self_affine_aging"]["area"].mean("seed").sel(k1=10.0)
+    expected = [raw.sel(load=load, size=size) for load in raw["load"] for size in raw["size"]]
+    assert len(places) == len(expected)
+    for place, values in zip(places, expected, strict=True):
+        np.testing.assert_allclose(place, np.column_stack([TIMES[1:], values[1:]]))
+    fits = made[6].tables["fits"].set_index("k1")
+    for k1 in (3.0, 10.0):  # the areas stop growing at 1e4, and the fit must not see that
+        assert fits.loc[k1, "C"] == pytest.approx(0.1 * k1, rel=1e-5)
+        assert fits.loc[k1, "t0"] == pytest.approx(1 / k1, rel=1e-4)
+    dashed = lines(scaled_axes, "--")
+    assert len(dashed) == 2
+    assert dashed[1].get_ydata()[-1] == pytest.approx(1 + math.log1p(1e7), rel=1e-4)
+    bars = list(drawn(scaled_axes))
+    assert len(bars) == 6
+    assert min(place[0, 0] for place, _, _ in bars) > TIMES[-1]
+    assert "0.30 for 3, 1.00 for 10" in made[6].caption
+    assert len({symbols.get_marker() for _, _, symbols in bars}) == 3  # gray print needs a shape a load
+    assert len({symbols.get_markerfacecolor() == "none" for _, _, symbols in bars}) == 2  # and a fill a size
+    curves = [line for line in scaled_axes.lines if len(line.get_xdata()) == len(TIMES) - 1]
+    marked = [line for line in curves if line.get_marker() != "None"]
+    turns = Counter(line.get_markevery() for line in marked)
+    assert sorted(turns) == [(turn, 6) for turn in range(6)]  # no symbol of a load and size hides another's
+    assert set(turns.values()) == {2}  # stiffness ratios
+    bottom, top = scaled_axes.get_ylim()
+    for label in scaled_axes.texts:
+        x, y = label.xy
+        assert x > TIMES[-1]  # right of all symbols
+        assert bottom < y < top
+        assert all(abs(y - end) > 0.01 * top for place, _, _ in bars for end in place[:, 1])
+
+
+def test_indentation_agrees_with_the_closed_form_with_and_without_viscous_creep(evidence):
+    table = indentation(evidence)
+    assert len(table) == 4 * len(POINT_TIMES)
+    # The steps' errors: rtol is 2e-3 of the deformation; at time 0 there are none.
+    assert table["deviation"].abs().max() < 2e-3
+    assert table[table["time"] == 0]["deviation"].abs().max() < 1e-9
+    # Value of G(3, 0) on the endless lattice: 1 / (k_eff/k0), a complete elliptic integral.
+    start = table.query("k1 == 3 and R_viscous == 0.5 and time == 0").iloc[0]
+    assert start["plane"] == pytest.approx(1 / float(asp.theory.site_stiffness(3.0)), rel=1e-12)
+    assert start["lattice"] == pytest.approx(start["plane"], rel=1e-6)
+    # With viscous creep the body follows u0: the mean of u0 alone would not tell.
+    late = table.query("k1 == 3 and R_viscous == 0.5").iloc[-1]
+    assert late["depth"] > 0.5 * late["time"] / late["sites"]
+
+
+def test_indentation_leaves_out_what_is_not_finished(point):
+    part = point.where(point["k1"] == 3.0)
+    assert set(indentation(Evidence(Path(), {"point": part}))["k1"]) == {3.0}
+
+
+def test_figure_8_shows_theory_and_simulation(made, evidence):
+    above, below = made[8].figure.axes
+    assert (above.get_xscale(), below.get_xscale(), below.get_yscale()) == ("log", "log", "log")
+    theory = made[8].tables["theory"]
+    assert sorted(theory["x1"].unique()) == [0.1, 1, 3, 10, 100]
+    at_zero = theory[theory["x2"] == theory["x2"].min()].set_index("x1")["G"]
+    for x1 in (0.1, 1.0):  # slow springs have hardly crept at x2 = 1e-3
+        assert at_zero[x1] == pytest.approx(1 / float(asp.theory.site_stiffness(x1)), rel=1e-3)
+    late = theory[theory["x2"] == theory["x2"].max()].set_index("x1")["G"]
+    # The leading terms for every x1, and the next: (4 - x1)/(64 x1 sqrt(pi x2)).
+    leading = (math.log(1e8) + 10 * math.log(2) + np.euler_gamma) / (8 * math.pi)
+    for x1 in (1.0, 3.0, 10.0):
+        following = (4 - x1) / (64 * x1 * math.sqrt(math.pi * 1e8))
+        assert late[x1] == pytest.approx(leading + following, abs=1e-9)
+    [dotted] = lines(above, ":")
+    x = np.asarray(dotted.get_xdata())
+    np.testing.assert_allclose(
+        dotted.get_ydata(), (np.log(x) + 10 * math.log(2) + np.euler_gamma) / (8 * math.pi)
+    )
+    simulated = made[8].tables["simulated"]
+    assert set(simulated["R_viscous"]) == {0.0}
+    deviations = np.sort(np.concatenate([line.get_ydata() for line in below.lines]))
+    np.testing.assert_allclose(deviations, np.sort(simulated.query("time > 0")["deviation"].abs()))
+    assert legend_of(above)[-2:] == ["late form", "simulated"]
+    shown = [line for line in above.lines if line.get_marker() not in ("None", None)]
+    on_paper = np.sort(np.concatenate([line.get_ydata() for line in shown]))
+    kept = simulated[simulated["drawn"]]
+    np.testing.assert_allclose(on_paper, np.sort(kept["depth"]))
+    assert ((kept["lattice"] / kept["plane"] - 1).abs() <= 0.01).all()
+    keys = {line.get_marker() for line in above.get_legend().findobj(Line2D)} - {"None", ""}
+    assert keys == {line.get_marker() for line in shown}
+
+
+def test_figure_9_has_twice_the_slope_with_viscous_creep(made):
+    [axes] = made[9].figure.axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "linear")
+    steep, flat = lines(axes, ":")
+    assert {text.get_text() for text in axes.texts} == {r"slope $1/(4\pi)$", r"slope $1/(8\pi)$"}
+    assert slope(flat, y_scale=np.asarray) == pytest.approx(1 / (8 * math.pi))
+    assert slope(steep, y_scale=np.asarray) == pytest.approx(1 / (4 * math.pi))
+    theory = made[9].tables["theory"]
+    assert sorted(theory["R_viscous"].unique()) == [0, 0.01, 0.1, 0.5, 1, 10]
+    for r, expected in ((0.0, 1 / (8 * math.pi)), (10.0, 1 / (4 * math.pi))):
+        late = theory[theory["R_viscous"] == r].iloc[-9:]
+        measured = np.diff(late["depth"])[-1] / np.diff(np.log(late["x2"]))[-1]
+        assert measured == pytest.approx(expected, rel=1e-4)
+
+
+def test_figure_9_draws_the_lattice_only_while_it_stands_for_the_plane(made):
+    simulated = made[9].tables["simulated"]
+    assert set(simulated["k1"]) == {3.0}
+    shown = simulated[simulated["drawn"]]
+    assert ((shown["depth"] / shown["plane"] - 1).abs() < 0.015).all()
+    [axes] = made[9].figure.axes
+    on_paper = [line.get_ydata() for line in axes.lines if line.get_marker() not in ("None", None)]
+    np.testing.assert_allclose(np.sort(np.concatenate(on_paper)), np.sort(shown["depth"]))
+    # 24 sites: the dip of width (r t)^(1/2) or t^(1/4) comes round before the end in the one case only.
+    last = simulated[simulated["time"] == POINT_TIMES[-1]].set_index("R_viscous")
+    assert not last.loc[0.5, "drawn"]
+
+
+def test_figure_9_without_simulations_of_its_ratio(point):
+    one = figure_9(Evidence(Path(), {"point": point.sel(k1=[1.0])}))
+    assert len(one.tables["simulated"]) == 0
+    assert "Symbols" not in one.caption
+    assert "simulated" not in legend_of(one.figure.axes[0])
+    one.figure.savefig(io.BytesIO(), dpi=60)

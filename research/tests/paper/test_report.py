@@ -1,0 +1,473 @@
+"""The report: what it writes, that it stands alone, and that what it says was computed."""
+
+import datetime
+import math
+import re
+from collections import Counter
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+from scipy.integrate import quad
+from scipy.special import ndtr
+
+from asperity.errors import InputError, OutputError
+from asperity.fits.resampling import Estimate
+from asperity.theory import GaussianHeights, compliance
+from asperity_research.paper import report
+from asperity_research.paper.corrections import corrections
+from asperity_research.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
+from asperity_research.paper.places import EQUATIONS, SECTIONS, section_of
+from asperity_research.paper.report import About, write_report
+from asperity_research.paper.studies import QUICK, studies
+from asperity_research.studies import typeset
+from asperity_research.studies.ledger import Finding, Measurement, Verdict, exact
+from asperity_research.studies.report import Simulated, ledger_table
+
+DOCUMENTED = Path(__file__).parents[3] / "docs" / "paper.md"
+CSS = Path(report.__file__).parent / "templates" / "report.css"
+TABLE = pd.DataFrame({"time": [0.1, 1 / 3], "area": [3, 4]})
+
+
+def estimate(value, half, runs=4):
+    return Estimate(value, half / 3, value - half, value + half, runs)
+
+
+def undetermined(value, runs):
+    unknown = np.full_like(value, np.nan)[()]
+    return Estimate(value, unknown, unknown, unknown, runs)
+
+
+def drawn(number, title="Area <i>A</i> against load", caption="1 < 2 & <i>F</i><sub>N</sub>"):
+    figure = Figure(figsize=(COLUMN, 2))
+    axes = figure.subplots()
+    axes.plot([1, 2], [3, 4])
+    axes.set_xlabel("load")
+    return PaperFigure(number, title, caption, figure, {"area": TABLE, "relaxed state": TABLE})
+
+
+def finding(key, place="Section 3", value=1.0, corrected=(), **words):
+    measured = (Measurement("slope <i>s</i>", estimate(value, 0.05), 0.9, 1.1),)
+    return Finding(key, place, f"The claim {key}.", measured, corrected, **words)
+
+
+FINDINGS = (
+    finding("late", "Section 5, Eq. (ndet2)"),
+    finding("wrong", "Section 4, Fig. 5", 2.0, note="Not <script>alert(1)</script> & more."),
+    finding("open", "Fig. 3", 1.08),
+    finding(
+        "mended",
+        "Section 5",
+        3.9,
+        (Measurement("corrected", exact(1.003), 0.99, 1.01),),
+        correction="with <i>k</i><sub>eff</sub>",
+    ),
+    Finding("unknown", "Abstract", "Nothing known.", (Measurement("n", exact(math.nan), 0, 1),)),
+)
+
+
+ABOUT = About(
+    effort="quick",
+    version="9.8.7",
+    date=datetime.date(2030, 1, 2),
+    command="asperity reproduce --out here --quick",
+    wall_seconds=75.0,
+    run_seconds=3661.0,
+    studies=tuple(Simulated(study, 7, study.name) for study in studies(QUICK)),
+)
+
+
+class Page(HTMLParser):
+    """Every tag of a page; complains of one that is not closed in turn."""
+
+    VOID = frozenset({"meta", "img", "br"})
+
+    def __init__(self, text):
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str]]] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, f"{tag} at {self.getpos()}"
+
+    def handle_data(self, data):
+        if "style" not in self.open:
+            self.words.append(data)
+
+    def values(self, attribute):
+        return [attrs[attribute] for _, attrs in self.tags if attribute in attrs]
+
+    @property
+    def text(self):
+        return " ".join("".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("reproduction")
+    path = write_report(folder, [drawn(8), drawn(2)], FINDINGS, ABOUT)
+    return path, Page(path.read_text(encoding="utf-8"))
+
+
+def test_files(written):
+    folder = written[0].parent
+    for number in (2, 8):
+        drawings = [folder / "figures" / f"figure-{number}.{suffix}" for suffix in ("svg", "pdf", "png")]
+        assert [path.read_bytes()[:4] for path in drawings] == [b"<?xm", b"%PDF", b"\x89PNG"]
+        for name in ("area", "relaxed-state"):
+            table = pd.read_csv(folder / "data" / f"figure-{number}-{name}.csv")
+            pd.testing.assert_frame_equal(table, TABLE, check_exact=True)
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"figures", "data", "ledger.csv", "ledger.md", "report.html"}
+
+
+def test_letters_of_the_drawing_need_no_font(written):
+    assert "<text" not in (written[0].parent / "figures" / "figure-2.svg").read_text()
+
+
+def test_page_stands_alone(written):
+    path, page = written
+    assert not {"script", "link", "iframe", "object"} & {tag for tag, _ in page.tags}
+    assert all(source.startswith("data:image/svg+xml;base64,") for source in page.values("src"))
+    style = CSS.read_text()
+    assert "url(" not in style
+    assert "@import" not in style
+    for target in page.values("href"):
+        assert ":" not in target, f"{target} leaves the folder"
+        if target.startswith("#"):
+            assert target[1:] in page.values("id")
+        elif not target.endswith("campaign.toml"):
+            assert (path.parent / target).is_file()
+
+
+def test_page_is_sound(written):
+    _, page = written
+    assert max(Counter(page.values("id")).values()) == 1
+    pictures = [attrs for tag, attrs in page.tags if tag == "img"]
+    assert [attrs["alt"].split(":")[0] for attrs in pictures] == ["Figure 2", "Figure 8"]
+    named = set(page.values("id"))
+    assert set(page.values("aria-labelledby")) <= named
+
+
+def test_page_says_what_was_found(written):
+    _, page = written
+    assert (
+        "5 claims were put to the test: 1 agrees, 1 agrees once corrected, 1 differs and 2 cannot"
+        in page.text
+    )
+    assert "To decide it: about 25 seeds in place of 4." in page.text
+    assert "Corrected: with keff." in page.text
+    assert "1.080 [1.030, 1.130]" in page.text
+    assert "not determined" in page.text
+    assert "Not <script>alert(1)</script> & more." in page.text
+    assert "1 < 2 & FN" in page.text
+    assert f"{7 * len(studies(QUICK))} simulations" in page.text
+    assert "61 minutes of computing in all; the session that wrote this page took 75 seconds" in page.text
+    assert "Asperity 9.8.7, 2030-01-02, quick reproduction." in page.text
+    assert "shape = 200\N{NO-BREAK SPACE}×\N{NO-BREAK SPACE}200" in "".join(page.words)
+
+
+def test_whole_sections_are_praised(tmp_path):
+    both = [finding("a", "Section 2"), finding("b", "Section 3", 2.0)]
+    page = Page(write_report(tmp_path, [], both, ABOUT).read_text())
+    assert "Every claim of Section 2 agrees." in page.text
+
+
+def test_undecided_correction_of_a_claim_that_differs(tmp_path):
+    corrected = (Measurement("corrected", estimate(1.08, 0.05), 0.9, 1.1),)
+    differs = finding("mended", "Section 5", 3.9, corrected, correction="by half")
+    page = Page(write_report(tmp_path, [], [differs], ABOUT).read_text())
+    assert differs.verdict is Verdict.UNDECIDED
+    assert "It differs as it stands; its correction is undecided. To decide it" in page.text
+    assert f"The correction is undecided. To decide it: {differs.needs}." in page.text
+    assert "about 25 seeds in place of 4" in differs.needs
+
+
+def test_equations_have_numbers_on_the_page_and_labels_in_the_file(written):
+    path, page = written
+    assert "Section 5, Eq. (17)" in page.text
+    assert not [label for label in EQUATIONS if f"Eq. ({label})" in page.text]
+    table = pd.read_csv(path.parent / "ledger.csv")
+    assert set(table[table["key"] == "late"]["place"]) == {"Section 5, Eq. (ndet2)"}
+
+
+def test_wide_pictures_scroll(tmp_path):
+    narrow, wide = drawn(1), drawn(2)
+    wide.figure.set_figwidth(PAGE)
+    page = Page(write_report(tmp_path, [narrow, wide], [], ABOUT).read_text())
+    boxes = [name for name in page.values("class") if name.startswith("picture")]
+    assert boxes == ["picture", "picture wide"]
+    drawings = [target for target in page.values("href") if target.endswith(".svg")]
+    assert Counter(drawings) == {"figures/figure-1.svg": 2, "figures/figure-2.svg": 2}
+
+
+def test_claims_stand_in_the_order_of_the_paper(written):
+    _, page = written
+    claims = [name for name in page.values("id") if name.startswith("claim-")]
+    assert claims == ["claim-unknown", "claim-open", "claim-wrong", "claim-late", "claim-mended"]
+
+
+def test_ledger_file(written):
+    table = pd.read_csv(written[0].parent / "ledger.csv")
+    assert len(table) == sum(len(f.measured) + len(f.corrected) for f in FINDINGS)
+    mended = table[table["key"] == "mended"]
+    assert list(mended["judged"]) == ["as it stands", "corrected"]
+    assert list(mended["value"]) == [3.9, 1.003]
+    assert set(mended["verdict"]) == {"agrees once corrected"}
+    assert set(mended["correction"]) == {"with k_eff"}
+    assert table["value"].isna().sum() == 1
+
+
+def test_ledger_as_one_table(written):
+    first, *rows = (written[0].parent / "ledger.md").read_text(encoding="utf-8").splitlines()
+    made_of = f"{7 * len(studies(QUICK))} simulations, 5 claims."
+    assert first == f"The quick reproduction, Asperity 9.8.7, 2030-01-02: {made_of}"
+    assert rows[:4] == ["Agrees: 1;", "Agrees once corrected: 1;", "Differs: 1;", "Undecided: 2."]
+    assert rows[7:] == [
+        "| Nothing known. | Abstract | undecided | not determined |",
+        "| The claim open. | Fig. 3 | undecided | 1.080 [1.030, 1.130] |",
+        "| The claim wrong. | Section 4, Fig. 5 | differs | 2.000 [1.950, 2.050] |",
+        "| The claim late. | Section 5, Eq. (ndet2) | agrees | 1.000 [0.950, 1.050] |",
+        "| The claim mended. | Section 5 | agrees once corrected | 3.900 [3.850, 3.950] — corrected: 1.003 |",
+    ]
+
+
+def test_ledger_keeps_every_digit():
+    value = 0.1 + 0.2
+    table = ledger_table([finding("a", value=value)])
+    assert float(table["value"][0]) == value
+
+
+def test_nothing_to_report(tmp_path):
+    page = Page(write_report(tmp_path, [], [], replace(ABOUT, studies=(), run_seconds=math.nan)).read_text())
+    assert "No claims were judged." in page.text
+    assert "not determined of computing" in page.text
+
+
+def test_large_drawing_becomes_pixels(tmp_path, monkeypatch):
+    monkeypatch.setattr(report, "_LARGEST_SVG", 100)
+    page = Page(write_report(tmp_path, [drawn(1)], [], ABOUT).read_text())
+    assert [source[:22] for source in page.values("src")] == ["data:image/png;base64,"]
+
+
+def test_the_same_report_twice(tmp_path):
+    pages = [write_report(tmp_path / name, [drawn(1)], FINDINGS, ABOUT).read_bytes() for name in "ab"]
+    assert pages[0] == pages[1]
+
+
+@pytest.mark.parametrize(
+    ("figures", "findings", "match"),
+    [
+        ([1, 1], [], "figures: expected each under a name of its own, got 1 twice"),
+        ([], [finding("a"), finding("a")], "findings: expected each .* got a twice"),
+        ([], [finding("a", note="<i>open")], "text: expected tags i, sub and sup that are closed"),
+        ([], [finding("a", place="</sub>")], "text: expected tags"),
+    ],
+)
+def test_bad_input_writes_nothing(tmp_path, figures, findings, match):
+    with pytest.raises(InputError, match=match):
+        write_report(tmp_path / "new", [drawn(number) for number in figures], findings, ABOUT)
+    assert not (tmp_path / "new").exists()
+
+
+def test_tables_of_one_name_are_refused(tmp_path):
+    figure = PaperFigure(1, "", "", Figure(), {"a b": TABLE, "a-b": TABLE})
+    with pytest.raises(InputError, match=r"tables: expected each .* got a-b twice"):
+        write_report(tmp_path, [figure], [], ABOUT)
+
+
+def test_page_is_written_last(tmp_path):
+    (tmp_path / "ledger.csv").mkdir()
+    with pytest.raises(OutputError, match=r"could not write .*ledger\.csv"):
+        write_report(tmp_path, [drawn(1)], FINDINGS, ABOUT)
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_folder_that_cannot_be(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError, match="could not write"):
+        write_report(tmp_path / "file", [], [], ABOUT)
+
+
+@pytest.mark.parametrize(
+    ("place", "section"),
+    [
+        ("Abstract", "Abstract"),
+        ("Section 3; Fig. 8", "Section 3"),
+        ("Sections 3 to 5", "Section 3"),
+        ("Fig. 2", "Section 3"),
+        ("Fig. 7 caption", "Section 4"),
+        ("Eq. (dosrs)", "Section 6"),
+        ("Eq. (ndet2)", "Section 5"),
+        ("Fig. 12", "Elsewhere"),
+        ("somewhere", "Elsewhere"),
+    ],
+)
+def test_section_of_a_place(place, section):
+    assert section_of(place) == section
+    assert section in SECTIONS
+
+
+@pytest.mark.parametrize(
+    ("value", "written_as"),
+    [
+        (0.0, "0"),
+        (1 / 3, "0.3333"),
+        (2.0, "2"),
+        (0.99996, "1"),
+        (-0.40396, "−0.404"),
+        (12345.6, "12346"),
+        (99999.7, "100000"),
+        (123456.0, "1.235 × 10<sup>5</sup>"),
+        (1e-9, "10<sup>−9</sup>"),
+        (2.3e-12, "2.3 × 10<sup>−12</sup>"),
+        (math.nan, "not determined"),
+        (-math.inf, "−∞"),
+    ],
+)
+def test_numbers(value, written_as):
+    assert typeset.number(value) == written_as
+
+
+@pytest.mark.parametrize(
+    ("given", "written_as"),
+    [
+        (estimate(0.803, 0.012), "0.803 [0.791, 0.815]"),
+        (estimate(1234.5, 150.0), "1234 [1084, 1384]"),
+        (estimate(123456.0, 3400.0), "(1.235 [1.201, 1.269]) × 10<sup>5</sup>"),
+        (estimate(3.2e-7, 2e-8), "(3.20 [3.00, 3.40]) × 10<sup>−7</sup>"),
+        (estimate(0.0, 0.5), "0.00 [−0.50, 0.50]"),
+        (exact(1 / 3), "0.3333"),
+        (exact(0.0), "0"),
+        (estimate(1.0, 1e-12), "1"),
+        (estimate(1e-12, 1e-13), "(1.00 [0.90, 1.10]) × 10<sup>−12</sup>"),
+        (undetermined(0.31, 1), "0.31"),
+        (undetermined(math.nan, 4), "not determined"),
+    ],
+)
+def test_intervals(given, written_as):
+    assert typeset.interval(given) == written_as
+
+
+def test_ranges_in_words():
+    assert typeset.bounds(0.9, 1.1) == "0.9 to 1.1"
+    assert typeset.bounds(-math.inf, 1e-3) == "at most 0.001"
+    assert typeset.bounds(2, math.inf) == "at least 2"
+    assert typeset.bounds(1, 1) == "1"
+    assert typeset.bounds(-math.inf, math.inf) == "any number"
+
+
+def test_texts():
+    assert typeset.rich("<i>a</i> < b <b>&amp;") == "<i>a</i> &lt; b &lt;b&gt;&amp;amp;"
+    assert (
+        typeset.plain("<i>F</i><sub>N</sub><sup>0.8</sup> 10<sup>6</sup> x<sup>2</sup>")
+        == "F_N^(0.8) 10^6 x^2"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "written_as"),
+    [
+        ("from 1 to 1e+06, then", "from 1 to 10<sup>6</sup>, then"),
+        ("<i>x</i> < 2.5e-05", "<i>x</i> &lt; 2.5 × 10<sup>−5</sup>"),
+        ("1e+09 and 3e+10", "10<sup>9</sup> and 3 × 10<sup>10</sup>"),
+        ("file1e+06, 1e6 and 1e+06x", "file1e+06, 1e6 and 1e+06x"),
+        ("Section 5, Eqs. (uq), (u); Fig. 8", "Section 5, Eqs. (6), (8); Fig. 8"),
+        ("Eq. (vt) to Eq. (ndet) (a)", "Eq. (11) to Eq. (16) (a)"),
+        ("Eqs. (a) and (log)", "Eqs. (4) and (5)"),
+        ("Eq. (7), Eq. (new)", "Eq. (7), Eq. (new)"),
+    ],
+)
+def test_equations_and_powers_of_ten_in_texts(text, written_as):
+    assert report.rich_numbered(text) == written_as
+
+
+def test_colors_have_contrast():
+    style = CSS.read_text()
+    for name in ("ink", "soft", "link", "agrees", "corrected", "differs", "undecided"):
+        color = re.search(rf"--{name}: (#\w{{6}})", style)
+        assert color is not None
+        assert contrast(color[1], "#f4f5f7") > 4.5, name  # WCAG 2.1, level AA
+
+
+def contrast(first, second):
+    levels = sorted(luminance(color) for color in (first, second))
+    return (levels[1] + 0.05) / (levels[0] + 0.05)
+
+
+def luminance(color):
+    channels = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_each_correction_has_its_proof_in_the_documentation():
+    headings = re.findall(r"^### (.+)$", DOCUMENTED.read_text(), flags=re.MULTILINE)
+    assert [entry.title for entry in corrections()] == headings
+    assert all(re.fullmatch(r"[a-z0-9-]+", entry.key) for entry in corrections())
+
+
+def test_each_correction_is_on_the_page(written):
+    _, page = written
+    shown = [name for name in page.values("id") if name.startswith("correction-")]
+    assert shown == [f"correction-{entry.key}" for entry in corrections()]
+
+
+@pytest.fixture(scope="module")
+def numbers():
+    return {entry.key: [number.value for number in entry.numbers] for entry in corrections()}
+
+
+def waves(n):
+    q = 2 * np.pi * np.arange(n) / n
+    return np.add.outer(2 - 2 * np.cos(q), 2 - 2 * np.cos(q))
+
+
+def test_stiffness_of_a_contact_by_brute_force(numbers):
+    brute = [1 / np.mean(1 / (x1 + waves(512))) / x1 for x1 in (1.0, 3.0, 10.0)]
+    assert numbers["contact-stiffness"] == pytest.approx(brute, rel=1e-12)
+
+
+def test_energy_of_a_lone_contact_by_brute_force(numbers):
+    lam = waves(64).ravel()[1:]
+    before, after = (np.sum(1 / (3 + lam)), np.sum(1 / lam))
+    assert numbers["falling-energy"] == pytest.approx([(1 / 3 + after) / (1 / 3 + before)], rel=1e-12)
+
+
+def test_intercept_on_the_square_zone(numbers):
+    catalan = 0.915965594177219015
+    closed = (4 * math.log(2 * math.pi) + np.euler_gamma - 8 * catalan / math.pi) / (8 * math.pi)
+    assert numbers["laplacian"][1] == pytest.approx(closed, abs=1e-7)
+
+
+def test_gaussian_integral_by_quadrature(numbers):
+    law = GaussianHeights()
+    before, after = (float(law.separation_for(1e-3 * compliance(3.0, x2))) for x2 in (0.0, 1e4))
+    grown = quad(lambda d: ndtr(-d), after, before)[0]
+    assert grown == pytest.approx(1e-3 * float(compliance(3.0, 1e4) - compliance(3.0, 0.0)), rel=1e-9)
+    assert numbers["gaussian-integral"] == pytest.approx([ndtr(-after)], rel=1e-9)
+    assert numbers["lost-sign"] == pytest.approx([after - before])
+
+
+def test_rates_by_differences(numbers):
+    step = 1e-3
+    for which, x1 in enumerate((1.0, 10.0)):
+        later, earlier = (float(compliance(x1, 1e6 * math.exp(sign * step))) for sign in (1, -1))
+        relative = math.log(later / earlier) / (2 * step)
+        assert numbers["aging-rate"][2 * which + 1] == pytest.approx(relative, rel=1e-5)
+        assert relative == pytest.approx(1 / (math.log(1e6) + 10 * math.log(2) + np.euler_gamma), rel=1e-3)
+    assert numbers["viscous-slope"][:3] == sorted(numbers["viscous-slope"][:3])
+    assert numbers["viscous-slope"][2] == pytest.approx(2, rel=1e-3)

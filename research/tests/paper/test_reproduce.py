@@ -1,0 +1,193 @@
+"""The whole reproduction, on tiny lattices: from studies to the report, and as a command."""
+
+import csv
+import re
+from contextlib import nullcontext
+
+import pytest
+from tests.refusals import refuses
+
+from asperity.app.campaign import read_plan, tally
+from asperity.app.campaign.store import Store
+from asperity.app.cli import main
+from asperity.errors import InputError
+from asperity_research.commands import reproduce as command
+from asperity_research.commands import study as working
+from asperity_research.paper.claims import ledger
+from asperity_research.paper.reproduce import STUDIES, conclude, prepared_in
+from asperity_research.paper.studies import FULL, QUICK, studies
+from asperity_research.studies import STUDIES as OTHERS
+from asperity_research.studies.campaigns import run_campaigns
+from asperity_research.studies.evidence import Evidence
+from research.tests.paper.conftest import TINY, do_here
+
+pytestmark = pytest.mark.xdist_group("reproduction")  # one process computes it
+
+
+class _NothingIsRunError(Exception):
+    """Ends a command when its campaigns are written."""
+
+
+@pytest.fixture
+def asperity(monkeypatch, capsys):
+    monkeypatch.setattr(command, "QUICK", TINY)
+
+    def call(*words):
+        status = main(["reproduce", *map(str, words)])
+        said = capsys.readouterr()
+        return status, said.out, said.err
+
+    return call
+
+
+def test_report_of_finished_studies(reproduction, evidence, asperity):
+    folder, _ = reproduction
+    status, out, err = asperity("--out", folder, "--quick", "--seed", "3")
+    assert status == 0
+    assert "study" not in err  # nothing was left to run
+    assert out.rstrip().endswith("report.html")
+    findings = ledger(evidence)
+    assert re.search(rf"^claims +{len(findings)}$", out, re.MULTILINE)
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    for number in range(1, 10):
+        for suffix in ("svg", "pdf", "png"):
+            assert (folder / "figures" / f"figure-{number}.{suffix}").stat().st_size > 1000
+        assert list((folder / "data").glob(f"figure-{number}-*.csv"))
+        assert f"figure-{number}.pdf" in page
+    with (folder / "ledger.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert {row["key"]: row["verdict"] for row in rows} == {f.key: f.verdict.value for f in findings}
+    # No name of a symbol is left where the symbol should stand. Style sheets and BibTeX have braces too.
+    words = re.sub(r"(?s)<(style|pre)\b.*?</\1>", "", page).splitlines()
+    assert not [text for text in words if {*text} & {*"{}"}]
+    assert not [text for row in rows for text in row.values() if {*text} & {*"{}"}]
+    assert "--seed 3" in page
+
+
+def test_only_what_is_missing_is_run(reproduction, asperity):
+    folder, prepared = reproduction
+    sketch = next(one for one in prepared if one.campaign.name == "sketch")
+    (run,) = sketch.plan.runs
+    for path in sorted((sketch.folder / "runs.zarr" / run.identity).rglob("*"), reverse=True):
+        path.unlink() if path.is_file() else path.rmdir()
+    (sketch.folder / "runs.zarr" / run.identity).rmdir()
+    assert tally(sketch.plan, sketch.folder).done == 0
+    status, _, err = asperity("--out", folder, "--quick", "--seed", "3", "--workers", "1")
+    assert status == 0
+    assert err.count("study") == 1
+    assert sketch.campaign.purpose in err
+    assert tally(sketch.plan, sketch.folder).done == 1
+
+
+def test_every_study_is_an_ordinary_campaign(tmp_path):
+    with prepared_in(tmp_path, TINY) as prepared:
+        for one in prepared:
+            plan = read_plan(one.folder / "campaign.toml")
+            assert [run.identity for run in plan.runs] == [run.identity for run in one.plan.runs]
+
+
+def test_one_reproduction_at_a_time(tmp_path, asperity):
+    with prepared_in(tmp_path / "out", TINY):
+        status, out, err = asperity("--out", tmp_path / "out", "--quick")
+    assert (status, out) == (2, "")
+    assert "which another reproduction is writing; try waiting" in err
+
+
+@pytest.mark.parametrize("effort", [(), ("--quick",)], ids=["full", "quick"])
+@pytest.mark.parametrize("words", [("reproduce",), *(("study", name) for name in OTHERS)], ids=" ".join)
+def test_another_seed_is_of_other_surfaces(tmp_path, monkeypatch, words, effort):
+    def seeds(first):
+        folder = tmp_path / str(first)
+        asked = [*words, "--out", str(folder), *effort, "--seed", str(first)]
+        with pytest.raises(_NothingIsRunError):
+            main(asked)
+        files = sorted(folder.glob("*/*/campaign.toml"))
+        return {path.parent.name: read_plan(path).seeds for path in files}
+
+    def stop(*_, **__):
+        raise _NothingIsRunError
+
+    monkeypatch.setattr(working, "run_campaigns", stop)
+    here, there = seeds(0), seeds(3)
+    assert set(here) == set(there)
+    assert any(here.values())
+    for name, of_this in here.items():
+        assert of_this == tuple(range(len(of_this)))  # none for the surfaces that are files
+        assert there[name] == tuple(seed + 3 for seed in of_this)
+
+
+def test_seeds_that_are_a_list_are_not_taken_for_other_seeds():
+    with refuses("seeds of sketch"):
+        next(one for one in studies(QUICK) if one.name == "sketch").seeded(0).seeded(3)
+
+
+def test_full_holds_all_of_quick():
+    # The full reproduction goes on from the quick one: its ensembles contain the smaller ones.
+    for small, large in zip(studies(QUICK), studies(FULL), strict=True):
+        assert small.name == large.name
+        for key in ("seeds", "load"):
+            if key in small.tables["sweep"]:
+                few, many = (one.seeded(0).tables["sweep"][key] for one in (small, large))
+                assert set(few) <= set(many)
+
+
+def test_mistakes(tmp_path, asperity):
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "full" / "studies").mkdir(parents=True)
+    (tmp_path / "full" / "thesis.tex").write_text("mine")
+    for words, complaint in [
+        (("--out", tmp_path / "file"), "expected a folder, got .*, which is a file"),
+        (("--out", tmp_path / "full"), "expected a new folder, or that of a reproduction"),
+        (("--out", tmp_path / "new", "--seed", "-1"), "seed: expected 0 or more, got -1"),
+        (("--out", tmp_path / "new", "--workers", "0"), "--workers: expected 1 or more, got 0"),
+    ]:
+        status, out, err = asperity(*words)
+        assert (status, out) == (2, "")
+        assert re.search(complaint, err), err
+    assert not (tmp_path / "new").exists()
+    assert sorted(path.name for path in (tmp_path / "full").iterdir()) == ["studies", "thesis.tex"]
+    assert not list((tmp_path / "full" / "studies").iterdir())
+
+
+def test_another_seed_wants_another_folder(tmp_path, asperity):
+    with prepared_in(tmp_path / "out", TINY, seed=3):
+        pass
+    status, out, err = asperity("--out", tmp_path / "out", "--quick", "--seed", "4")
+    assert (status, out) == (2, "")
+    assert "which is that of --seed 3; try another name" in err
+
+
+def test_an_unfinished_study_is_not_judged(tmp_path):
+    with prepared_in(tmp_path / "out", TINY) as prepared:
+        one = next(each for each in prepared if each.campaign.name == "sketch")
+        do_here([one])
+        with pytest.raises(InputError, match="campaign"):
+            conclude(tmp_path / "out", prepared, effort=TINY, command="", seconds=0.0)
+        Store(one.folder).runs.joinpath(one.plan.runs[0].identity, "zarr.json").unlink()
+    assert not (tmp_path / "out" / "report.html").exists()
+
+
+def test_a_folder_swept_with_another_plan_is_read_by_this_one(tmp_path):
+    sketch = "sketch"
+    with prepared_in(tmp_path / "out", TINY) as prepared:
+        one = next(each for each in prepared if each.campaign.name == sketch)
+        do_here([one])
+        (one.folder / "plan.json").write_text("{}")
+        run_campaigns([one], workers=1, watch=lambda _: nullcontext(lambda _: None))
+    assert Evidence(tmp_path / "out" / STUDIES)[sketch].attrs["finished"] == 1
+
+
+def test_dry_run_counts_what_is_done(reproduction, asperity):
+    folder, _ = reproduction
+    status, out, _ = asperity("--out", folder, "--quick", "--seed", "3", "--dry-run")
+    assert status == 0
+    assert re.search(r"^all +0 runs", out, re.MULTILINE)
+
+
+def test_negative_seed_is_refused(tmp_path):
+    with (
+        pytest.raises(InputError, match="seed: expected 0 or more"),
+        prepared_in(tmp_path / "out", QUICK, seed=-1),
+    ):
+        pass
+    assert not (tmp_path / "out").exists()

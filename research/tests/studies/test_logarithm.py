@@ -1,0 +1,121 @@
+"""The study of logarithms, on contacts whose answer is known in closed form."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity.fits.resampling import Estimate
+from asperity_research.studies import logarithm
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Measurement, Verdict
+
+EXPONENT = 0.9
+TIMES = np.concatenate([[0.0], np.geomspace(1.0, 1e7, 29)])
+
+
+class PowerLaw(Evidence):
+    """Campaigns on contacts whose elastic area is a power of the load, a little different a surface."""
+
+    def __getitem__(self, study):
+        seeds = np.arange(4)
+        power = (EXPONENT + 0.001 * (seeds - 1.5))[:, np.newaxis]
+        if study == "elastic":
+            loads = np.array(logarithm._FACTORS)
+            area = 1000.0 * loads**power
+            return xr.Dataset(
+                {"area": (("seed", "load", "time"), area[..., np.newaxis])},
+                {"seed": seeds, "load": loads, "time": [0.0]},
+            )
+        loads = np.array(logarithm._PRESSURES)
+        name = logarithm._OF_LOADS if study == "loads" else study.replace("0_", "0.")
+        area = 1000.0 * logarithm.RELAXATIONS[name].series.compliance_at(TIMES) ** power
+        if study != "loads":
+            return xr.Dataset({"area": (("seed", "time"), area)}, {"seed": seeds, "time": TIMES})
+        several = np.repeat(area[np.newaxis], len(loads), axis=0)
+        return xr.Dataset(
+            {"area": (("load", "seed", "time"), several)}, {"load": loads, "seed": seeds, "time": TIMES}
+        )
+
+
+@pytest.fixture(scope="module")
+def outcome():
+    return logarithm.analyse(PowerLaw(Path()))
+
+
+def test_a_contact_that_is_a_power_of_load_has_its_closed_form(outcome):
+    numbers = outcome.tables["numbers"].set_index(["number", "relaxation"])
+    # d ln A/d ln t = exponent d ln J/d ln t; J = 1 + j log10(t/t0) is 1 at first and 1 + 8 j at last.
+    for share in (0.01, 0.02, 0.03, 0.1):
+        slope = numbers.loc[("B", f"compliance_{share:g}"), "value"]
+        end, start = ((1 + share * (n + 0.25)) ** EXPONENT for n in (7, 1))
+        assert abs(slope / ((end - start) / math.log(1e6)) - 1) < 0.02
+        assert abs(numbers.loc[("B over prediction", f"compliance_{share:g}"), "value"] - 1) < 1e-3
+    assert abs(numbers.loc[("d ln A/d ln F", "elastic"), "value"] - EXPONENT) < 1e-6
+    found = numbers.loc[("share for B = 0.01", "compliance"), "value"]
+    assert abs(found / (0.01 * math.log(10) / EXPONENT) - 1) < 0.03
+    assert abs(numbers.loc[("straightness", "one_time"), "value"]) < 1e-6
+
+
+def test_the_verdicts_on_it(outcome):
+    verdicts = {finding.key: finding.verdict for finding in outcome.findings}
+    assert verdicts == {
+        "one_time": Verdict.DIFFERS,
+        "power": Verdict.DIFFERS,
+        "modulus": Verdict.DIFFERS,
+        "compliance": Verdict.AGREES,
+        "share": Verdict.AGREES,
+        "prediction": Verdict.AGREES,
+        "load": Verdict.AGREES,
+    }
+    assert len(logarithm.draw(outcome.tables).axes) == 2
+
+
+def test_slopes_and_shares_of_an_exact_logarithm():
+    time = np.geomspace(1.0, 1e7, 29)
+    growth = 1 + 0.02 * np.log(time) * np.array([[0.9], [1.1]])
+    assert abs(logarithm.rate(time, growth) - 0.02) < 1e-12
+    assert abs(logarithm.straightness(time, growth) - 1) < 1e-9
+    assert abs(logarithm.share_for(np.array([0.01, 0.1]), np.array([0.005, 0.05])) - 0.02) < 1e-12
+
+
+def test_equal_parts_of_compliance_are_a_logarithm():
+    compliance = logarithm.equal_compliance(0.03).compliance_at(np.array([1e1, 1e3, 1e5, 1e7]))
+    np.testing.assert_allclose(np.diff(compliance), 0.06, rtol=0.01)
+    modulus = logarithm.equal_modulus(0.03).modulus_at(np.array([1e1, 1e3, 1e5, 1e7]))
+    np.testing.assert_allclose(np.diff(modulus), -0.06, rtol=0.01)
+
+
+def test_steps_in_time_give_the_elastic_contact_under_the_compliance():
+    """The march that knows nothing of separable solids, against presses of an elastic one."""
+    heights = asp.surfaces.spectral((24, 24), hurst=0.8, roll_off=12.0, cutoff=4.0, rms_slope=0.2, seed=2)
+    series = logarithm.equal_compliance(0.1, (1.0, 10.0, 100.0))
+    solid = asp.solids.half_space(modulus=1.0, branches=series.branches)
+    load, times = 0.02 * heights.size, np.array([1.0, 10.0, 100.0])
+    marched = asp.age(asp.press(heights, solid, load=load), times, exact=False, rtol=1e-3)
+    elastic = asp.solids.half_space(modulus=1.0)
+    pressed = [asp.press(heights, elastic, load=load * J).area for J in series.compliance_at(times)]
+    found = marched.dataset["area"].values[1:]
+    assert pressed[-1] > pressed[0] * 1.1
+    np.testing.assert_allclose(found, pressed, atol=2)
+
+
+def test_every_number_of_the_ledger_stands_on_the_page():
+    docs = Path(__file__).parents[3] / "docs"
+    page = (docs / "studies" / "logarithm.md").read_text(encoding="utf-8")
+    rows = pd.read_csv(docs / "data" / "studies" / "logarithm" / "ledger.csv").to_dict("records")
+    assert len(rows) == 19
+    for row in rows:
+        value, low, high = (round(row[name], 4) + 0.0 for name in ("value", "low", "high"))
+        numbers = (np.asarray(number) for number in (row["value"], 0.0, row["low"], row["high"]))
+        estimate = Estimate(*(*numbers, row["runs"]))
+        verdict = Measurement("", estimate, row["range_low"], row["range_high"]).verdict
+        start, end = (
+            f"| {row['what']} | {value:.4f} [{low:.4f}, {high:.4f}] |",
+            f"| {row['runs']} | {verdict} |",
+        )
+        assert [line for line in page.splitlines() if line.startswith(start) and line.endswith(end)]

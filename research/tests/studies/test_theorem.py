@@ -1,0 +1,64 @@
+"""On a separable solid with nested contacts no contact is lost while the load does not fall."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from research.tests.studies.levels import frontier
+
+P = asp.protocols
+BRANCHES = {"one time": [(0.7, 10.0)], "three times": [(0.25, 1.0), (0.25, 10.0), (0.25, 100.0)]}
+
+
+@pytest.fixture(params=BRANCHES)
+def branches(request):
+    return BRANCHES[request.param]
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_contact_of_a_half_line_after_a_fall_of_the_load(branches, seed):
+    heights = asp.surfaces.spectral((64,), hurst=0.8, cutoff=4.0, rms_slope=1.0, seed=seed)
+    high, low, wait, end = 6.0, 1.5, 20.0, 1e4
+    contact = asp.press(heights, asp.solids.half_space(modulus=1.0, branches=branches), load=high)
+    since = np.geomspace(1e-2, end, 13)
+    history = asp.age(
+        contact,
+        np.union1d([1.0, wait], wait + since),
+        protocol=[P.Hold(wait), P.Step(load=low), P.Hold(end)],
+        rtol=5e-3,
+    )
+    area, leg = history.dataset["area"].values, history.dataset["leg"].values
+    assert (np.diff(area[leg >= 1]) >= 0).all()  # the theorem
+    # And the contact is the elastic one at the load a(t).
+    times, at = frontier(branches, [(wait, high), (end, low)], highest=4.2 * high)
+    expected = np.interp(wait + since, times[times >= wait], at[times >= wait])
+    elastic = asp.solids.half_space(modulus=1.0)
+    for load, sites in zip(expected[::3], area[leg == 2][-since.size :][::3], strict=True):
+        fewest, most = (asp.press(heights, elastic, load=load * x).area for x in (0.95, 1.05))
+        assert fewest <= sites <= most
+
+
+def test_levels_are_those_of_lee_and_radok_before_the_load_falls():
+    share, tau, load = 0.7, 10.0, 2.0
+    times, at = frontier([(share, tau)], [(100.0, load)], highest=8.0, per_decade=60)
+    # Creep compliance of a Zener solid, E(t) = 1 - s (1 - exp(-t/tau)), over that at once.
+    compliance = (1 - share * np.exp(-(1 - share) * times / tau)) / (1 - share)
+    assert np.allclose(at, load * compliance, rtol=0.02)
+
+
+def test_levels_never_retreat_while_the_load_does_not_fall():
+    rng = np.random.default_rng(5)
+    for _ in range(2):
+        share = rng.dirichlet(np.ones(4))[:3] * 0.98
+        branches = list(zip(share, 10.0 ** rng.uniform(-2, 3, 3), strict=True))
+        loads = rng.uniform(0.2, 2.0, 4)
+        waits = 10.0 ** rng.uniform(-1, 3, 4)
+        legs = list(zip(waits, loads, strict=True))
+        highest = 1.1 * loads.max() / (1 - share.sum())
+        times, at = frontier(branches, legs, highest=highest, levels=500, per_decade=6)
+        starts = np.concatenate([[0.0], np.cumsum(waits)])
+        for begin, end in pairwise(starts):
+            here = at[(times > begin * (1 + 1e-12)) & (times < end * (1 - 1e-12))]
+            assert (np.diff(np.floor(here / (highest / 500))) >= 0).all()  # levels held as a whole

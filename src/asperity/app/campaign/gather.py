@@ -1,0 +1,398 @@
+"""A campaign as one Dataset over the swept parameters and the seeds, with its ensemble."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+import asperity.checks as checks
+import asperity.results.quantities as quantities
+from asperity._version import __version__
+from asperity.app.campaign.plan import Axis, Plan, Run, name_of, put, seeded, value_at
+from asperity.app.campaign.store import FITTED, QUANTITIES, Finished, Store
+from asperity.app.config import RunConfig, from_tables, to_tables
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.protocols import in_words
+from asperity.words import reason_of, tables_to_toml
+
+_NO_ENSEMBLE = (
+    *("steps", "rejected", "iterations", "residual", "worst_residual", "relaxed_residual"),
+    *("sites", "held", "seconds"),
+    *(f"fit_{name}_uncertainty" for name in FITTED),
+)
+"""Numbers about the computation, of which no ensemble is taken."""
+
+_COUNTS = ("area", "yielding_area", "patches", "largest_patch_size", "births", "deaths", "merges", "splits")
+"""Quantities that count sites or patches."""
+
+
+_SCALARS = {
+    "sites": ("sites of the lattice", "sites"),
+    "held": ("load or separation that is held at first", ""),
+    "seconds": ("time of computing", "s"),
+    "worst_residual": ("largest residual of all entries", "1"),
+    "fit_a": ("a of the saturation law", "1"),
+    "fit_q": ("q of the saturation law", "1"),
+    "fit_t0": ("t0 of the saturation law", "time"),
+    "fit_C": ("(a - 1) q of the saturation law", "1"),
+    "fit_misfit": ("rms misfit of the saturation law", "1"),
+}
+"""Long name and dimension of the numbers of a run that are no values of a series."""
+
+_WHICH = {"initial": "first", "final": "last"}
+_WHEN = {"initial": "at time 0", "final": "at the last time", "relaxed": "relaxed"}
+
+
+def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open, as xarray and zarr have it)
+    """Open the runs of a campaign that are finished.
+
+    Parameters
+    ----------
+    directory
+        Folder of the campaign.
+
+    Returns
+    -------
+    Dataset
+        Over the swept parameters (or ``point``, for zipped ones), ``seed`` and ``time``: the series of
+        `asperity.age`. Where a swept parameter has the name of a series, such as the load, that series
+        is called ``load_history``. Over all but ``time``: one number a run, such as ``relaxed_area`` or
+        ``fit_q``. Over all but ``seed``: the ensemble, ``area_mean``, ``area_stderr`` (standard error of
+        the mean), and so on, and the ``count`` of finished seeds; ``fit_q_count`` where fewer have a fit.
+        What is not finished is NaN. Where durations are swept, runs have times of their own: then ``entry``
+        takes the place of ``time``, which is a coordinate over the parameters and ``entry``. Where all runs
+        kept maps at the same times, what these know of patches is over ``field_time``. The attributes
+        hold what all runs have in common, one by one (``k0``, ``shape``, ``last``, ...), their units as
+        ``parameter_units``, and the whole campaign file as ``config``.
+
+    Raises
+    ------
+    InputError
+        The folder holds no campaign, or no finished run.
+    """
+    plan = load_plan(directory)
+    store = Store(Path(directory))
+    runs, done = {run.identity: run for run in plan.runs}, store.done()
+    store.remark_on_remains(set(runs))
+    finished = {name: store.read(run) for name, run in runs.items() if name in done}
+    if not finished:
+        raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
+    shape = _shape(plan)
+    described = _described(finished.values())
+    entries = max(run.series.shape[1] for run in finished.values())
+    series = np.full((len(QUANTITIES), *shape, entries), np.nan)
+    names = sorted({name for run in finished.values() for name in run.scalars})
+    scalars = np.full((len(names), *shape), np.nan)
+    for run in plan.runs:
+        if run.identity in finished:
+            one, place = finished[run.identity], _place(plan, run)
+            everything: tuple[Any, ...] = (slice(None), *place)
+            series[(*everything, slice(one.series.shape[1]))] = one.series
+            for row, name in enumerate(names):
+                scalars[row, *place] = one.scalars.get(name, np.nan)
+    dims = _dims(plan)
+    coordinates = _coordinates(plan)
+    along, times = _times(plan, finished, dict(zip(QUANTITIES, series, strict=True)))
+    dataset = xr.Dataset(coords=coordinates | times)
+    for name, values in zip(QUANTITIES, series, strict=True):
+        if name in described and name not in ("time", "leg"):
+            # A swept load is a coordinate; the load as it developed needs another name then.
+            free = f"{name}_history" if name in coordinates else name
+            long_name, unit = described[name]
+            dataset[free] = ((*dims, along), values, {"long_name": long_name, "units": unit})
+    dataset = dataset.assign(_of_maps(plan, finished, dims, shape))
+    units = quantities.units_named({name: unit for name, (_, unit) in described.items()})
+    for row, name in enumerate(names):
+        when, _, of_what = name.partition("_")
+        long_name, unit = _SCALARS.get(name.removesuffix("_uncertainty"), (name.replace("_", " "), "1"))
+        if when in _WHEN and of_what in described:
+            long_name, unit = f"{described[of_what][0]}, {_WHEN[when]}", described[of_what][1]
+        elif name == "held":
+            unit = " or ".join(
+                sorted({units["length" if _holds_separation(run) else "force"] for run in plan.runs})
+            )
+        if name.endswith("_uncertainty"):
+            long_name = f"{long_name}, standard error of the fit"
+        dataset[name] = (dims, scalars[row], {"long_name": long_name, "units": units.get(unit, unit)})
+    for name in set(map(str, dataset.coords)) - {"field_time", "quantile"}:
+        long_name, unit = quantities.of_parameter(name) or described.get(name, ("", ""))
+        dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
+    if "seed" in dims:
+        dataset = _with_ensemble(dataset)
+    return dataset.assign_attrs(
+        title="Aging of rough contacts: a campaign",
+        asperity_version=__version__,
+        runs=len({run.identity for run in plan.runs}),
+        finished=len(finished),
+        **_in_common(plan, units),
+    )
+
+
+def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
+    """Read the fields that one run of a campaign kept (``maps_at`` in its ``[output]``).
+
+    Parameters
+    ----------
+    directory
+        Folder of the campaign.
+    where
+        Which run: a value for every swept parameter, and the ``seed`` where there are several.
+
+    Returns
+    -------
+    Dataset
+        ``heights`` over the sites; ``u``, ``u0`` and ``in_contact`` over ``field_time`` and the sites;
+        and, where the run has a limit, ``in_contact_relaxed`` and ``u_relaxed``.
+
+    Raises
+    ------
+    InputError
+        No run, or more than one, is meant; it is not finished; it kept no fields.
+    """
+    plan = load_plan(directory)
+    chosen = [run for run in plan.runs if _matches(plan, run, where)]
+    unknown = (
+        set(where) - {axis.name for axis in plan.axes} - {"seed"} - ({"point"} if plan.zipped else set())
+    )
+    if len(chosen) != 1 or unknown:
+        names = [axis.name for axis in plan.axes] + (["seed"] if plan.seeds else [])
+        raise InputError(
+            "campaign",
+            expected=f"values of {', '.join(names) or 'nothing'} that name one run",
+            got=f"{where}, which names {0 if unknown else len(chosen)}",
+        )
+    return Store(Path(directory)).fields(chosen[0])
+
+
+def table(dataset: xr.Dataset) -> pd.DataFrame:
+    """One row a run: its coordinates and its numbers, from the dataset of `open`.
+
+    Parameters
+    ----------
+    dataset
+        From `open`.
+
+    Returns
+    -------
+    DataFrame
+        Runs that are not finished are left out.
+    """
+    checks.instance("dataset", dataset, xr.Dataset, "asperity.campaign.open(directory)")
+    dataset = with_ends(dataset)
+    whole = set(dataset.dims) - {"time", "entry", "field_time", "quantile"}
+    numbers = [str(name) for name in dataset.data_vars if set(dataset[name].dims) == whole]
+    if whole:
+        rows = dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
+    else:
+        rows = pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
+    counts = {f"{when}_{name}" for when in _WHEN for name in _COUNTS} | {"sites"}
+    return rows.astype({name: "Int64" for name in rows if name in counts})
+
+
+def with_ends(dataset: xr.Dataset) -> xr.Dataset:
+    """Add the first and the last value of each series of a run, by names such as ``final_approach``."""
+    over_time = str(dataset["time"].dims[-1])
+    series = {name: str(dataset[name].attrs["long_name"]) for name in map(str, dataset.data_vars)}
+    ends: dict[str, xr.DataArray] = {}
+    for name, long_name in series.items():
+        quantity = name.removesuffix("_history")
+        values = dataset[name]
+        along, known = (
+            (over_time, QUANTITIES) if over_time in values.dims else ("field_time", tuple(quantities.OF_MAPS))
+        )
+        if along not in values.dims or quantity in _NO_ENSEMBLE or quantity not in known:
+            continue
+        if "quantile" in values.dims:
+            continue
+        last = (values.notnull().sum(along) - 1).clip(min=0)  # a run of few entries ends with undefined ones
+        for when, end in (("initial", values.isel({along: 0})), ("final", values.isel({along: last}))):
+            if f"{when}_{quantity}" not in dataset:
+                said = _WHEN[when] if along == over_time else f"on the {_WHICH[when]} map"
+                described = values.attrs | {"long_name": f"{long_name}, {said}"}
+                plain_end = end.drop_vars(["time", "leg", "field_time"], errors="ignore")
+                ends[f"{when}_{quantity}"] = plain_end.assign_attrs(described)
+    return dataset.assign(ends)
+
+
+def load_plan(directory: str | Path) -> Plan:
+    """Read the plan that a campaign was last given.
+
+    Raises
+    ------
+    InputError
+        The folder holds no campaign.
+    """
+    path = Path(directory) / "plan.json"
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8"))
+        axes = tuple(Axis(section, name, tuple(values)) for section, name, values in facts["axes"])
+        configs: dict[tuple[int, ...], RunConfig] = {}
+        runs = []
+        for identity, place, seed, tables, content in facts["runs"]:
+            # The runs of one point differ by their seed only, and checking is what takes the time.
+            point = tuple(place)
+            if point not in configs:
+                configs[point] = from_tables(tables)
+            config = configs[point] if seed is None else seeded(configs[point], seed)
+            runs.append(Run(identity, point, seed, config, content))
+        plan = Plan(axes, tuple(facts["seeds"]), facts["zipped"], tuple(runs))
+        for run in plan.runs:
+            name_of(plan, run)  # as long as every run has its place along the axes and among the seeds
+        return plan
+    except Exception as error:  # a damaged byte leads anywhere
+        reason = "no such campaign" if isinstance(error, FileNotFoundError) else reason_of(error)
+        raise InputError(
+            "campaign", expected="a folder that asperity sweep wrote", got=f"{directory}: {reason}"
+        ) from error
+
+
+def _times(
+    plan: Plan, finished: Mapping[str, Finished], series: Mapping[str, Field]
+) -> tuple[str, dict[str, object]]:
+    """Along what series go: times, where all runs have the same; else entries, and times of each point."""
+    protocol = bool(plan.runs[0].config.protocol)
+    first, *others = finished.values()
+    if all(np.array_equal(one.series[0], first.series[0]) for one in others):
+        legs = {"leg": ("time", first.series[-1].astype(int))} if protocol else {}
+        return "time", {"time": first.series[0], **legs}
+    dims, kept = _dims(plan), {}
+    for name in ("time", "leg"):
+        values = series[name]
+        if plan.seeds:  # the seeds of a point share its times
+            values, dims = np.nanmax(values, axis=-2, initial=-1.0), _dims(plan)[:-1]
+            values = np.where(values < 0, np.nan, values)
+        kept[name] = ((*dims, "entry"), values)
+    return "entry", {**kept, "entry": np.arange(series["time"].shape[-1])}
+
+
+def _of_maps(
+    plan: Plan, finished: Mapping[str, Finished], dims: tuple[str, ...], shape: tuple[int, ...]
+) -> xr.Dataset:
+    """What maps know of patches, over the runs; nothing where not all kept maps at the same times."""
+    maps = [run.maps for run in finished.values()]
+    first = maps[0]
+    if first is None or not all(
+        one is not None
+        and list(one.data_vars) == list(first.data_vars)
+        and one["field_time"].equals(first["field_time"])
+        for one in maps
+    ):
+        return xr.Dataset()
+    gathered = xr.Dataset(coords=first.coords)
+    for name, one in first.data_vars.items():
+        values = np.full((*shape, *one.shape), np.nan)
+        for run in plan.runs:
+            if run.identity in finished and (own := finished[run.identity].maps) is not None:
+                values[tuple(_place(plan, run))] = own[name].values
+        gathered[name] = ((*dims, *one.dims), values, one.attrs)
+    return gathered
+
+
+def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
+    """Long name and unit of each series that some run has."""
+    described: dict[str, tuple[str, str]] = {}
+    for run in runs:
+        for name, (long_name, unit) in run.described.items():
+            known = described.setdefault(name, (long_name, unit))[1]
+            if known != unit:
+                described[name] = (long_name, f"{known} or {unit}, as the run")
+    return described
+
+
+def _holds_separation(run: Run) -> bool:
+    hold = run.config.aging.hold
+    return run.config.contact.separation is not None if hold is None else hold == "separation"
+
+
+def _in_common(plan: Plan, units: quantities.Units) -> dict[str, Any]:
+    """What all runs have in common, key by key, and the file of the campaign."""
+    tables = to_tables(plan.runs[0].config)
+    tables["output"].pop("figures")
+    swept: dict[str, Any] = {}
+    for number, axis in enumerate(plan.axes):
+        at = {run.point[number]: run.config for run in reversed(plan.runs)}
+        if axis.section == "protocol":
+            swept[axis.name] = list(axis.values)
+            continue
+        swept[axis.name] = [value_at(at[i], axis.section, axis.name) for i in range(len(at))]
+        tables[axis.section].pop(axis.name, None)  # an entry of a list stays: the list has no holes
+    if plan.seeds:
+        first, count = plan.seeds[0], len(plan.seeds)
+        in_a_row = list(plan.seeds) == list(range(first, first + count))
+        swept["seeds"] = count if in_a_row else list(plan.seeds)
+    if plan.zipped:
+        swept["combine"] = "zip"
+    config = tables_to_toml(tables | {"sweep": swept})
+    if len(plan.seeds) > 1:
+        tables["surface"].pop("seed")
+    legs = tables.pop("protocol", None)
+    tables["solid"]["solid"] = tables["solid"].pop("kind")
+    facts = {key: value for name, table in tables.items() if name != "output" for key, value in table.items()}
+    facts = {name: one for key, value in facts.items() for name, one in quantities.plain(key, value).items()}
+    facts["parameter_units"] = quantities.units_of_parameters(facts, units)
+    for axis in plan.axes:
+        if axis.section == "protocol":
+            put(legs, axis.name.partition(".")[2], "swept")
+        elif "." in axis.name:
+            facts.pop(quantities.attribute_of(axis.name), None)
+    if legs is not None:
+        facts |= {"protocol": json.dumps(legs), "protocol_in_words": in_words(legs)}
+    return facts | {"config": config}
+
+
+def _matches(plan: Plan, run: Run, where: dict[str, float | int | str]) -> bool:
+    place = {axis.name: axis.values[at] for axis, at in zip(plan.axes, run.point, strict=True)}
+    here = place | {"seed": run.seed} | ({"point": run.point[0]} if plan.zipped and plan.axes else {})
+    return all(here.get(name) == value for name, value in where.items())
+
+
+def _dims(plan: Plan) -> tuple[str, ...]:
+    swept = ("point",) if plan.zipped and plan.axes else tuple(axis.name for axis in plan.axes)
+    return (*swept, "seed") if plan.seeds else swept
+
+
+def _shape(plan: Plan) -> tuple[int, ...]:
+    swept = tuple(len(axis.values) for axis in plan.axes)
+    swept = swept[:1] if plan.zipped else swept
+    return (*swept, len(plan.seeds)) if plan.seeds else swept
+
+
+def _place(plan: Plan, run: Run) -> list[int]:
+    swept = list(run.point[:1] if plan.zipped else run.point)
+    return swept if run.seed is None else [*swept, plan.seeds.index(run.seed)]
+
+
+def _coordinates(plan: Plan) -> dict[str, object]:
+    if plan.zipped and plan.axes:
+        coordinates: dict[str, object] = {axis.name: ("point", list(axis.values)) for axis in plan.axes}
+        coordinates["point"] = np.arange(len(plan.axes[0].values))
+    else:
+        coordinates = {axis.name: list(axis.values) for axis in plan.axes}
+    return coordinates | ({"seed": list(plan.seeds)} if plan.seeds else {})
+
+
+def _with_ensemble(dataset: xr.Dataset) -> xr.Dataset:
+    """Mean over the seeds, its standard error, and how many seeds are finished."""
+    finished = dataset["initial_area"].count("seed")
+    names = [str(name) for name in dataset.data_vars if str(name) not in _NO_ENSEMBLE]
+    for name in names:
+        values = dataset[name]
+        count = values.count("seed")
+        # With one seed there is no spread to judge by: NaN.
+        spread = values.std("seed", ddof=0) / np.sqrt((count - 1).where(count > 1))
+        long_name, unit = values.attrs["long_name"], values.attrs["units"]
+        found = {"mean": (values.mean("seed"), "mean over the seeds", unit)}
+        if not (count == finished).all():  # a fit that failed, a limit that was not found
+            found["count"] = (count, "seeds that have it", "1")
+        found["stderr"] = (spread, "standard error of the mean", unit)
+        for end, (number, said, its_unit) in found.items():
+            dataset[f"{name}_{end}"] = number.assign_attrs(long_name=f"{long_name}, {said}", units=its_unit)
+    dataset["count"] = finished.assign_attrs(long_name="finished seeds", units="1")
+    return dataset

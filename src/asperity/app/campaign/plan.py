@@ -1,0 +1,410 @@
+"""The plan of a campaign: a run configuration with lists in it, spread out into single runs.
+
+The file is that of ``asperity run`` with one more section::
+
+    [sweep]
+    load = [200.0, 800.0]     # any key of [surface], [solid], [contact], or [aging] hold and rtol
+    protocol.1.load = [160.0] # or a number in a leg of [[protocol]], counted from 0
+    branches.0.time = [1.0, 10.0]  # or an entry of a list: share or time of a branch, counted from 0
+    k1 = [1.0, 3.0, 10.0]
+    seeds = 32                # so many from the surface's seed on, or a list
+    combine = "grid"          # every load with every k1; "zip" takes them pairwise
+"""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import itertools
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from asperity._version import __version__
+from asperity.app.config import RunConfig, config_from, read_tables
+from asperity.app.config.mistakes import ORDER, Sections, models_of
+from asperity.app.config.models import KINDS
+from asperity.errors import SHOWN_PROBLEMS, ConfigError
+from asperity.results.quantities import IN_A_LEG
+from asperity.words import written_with_units
+
+Value = float | int | str
+_NOT_SWEPT = (
+    *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample", "despike"),
+    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation", "extrapolate"),
+    *("pixel", "blur", "threshold"),
+)
+_STORE_FORMAT = 3
+
+MOST_RUNS = 100_000
+"""Runs of one campaign: each is a folder of files, and its plan is held in memory whole."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A parameter that is swept: its section, its name, and its values as coordinates."""
+
+    section: str
+    name: str
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run.
+
+    Attributes
+    ----------
+    identity
+        A hash of all that it depends on.
+    point, seed
+        Its place along the axes, and its seed.
+    config
+        Its configuration.
+    content
+        Checksum (SHA-256) of its surface file; empty for surfaces that are made.
+    """
+
+    identity: str
+    point: tuple[int, ...]
+    seed: int | None
+    config: RunConfig
+    content: str = ""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All runs of a campaign.
+
+    Attributes
+    ----------
+    axes
+        The swept parameters, without the seed.
+    seeds
+        The seeds; empty for measured surfaces, which have none.
+    zipped
+        Whether the axes go pairwise, along one dimension ``point``.
+    runs
+        In the order of the grid, seeds fastest.
+    """
+
+    axes: tuple[Axis, ...]
+    seeds: tuple[int, ...]
+    zipped: bool
+    runs: tuple[Run, ...]
+
+
+def read_plan(path: str | Path) -> Plan:
+    """Read and check a campaign.
+
+    Parameters
+    ----------
+    path
+        The TOML file.
+
+    Raises
+    ------
+    ConfigError
+        With one line for each mistake in any of the runs, or for more than 100,000 runs; nothing has
+        been started.
+    """
+    path = Path(path)
+    tables = read_tables(path)
+    swept = tables.pop("sweep", {})
+    if not isinstance(swept, dict):
+        raise ConfigError([f"{path}: sweep: expected a section [sweep], got {swept!r}"])
+    problems: list[str] = []
+    surface = tables.get("surface", {})
+    kind = ""
+    if isinstance(surface, dict):
+        kind = surface.get("kind", "file" if "path" in surface or "path" in swept else "gaussian")
+    combine = swept.pop("combine", "grid")
+    if combine not in ("grid", "zip"):
+        problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
+    seeds = _seeds(swept.pop("seeds", None), surface, kind, problems)
+    solid = tables.get("solid", {})
+    kinds = {"surface": kind, "solid": solid.get("kind", "spring_lattice") if isinstance(solid, dict) else ""}
+    lists = dict(_lists(swept, kinds, problems))
+    lengths = {name: len(values) for (_, name), values in lists.items()}
+    if combine == "zip" and len(set(lengths.values())) > 1:
+        got = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        problems.append(f"[sweep]: expected lists of one length for combine = 'zip', got {got}")
+    elif combine == "grid" and (total := math.prod(lengths.values()) * max(1, len(seeds))) > MOST_RUNS:
+        got = " x ".join(f"{name} {length}" for name, length in (lengths | {"seeds": len(seeds)}).items())
+        problems.append(
+            f"[sweep]: expected at most {MOST_RUNS:,} runs, got {total:,} ({got}); try several campaigns"
+        )
+    output = tables.setdefault("output", {})
+    if isinstance(output, dict):
+        output.setdefault("maps_at", [])
+    if problems:
+        problems = [f"{path}: {problem}" for problem in problems]
+        try:  # the rest of the file may hold mistakes too
+            config_from(tables, {}, path)
+        except ConfigError as error:
+            problems += error.problems
+        raise ConfigError(problems)
+    runs = _runs(tables, lists, seeds, path, zipped=combine == "zip")
+    if len({tuple(run.config.aging.times or run.config.span) for run in runs}) > 1:
+        advice = "first and last in [aging]"
+        raise ConfigError([f"{path}: [aging]: expected the same times for all runs; try {advice}"])
+    axes = tuple(
+        _axis(section, name, values, {run.point[number]: run.config for run in runs})
+        for number, ((section, name), values) in enumerate(lists.items())
+    )
+    for axis in axes:
+        if len(set(axis.values)) < len(axis.values):
+            raise ConfigError([f"{path}: [sweep] {axis.name}: expected different values, got {axis.values}"])
+    return Plan(axes, seeds, combine == "zip", runs)
+
+
+def name_of(plan: Plan, *runs: Run) -> str:
+    """Name runs by what they share and others do not: ``load = 4.0, seed = 2``."""
+    axes = [(axis.name, axis.values, {run.point[n] for run in runs}) for n, axis in enumerate(plan.axes)]
+    axes.append(("seed", plan.seeds, {plan.seeds.index(run.seed) for run in runs if run.seed is not None}))
+    shared = [f"{name} = {values[min(at)]}" for name, values, at in axes if len(values) > 1 and len(at) == 1]
+    return ", ".join(shared) or ("the run" if len(plan.runs) == 1 else "several")
+
+
+def _lists(
+    swept: dict[str, Any], kinds: Mapping[str, object], problems: list[str]
+) -> Iterator[tuple[tuple[str, str], list[Any]]]:
+    """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
+    homes = {
+        name: section for section in ORDER for model in models_of(section) for name in model.model_fields
+    }
+    found: dict[str, None] = {}
+    for path, values in _paths(swept):
+        head, _, rest = path.partition(".")
+        section, name = (head, rest) if head in ORDER and rest else (None, path)
+        key = name.split(".")[0]
+        where = f"[sweep] {name}"
+        if name in found:
+            problems.append(f"{where}: given twice")
+        found[name] = None
+        if head == "protocol":
+            section, known = head, name.split(".")[-1] in IN_A_LEG
+            advice = f"{', '.join(IN_A_LEG)} of a leg can: protocol.1.load = [...]"
+        else:
+            known = key not in _NOT_SWEPT
+            advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kinds))}"
+            if key not in homes or section not in (None, homes[key]):
+                shown = len(problems) < SHOWN_PROBLEMS
+                close = get_close_matches(name, [*homes, "seeds", "combine"], n=1) if shown else []
+                hint = f"; did you mean {close[0]!r}?" if close else ""
+                problems.append(f"{where}: no such key{hint}")
+                continue
+        if not known:
+            problems.append(f"{where}: cannot be swept; {advice}")
+        elif not isinstance(values, list) or not values:
+            problems.append(f"{where}: expected a list of values, got {values!r}")
+        elif len({_label(value) for value in values}) < len(values):
+            problems.append(f"{where}: expected different values, got {values!r}")
+        else:
+            yield (section or homes[key], name), values
+
+
+def _paths(tree: object, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Values within tables of tables, each with the keys that lead to it."""
+    if not isinstance(tree, dict):
+        yield path, tree
+        return
+    for key, value in tree.items():
+        yield from _paths(value, f"{path}.{key}".lstrip("."))
+
+
+def put(table: Any, name: str, value: object) -> None:
+    """Put a value where a name leads: ``k1``, ``branches.0.time``, ``1.load``, ``0.legs.1.load``."""
+    *way, last = name.split(".")
+    for key in way:
+        table = table[_place_in(table, key)]
+    place = _place_in(table, last)
+    if isinstance(table, list):
+        table[place]  # raises where there is none to replace
+    table[place] = value
+
+
+def _place_in(table: object, key: str) -> Any:
+    """Key of a table, or number in a list; share and time of a branch are its first and second number."""
+    if not isinstance(table, list | tuple):
+        return key
+    return {"share": 0, "time": 1}[key] if key in ("share", "time") and len(table) == 2 else int(key)
+
+
+def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
+    """Keys that may be swept, on a surface and a solid of these kinds."""
+    models = [
+        model
+        for section in ORDER
+        for kind, model in zip(KINDS.get(section, [section]), models_of(section), strict=True)
+        if kinds.get(section) in (kind, None) or kinds[section] not in KINDS[section]
+    ]
+    names = [name for model in models for name in model.model_fields]
+    return [name for name in dict.fromkeys(names) if name not in _NOT_SWEPT]
+
+
+def _seeds(given: object, surface: object, kind: str, problems: list[str]) -> tuple[int, ...]:
+    """Seeds from a number or a list; a measured surface has none."""
+    first = surface.get("seed", 0) if isinstance(surface, dict) else 0
+    if kind == "file":
+        if given is not None:
+            problems.append("[sweep] seeds: a measured surface has no seed")
+        return ()
+    if given is None:
+        given = [first]
+    if isinstance(given, int) and not isinstance(given, bool) and given >= 1 and isinstance(first, int):
+        if given > MOST_RUNS:
+            problems.append(
+                f"[sweep] seeds: expected how many surfaces, at most {MOST_RUNS:,}, got {given:,}; "
+                "for one surface of your choice, try seed in [surface]"
+            )
+            return ()
+        given = list(range(first, first + given))
+    if not isinstance(given, list) or not given or len(set(map(str, given))) < len(given):
+        expected = "a number of seeds or a list of different ones"
+        problems.append(f"[sweep] seeds: expected {expected}, got {given!r}")
+        return ()
+    return tuple(given)
+
+
+def _runs(
+    tables: dict[str, Any],
+    lists: dict[tuple[str, str], list[Any]],
+    seeds: tuple[int, ...],
+    path: Path,
+    *,
+    zipped: bool,
+) -> tuple[Run, ...]:
+    """Spread out; check every seed and every point, and name every mistake once."""
+    lengths = [range(len(values)) for values in lists.values()]
+    points = list(zip(*lengths, strict=True)) if zipped and lists else list(itertools.product(*lengths))
+    problems: dict[str, None] = {}
+    contents: dict[str, str] = {}
+    runs: list[Run] = []
+    for seed in seeds:  # what a seed may be does not depend on the point
+        if type(seed) is not int or seed < 0:
+            try:
+                config_from(_laid_over(tables, {}, seed), {}, path)
+            except ConfigError as error:
+                problems |= dict.fromkeys(error.problems)
+    for point in points:
+        flags: Sections = {}
+        for ((section, name), values), index in zip(lists.items(), point, strict=True):
+            value = values[index]
+            if name == "path" and isinstance(value, str):
+                value = str(path.parent / value)
+            flags.setdefault(section, {})[name] = value
+        try:
+            config = _anywhere(config_from(_laid_over(tables, flags, *seeds[:1]), {}, path))
+            runs += _with_seeds(config, point, seeds, _content(config, contents))
+        except ConfigError as error:
+            problems |= dict.fromkeys(error.problems)
+    if problems:
+        raise ConfigError(list(problems))
+    return tuple(runs)
+
+
+def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None) -> dict[str, Any]:
+    """The tables of the file with the values of one run in them."""
+    merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
+    seeded: Sections = {} if seed is None else {"surface": {"seed": seed}}
+    for section, keys in itertools.chain(flags.items(), seeded.items()):
+        table = merged.setdefault(section, {})
+        if any("." in name for name in keys):
+            table = merged[section] = copy.deepcopy(table)
+        elif not isinstance(table, dict):  # a mistake, which is reported
+            continue
+        for name, value in keys.items():
+            path = name.removeprefix("protocol.")
+            try:
+                put(table, path, value)
+            except (KeyError, IndexError, ValueError, TypeError):
+                what = "leg; legs count from 0" if section == "protocol" else "entry; entries count from 0"
+                raise ConfigError([f"[sweep] {name}: no such {what}"]) from None
+    return merged
+
+
+def _with_seeds(
+    config: RunConfig, point: tuple[int, ...], seeds: Sequence[int], content: str
+) -> Iterator[Run]:
+    """The runs of one point."""
+    facts = _facts(config, content)
+    if not seeds:
+        yield Run(_identity(facts), point, None, config, content)
+    for seed in seeds:
+        facts["surface"]["seed"] = seed
+        yield Run(_identity(facts), point, seed, seeded(config, seed), content)
+
+
+def seeded(config: RunConfig, seed: int) -> RunConfig:
+    """A configuration with another seed, which is a whole number >= 0."""
+    surface = config.surface.model_copy(update={"seed": seed})
+    return config.model_copy(update={"surface": surface})
+
+
+def _anywhere(config: RunConfig) -> RunConfig:
+    """Name a surface file so that a worker in any folder finds it; a solid needs no file any more."""
+    return config.model_copy(update={"solid": config.solid.resolved(), "surface": config.surface.anywhere()})
+
+
+def _content(config: RunConfig, known: dict[str, str]) -> str:
+    """Checksum of the surface file, if there is one."""
+    if (file := config.surface.file) is None:
+        return ""
+    name = str(file)
+    if name not in known:
+        try:
+            known[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+        except OSError as error:
+            raise ConfigError([f"[surface] path: {name}: {error.strerror}"]) from None
+    return known[name]
+
+
+def _facts(config: RunConfig, content: str) -> dict[str, Any]:
+    """All that the numbers of a run depend on; a measured surface counts by its content."""
+    facts = config.model_dump()
+    facts["output"].pop("figures")
+    if config.friction.shear_strength is None:
+        del facts["friction"]
+    if (file := config.surface.file) is not None:
+        # The suffix decides how the content is read.
+        facts["surface"]["path"] = [file.suffix.lower(), content]
+    facts["version"] = [__version__, _STORE_FORMAT]
+    return facts
+
+
+def _identity(facts: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[int, RunConfig]) -> Axis:
+    """An axis, with its values as they were written; those with units in SI."""
+    labels = []
+    for number, value in enumerate(values):
+        taken = value_at(configs[number], section, name)
+        label = _label(taken if list(written_with_units(taken)) else value)
+        labels.append(float(label) if isinstance(label, float) else label)
+    return Axis(section, name, tuple(labels))
+
+
+def value_at(config: RunConfig, section: str, name: str) -> Any:
+    """Value of a swept key in a configuration."""
+    place: Any = getattr(config, section)
+    for key in name.split(".")[section == "protocol" :]:
+        key = _place_in(place, key) if isinstance(place, list | tuple) else key
+        place = place[key] if isinstance(key, int) else getattr(place, key)
+    return place
+
+
+def _label(value: object) -> Value:
+    """A value as a coordinate."""
+    if isinstance(value, list) and value and all(isinstance(pair, list | tuple) for pair in value):
+        words = (f"{one:g}" if isinstance(one, float | int) else str(one) for pair in value for one in pair)
+        return " ".join(words)
+    if isinstance(value, list | tuple):
+        return "x".join(map(str, value))
+    return value if isinstance(value, float | int | str) else repr(value)

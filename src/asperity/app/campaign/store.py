@@ -1,0 +1,451 @@
+"""The folder of a campaign: one zarr store of finished runs, and the traces of those under way.
+
+    DIR/plan.json                     the plan last given
+    DIR/runs.zarr/<identity>          a finished run: a zarr group, complete or not there
+    DIR/state/...                     locks, failures, checkpoints, and runs being written
+
+A run is written beside the store with its mark ``complete`` last, flushed, and moved in under its name
+by one rename. Two writers of the same run cannot disturb each other: the second finds the name taken.
+Locks belong to living processes: the operating system drops them when one is killed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tomllib
+import uuid
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import zarr
+from filelock import FileLock, Timeout
+from numpy.typing import NDArray
+
+from asperity.app.campaign.plan import Run
+from asperity.app.config import RunConfig, from_tables, to_tables
+from asperity.app.runs import Outcome
+from asperity.errors import InputError, OutputError, Remark
+from asperity.lattice import Field
+from asperity.patches import QUANTILES
+from asperity.results.quantities import (
+    FIELDS,
+    FIELDS_OF_CONTINUA,
+    FIELDS_OF_YIELDING,
+    OF_CONTINUA,
+    OF_FRICTION,
+    OF_MAPS,
+    OF_SLIDING,
+    OF_YIELDING,
+    SERIES,
+)
+from asperity.results.store import flush, flush_folder, whole_file
+
+QUANTITIES = ("time", *(SERIES | OF_CONTINUA | OF_YIELDING | OF_SLIDING | OF_FRICTION), "leg")
+FITTED = ("a", "q", "t0", "C")
+_ALWAYS = {"sites", "initial_area", "seconds"}
+"""Scalars that every finished run has."""
+KEPT_FIELDS = (
+    "heights",
+    *FIELDS,
+    *FIELDS_OF_CONTINUA,
+    *FIELDS_OF_YIELDING,
+    "in_contact_relaxed",
+    "u_relaxed",
+    "area_observed",
+)
+"""Fields of a run that asked for maps."""
+
+_PATIENCE = 60.0
+"""Seconds to wait for another process that prepares the same folder, which takes it a moment."""
+
+_OF_MAPS = "of_maps"
+"""The array of all that maps know of patches."""
+
+_WHOLE = "attributes_checksum"
+"""The attribute that is the checksum of all others."""
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """A finished run as stored.
+
+    Attributes
+    ----------
+    series
+        Its time series, shape ``(quantities, times)``; NaN where it has none.
+    scalars
+        One number each.
+    config
+        Its configuration.
+    described
+        Long name and unit of the series that it has.
+    lattice
+        Attributes of its dataset that describe the lattice.
+    maps
+        What its maps know of patches, over ``field_time``; None without maps.
+    """
+
+    series: Field
+    scalars: dict[str, float]
+    config: str
+    described: dict[str, tuple[str, str]]
+    lattice: dict[str, Any]
+    maps: xr.Dataset | None = None
+
+
+class Store:
+    """The runs of one campaign on disk."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self.runs = directory / "runs.zarr"
+        self.work = directory / "state"
+
+    def prepare(self) -> None:
+        """Create the folders, and clear what killed writers left; harmless while others write."""
+        for name in ("locks", "failed", "checkpoints", "staging"):
+            (self.work / name).mkdir(parents=True, exist_ok=True)
+        with self._alone():  # creating a group is no single act
+            try:
+                zarr.open_group(self.runs, mode="a")
+            except OSError:
+                raise
+            except Exception as error:
+                raise _damage(self.runs / "zarr.json", "that file") from error
+            found = list((self.work / "staging").iterdir())
+            running = self.running()  # after the list: who began to write since then is not in it
+            for left in found:
+                if left.name.partition(".")[0] not in running:  # its writer was killed
+                    shutil.rmtree(left, ignore_errors=True)
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Wait until no other process prepares the folder, and keep others from it."""
+        lock = FileLock(self.work / "prepare.lock", timeout=_PATIENCE)
+        try:
+            lock.acquire()
+        except Timeout as error:
+            raise InputError(
+                "campaign",
+                expected="a folder that is free",
+                got=f"{self.directory}, which another process has been preparing for {_PATIENCE:g} s",
+                advice="ending that process",
+            ) from error
+        try:
+            yield
+        finally:
+            lock.release()
+
+    def is_done(self, identity: str) -> bool:
+        """Whether the run is finished."""
+        return (self.runs / identity / "zarr.json").exists()
+
+    def done(self) -> set[str]:
+        """Identities of all finished runs."""
+        return {path.parent.name for path in self.runs.glob("*/zarr.json")}
+
+    def remark_on_remains(self, identities: set[str]) -> None:
+        """Name folders of these runs that lack their ``zarr.json``, as a cut-off copy does."""
+        found = {path.name for path in self.runs.glob("*/")} & identities  # before asking which are done
+        if lacking := sorted(found - self.done()):
+            more = f" and {len(lacking) - 1} more" if lacking[1:] else ""
+            warnings.warn(
+                f"{self.runs / lacking[0]}{more} without zarr.json: damaged, and not used; "
+                "asperity sweep does it again",
+                Remark,
+                stacklevel=3,
+            )
+
+    def checkpoint(self, identity: str) -> Path:
+        """Where a run keeps its place."""
+        return self.work / "checkpoints" / f"{identity}.npz"
+
+    @contextmanager
+    def claim(self, identity: str) -> Iterator[bool]:
+        """Try to be the only process at work on a run; yields whether it is."""
+        lock = FileLock(self._lock(identity))
+        try:
+            lock.acquire(blocking=False)
+        except Timeout:
+            yield False
+            return
+        try:
+            yield True
+        finally:
+            with suppress(OSError):
+                self._lock(identity).unlink(missing_ok=True)
+            lock.release()
+
+    def running(self) -> set[str]:
+        """Identities of the runs that living processes on this machine are at work on."""
+        return {path.stem for path in (self.work / "locks").glob("*.lock") if _is_locked(path)}
+
+    def failures(self) -> dict[str, str]:
+        """Runs that failed, and why."""
+        reasons = {}
+        for path in (self.work / "failed").glob("*.txt"):
+            with suppress(OSError):  # forgiven meanwhile
+                reasons[path.stem] = path.read_text(encoding="utf-8").strip()
+        return reasons
+
+    def fail(self, identity: str, reason: str) -> None:
+        """Record why a run failed."""
+        with whole_file(self.work / "failed" / f"{identity}.txt") as part:
+            part.write_text(reason, encoding="utf-8")
+
+    def forgive(self, identity: str) -> None:
+        """Forget a failure."""
+        (self.work / "failed" / f"{identity}.txt").unlink(missing_ok=True)
+
+    def write(self, identity: str, outcome: Outcome, seconds: float) -> None:
+        """Store a finished run.
+
+        `OutputError` if the disk refused; the store is as it was.
+        """
+        staging = self.work / "staging" / f"{identity}.{uuid.uuid4().hex}"
+        remains = staging.with_name(f"{staging.name}.remains")
+        try:
+            try:
+                _write_group(staging, identity, outcome, seconds)
+                flush(staging)
+                if not self.is_done(identity) and (self.runs / identity).exists():  # remains of a folder
+                    (self.runs / identity).rename(remains)
+                staging.rename(self.runs / identity)
+                flush_folder(self.runs)
+            finally:
+                shutil.rmtree(staging, ignore_errors=True)
+                shutil.rmtree(remains, ignore_errors=True)
+        except OSError as error:
+            if self.is_done(identity):  # another process was faster, with the same numbers
+                return
+            raise OutputError(
+                f"could not write to {self.directory}: {error.strerror or error}; nothing there is damaged"
+            ) from error
+
+    def read(self, run: Run) -> Finished:
+        """Read a finished run.
+
+        `InputError` if it is not there, damaged, or another run.
+        """
+        identity = run.identity
+        group, facts = self._opened(run)
+        try:
+            series = np.asarray(group["series"])
+            scalars = {name: float(value) for name, value in facts["scalars"].items()}
+            sound = facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS
+            described = {name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()}
+            completed = _completed(series, facts["quantities"])
+            maps = _maps_of(group, facts)
+            finished = Finished(
+                completed, scalars, str(facts["config"]), described, facts.get("lattice", {}), maps
+            )
+        except Exception as error:  # a damaged byte of a description leads anywhere
+            raise self._damaged(identity) from error
+        if not sound:
+            raise self._damaged(identity)
+        return finished
+
+    def fields(self, run: Run) -> xr.Dataset:
+        """Read the fields that a finished run kept, as its history held them.
+
+        `InputError` if the run is not there, kept none, is damaged, or another one.
+        """
+        identity = run.identity
+        group, facts = self._opened(run)
+        kept, lattice = facts.get("fields_checksum"), facts.get("lattice", {})
+        if kept is None:
+            raise InputError(
+                "campaign",
+                expected="a run that kept fields",
+                got=f"{identity} without",
+                advice="maps_at in [output]",
+            )
+        try:
+            names = (*KEPT_FIELDS, "field_time", _OF_MAPS)
+            arrays = {name: np.asarray(group[name]) for name in names if name in group}
+            of_patches = _maps_of(group, facts)
+        except Exception as error:
+            raise self._damaged(identity) from error
+        if kept != _checksum(*arrays.values()):
+            raise self._damaged(identity)
+        sites = ("y", "x")[2 - arrays["heights"].ndim :]
+        arrays.pop(_OF_MAPS, None)
+        times = arrays.pop("field_time")
+        before = {1: ("field_time",), 2: ("field_time", "branch")}
+        of_maps = {name: ("field_time", arrays.pop(name)) for name in ("area_observed",) if name in arrays}
+        fields = xr.Dataset(
+            {
+                name: ((*before.get(values.ndim - len(sites), ()), *sites), values)
+                for name, values in arrays.items()
+            }
+            | of_maps,
+            coords={"field_time": times},
+            attrs=lattice,
+        )
+        return fields if of_patches is None else fields.assign(of_patches)
+
+    def _opened(self, run: Run) -> tuple[zarr.Group, dict[str, Any]]:
+        """The group of a finished run, and its attributes, which are whole and that run's."""
+        identity = run.identity
+        try:
+            group = zarr.open_group(self.runs / identity, mode="r")
+            facts = dict(group.attrs)
+            whole = facts.pop(_WHOLE, None)
+            if whole is None:  # version 0.4.6 and before
+                same = _is_of(from_tables(tomllib.loads(str(facts["config"]))), run.config)
+            else:
+                same = facts["identity"] == identity
+            sound = whole in (None, _checksum_of(facts))
+        except FileNotFoundError as error:
+            expected, got = f"a finished run in {self.runs}", f"{identity}: {error}"
+            raise InputError("campaign", expected=expected, got=got) from error
+        except Exception as error:  # a damaged byte of a description leads anywhere
+            raise self._damaged(identity) from error
+        if not sound:
+            raise self._damaged(identity)
+        if not same:
+            raise _damage(self.runs / identity, "that folder", "holds another run")
+        return group, facts
+
+    def _damaged(self, identity: str) -> InputError:
+        return _damage(self.runs / identity, "that folder")
+
+    def _lock(self, identity: str) -> Path:
+        return self.work / "locks" / f"{identity}.lock"
+
+
+def _is_of(completed: RunConfig, asked: RunConfig) -> bool:
+    """Whether a configuration has all that another one gives; a surface file may lie elsewhere now."""
+    has, gives = to_tables(completed), to_tables(asked)
+    gives["surface"].pop("path", None)
+    return all(
+        has.get(name, {}).items() >= table.items() if isinstance(table, dict) else has.get(name) == table
+        for name, table in gives.items()
+    )
+
+
+def _damage(place: Path, what: str, fault: str = "is damaged") -> InputError:
+    return InputError(
+        "campaign",
+        expected="runs as they were written",
+        got=f"{place}, which {fault}",
+        advice=f"removing {what}, and the same sweep again",
+    )
+
+
+def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) -> None:
+    """One array holds the series: writing costs by the array, and there may be thousands of runs."""
+    dataset = outcome.dataset
+    known = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=0 * dataset["steps"])
+    quantities = [name for name in QUANTITIES if name in known.variables]
+    series = np.stack([np.asarray(known[name], dtype=np.float64) for name in quantities])
+    group = zarr.open_group(folder, mode="w")
+    group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))
+    fields = {}
+    if "field_time" in dataset:
+        fields = {name: np.asarray(dataset[name]) for name in (*KEPT_FIELDS, "field_time") if name in dataset}
+    kept = {}
+    if "patches" in dataset:
+        kept = {name: np.atleast_2d(np.asarray(dataset[name]).T) for name in OF_MAPS if name in dataset}
+        fields[_OF_MAPS] = np.concatenate(list(kept.values())).astype(np.float64)
+    for name, values in fields.items():
+        group.create_array(name, data=values, chunks=values.shape)
+    facts: dict[str, Any] = {
+        "identity": identity,
+        "quantities": quantities,
+        "described": {
+            name: [known[name].attrs.get(key, "") for key in ("long_name", "units")] for name in quantities
+        },
+        "lattice": {name: dataset.attrs[name] for name in ("spacing", "edges", "si")},
+        "scalars": _scalars(outcome) | {"seconds": seconds},
+        "config": str(dataset.attrs["config"]),
+        "asperity_version": str(dataset.attrs["asperity_version"]),
+        "heights_sha256": str(dataset.attrs["heights_sha256"]),
+        "checksum": _checksum(series),
+        **({"fields_checksum": _checksum(*fields.values())} if fields else {}),
+        _OF_MAPS: [
+            [
+                name,
+                len(values),
+                values.dtype.str,
+                *(dataset[name].attrs[key] for key in ("long_name", "units")),
+            ]
+            for name, values in kept.items()
+        ],
+        "complete": True,
+    }
+    group.attrs.update(facts | {_WHOLE: _checksum_of(facts)})
+
+
+def _completed(series: Field, quantities: Sequence[str]) -> Field:
+    """The series of `QUANTITIES`, undefined where an earlier version kept none."""
+    known = dict(zip(quantities, series, strict=True))
+    missing = np.full(series.shape[1:], np.nan)
+    return np.stack([known.get(name, missing) for name in QUANTITIES])
+
+
+def _maps_of(group: zarr.Group, facts: dict[str, Any]) -> xr.Dataset | None:
+    """What the maps of a run know of patches; None where it has no maps, or an earlier version wrote it."""
+    if not facts.get(_OF_MAPS):
+        return None
+    values, row, series = np.asarray(group[_OF_MAPS]), 0, {}
+    for name, width, dtype, long_name, unit in facts[_OF_MAPS]:
+        one = values[row : row + width].astype(dtype)
+        shaped = one[0] if width == 1 else one.T
+        described = {"long_name": str(long_name), "units": str(unit)}
+        series[str(name)] = (("field_time", "quantile")[: shaped.ndim], shaped, described)
+        row += width
+    coordinates = {"field_time": np.asarray(group["field_time"]), "quantile": list(QUANTILES)}
+    return xr.Dataset(series, coords=coordinates)
+
+
+def _scalars(outcome: Outcome) -> dict[str, float]:
+    """One number each: where the run began and ended, its limit, its fit; absent where there is none."""
+    dataset, summary = outcome.dataset, outcome.summary
+    scalars = {
+        "sites": float(dataset.attrs["sites"]),
+        "held": float(dataset.attrs[f"held_{dataset.attrs['held']}"]),
+        "initial_area": float(dataset["area"][0]),
+        "final_area": float(dataset["area"][-1]),
+        "worst_residual": float(dataset["residual"].max()),
+    }
+    scalars |= {
+        name: float(value)
+        for name, value in dataset.attrs.items()
+        if name.startswith("relaxed_") and np.isfinite(value)
+    }
+    if summary is not None and summary.fit is not None:
+        fitted = {f"fit_{name}": getattr(summary.fit, name) for name in FITTED}
+        fitted |= {f"fit_{name}_uncertainty": getattr(summary.fit, f"{name}_stderr") for name in FITTED}
+        fitted["fit_misfit"] = summary.fit.rms_residual
+        scalars |= {name: float(value) for name, value in fitted.items() if np.isfinite(value)}
+    return scalars
+
+
+def _checksum(*arrays: NDArray[Any]) -> str:
+    total = hashlib.sha256()
+    for array in arrays:
+        total.update(np.ascontiguousarray(array).tobytes())
+    return total.hexdigest()
+
+
+def _checksum_of(facts: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+
+
+def _is_locked(path: Path) -> bool:
+    lock = FileLock(path)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        return True
+    lock.release()
+    return False

@@ -1,0 +1,261 @@
+"""Do what is missing of a campaign, on this machine's cores or on a Dask cluster."""
+
+from __future__ import annotations
+
+import json
+import time as clock
+from collections.abc import Callable, Sequence
+from concurrent.futures import CancelledError
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import asperity.checks as checks
+from asperity._version import __version__
+from asperity.app.campaign.cluster import ATTEMPTS, connect, leave_if_imported_by_worker
+from asperity.app.campaign.plan import Plan, Run
+from asperity.app.campaign.store import Store
+from asperity.app.campaign.worker import Report, run_task
+from asperity.app.config import to_tables
+from asperity.app.runs.loops import compile_loops
+from asperity.errors import InputError, OutputError
+from asperity.results.store import whole_file
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+_POLL = 1.0
+"""Seconds between two looks at runs that another campaign is at work on."""
+
+
+@dataclass(frozen=True)
+class Tally:
+    """How far a campaign has come.
+
+    Attributes
+    ----------
+    total, done, failed, running
+        Numbers of runs; those neither done, failed nor running are left.
+    reasons
+        Why runs failed, by identity.
+    workers
+        Number of workers that the campaign began with; 0 where none are at work.
+    """
+
+    total: int
+    done: int
+    failed: int
+    running: int
+    reasons: dict[str, str]
+    workers: int = 0
+
+    @property
+    def left(self) -> int:
+        """Runs that have not been started."""
+        return self.total - self.done - self.failed - self.running
+
+
+def tally(plan: Plan, directory: str | Path) -> Tally:
+    """Count the runs of a plan that are done, failed and running.
+
+    Parameters
+    ----------
+    plan
+        The plan.
+    directory
+        Folder of the campaign.
+    """
+    store = Store(Path(directory))
+    wanted = {run.identity for run in plan.runs}
+    store.remark_on_remains(wanted)
+    done = store.done() & wanted
+    reasons = {name: why for name, why in store.failures().items() if name in wanted - done}
+    running = (store.running() & wanted) - done - set(reasons)
+    return Tally(len(wanted), len(done), len(reasons), len(running), reasons)
+
+
+def sweep(
+    plan: Plan,
+    directory: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    retry_failed: bool = False,
+    progress: Callable[[Tally], None] | None = None,
+) -> Tally:
+    """Do the runs of a plan that are not done yet.
+
+    Parameters
+    ----------
+    plan
+        From `read_plan`.
+    directory
+        Folder of the campaign; on a cluster, one that all its machines see under this name.
+    workers
+        Worker processes on this machine, one thread each; by default as many as there are cores.
+    scheduler
+        Address of a Dask scheduler to use instead, such as ``"tcp://10.0.0.1:8786"``.
+    retry_failed
+        Whether to try again what failed earlier.
+    progress
+        Called after every run.
+
+    Returns
+    -------
+    Tally
+        The end of it. A run that fails does not stop the others.
+
+    Raises
+    ------
+    InputError
+        The scheduler cannot be reached, or runs another version.
+    OutputError
+        The disk refused; what is finished stays, and the same call goes on.
+    MissingExtraError
+        Dask is not installed, which the extra ``campaign`` brings.
+    """
+    checks.instance("plan", plan, Plan, 'asperity.campaign.read_plan("campaign.toml")')
+    leave_if_imported_by_worker()
+    with checks.extra("campaign", "running a campaign"):  # before anything is written
+        import distributed  # noqa: F401
+    store = Store(Path(directory).resolve())
+    try:
+        store.directory.mkdir(parents=True, exist_ok=True)
+        store.prepare()
+    except OSError as error:
+        raise OutputError(f"cannot write {directory}: {error.strerror or error}") from error
+    with whole_file(store.directory / "plan.json") as part:
+        part.write_text(plan_to_json(plan), encoding="utf-8")
+    if retry_failed:
+        for identity in store.failures():
+            store.forgive(identity)
+    start = tally(plan, store.directory)
+    counts = _Counts(start, progress)
+    open_runs = _open_runs(plan, store)
+    if open_runs:
+        compile_loops()  # once, rather than in every worker
+        with connect(workers, scheduler, len(open_runs)) as client:
+            counts.workers = len(client.nthreads())
+            counts.tell()
+            while open_runs:
+                busy = _round(client, store, open_runs, counts)
+                if busy:
+                    clock.sleep(_POLL)
+                open_runs = [run for run in busy if not store.is_done(run.identity)]
+    return tally(plan, store.directory)
+
+
+def plan_to_json(plan: Plan) -> str:
+    """Write a plan as `asperity.campaign.load_plan` reads it."""
+    return json.dumps(
+        {
+            "axes": [[axis.section, axis.name, list(axis.values)] for axis in plan.axes],
+            "seeds": list(plan.seeds),
+            "zipped": plan.zipped,
+            "runs": [
+                [run.identity, list(run.point), run.seed, to_tables(run.config), run.content]
+                for run in plan.runs
+            ],
+        }
+    )
+
+
+class _Counts:
+    """The tally as it changes, without looking at the disk."""
+
+    def __init__(self, start: Tally, progress: Callable[[Tally], None] | None) -> None:
+        self.total, self.done = start.total, start.done
+        self.reasons = dict(start.reasons)
+        self.progress, self.workers = progress, 0
+        self.tell()
+
+    def take(self, report: Report) -> None:
+        identity, state, reason = report
+        if state == "done":
+            self.done += 1
+        else:
+            self.reasons[identity] = reason
+        self.tell()
+
+    def tell(self) -> None:
+        if self.progress is not None:
+            failed = len(self.reasons)
+            self.progress(Tally(self.total, self.done, failed, 0, dict(self.reasons), self.workers))
+
+
+def _open_runs(plan: Plan, store: Store) -> list[Run]:
+    """Runs to do, each once, although two points of a plan may coincide."""
+    over = store.done() | set(store.failures())
+    return list({run.identity: run for run in plan.runs if run.identity not in over}.values())
+
+
+def _round(client: Client, store: Store, runs: Sequence[Run], counts: _Counts) -> list[Run]:
+    """Submit runs, take the reports as they come; return the runs that others are at work on."""
+    from distributed import as_completed
+
+    by_key = {f"run-{run.identity}-{clock.monotonic_ns()}": run for run in runs}
+    futures = [
+        client.submit(
+            run_task,
+            str(store.directory),
+            run.identity,
+            json.dumps(to_tables(run.config)),
+            run.content,
+            __version__,
+            key=key,
+            pure=False,
+        )
+        for key, run in by_key.items()
+    ]
+    busy = []
+    try:
+        for future in as_completed(futures):
+            run = by_key[str(future.key)]
+            if future.status not in ("finished", "error"):
+                raise _lost(f"a run came back {future.status}")
+            error = future.exception()
+            report: Report = future.result() if error is None else _crashed(store, run, error)
+            future.release()
+            if _is_busy(report):
+                busy.append(run)
+            else:
+                counts.take(report)
+    except (OSError, TimeoutError, CancelledError) as error:
+        if isinstance(error, OutputError):
+            raise
+        raise _lost(str(error)) from error
+    finally:
+        with suppress(Exception):  # the scheduler may be gone
+            client.cancel([future for future in futures if not future.done()])
+    return busy
+
+
+def _is_busy(report: Report) -> bool:
+    """Whether another process is at the run; raises if the campaign cannot go on."""
+    _, state, reason = report
+    if state == "version":
+        raise InputError("scheduler", expected="workers with this version", got=reason)
+    if state == "disk":
+        full = any(word in reason for word in ("No space left", "quota", "File too large"))
+        advice = "free some space and give" if full else "mend that and give"
+        raise OutputError(f"{reason}; {advice} the same command again")
+    return state == "busy"
+
+
+def _lost(reason: str) -> OutputError:
+    return OutputError(
+        f"lost the scheduler ({reason or 'no reason given'}); finished runs are kept, "
+        "and the same command does the rest"
+    )
+
+
+def _crashed(store: Store, run: Run, error: BaseException) -> Report:
+    """Record a run whose worker died time and again, or that met an error nobody foresaw."""
+    if type(error).__name__ == "KilledWorker":
+        reason = f"its worker died {ATTEMPTS + 1} times; was there too little memory?"
+    else:
+        reason = f"unexpected {type(error).__name__}: {error}"
+    reason = " ".join(reason.split())
+    store.fail(run.identity, reason)
+    return run.identity, "failed", reason

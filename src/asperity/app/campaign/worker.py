@@ -1,0 +1,75 @@
+"""One run of a campaign, in a worker process: idempotent, and something tiny comes back."""
+
+from __future__ import annotations
+
+import json
+import time as clock
+from pathlib import Path
+from typing import Literal
+
+from asperity._version import __version__
+from asperity.app.campaign.store import Store
+from asperity.app.config import RunConfig, from_tables
+from asperity.app.runs import Progress, execute
+from asperity.errors import AsperityError, CheckpointError, InputError, OutputError
+from asperity.results import Checkpoint
+
+State = Literal["done", "failed", "busy", "disk", "version"]
+Report = tuple[str, State, str]
+"""Identity, state, and, where there is something to say, the reason."""
+
+_CHECKPOINT_EVERY = 30.0
+
+
+def run_task(
+    directory: str, identity: str, config: str, content: str = "", version: str = __version__
+) -> Report:
+    """Do one run, unless it is done already or another process is at it.
+
+    The configuration is JSON; the content, if any, the checksum of the surface file, which must not have
+    changed since it was planned; the version, of what planned it, must be the worker's. ``failed`` runs
+    are recorded in the store; ``disk`` means that nothing could be recorded.
+    """
+    if version != __version__:
+        return identity, "version", f"a worker runs asperity {__version__}, the campaign {version}"
+    store = Store(Path(directory))
+    if store.is_done(identity):
+        return identity, "done", ""
+    try:
+        with store.claim(identity) as mine:
+            if not mine:
+                return identity, "busy", ""
+            if not store.is_done(identity):
+                _compute(store, identity, from_tables(json.loads(config)), content)
+            return identity, "done", ""
+    except OutputError as error:
+        return identity, "disk", str(error)
+    except (AsperityError, ArithmeticError, MemoryError) as error:
+        reason = f"{error}" if isinstance(error, AsperityError) else f"{type(error).__name__}: {error}"
+        return _failed(store, identity, " ".join(reason.split()))
+    except OSError as error:
+        return identity, "disk", f"{directory}: {error.strerror or error}"
+
+
+def _compute(store: Store, identity: str, config: RunConfig, content: str) -> None:
+    begin = clock.perf_counter()
+    place = Checkpoint(store.checkpoint(identity), every=_CHECKPOINT_EVERY)
+    try:
+        outcome = execute(config, Progress(), checkpoint=place)
+    except CheckpointError:  # it only saves time: without it the run begins anew
+        Path(place.path).unlink()
+        outcome = execute(config, Progress(), checkpoint=place)
+    read = json.loads(str(outcome.dataset.attrs["surface"])).get("sha256", "")
+    if content and read != content:
+        raise InputError("surface", expected="the file as it was planned", got="one that has changed since")
+    store.write(identity, outcome, clock.perf_counter() - begin)
+    Path(place.path).unlink(missing_ok=True)
+    store.forgive(identity)
+
+
+def _failed(store: Store, identity: str, reason: str) -> Report:
+    try:
+        store.fail(identity, reason)
+    except OutputError as error:
+        return identity, "disk", str(error)
+    return identity, "failed", reason

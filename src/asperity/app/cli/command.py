@@ -1,0 +1,42 @@
+"""The command ``asperity``, to which modules add their commands.
+
+Another distribution adds some by an entry point in the group ``asperity.commands``: a module that, when it is
+imported, gives its functions to `command`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ParamSpec
+
+from cyclopts import App
+
+from asperity._version import __version__
+from asperity.app.cli.options import paragraphs
+
+app = App(
+    name="asperity",
+    help="How the real contact between rough solids grows old.",
+    version=__version__,
+    version_flags=("--version", "-V"),
+    help_format="plaintext",
+    suppress_keyboard_interrupt=False,
+)
+
+
+_P = ParamSpec("_P")
+
+
+def command(
+    *sections: str, name: str | None = None, of: App = app
+) -> Callable[[Callable[_P, None]], Callable[_P, None]]:
+    """Add a command; its parameter ``keys`` takes the flags for the keys of sections of the configuration."""
+
+    def add(command: Callable[_P, None]) -> Callable[_P, None]:
+        command.__doc__ = paragraphs(command.__doc__ or "")
+        of.command(command, name=name)
+        if sections:  # words, which are read when the command is used
+            command.__annotations__["keys"] = f"flags_for{sections} | None"
+        return command
+
+    return add

@@ -1,0 +1,232 @@
+"""The flags of the commands, one for each key of the configuration.
+
+A flag overrides its key; its help, default and choices are the key's. What was written becomes a number
+where the key may be one, and is checked together with the configuration. The models load a library, so they
+are imported only for a command that has such flags.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from cyclopts import Group, Parameter, Token
+
+from asperity.errors import InputError
+from asperity.words import has_decimal_comma, has_unit, number, numbers
+
+if TYPE_CHECKING:
+    from asperity.app.config.keys import Key, What
+
+
+def _whole(_: object, tokens: Sequence[Token]) -> int:
+    """Read a whole number; 1.5 is none, where the library would round."""
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f"expected a whole number, got {tokens[0].value}") from None
+
+
+Switch = Annotated[bool, Parameter(negative=(), show_default=False)]
+Quiet = Annotated[bool, Parameter(name=("--quiet", "-q"), negative=(), show_default=False)]
+Open = Annotated[bool, Parameter(name="--open", negative=(), show_default=False)]
+Out = Annotated[Path, Parameter(name=("--out", "-o"))]
+Whole = Annotated[int, Parameter(converter=_whole)]
+_METAVARS = {
+    "number": "FLOAT",
+    "whole": "INT",
+    "choice": "CHOICE",
+    "path": "PATH",
+    "text": "TEXT",
+    "text or whole": "TEXT",
+    "shape": "N",
+    "times": "T",
+    "maps_at": "T",
+    "crop": "N",
+    "branches": "SHARE TIME",
+    "base_branches": "SHARE TIME",
+    "flow": "MOBILITY POWER",
+}
+"""What stands for the words of a flag in the help, by what its key is, or by its name."""
+
+
+class Flags:
+    """What was written for keys of the configuration; None for a flag that was not given."""
+
+    keys: ClassVar[dict[str, tuple[str, Any]]]  # section and Key of each; the library evaluates this line
+
+
+def flags_for(*sections: str) -> type[Flags]:
+    """Make the flags of sections.
+
+    ``"preparation"`` stands for the keys that prepare a measured surface, ``"prediction"`` for those of a
+    prediction.
+    """
+    keys = {f"{section}_{key.name}": (section, key) for one in sections for section, key in keys_for(one)}
+    quantity = "QUANTITY" if "prediction" in sections else "FLOAT"  # which may be without a unit in a run
+    fields = [(name, _annotation(*key, quantity), None) for name, key in keys.items()]
+    facts = {"__module__": __name__, "keys": keys}
+    made = dataclasses.make_dataclass("flags", fields, bases=(Flags,), namespace=facts, kw_only=True)
+    return Parameter(name="*")(made)
+
+
+def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, object]]:
+    """Gather the flags that were given, by section and key.
+
+    With `units`, quantities need theirs: `InputError` for a number alone.
+    """
+    from asperity.app.config.mistakes import flag_of
+
+    sections: dict[str, dict[str, object]] = {}
+    for name, (section, key) in flags.keys.items() if flags is not None else ():
+        if (written := getattr(flags, name)) is not None:
+            flag = flag_of(section, key.name)
+            if units and key.unit:
+                check_unit(flag, written, key.unit)
+            for pair in written if units and key.name == "branches" else ():
+                if all(isinstance(number(word), float | int) for word in re.split(r"[\s,]+", pair.strip())):
+                    expected, advice = "a share and a time with its unit", f'{flag} "0.3 10s"'
+                    raise InputError(flag, expected=expected, got=pair, advice=advice)
+            sections.setdefault(section, {})[key.name] = _read(written, key.what)
+    return sections
+
+
+def of_flags(error: InputError, flags: Mapping[str, str]) -> InputError:
+    """The same error about flags, by the names of arguments that they stand for; in its advice too."""
+
+    def named(found: re.Match[str]) -> str:
+        return f"{flags[found[1]]} " if found[1] else found[0]
+
+    # What stands in parentheses is Python.
+    advice = re.sub(rf"\(.*\)|\b({'|'.join(flags)})=(?=\S)", named, error.advice)
+    name = flags.get(error.name, error.name)
+    return InputError(name, expected=error.expected, got=error.got, advice=advice)
+
+
+def check_unit(flag: str, written: str | list[str], unit: str) -> None:
+    """Refuse numbers alone, or among others."""
+    words = [written] if isinstance(written, str) else []
+    for word in written if isinstance(written, list) else []:
+        words += [word] if has_unit(word) or has_decimal_comma(word) else re.split(r"[\s,]+", word)
+    for one in words:
+        if isinstance(number(one), float | int):
+            raise InputError(flag, expected="a number with its unit", got=one, advice=f"{flag} {one}{unit}")
+
+
+def _read(written: bool | str | list[str], what: What) -> object:
+    """Turn words into numbers, where a key may be one; the check refuses the rest."""
+    if isinstance(written, list):
+        if what in ("pair", "pairs"):
+            pairs = [
+                [number(part) for part in re.split(r"[\s,]+", word.strip(), maxsplit=1)] for word in written
+            ]
+            return pairs if what == "pairs" else pairs[-1]
+        if what == "choices":
+            return [word for item in written for word in item.split()]
+        return numbers(written, whole=what == "wholes")
+    if isinstance(written, bool) or what in ("choice", "text", "path"):
+        return written
+    if what == "text or whole":
+        return int(written) if written.isdecimal() else written
+    return number(written)
+
+
+def keys_for(section: str) -> Iterator[tuple[str, Key]]:
+    """Keys of a section, with its name; of several kinds, each key with what is said of all."""
+    from asperity.app.config.keys import Key, keys_of, sections
+    from asperity.app.config.models import MeasuredSurface
+
+    if section == "prediction":
+        yield from _of_a_prediction()
+        return
+    if section == "preparation":
+        yield from (("surface", key) for key in keys_of(MeasuredSurface).values() if key.name != "path")
+        return
+    kinds = sections()[section]
+    if "" in kinds:
+        yield from ((section, key) for key in kinds[""].values())
+        return
+    said = f"Kind of {section}."
+    usual = next(iter(kinds))
+    yield section, Key(name="kind", what="choice", choices=tuple(kinds), default=usual, description=said)
+    measured = kinds.pop("file", {})
+    for name in dict.fromkeys(name for keys in kinds.values() for name in keys if name not in measured):
+        owners = {kind: keys[name] for kind, keys in kinds.items() if name in keys}
+        first = next(iter(owners.values()))
+        text = f"{first.description} For {', '.join(owners)}."
+        for kind, key in owners.items():
+            if not key.required and key.default != first.default:
+                text += f" By default {key.default:g} for {kind}."
+        yield section, dataclasses.replace(first, description=text)
+    if measured:
+        yield section, measured["path"]
+
+
+def _of_a_prediction() -> Iterator[tuple[str, Key]]:
+    """Keys of a prediction: of a scan, a half-space, and what else there is."""
+    from asperity.app.config.keys import keys_of
+    from asperity.app.config.mistakes import flag_of
+    from asperity.app.config.models import Aging, Contact, Friction, Output, Scan
+    from asperity.app.config.solids import POISSON, PREDICTED, HalfSpace
+
+    words = {
+        "--young": "Young's modulus at once, such as 3GPa, in place of a table; of two bodies both.",
+        "--poisson": "Poisson's ratio, which does not relax; of two bodies, without a table, both. "
+        f"[default: {POISSON}]",
+        "--branches-per-decade": "Relaxation times in each decade of the table: more of them for data with "
+        "few distinct times, fewer for noisy data. [default: free times, where few suffice, else 1]",
+        "--creep": "Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure.",
+        "--temperature": "Temperature of the contact, such as 40degC: for activated creep, or to shift a "
+        "relaxation table from --reference.",
+        "--hardness": "Pressure under which the rough surface yields, such as 0.5GPa.",
+        "--pressure": "Load over nominal area, such as 1MPa.",
+        "--load": "Normal load, such as 10N, in place of the pressure.",
+        "--shear-strength": "Shear strength of the contacts, such as 50MPa: gives friction.",
+        "--pixel": "Pixel of an instrument that looks at the contact, such as 0.2um.",
+        "--blur": "Full width at half maximum of its point spread function, such as 0.3um.",
+        "--threshold": "Part of full contact from which such a pixel counts. [default: 0.5]",
+    }
+    for section, model, names in (
+        ("surface", Scan, set(Scan.model_fields) - {"path"}),
+        ("solid", HalfSpace, PREDICTED),
+        ("contact", Contact, {"load", "pressure"}),
+        ("aging", Aging, {"first", "last", "per_decade"}),
+        ("friction", Friction, {"shear_strength"}),
+        ("output", Output, {"pixel", "blur", "threshold"}),
+    ):
+        for name, key in keys_of(model).items():
+            if name in names:
+                yield (
+                    section,
+                    dataclasses.replace(key, description=words.get(flag_of(section, name), key.description)),
+                )
+
+
+def _annotation(section: str, key: Key, quantity: str) -> object:
+    """Annotation of one flag: a word, or a list of words, with its help; `quantity` stands for its value."""
+    from asperity.app.config.mistakes import ORDER, flag_of
+
+    name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=1 + ORDER.index(section))
+    text = key.description + (f" [choices: {', '.join(key.choices)}]" if key.choices else "")
+    if key.what == "switch":
+        switch = Parameter(name=name, group=group, help=text, negative=(), show_default=False)
+        return Annotated[bool | None, switch]
+    if key.default not in (None, []):
+        default = key.default if isinstance(key.default, list) else [key.default]
+        words = [f"{one:g}" if isinstance(one, float) else str(one) for one in default]
+        text += f" [default: {' '.join(words)}]"
+    paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
+    parameter = Parameter(
+        name=name,
+        group=group,
+        help=text,
+        metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),
+        negative=(),
+        consume_multiple=key.several and not paired,
+        show_default=False,
+        allow_leading_hyphen=key.unit == "K" or (bool(key.unit) and (key.least or 0) < 0),  # as in -40degC
+    )
+    return Annotated[(list[str] if key.several or paired else str) | None, parameter]

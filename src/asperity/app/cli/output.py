@@ -1,0 +1,173 @@
+"""The files of a run: all of them in one folder, which is complete or not there."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from asperity.analysis import contact_maps
+from asperity.app.cli.new_files import try_writing
+from asperity.app.config.reading import to_toml
+from asperity.errors import InputError, OutputError
+from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
+from asperity.figures.style import RESOLUTION
+from asperity.results import save
+from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_MAPS, OF_SLIDING, OF_YIELDING
+from asperity.results.store import whole_file, whole_folder
+from asperity.tables import with_unit
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from asperity.app.runs import Outcome
+
+_SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
+_SIGNS_OF_FRICTION = ("friction.toml", "friction.csv")
+_SIGNS_OF_A_PREDICTION = ("history.zarr", "prediction.html", "summary.txt")
+_COLUMNS = (
+    *("time", "area", "area_ratio", "load", "separation", "energy"),
+    *("approach", "contact_fraction", "residual"),
+)
+_MOST_MAPS = 24
+"""Maps that one figure shows."""
+
+
+def check_free(out: Path, *, overwrite: bool) -> None:
+    """Make sure, before anything is computed, that the results can be written.
+
+    `InputError` if the folder exists and is not to be replaced, or is no earlier run's; `OutputError` if
+    nothing can be written there.
+    """
+    folder = out.resolve()
+    if folder == Path.cwd() or folder in Path.cwd().parents:
+        raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
+    if out.exists() and not out.is_dir():
+        raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
+    if out.exists() and any(out.iterdir()):
+        signs = (_SIGNS_OF_A_RUN, _SIGNS_OF_A_PREDICTION, _SIGNS_OF_FRICTION)
+        is_run = any(all((out / name).exists() for name in names) for names in signs)
+        foreign = sorted(path.name for path in out.iterdir() if not _is_ours(path.name))
+        expected, held, advice = "a new folder", "", "another name"
+        if not is_run:
+            held = "something else than a run"
+        elif not overwrite:
+            held, advice = "a run", "another name, or --overwrite"
+        elif foreign:
+            expected, held = "a run's folder with nothing else in it", f"{foreign[0]} too"
+            advice = "another name, or moving that away"
+        if held:
+            got = f"{out}, which holds {held} and is kept"
+            raise InputError("--out", expected=expected, got=got, advice=advice)
+    ground = folder.parent
+    while not ground.exists():
+        ground = ground.parent
+    try_writing("--out", out, ground)
+
+
+def _is_ours(name: str) -> bool:
+    pictures = "aging, history, sliding, contacts, patches, growth, pressure, relaxation, observed, friction"
+    ours = {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION, "solid.toml"}
+    return name in ours or Path(name).stem in pictures.split(", ")
+
+
+def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:
+    """Write every file of a run to a folder, with the summary; return remarks on figures that were not drawn.
+
+    An earlier run is replaced only if it may be, an empty folder always. `OutputError` if the disk
+    refused; nothing is left.
+    """
+    check_free(out, overwrite=overwrite)  # again: hours may have passed
+    with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
+        save_within(outcome.dataset, folder)
+        (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
+        (folder / "summary.txt").write_text(f"{text}\n", encoding="utf-8")
+        _write_table(outcome, folder / "aging.csv")
+        if "patches" in outcome.dataset:
+            _write_patches(outcome.dataset, folder / "patches.csv")
+        return _write_figures(outcome, folder)
+
+
+def save_within(dataset: xr.Dataset, folder: Path) -> None:
+    """Save the history in a folder of which the name will change."""
+    try:
+        save(dataset, folder / "history.zarr")
+    except OutputError as error:
+        # Its own name is that of a folder which will be gone; the disk's reason is what matters.
+        if isinstance(error.__cause__, OSError):
+            raise error.__cause__ from None
+        raise
+
+
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write a figure that is complete under its name or not there; `OutputError` if the disk refused."""
+    with whole_file(path) as part:
+        figure.savefig(part, dpi=RESOLUTION)
+
+
+def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
+    """Draw; numbers that cannot be drawn are no reason to lose them."""
+    if not outcome.config.output.figures:
+        return ()
+    remarks = []
+    drawings: dict[str, Callable[[], Figure]] = {}
+    summary = outcome.summary
+    if summary is None:
+        drawings["history"] = lambda: history_figure(outcome.dataset)
+    elif summary.time.size:
+        drawings["aging"] = lambda: aging_curve(outcome.dataset, summary)
+    if "displacement" in outcome.dataset:
+        drawings["sliding"] = lambda: sliding_figure(outcome.dataset)
+    if maps := outcome.dataset.sizes.get("field_time", 0):
+        shown = outcome.dataset
+        if maps > _MOST_MAPS:
+            shown = shown.isel(field_time=[n * (maps - 1) // (_MOST_MAPS - 1) for n in range(_MOST_MAPS)])
+            remarks.append(f"contacts shows {_MOST_MAPS} of {maps} maps; history.zarr holds all")
+        drawings["contacts"] = lambda: contact_figure(contact_maps(shown))
+    if maps > 1:
+        drawings["patches"] = lambda: patch_figure(outcome.dataset)
+    for name, draw in drawings.items():
+        try:
+            for kind in outcome.config.output.figures:
+                draw().savefig(folder / f"{name}.{kind}", dpi=RESOLUTION)
+        except (ValueError, ArithmeticError, RuntimeError) as error:
+            remarks.append(f"the figure {name!r} could not be drawn: {error}")
+    return tuple(remarks)
+
+
+def _write_table(outcome: Outcome, path: Path) -> None:
+    """One row a time, from 0 on; numbers to the last digit."""
+    dataset = outcome.dataset
+    if dataset["load"][0] > 0:  # else the first area is that of first touch, and no measure of growth
+        dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
+    continuum = [name for name in OF_CONTINUA if name in dataset and name not in _COLUMNS]
+    sliding = [name for name in OF_YIELDING | OF_SLIDING | OF_FRICTION if name in dataset]
+    columns = [name for name in _COLUMNS if name in dataset.variables]
+    chosen = [*columns, *continuum, *sliding, *(["leg"] if "leg" in dataset.coords else [])]
+    _write_columns(dataset, [(name, dataset[name]) for name in chosen], path)
+
+
+def _write_patches(dataset: xr.Dataset, path: Path) -> None:
+    """One row a map: what it knows of patches."""
+    columns = [("time", dataset["field_time"])]
+    for name in OF_MAPS:
+        if name in dataset and "quantile" in dataset[name].dims:
+            shares = dataset["quantile"].values.tolist()
+            columns += [
+                (f"{name}_{100 * share:g}_percent", dataset[name].sel(quantile=share)) for share in shares
+            ]
+        elif name in dataset:
+            columns.append((name, dataset[name]))
+    _write_columns(dataset, columns, path)
+
+
+def _write_columns(dataset: xr.Dataset, columns: list[tuple[str, xr.DataArray]], path: Path) -> None:
+    si = bool(dataset.attrs["si"])
+    names = [with_unit(name, one.attrs.get("units", "1")) if si else name for name, one in columns]
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(names)
+        table.writerows(zip(*(one.values.tolist() for _, one in columns), strict=True))

@@ -1,0 +1,24 @@
+"""The configuration of a run: its model, its file, and how its mistakes are named."""
+
+from asperity.app.config.models import MeasuredSurface, RunConfig
+from asperity.app.config.reading import (
+    config_from,
+    file_surface,
+    from_tables,
+    read_config,
+    read_tables,
+    to_tables,
+    to_toml,
+)
+
+__all__ = [
+    "MeasuredSurface",
+    "RunConfig",
+    "config_from",
+    "file_surface",
+    "from_tables",
+    "read_config",
+    "read_tables",
+    "to_tables",
+    "to_toml",
+]

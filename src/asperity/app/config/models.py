@@ -1,0 +1,633 @@
+"""What a run needs to know: the sections of its configuration, and what each key may be.
+
+Every key has a default, except the path of a measured surface, and the contact's load, which follows
+from the surface and the solid. The flags of the command line are made of these models.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from asperity.app.config.sections import (
+    Duration,
+    FirstForce,
+    Force,
+    Position,
+    Positive,
+    Pressure,
+    Real,
+    Section,
+    Size,
+    Speed,
+    Time,
+    Velocity,
+    by_kind,
+    listed,
+)
+from asperity.app.config.solids import SOLIDS, AnySolid, SpringLattice
+
+if TYPE_CHECKING:  # these need numpy, for which the help does not wait
+    from asperity.lattice import Field as Heights
+    from asperity.protocols import Leg
+    from asperity.surfaces import Surface
+    from asperity.theory.heights import HeightLaw
+
+Figure = Literal["png", "pdf", "svg"]
+
+_LONGEST = 2**31
+"""Sites along an axis: far beyond any memory, far below what numpy cannot count."""
+
+
+def _listed(value: object) -> object:
+    return [value] if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _name_or_number(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise ValueError("expected the name or the number of a channel")
+    return value
+
+
+def _power_of_two(value: int) -> int:
+    if value < 2 or value & (value - 1):
+        below = 1 << (max(value, 2).bit_length() - 1)
+        raise ValueError(f"expected a power of two, 2 or more, got {value}; try {below} or {2 * below}")
+    return value
+
+
+def _micro(value: object) -> object:
+    """Take the micro sign and the Greek letter for the u of um."""
+    return "um" if value in ("\u00b5m", "\u03bcm") else value
+
+
+Length = Literal["m", "mm", "um", "nm", "pm"]
+Factor = Annotated[float, Field(gt=0, le=1e30)]
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
+Shape = Annotated[
+    list[Annotated[int, Field(ge=1, le=_LONGEST)]],
+    Field(min_length=1, max_length=2),
+    BeforeValidator(_listed),
+]
+
+_SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
+_RMS = "Rms height."
+_SEED = "Seed of the random heights."
+_TABLE = "Table of the wave number q and the power spectrum C; columns with units need `unit`."
+_DURATION = "How long it lasts."
+_MOBILITY = "Factor on the mobility of creep meanwhile."
+
+
+class SurfaceSection(Section):
+    """A surface, of one kind or another."""
+
+    only_powers_of_two: ClassVar[bool] = False
+
+    kind: str
+
+    @property
+    def lattice(self) -> tuple[int, ...] | None:
+        """Sites along each axis; None where only making the surface tells."""
+        return None
+
+    @property
+    def law(self) -> HeightLaw | None:
+        """The law of the heights, where the sites are independent."""
+        return None
+
+    @property
+    def file(self) -> Path | None:
+        """The file on which it depends, if any."""
+        path = getattr(self, "path", None)
+        return None if path is None else Path(path)
+
+    def anywhere(self) -> Self:
+        """The same, with an absolute path of its file."""
+        return self if self.file is None else self.model_copy(update={"path": str(self.file.resolve())})
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What the function of `asperity.surfaces` that makes it takes: the lattice, and what has a name."""
+        facts = self.model_dump(exclude_none=True, exclude={"kind"})
+        return tuple(facts.pop("shape")) if "shape" in facts else facts.pop("size"), facts
+
+    def build(self) -> Surface:
+        """Make or read the surface, and let it know where it comes from."""
+        import asperity.surfaces as surfaces
+
+        lattice, facts = self.arguments
+        return surfaces.Surface(getattr(surfaces, self.kind)(lattice, **facts), provenance=self.model_dump())
+
+
+class Independent(SurfaceSection):
+    """Heights that are independent at all sites."""
+
+    shape: Shape = Field(default=[200, 200], description=_SHAPE)
+    rms: Positive = Field(default=1.0, description=_RMS)
+    seed: Seed = Field(default=0, description=_SEED)
+
+    @property
+    def lattice(self) -> tuple[int, ...]:
+        """Sites along each axis."""
+        return tuple(self.shape)
+
+
+class Gaussian(Independent):
+    """Independent Gaussian heights."""
+
+    kind: Literal["gaussian"] = "gaussian"
+
+    @property
+    def law(self) -> HeightLaw:
+        """The law of the heights."""
+        from asperity.theory import GaussianHeights
+
+        return GaussianHeights(rms=self.rms)
+
+
+class Exponential(Independent):
+    """Independent exponential heights."""
+
+    kind: Literal["exponential"] = "exponential"
+
+    @property
+    def law(self) -> HeightLaw:
+        """The law of the heights."""
+        from asperity.theory import ExponentialHeights
+
+        return ExponentialHeights(rms=self.rms)
+
+
+class SelfAffine(SurfaceSection):
+    """Self-affine heights."""
+
+    only_powers_of_two: ClassVar[bool] = True
+
+    kind: Literal["self_affine"] = "self_affine"
+    size: Annotated[int, Field(le=_LONGEST), AfterValidator(_power_of_two)] = Field(
+        default=256, description="Sites along each axis, a power of two."
+    )
+    hurst: Annotated[float, Field(gt=0, le=1)] = Field(default=0.5, description="Hurst exponent.")
+    delta: Positive = Field(default=0.01, description="Roughness at the scale of the lattice.")
+    seed: Seed = Field(default=0, description=_SEED)
+
+    @property
+    def lattice(self) -> tuple[int, ...]:
+        """Sites along each axis."""
+        return (self.size, self.size)
+
+
+class Waves(SurfaceSection):
+    """Random waves on a lattice with units."""
+
+    shape: Shape = Field(default=[200, 200], description=_SHAPE)
+    spacing: Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
+        default=[1.0], description="Distance between sites: one number, or one an axis."
+    )
+    unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
+        default=None, description="Unit of the spacing and of all heights and wavelengths."
+    )
+    seed: Seed = Field(default=0, description=_SEED)
+
+    @property
+    def lattice(self) -> tuple[int, ...]:
+        """Sites along each axis."""
+        return tuple(self.shape)
+
+    @property
+    def pixel_size(self) -> tuple[float, ...]:
+        """Distance between sites along each axis."""
+        return (*self.spacing, *self.spacing)[: len(self.shape)]
+
+    def heights(self) -> Heights:
+        """Make the heights."""
+        raise NotImplementedError
+
+    def build(self) -> Surface:
+        """Make the heights, with their units."""
+        from asperity.surfaces import Surface
+
+        origin = self.model_dump(exclude_none=True)
+        origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
+        heights = self.heights()
+        if self.file is not None:
+            origin["sha256"] = hashlib.sha256(self.file.read_bytes()).hexdigest()
+        return Surface(heights, self.unit or "1", self.pixel_size, self.unit, origin)
+
+
+class Spectral(Waves):
+    """Self-affine heights of a given power spectrum; see `asperity.surfaces.spectral`."""
+
+    kind: Literal["spectral"] = "spectral"
+    hurst: Annotated[float, Field(ge=0, le=1)] = Field(default=0.8, description="Hurst exponent.")
+    roll_off: Positive | None = Field(
+        default=None, description="Wavelength above which the spectrum is flat. By default the longest side."
+    )
+    cutoff: Positive | None = Field(
+        default=None, description="Shortest wavelength. By default eight times the larger spacing."
+    )
+    rms_height: Positive | None = Field(
+        default=None, description="Rms height. By default 1, unless slope or curvature is given."
+    )
+    rms_slope: Positive | None = Field(default=None, description="Rms slope, in place of the height.")
+    rms_curvature: Positive | None = Field(
+        default=None, description="Rms mean curvature, in place of the height."
+    )
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What `asperity.surfaces.spectral` takes."""
+        lattice, facts = super().arguments
+        facts.pop("unit", None)
+        return lattice, facts | {"spacing": self.spacing[0] if len(self.spacing) == 1 else self.spacing}
+
+    def heights(self) -> Heights:
+        """Make the heights."""
+        from asperity.surfaces import spectral
+
+        lattice, facts = self.arguments
+        return spectral(lattice, **facts)
+
+
+class Spectrum(Waves):
+    """Heights of a power spectrum in a table; see `asperity.surfaces.from_spectrum`."""
+
+    kind: Literal["spectrum"] = "spectrum"
+    path: str = Field(description=_TABLE)
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What `asperity.surfaces.from_spectrum` takes beside the spectrum."""
+        return tuple(self.shape), {"pixel_size": self.pixel_size, "seed": self.seed}
+
+    def heights(self) -> Heights:
+        """Make the heights."""
+        from asperity.surfaces import from_spectrum, read_spectrum
+
+        lattice, facts = self.arguments
+        table = read_spectrum(self.path, unit=self.unit, dimension=len(lattice))
+        return from_spectrum(lattice, table, **facts)
+
+
+class MeasuredSurface(SurfaceSection):
+    """Heights from a file; see `asperity.surfaces.read`."""
+
+    kind: Literal["file"] = "file"
+    path: str = Field(
+        description="Measured surface; the last flags of this group prepare it. For spectrum its table."
+    )
+    undefined: Literal["fill", "refuse"] = Field(
+        default="fill", description="Undefined pixels: fill (from their rims) or refuse."
+    )
+    max_undefined: Annotated[float, Field(ge=0, lt=1)] = Field(
+        default=0.1, description="Largest fraction of undefined pixels to fill."
+    )
+    tilt: Literal["plane", "quadratic", "mean", "none"] = Field(
+        default="plane", description="What to remove; quadratic also removes the bow of a scanner."
+    )
+    despike: bool = Field(
+        default=False,
+        description="Fill pixels more than 6 robust standard deviations above the median height.",
+    )
+    periodic: Literal["mirror", "reflect", "taper", "wrap"] = Field(
+        default="mirror",
+        description="How to make it periodic; mirror doubles each axis, reflect has edges that do the same.",
+    )
+    unit: Annotated[Literal[Length, "rms"] | None, BeforeValidator(_micro)] = Field(
+        default=None,
+        description="Unit of the heights; rms divides by the rms height. By default the file's. "
+        "For spectral and spectrum the unit of all lengths; by default none.",
+    )
+    channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = Field(
+        default=None, description="Name or number of the channel. By default the file's."
+    )
+    resample: bool = Field(
+        default=False, description="Average pixels that are not square to the larger spacing."
+    )
+    crop: Annotated[list[Real], Field(min_length=2, max_length=4)] | None = Field(
+        default=None,
+        description="Part to cut out: top bottom left right, or left right of a profile, in pixels.",
+    )
+    crop_unit: Annotated[Literal["pixel", Length] | None, BeforeValidator(_micro)] = Field(
+        default=None, description="Unit of length in which the part is given, in place of pixels."
+    )
+    longest: Positive | None = Field(
+        default=None,
+        description="Longest wavelength to keep, in the file's unit of length, or in pixels without one.",
+    )
+    shortest: Positive | None = Field(default=None, description="Shortest wavelength to keep, likewise.")
+    file_unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
+        default=None, description="Unit of the heights in a file that does not say."
+    )
+    pixel_size: (
+        Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None
+    ) = Field(
+        default=None,
+        description="Distance between pixels in a file that does not say: one number, or between rows "
+        "and between columns.",
+    )
+    length_unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
+        default=None, description="Unit of that distance."
+    )
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What `asperity.surfaces.read` takes: the file, and how to prepare it."""
+        facts = self.model_dump(exclude={"kind"})
+        if self.pixel_size is not None and len(self.pixel_size) == 1:
+            facts["pixel_size"] = self.pixel_size[0]
+        return facts.pop("path"), facts
+
+    def build(self) -> Surface:
+        """Read the file, and prepare what it holds."""
+        from asperity.surfaces import read
+
+        path, facts = self.arguments
+        return read(path, **facts)
+
+
+class Scan(MeasuredSurface):
+    """A measured surface that nobody asks to be periodic: its edges reflect."""
+
+    periodic: Literal["mirror", "reflect", "taper", "wrap"] = Field(
+        default="reflect", description="What lies beyond the edges; mirror is taken as reflect."
+    )
+
+
+SURFACES = by_kind(Gaussian, Exponential, SelfAffine, Spectral, Spectrum, MeasuredSurface)
+AnySurface = Annotated[
+    Gaussian | Exponential | SelfAffine | Spectral | Spectrum | MeasuredSurface, Field(discriminator="kind")
+]
+
+
+KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid": SOLIDS}
+"""Sections of several kinds, and the models of each kind; the first is the usual one."""
+
+
+class Contact(Section):
+    """What presses: a load, a pressure or a separation; by default such that about 1 % touches."""
+
+    load: FirstForce | None = Field(
+        default=None,
+        description="Normal load, the sum of all contact forces; 0 before a ramp. "
+        "By default 0.005 (k0 + k1) x rms height x sites; on a continuum a pressure is taken.",
+    )
+    pressure: Pressure | None = Field(
+        default=None,
+        description="Load over nominal area, instead of the load. By default, on a continuum, "
+        "0.005 E* x rms slope.",
+    )
+    separation: Position | None = Field(
+        default=None, description="Mean height of the undeformed solid; instead of the load."
+    )
+
+    @model_validator(mode="after")
+    def _one_of_three(self) -> Self:
+        if len(given := self.model_dump(exclude_none=True)) > 1:
+            got = "both" if len(given) == 2 else "all"
+            names = list(given)
+            raise ValueError(f"expected {', '.join(names[:-1])} or {names[-1]}, got {got}")
+        return self
+
+
+class Aging(Section):
+    """The times to record ([0.0]: only the start and the limit), what is held, and the tolerance."""
+
+    first: Duration | None = Field(
+        default=None,
+        description="First time to record. By default that of the table of relaxation, else a tenth of the "
+        "shortest relaxation time, else 0.001.",
+    )
+    last: Duration | None = Field(
+        default=None,
+        description="Last time to record. By default that of the table of relaxation, else ten times the "
+        "longest relaxation time, else 1e+06.",
+    )
+    per_decade: Annotated[int, Field(ge=1, le=1000)] = Field(
+        default=4, description="Times to record in each decade."
+    )
+    times: Annotated[list[Time], Field(min_length=1)] | None = Field(
+        default=None, description="The times to record, one by one; instead of the three above."
+    )
+    hold: Literal["load", "separation"] | None = Field(
+        default=None, description="What is held while it ages. By default what pressed it."
+    )
+    rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = Field(
+        default=2e-3, description="Relative tolerance of the time steps."
+    )
+
+    @model_validator(mode="after")
+    def _check_times(self) -> Self:
+        if self.times is None:
+            return self
+        if rivals := self.model_fields_set & {"first", "last", "per_decade"}:
+            raise ValueError(f"expected times or {', '.join(sorted(rivals))}, got both")
+        for earlier, later in pairwise(self.times):
+            if later <= earlier:
+                raise ValueError(
+                    f"times: expected strictly increasing times, got {later:g} after {earlier:g}"
+                )
+        return self
+
+
+class HoldLeg(Section):
+    """Nothing changes for a while; see `asperity.protocols.Hold`."""
+
+    kind: Literal["hold"] = "hold"
+    duration: Duration = Field(description=_DURATION)
+    hold: Literal["load", "separation", "area"] | None = Field(
+        default=None, description="What is held. By default what was prescribed last."
+    )
+    mobility: Factor = Field(default=1.0, description=_MOBILITY)
+
+
+class Target(Section):
+    """A load, a pressure, a separation or an approach to get to."""
+
+    load: Force | None = Field(default=None, description="Load at the end.")
+    separation: Position | None = Field(
+        default=None, description="Separation at the end; instead of the load."
+    )
+    pressure: Pressure | None = Field(
+        default=None, description="Load over nominal area at the end; instead of the load."
+    )
+    approach: Position | None = Field(
+        default=None,
+        description="How far the rigid body has moved at the end since time 0; instead of the load.",
+    )
+
+    @model_validator(mode="after")
+    def _one_of_four(self) -> Self:
+        names = ("load", "pressure", "separation", "approach")
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) != 1:
+            got = " and ".join(given) or "none"
+            raise ValueError(f"expected load, pressure, separation or approach, got {got}")
+        return self
+
+
+class RampLeg(Target):
+    """A change linear in time; see `asperity.protocols.Ramp`."""
+
+    kind: Literal["ramp"] = "ramp"
+    duration: Duration = Field(description=_DURATION)
+    mobility: Factor = Field(default=1.0, description=_MOBILITY)
+
+
+class StepLeg(Target):
+    """A change at once; see `asperity.protocols.Step`."""
+
+    kind: Literal["step"] = "step"
+
+
+class SlideLeg(Section):
+    """The rough surface slides under the body; see `asperity.protocols.Slide`."""
+
+    kind: Literal["slide"] = "slide"
+    distance: Size = Field(description="How far it slides; on the lattice of springs, in sites.")
+    velocity: Speed = Field(description="How fast it slides; inf for at once.")
+    direction: Literal["x", "-x", "y", "-y"] = Field(
+        default="x", description="Where the rough surface goes: x along the rows."
+    )
+    substeps: Annotated[int, Field(ge=1, le=1000)] = Field(
+        default=1, description="Shifts from site to site; heights between sites are interpolated."
+    )
+    every: Annotated[int, Field(ge=1)] = Field(
+        default=1, description="Record before and after one in so many shifts."
+    )
+    mobility: Factor = Field(default=1.0, description=_MOBILITY)
+
+
+class RepeatLeg(Section):
+    """Legs repeated; see `asperity.protocols.Repeat`."""
+
+    kind: Literal["repeat"] = "repeat"
+    legs: list[AnyLeg] = Field(min_length=1, description="The legs that are repeated.")
+    count: Annotated[int, Field(ge=1, le=100_000)] = Field(description="How often in all.")
+
+
+LEGS = by_kind(HoldLeg, RampLeg, StepLeg, SlideLeg, RepeatLeg)
+AnyLeg = Annotated[HoldLeg | RampLeg | StepLeg | SlideLeg | RepeatLeg, Field(discriminator="kind")]
+
+
+class Friction(Section):
+    """What makes friction of the contact area; without a shear strength, nothing does."""
+
+    shear_strength: Pressure | None = Field(
+        default=None,
+        description="Shear strength of the contacts, an input; on the lattice of springs, force a site.",
+    )
+    rate_coefficient: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        default=None,
+        description="Relative growth of the shear strength for each factor e of velocity. By default none.",
+    )
+    reference_velocity: Velocity | None = Field(
+        default=None, description="Velocity at which the shear strength is what it is."
+    )
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if self.shear_strength is None and self.model_fields_set:
+            raise ValueError(f"{min(self.model_fields_set)}: expected shear_strength beside it, got none")
+        if self.rate_coefficient and self.reference_velocity is None:
+            raise ValueError("rate_coefficient: expected reference_velocity beside it, got none")
+        return self
+
+
+class Output(Section):
+    """What is written."""
+
+    maps_at: list[Time] | None = Field(
+        default=None, description="Times at which to keep and draw the contact. By default 0 and five others."
+    )
+    figures: list[Figure] = Field(default=["png"], description='Formats of the figures; "" for none.')
+    pixel: Size | None = Field(
+        default=None,
+        description="Pixel of an instrument that looks at the maps; in sites where there are no units.",
+    )
+    blur: Size | None = Field(
+        default=None, description="Full width at half maximum of its point spread function, likewise."
+    )
+    threshold: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        default=None,
+        description="Part of full contact from which such a pixel counts. By default all light counts.",
+    )
+
+    @property
+    def instrument(self) -> dict[str, Any]:
+        """What looks at the maps, for `asperity.observe`; empty for none."""
+        return self.model_dump(include={"pixel", "blur", "threshold"}, exclude_none=True)
+
+    @model_validator(mode="after")
+    def _check_maps(self) -> Self:
+        if self.threshold is not None and self.pixel is None and self.blur is None:
+            raise ValueError("threshold: expected `pixel` or `blur` beside it, got neither")
+        if self.maps_at == [] and self.instrument:
+            raise ValueError(f"{next(iter(self.instrument))}: expected maps to look at, got maps_at = []")
+        return self
+
+
+class RunConfig(Section):
+    """The configuration of a run."""
+
+    surface: AnySurface = Gaussian()
+    solid: AnySolid = SpringLattice()
+    contact: Contact = Contact()
+    aging: Aging = Aging()
+    protocol: list[AnyLeg] = Field(default=[])
+    friction: Friction = Friction()
+    output: Output = Output()
+
+    @model_validator(mode="after")
+    def _check_times(self) -> Self:
+        if self.protocol and "last" in self.aging.model_fields_set:
+            raise ValueError("[aging] last: expected none beside a protocol, which says when it ends")
+        if self.aging.times is None and not self.protocol and not self.span[0] < self.span[1]:
+            raise ValueError("[aging] expected first < last, got {:g} and {:g}".format(*self.span))
+        if self.protocol and self.aging.hold is not None:
+            raise ValueError("[aging] hold: expected none beside a protocol, whose legs say what they hold")
+        if self.contact.load == 0 and not isinstance(next(iter(self.protocol), None), RampLeg | StepLeg):
+            expected = "a protocol that begins with a ramp beside 0"
+            raise ValueError(f"[contact] load: expected {expected}, got none; try --leg 'ramp 1 load=...'")
+        if (known := self.solid.known) is not None:
+            first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
+            if first < known[0] * (1 - 1e-9) or self.end > known[1] * (1 + 1e-9):
+                got = "{:g} to {:g}".format(*known)
+                expected = f"a table of the times to record, {first:g} to {self.end:g}"
+                begun = first >= known[0] * (1 - 1e-9)
+                advice = '; try extrapolate = "plateau" (--extrapolate plateau), or branches' if begun else ""
+                raise ValueError(f"[solid] relaxation: expected {expected}, got one of {got}{advice}")
+        for where, times in (("[aging] times", self.aging.times), ("[output] maps_at", self.output.maps_at)):
+            late = max(times or [], default=-math.inf)
+            if late > self.end * (1 + 1e-9):
+                raise ValueError(f"{where}: expected times up to the last, {self.end:g}, got {late:g}")
+        return self
+
+    @property
+    def legs(self) -> tuple[Leg, ...]:
+        """The legs of the protocol; none where nothing changes."""
+        from asperity.protocols import leg_of
+
+        return tuple(leg_of(leg.model_dump(exclude_none=True)) for leg in self.protocol)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time to record, where they are not listed one by one; of a leg the first."""
+        first, last = self.solid.span
+        first, last = self.aging.first or first, self.aging.last or last
+        return first, last
+
+    @property
+    def end(self) -> float:
+        """The last time."""
+        if not self.protocol:
+            return self.span[1] if self.aging.times is None else self.aging.times[-1]
+        from asperity.protocols import legs_of
+
+        return math.fsum(leg.duration for leg in legs_of(self.legs))

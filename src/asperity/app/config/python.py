@@ -1,0 +1,121 @@
+"""A configuration as a short Python program that gives the same numbers."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+from asperity._version import __version__
+from asperity.app.config.models import MeasuredSurface, RunConfig, Spectrum, Waves
+from asperity.errors import InputError
+from asperity.protocols import Leg, Repeat, described
+from asperity.solids import LocalCreep
+
+_LONG = 96
+"""Characters of a line."""
+
+
+def to_python(config: RunConfig, times: list[float]) -> str:
+    """Write a configuration in Python, as `asperity.press`, `asperity.age` and `asperity.relax`.
+
+    Parameters
+    ----------
+    config
+        With nothing left open: what presses is given.
+    times
+        Times to record; where the configuration gives first, last and how many, these are written instead.
+
+    Returns
+    -------
+    str
+        A program, of which ``contact``, ``history`` and, without a protocol, ``limit`` are those of the run,
+        to the last digit.
+
+    Raises
+    ------
+    InputError
+        The load is left open.
+    """
+    pressed = config.contact.model_dump(exclude_none=True)
+    if not pressed:
+        raise InputError("contact", expected="a load, a pressure or a separation", got="none")
+    contact = _call("asp.press", "rough", "solid", **pressed)
+    given: dict[str, Any] = {}
+    if config.protocol:
+        given["protocol"] = list(config.legs)
+    given |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
+    given = {name: value for name, value in given.items() if value not in (None, [])}
+    spread = config.aging.times is None and not config.protocol
+    lines = [
+        f"# Asperity {__version__}",
+        *(["import numpy as np", ""] if spread or "np." in _solid(config) else []),
+        "import asperity as asp",
+        "",
+        f"rough = {_surface(config)}",
+        f"solid = {_solid(config)}",
+        f"contact = {contact}",
+        f"times = np.geomspace({config.span[0]!r}, {config.span[1]!r}, {len(times)})"
+        if spread
+        else f"times = {_written(times)}",
+        f"history = {_call('asp.age', 'contact', 'times', **given)}",
+    ]
+    if not config.protocol:
+        hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
+        lines.append(f"limit = {_call('asp.relax', 'contact', **hold)}")
+    if config.friction.shear_strength is not None:
+        strength = {name: value for name, value in config.friction.model_dump().items() if value}
+        law = _call("asp.friction.ShearStrength", repr(strength.pop("shear_strength")), **strength)
+        lines.append(f"friction = {_call('asp.friction.add_friction', 'history.dataset', law)}")
+    return "\n".join([*lines, "print(history)", ""])
+
+
+def _surface(config: RunConfig) -> str:
+    chosen = config.surface
+    first, facts = chosen.arguments
+    if isinstance(chosen, MeasuredSurface):
+        usual = {name: field.default for name, field in MeasuredSurface.model_fields.items()}
+        facts = {name: value for name, value in facts.items() if value != usual[name]}
+        return _call("asp.surfaces.read", repr(first), **facts)
+    heights = _call(f"asp.surfaces.{chosen.kind}", repr(first), **facts)
+    if not isinstance(chosen, Waves):
+        return heights
+    if isinstance(chosen, Spectrum):
+        line = {"dimension": 1} if len(chosen.shape) == 1 else {}
+        table = _call("asp.surfaces.read_spectrum", repr(chosen.path), unit=chosen.unit, **line)
+        heights = _call("asp.surfaces.from_spectrum", repr(first), table, **facts)
+    units = {} if chosen.unit is None else {"unit": chosen.unit, "length_unit": chosen.unit}
+    return _call("asp.surfaces.Surface", heights, pixel_size=chosen.pixel_size, **units)
+
+
+def _solid(config: RunConfig) -> str:
+    solid = config.solid.resolved()
+    return _call(f"asp.solids.{solid.kind}", **solid.given)
+
+
+def _call(name: str, *positional: str, **named: object) -> str:
+    """Write a call, one argument a line where it is long."""
+    arguments = [*positional, *(f"{key}={_written(value)}" for key, value in named.items())]
+    line = f"{name}({', '.join(arguments)})"
+    if len(line) <= _LONG:
+        return line
+    return "".join([f"{name}(\n", *(f"    {one},\n" for one in arguments), ")"])
+
+
+def _written(value: object) -> str:
+    """Write a value so that Python reads the very same one."""
+    if isinstance(value, float):
+        return "np.inf" if value == float("inf") else repr(float(value))
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_written, value))}{',' * (len(value) == 1)})"
+    if isinstance(value, list):
+        line = f"[{', '.join(map(_written, value))}]"
+        return line if len(line) <= _LONG else textwrap.fill(line, _LONG, subsequent_indent="        ")
+    if isinstance(value, LocalCreep):
+        return _call(f"asp.solids.{type(value).__name__}", **vars(value))
+    if isinstance(value, Leg):
+        facts = described(value)
+        del facts["kind"]
+        if isinstance(value, Repeat):
+            facts["legs"] = list(value.legs)
+        return _call(f"asp.protocols.{type(value).__name__}", **facts)
+    return repr(value)

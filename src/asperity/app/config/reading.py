@@ -1,0 +1,189 @@
+"""From a TOML file and flags to a checked configuration, and from a configuration to TOML."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from asperity.app.config.mistakes import Sections, is_unknown, spelled, unknown_names
+from asperity.app.config.models import KINDS, MeasuredSurface, RunConfig
+from asperity.app.config.solids import ACTIVATION, OF_LAWS
+from asperity.errors import ConfigError
+from asperity.words import number, tables_to_toml
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+# A flag, or one of its choices, replaces the keys that say the same thing otherwise or mean nothing then.
+_RIVALS: dict[tuple[str, ...], tuple[str, ...]] = {
+    ("contact", "load"): ("separation", "pressure"),
+    ("contact", "pressure"): ("load", "separation"),
+    ("contact", "separation"): ("load", "pressure"),
+    ("solid", "modulus"): ("young",),
+    ("solid", "young"): ("modulus",),
+    ("solid", "branches"): ("relaxation", "flow"),
+    ("solid", "relaxation"): ("branches", "flow"),
+    ("solid", "flow"): ("branches", "relaxation"),
+    **{("solid", key): ("creep_rate", "creep_stress") for key in ACTIVATION},
+    **{("solid", key): tuple(ACTIVATION) for key in ("creep_rate", "creep_stress")},
+    ("solid", "creep", "eyring"): ("creep_exponent",),
+    ("solid", "creep", "norton"): tuple(ACTIVATION),
+    ("solid", "creep", "none"): tuple(OF_LAWS),
+    ("surface", "rms_height"): ("rms_slope", "rms_curvature"),
+    ("surface", "rms_slope"): ("rms_height", "rms_curvature"),
+    ("surface", "rms_curvature"): ("rms_height", "rms_slope"),
+    ("aging", "times"): ("first", "last", "per_decade"),
+    ("aging", "first"): ("times",),
+    ("aging", "last"): ("times",),
+    ("aging", "per_decade"): ("times",),
+}
+
+
+def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
+    """Read a configuration, lay the flags over it, and check the whole.
+
+    Parameters
+    ----------
+    path
+        TOML file, or None for the defaults. A relative path of a surface in it is relative to it.
+    flags
+        Values by section and key.
+
+    Raises
+    ------
+    ConfigError
+        With one line for each mistake.
+    """
+    path = None if path is None else Path(path)
+    return config_from({} if path is None else read_tables(path), flags, path)
+
+
+def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> RunConfig:
+    """Check the tables of a file, with flags laid over them; ``path`` names the file in mistakes.
+
+    `ConfigError` with one line for each mistake.
+    """
+    merged = _merged(tables, flags)
+    problems = unknown_names(merged, flags, path)
+    try:
+        config = RunConfig.model_validate(merged)
+    except ValidationError as error:
+        problems += [spelled(detail, flags, path) for detail in error.errors() if not is_unknown(detail)]
+        raise ConfigError(problems) from None
+    if problems:
+        raise ConfigError(problems)
+    return config
+
+
+def file_surface(
+    path: Path, flags: dict[str, object], kind: type[MeasuredSurface] = MeasuredSurface
+) -> MeasuredSurface:
+    """Check how a surface file shall be prepared; `ConfigError` with one line for each mistake."""
+    return section_from("surface", kind, {"path": str(path), **flags})
+
+
+def section_from(section: str, model: type[_Model], flags: dict[str, object]) -> _Model:
+    """Check one section that came as flags; `ConfigError` with one line for each mistake."""
+    try:
+        return model.model_validate(flags)
+    except ValidationError as error:
+        raise ConfigError(
+            [spelled(detail, {section: flags}, None, section=section) for detail in error.errors()]
+        ) from None
+
+
+def to_tables(config: RunConfig) -> dict[str, Any]:
+    """Take a configuration apart into tables of which `from_tables` makes the very same one."""
+    tables: dict[str, Any] = config.model_dump(exclude_none=True)
+    if "times" in tables["aging"]:
+        for rival in ("first", "last", "per_decade"):
+            tables["aging"].pop(rival, None)
+    if config.protocol:
+        tables["aging"].pop("last", None)
+    else:
+        del tables["protocol"]
+    if not tables["friction"]:
+        del tables["friction"]
+    return tables
+
+
+def from_tables(tables: dict[str, Any]) -> RunConfig:
+    """Put a configuration together from what `to_tables` gave."""
+    return RunConfig.model_validate(tables)
+
+
+def to_toml(config: RunConfig) -> str:
+    """Write a configuration so that `read_config` reads the very same one."""
+    return tables_to_toml(to_tables(config))
+
+
+def read_tables(path: str | Path) -> dict[str, Any]:
+    """Read the tables of a TOML file; a relative path of a surface becomes relative to the file.
+
+    `ConfigError` if it cannot be read, or is no TOML.
+    """
+    path = Path(path)
+    try:
+        # Editors on Windows write a mark before the first letter.
+        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except UnicodeDecodeError:
+        hint = "; for a surface, try --file"
+        raise ConfigError([f"{path}: not a TOML file: not text in UTF-8{hint}"]) from None
+    except ValueError as error:  # TOML's own, a number of thousands of digits, or a name with NUL
+        own = isinstance(error, tomllib.TOMLDecodeError) or "null" in str(error)
+        reason = str(error) if own else "a number has too many digits"
+        raise ConfigError([f"{path}: not a TOML file: {reason}"]) from None
+    except RecursionError:
+        raise ConfigError([f"{path}: not a TOML file: too many brackets within each other"]) from None
+    except OSError as error:
+        hint = (
+            "" if isinstance(number(str(path)), str) else '; a pair of numbers is one word: --branch "0.3 10"'
+        )
+        raise ConfigError([f"{path}: {error.strerror}{hint}"]) from None
+    for section, key in (("surface", "path"), ("solid", "relaxation")):
+        table = tables.get(section)
+        if isinstance(table, dict) and isinstance(table.get(key), str):
+            table[key] = str(path.parent / table[key])
+    return tables
+
+
+def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
+    merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
+    for section, keys in flags.items():
+        if section == "protocol":
+            merged[section] = keys["legs"]
+            continue
+        table = merged.setdefault(section, {})
+        if not isinstance(table, dict):  # a mistake of the file; it is reported
+            continue
+        for key in keys:
+            for rival in (*_RIVALS.get((section, key), ()), *_RIVALS.get((section, key, str(keys[key])), ())):
+                if rival not in keys:
+                    table.pop(rival, None)
+        table.update(keys)
+    for section, kinds in KINDS.items():
+        table = merged.setdefault(section, {})
+        if not isinstance(table, dict):
+            continue
+        chosen = flags.get(section, {})
+        if section == "surface" and "path" in chosen and "kind" not in chosen:
+            table["kind"] = "file"
+        usual = "file" if section == "surface" and "path" in table else next(iter(kinds))
+        table.setdefault("kind", usual)
+        _drop_foreign(kinds, table, tables.get(section), chosen)
+    return merged
+
+
+def _drop_foreign(
+    kinds: Mapping[str, type[BaseModel]], table: dict[str, Any], before: object, chosen: dict[str, object]
+) -> None:
+    """Where a flag replaces the file's kind, the file's keys for the old kind go with it."""
+    model = kinds.get(table["kind"]) if isinstance(table["kind"], str) else None
+    old = before.get("kind", next(iter(kinds))) if isinstance(before, dict) else table["kind"]
+    if model is None or old == table["kind"] or old not in kinds:
+        return
+    for key in set(kinds[old].model_fields) - set(model.model_fields) - set(chosen):
+        table.pop(key, None)

@@ -1,0 +1,457 @@
+"""The solids of a run: what each may be told, and the `asperity.Solid` that it makes of it."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from asperity.app.config.sections import (
+    Branch,
+    Constant,
+    Energy,
+    Modulus,
+    Power,
+    Pressure,
+    Section,
+    Size,
+    Stiffness,
+    Temperature,
+    Velocity,
+    Volume,
+    by_kind,
+    listed,
+)
+from asperity.errors import InputError
+
+if TYPE_CHECKING:  # these need numpy, for which the help does not wait
+    from asperity.relaxation import Fit, PronySeries
+    from asperity.solids import LocalCreep, Solid
+
+Poisson = Annotated[float, Field(gt=-1, le=0.5)]
+OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
+PerDecade = Annotated[float, Field(ge=0.2, le=10)]
+POISSON = 0.35
+"""Poisson's ratio of a prediction to which none is given."""
+_APPARATUS = "Stiffness of the apparatus that holds it, which may be inf; with it a separation can be held."
+_HARDNESS = "Pressure under which the rough surface yields; on the lattice of springs, force of a site."
+_SPAN = (1e-3, 1e6)
+"""First and last time to record where the solid suggests none."""
+
+ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
+OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | ACTIVATION
+"""Keys of local laws of creep."""
+
+PREDICTED = OF_LAWS | {
+    *("young", "poisson", "branches", "per_decade", "extrapolate", "creep", "permanent", "hardness")
+}
+"""Keys of a half-space that a prediction takes as flags."""
+
+_BEYOND = 10.0
+"""How far the recorded times go beyond the relaxation times on either side."""
+
+
+def _shares(branches: list[Branch]) -> list[Branch]:
+    if (total := sum(share for share, _ in branches)) > 1 + 1e-12:
+        raise ValueError(f"expected shares of at most 1 in sum, got {total:.6g}")
+    return branches
+
+
+class SolidSection(Section):
+    """A solid, of one kind or another."""
+
+    kind: str
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time to record where none is given."""
+        return _SPAN
+
+    @property
+    def known(self) -> tuple[float, float] | None:
+        """First and last time of which the solid is known, where that is limited."""
+        return None
+
+    @property
+    def assumed(self) -> str:
+        """What is assumed of the solid beyond what is known; empty where nothing is."""
+        return ""
+
+    def resolved(self) -> Self:
+        """The same solid without files: with the numbers that they give."""
+        return self
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What the function of `asperity.solids` that makes it takes; None for what is not given."""
+        raise NotImplementedError
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """The same without what is not given."""
+        return {name: value for name, value in self.arguments.items() if value is not None}
+
+    def build(self) -> Solid:
+        """Make the solid, by the function that is called like its kind."""
+        import asperity.solids as solids
+
+        make: Callable[..., Solid] = getattr(solids, self.kind)
+        return make(**self.given)
+
+
+def _kept(share: float) -> float:
+    from asperity.solids.continua import checked_permanent
+
+    try:
+        return checked_permanent(share)
+    except InputError as error:
+        raise ValueError(f"expected {error.expected}, got {error.got}") from None
+
+
+def _given(word: str | None) -> str | None:
+    """A choice, or nothing for the word none."""
+    return None if word == "none" else word
+
+
+def _listed(keys: set[str]) -> str:
+    """Keys for a message, marked, so that where they came as flags it can name these."""
+    return ", ".join(f"`{key}`" for key in sorted(keys))
+
+
+class Creeping(SolidSection):
+    """A solid that may creep by a local law."""
+
+    creep: Annotated[Literal["eyring", "norton", "none"] | None, AfterValidator(_given)] = Field(
+        default=None,
+        description="Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure, "
+        "or on the lattice of springs the force of a spring to the bulk.",
+    )
+    creep_rate: Velocity | None = Field(default=None, description="Its velocity v0.")
+    creep_stress: Pressure | None = Field(default=None, description="Its stress s0.")
+    creep_exponent: Annotated[float, Field(ge=1, le=100)] | None = Field(
+        default=None, description="Norton's exponent n."
+    )
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Self:
+        given = {name for name in OF_LAWS if getattr(self, name, None) is not None}
+        needed = [{"creep_rate", "creep_stress"}]
+        if isinstance(self, HalfSpace):
+            needed.append(ACTIVATION)
+        if self.creep == "norton":
+            needed = [{"creep_rate", "creep_stress", "creep_exponent"}]
+        told = _listed(given) or "none"
+        if self.creep is None and given:
+            laws = "eyring" if given & ACTIVATION else "eyring or norton"
+            if "creep_exponent" in given:
+                laws = "norton"
+            drop = told if getattr(self, "permanent", None) is None else f"{told}, `permanent`"
+            advice = f"; try to drop {drop}" if "creep" in self.model_fields_set else ""
+            raise ValueError(f"creep: expected {laws} beside {told}, got none{advice}")
+        if self.creep is not None and given not in needed:
+            expected = " or ".join(map(_listed, needed))
+            raise ValueError(f"creep: expected {expected} beside {self.creep}, got {told}")
+        return self
+
+    @property
+    def law(self) -> LocalCreep | None:
+        """The local law of creep."""
+        from asperity.solids import Eyring, Norton
+
+        if self.creep is None:
+            return None
+        rate, stress = self.creep_rate or 0.0, self.creep_stress or 0.0
+        if self.creep_exponent is not None:
+            return Norton(rate, stress, self.creep_exponent)
+        return Eyring(rate, stress)
+
+
+class SpringLattice(Creeping):
+    """The lattice of springs; see `asperity.solids.spring_lattice`."""
+
+    kind: Literal["spring_lattice"] = "spring_lattice"
+    k0: Constant = Field(default=1.0, description="Stiffness of the springs between neighbors.")
+    k1: Annotated[float, Field(gt=0, le=1e30)] = Field(
+        default=3.0, description="Stiffness of the springs to the bulk."
+    )
+    R: Constant = Field(default=1.0, description="Mobility of creep that conserves the mean.")
+    R_viscous: Constant = Field(default=0.0, description="Mobility of viscous creep.")
+    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `asperity.solids.spring_lattice` takes."""
+        springs = {name: getattr(self, name) for name in ("k0", "k1", "R", "R_viscous")}
+        return {**springs, "creep": self.law, "hardness": self.hardness}
+
+
+class Continuum(SolidSection):
+    """A solid with a modulus and with branches that relax."""
+
+    not_beside_a_modulus: ClassVar[tuple[str, ...]] = ()
+
+    modulus: Modulus | None = Field(
+        default=None, description="Contact modulus E* at once, before anything relaxes."
+    )
+    young: Annotated[list[Modulus], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None = (
+        Field(
+            default=None,
+            description="Young's modulus at once, in place of the contact modulus; of two bodies both.",
+        )
+    )
+    poisson: Annotated[list[Poisson], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None = (
+        Field(default=None, description="Poisson's ratio, of two bodies both.")
+    )
+    branches: Annotated[list[Branch], AfterValidator(_shares)] = Field(
+        default=[],
+        description="A share of the modulus and the time in which it relaxes; as often as there are such.",
+    )
+    relaxation: str | None = Field(
+        default=None,
+        description="Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
+        "that gives the branches; and Young's modulus, where no modulus is given.",
+    )
+    per_decade: PerDecade | None = Field(
+        default=None,
+        description="Relaxation times in each decade of that table: more of them for data with few distinct "
+        "times, fewer for noisy data. By default the fewest free times whose misfit looks like noise, "
+        "five at most, else 1 a decade.",
+    )
+    extrapolate: Literal["plateau"] | None = Field(
+        default=None,
+        description="What is assumed beyond the last time of that table: plateau, that the last modulus "
+        "stays. By default later times are refused.",
+    )
+
+    @model_validator(mode="after")
+    def _one_modulus(self) -> Self:
+        given = [name for name in ("modulus", "young") if getattr(self, name) is not None]
+        if len(given) == 2:
+            raise ValueError("expected modulus or young, got both")
+        if not given and self.relaxation is None:
+            raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
+        if self.modulus is None:
+            self._check_bodies()
+        for name in ("per_decade", "extrapolate"):
+            if self.relaxation is None and getattr(self, name) is not None:
+                raise ValueError(f"{name}: expected relaxation beside it, got none")
+        if self.relaxation is not None:
+            if self.branches:
+                raise ValueError("expected branches or relaxation, got both")
+            if len(self.young or [1]) > 1:
+                raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
+            try:
+                self._series()
+            except InputError as error:
+                raise ValueError(f"relaxation: {error}") from None
+        return self
+
+    def _check_bodies(self) -> None:
+        bodies, ratios = len(self.young or [1]), len(self.poisson or [])
+        if bodies != ratios:
+            advice = f"try poisson = {[POISSON] * bodies if bodies > 1 else POISSON}"
+            raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}; {advice}")
+
+    @property
+    def fit(self) -> Fit | None:
+        """The table, fitted."""
+        if self.relaxation is None:
+            return None
+        path = Path(self.relaxation)
+        changed = path.stat().st_mtime_ns if path.exists() else 0
+        return _fitted(path, self.per_decade, self.extrapolate, changed)
+
+    @property
+    def assumed(self) -> str:
+        """What is assumed beyond the table."""
+        return "" if self.fit is None else self.fit.assumed
+
+    def _series(self) -> PronySeries | None:
+        return None if self.fit is None else self.fit.series
+
+    @property
+    def maxwell(self) -> list[Branch]:
+        """Shares and relaxation times of all branches."""
+        series = self._series()
+        return self.branches if series is None else list(series.branches)
+
+    @property
+    def contact_modulus(self) -> float:
+        """Contact modulus at once."""
+        from asperity.solids import contact_modulus
+
+        if self.modulus is not None:
+            return self.modulus
+        series = self._series()
+        young = self.young or ([] if series is None else [series.modulus])
+        return contact_modulus(young, self.poisson or [])
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What all functions of `asperity.solids` that make continua take."""
+        return {"modulus": self.contact_modulus, "branches": self.maxwell or None}
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """From a tenth of the shortest relaxation time to ten times the longest; of a table, its times."""
+        if self.fit is not None:
+            return self.fit.data.span
+        times = self.times
+        return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
+
+    @property
+    def times(self) -> list[float]:
+        """Relaxation times."""
+        return [time for share, time in self.maxwell if share > 0]
+
+    @property
+    def known(self) -> tuple[float, float] | None:
+        """First and last time that a table knows of, or that are assumed beyond it; None without."""
+        series = self._series()
+        return None if series is None else series.span
+
+    def resolved(self) -> Self:
+        """The same solid with the branches and the modulus that a table gives."""
+        if self.relaxation is None:
+            return self
+        numbers: dict[str, object] = {"branches": self.maxwell, "relaxation": None, "per_decade": None}
+        numbers["extrapolate"] = None
+        if self.modulus is None and self.young is None:
+            numbers |= {"modulus": self.contact_modulus} | dict.fromkeys(self.not_beside_a_modulus)
+        return self.model_copy(update=numbers)
+
+
+class HalfSpace(Creeping, Continuum):
+    """A half-space; see `asperity.solids.half_space`."""
+
+    not_beside_a_modulus: ClassVar[tuple[str, ...]] = ("poisson",)
+
+    kind: Literal["half_space"] = "half_space"
+    flow: Power | None = Field(
+        default=None,
+        description="In place of branches: mobility of creep, and the power of the wave number with which "
+        "it goes (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface).",
+    )
+    creep_energy: Energy | None = Field(
+        default=None,
+        description="Energy of activation Q; with the next three it gives Eyring's v0 = prefactor "
+        "exp(-Q/kT) and s0 = kT/volume.",
+    )
+    creep_volume: Volume | None = Field(default=None, description="Volume of activation.")
+    creep_prefactor: Velocity | None = Field(default=None, description="Velocity v0 far above Q = kT.")
+    temperature: Temperature | None = Field(
+        default=None, description="Temperature of thermally activated creep."
+    )
+    permanent: Annotated[float, Field(ge=0, le=0.99), AfterValidator(_kept)] | None = Field(
+        default=None, description="Share of the modulus that does not creep by the local law. By default 0."
+    )
+    apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
+    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
+
+    @property
+    def law(self) -> LocalCreep | None:
+        """The local law of creep, from numbers or from its activation."""
+        from asperity.solids import Eyring
+
+        if self.temperature is None:
+            return super().law
+        numbers = (self.creep_energy, self.creep_volume, self.creep_prefactor)
+        energy, volume, prefactor = (number or 0.0 for number in numbers)
+        return Eyring.activated(
+            energy=energy, volume=volume, temperature=self.temperature, prefactor=prefactor
+        )
+
+    @model_validator(mode="after")
+    def _one_creep(self) -> Self:
+        if self.modulus is not None and self.poisson is not None:
+            raise ValueError("poisson: expected none beside the contact modulus, which holds it; try young")
+        if self.flow is not None and (self.branches or self.relaxation is not None):
+            raise ValueError("expected branches or flow, got both")
+        if self.permanent and self.creep is None:
+            raise ValueError(
+                "permanent: expected a local law of creep beside it, got none; of branches it is the rest; "
+                "try to drop permanent"
+            )
+        if self.creep is not None and (self.branches or self.relaxation is not None or self.flow is not None):
+            raise ValueError("expected branches, flow or creep, got two of them")
+        return self
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `asperity.solids.half_space` takes."""
+        crept = {"flow": self.flow, "permanent": self.permanent or None, "creep": self.law}
+        return {**super().arguments, "apparatus": self.apparatus, **crept, "hardness": self.hardness}
+
+
+class BesideTable(Section):
+    """Keys of a half-space that a prediction takes beside a relaxation table."""
+
+    poisson: OnePoisson | None = None
+    per_decade: PerDecade | None = None
+    extrapolate: Literal["plateau"] | None = None
+    hardness: Pressure | None = None
+    temperature: Temperature | None = None
+
+
+class Layer(Continuum):
+    """A layer on a rigid base; see `asperity.solids.layer`."""
+
+    kind: Literal["layer"] = "layer"
+    poisson: OnePoisson = Field(description="Poisson's ratio.")
+    thickness: Size = Field(description="Thickness of the layer or the film.")
+    frictionless: bool = Field(
+        default=False, description="The layer slides on its base without friction; else it is bonded to it."
+    )
+    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `asperity.solids.layer` takes."""
+        shape = {"poisson": self.poisson[0], "thickness": self.thickness}
+        bonded = False if self.frictionless else None
+        return {**super().arguments, **shape, "bonded": bonded, "hardness": self.hardness}
+
+
+class CoatedHalfSpace(Continuum):
+    """A film on a half-space of another material; see `asperity.solids.coated_half_space`."""
+
+    kind: Literal["coated_half_space"] = "coated_half_space"
+    poisson: OnePoisson = Field(description="Poisson's ratio.")
+    thickness: Size = Field(description="Thickness of the layer or the film.")
+    base_modulus: Modulus = Field(description="Contact modulus of the base at once.")
+    base_poisson: Poisson = Field(description="Poisson's ratio of the base.")
+    base_branches: Annotated[list[Branch], AfterValidator(_shares)] = Field(
+        default=[], description="A share of the modulus of the base and its relaxation time."
+    )
+    apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
+    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
+
+    @property
+    def times(self) -> list[float]:
+        """Relaxation times of film and base."""
+        return [*super().times, *(time for share, time in self.base_branches if share > 0)]
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What `asperity.solids.coated_half_space` takes."""
+        names = ("thickness", "apparatus", "base_modulus", "base_poisson", "hardness")
+        shape = {"poisson": self.poisson[0], **{name: getattr(self, name) for name in names}}
+        return {**super().arguments, **shape, "base_branches": self.base_branches or None}
+
+
+SOLIDS = by_kind(SpringLattice, HalfSpace, Layer, CoatedHalfSpace)
+AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(discriminator="kind")]
+
+
+@functools.lru_cache(maxsize=8)
+def _fitted(
+    path: Path, per_decade: float | None, extrapolate: Literal["plateau"] | None, changed: int
+) -> Fit:
+    """A table, fitted; ``changed`` tells one state of the file from another."""
+    from asperity.relaxation import fit, read
+
+    del changed
+    return fit(read(path), per_decade=per_decade, extrapolate=extrapolate)

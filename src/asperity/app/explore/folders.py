@@ -1,0 +1,210 @@
+"""What a folder holds that the page can show; no name leads out of it, and no link either."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import tomllib
+from collections import deque
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import asperity.results as results
+from asperity.analysis import aging_summary
+from asperity.app.campaign.gather import load_plan
+from asperity.app.campaign.plan import Plan, Run, name_of
+from asperity.app.campaign.store import QUANTITIES, Store
+from asperity.app.config import RunConfig, config_from
+from asperity.app.config.python import to_python
+from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
+from asperity.app.runs import recorded_times
+from asperity.errors import AsperityError, ConfigError, InputError
+from asperity.protocols import described
+from asperity.words import printable
+
+_DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
+"""Folders within folders that are looked into, results that are listed, and folders that are looked at."""
+
+_MOST_CURVES = 500
+"""Runs of a campaign whose curves are sent."""
+
+
+def inside(root: Path, name: str) -> Path:
+    """The place of a name in a folder, links followed; `InputError` if it lies outside, or is no name."""
+    pure = PurePosixPath(name)
+    if "\0" not in name and "\\" not in name and not pure.is_absolute() and ".." not in pure.parts:
+        with contextlib.suppress(UnicodeEncodeError):  # no disk has such a name
+            found = (root / pure).resolve()
+            if found.is_relative_to(root.resolve()):
+                return found
+    raise InputError("path", expected="a name in the folder that is shown", got=printable(name))
+
+
+def kind_of(folder: Path) -> str:
+    """``"run"``, ``"campaign"``, ``"prediction"``, or nothing."""
+    if (folder / "plan.json").is_file() and (folder / "runs.zarr").is_dir():
+        return "campaign"
+    if (folder / "history.zarr" / "zarr.json").is_file():
+        return "prediction" if (folder / "prediction.html").is_file() else "run"
+    if folder.suffix == ".zarr" and (folder / "heights" / "zarr.json").is_file():
+        return "run"
+    return ""
+
+
+def entries(root: Path) -> list[dict[str, str]]:
+    """Runs, campaigns and predictions of a folder, which may be one itself: path, kind and title."""
+    found: list[dict[str, str]] = []
+    waiting, seen = deque([(root, 0)]), 0
+    while waiting and len(found) < _MOST and seen < _MOST_SEEN:
+        folder, depth = waiting.popleft()
+        seen += 1
+        with contextlib.suppress(OSError):  # it is not ours to read, or has just gone
+            if kind := kind_of(folder):
+                path = folder.relative_to(root).as_posix()
+                title = folder.resolve().name if path == "." else path
+                found.append({"path": path, "kind": kind, "title": printable(title)})
+            elif depth < _DEEPEST:
+                inner = sorted(one for one in folder.iterdir() if one.name[0] not in "._")
+                waiting += [(one, depth + 1) for one in inner if one.is_dir() and not one.is_symlink()]
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """What was found under a name: a campaign, or a recording, or both."""
+
+    campaign: tuple[Header, Arrays] | None
+    recording: Recording | None
+    config: RunConfig | None
+
+
+def open_entry(root: Path, name: str) -> Opened:
+    """Open a run, a prediction, a campaign (its curves and its first run), or one run of a campaign.
+
+    `InputError` if there is no such thing, or it is damaged.
+    """
+    try:
+        return _opened(root, name)
+    except InputError as error:  # names on the page are those within the folder
+        got = str(error.got).replace(f"{root}{os.sep}", "")
+        raise InputError(error.name, expected=error.expected, got=got, advice=error.advice) from None
+    except AsperityError:
+        raise
+    except Exception as error:  # a damaged byte leads anywhere
+        got = f"{printable(name)}, which is damaged"
+        raise InputError("path", expected="results as asperity wrote them", got=got) from error
+
+
+def _opened(root: Path, name: str) -> Opened:
+    folder = inside(root, name)
+    kind = kind_of(folder)
+    if kind == "campaign":
+        plan, store = load_plan(folder), Store(folder)
+        done = store.done()
+        first = next((run for run in plan.runs if run.identity in done), None)
+        header, arrays = _campaign(plan, store, name, done)
+        if first is None:
+            return Opened((header, arrays), None, None)
+        return Opened((header, arrays), *_of_campaign(plan, store, first, name))
+    if kind:
+        recording, config = _finished(folder, name)
+        return Opened(None, recording, config)
+    above = PurePosixPath(name).parent.as_posix()
+    if kind_of(inside(root, above)) == "campaign":
+        plan, store = load_plan(inside(root, above)), Store(inside(root, above))
+        for run in plan.runs:
+            if run.identity == PurePosixPath(name).name:
+                return Opened(None, *_of_campaign(plan, store, run, above))
+    raise InputError("path", expected="a run, a campaign or a prediction", got=printable(name))
+
+
+def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
+    """A run of the command line, a saved history, or a prediction."""
+    dataset = results.load(folder)
+    config = _config(str(dataset.attrs.get("config", "")))
+    recording = recorded(dataset, config, job=job, title=printable(folder.resolve().name))
+    law = None if config is None else config.surface.law
+    held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
+    summary = aging_summary(dataset, law=law) if held else None
+    recording.end = ending(dataset, summary, remarks=_remarks(folder), seconds=None)
+    return _with_python(recording, config), config
+
+
+def _config(text: str) -> RunConfig | None:
+    """Configuration of a run as it was written, where it was."""
+    try:
+        return config_from(tomllib.loads(text), {}, None) if text else None
+    except (ConfigError, tomllib.TOMLDecodeError):  # of another version
+        return None
+
+
+def _with_python(recording: Recording, config: RunConfig | None) -> Recording:
+    if config is not None and recording.scene is not None:
+        recording.scene["python"] = to_python(config, recorded_times(config).tolist())
+    return recording
+
+
+def _remarks(folder: Path) -> list[str]:
+    """Remarks of a summary."""
+    try:
+        lines = (folder / "summary.txt").read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return []
+    return [line.removeprefix("remark").strip() for line in lines if line.startswith("remark ")]
+
+
+def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Header, Arrays]:
+    """What was swept, the runs, and their curves: arrays ``time.ID`` and ``area.ID``."""
+    running, failed = store.running(), store.failures()
+    names = [axis.name for axis in plan.axes] + (["seed"] if plan.seeds else [])
+    runs: list[Header] = []
+    arrays: Arrays = {}
+    for run in {run.identity: run for run in plan.runs}.values():
+        place = zip(plan.axes, run.point, strict=True)
+        state = "done" if run.identity in done else "running" if run.identity in running else "left"
+        state = "failed" if state == "left" and run.identity in failed else state
+        known: dict[str, Any] = {axis.name: axis.values[at] for axis, at in place}
+        known |= {"seed": run.seed} if plan.seeds else {}
+        runs.append({"id": run.identity, "state": state, "reason": failed.get(run.identity, ""), **known})
+        if state == "done" and len(arrays) < 2 * _MOST_CURVES:
+            series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
+            arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])
+            arrays[f"area.{run.identity}"] = np.ascontiguousarray(series["area"])
+    return {"kind": "campaign", "path": name, "parameters": names, "runs": runs}, arrays
+
+
+def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig]:
+    """One run of a campaign: its series, and where it kept fields its maps."""
+    finished = store.read(run)
+    config = _config(finished.config) or run.config
+    try:
+        dataset = store.fields(run)
+    except InputError:  # it kept none
+        rough = config.surface.build()
+        heights = rough.in_meters()[0] if finished.lattice.get("si") else rough.heights
+        dataset = xr.Dataset({"heights": (("y", "x")[2 - heights.ndim :], heights)})
+    dataset.attrs |= finished.lattice | {"solid": config.solid.kind}
+    if config.solid.kind == "spring_lattice":
+        dataset.attrs |= config.solid.model_dump(exclude={"kind"})
+    if config.protocol:
+        dataset.attrs["protocol"] = json.dumps([described(leg) for leg in config.legs])
+    series = dict(zip(QUANTITIES, finished.series, strict=True))
+    dataset = dataset.assign_coords(time=series["time"])
+    for quantity, (long_name, unit) in finished.described.items():
+        attrs = {"long_name": long_name, "units": unit}
+        if quantity == "leg" and config.protocol:
+            dataset = dataset.assign_coords(leg=("time", series["leg"].astype(int), attrs))
+        elif quantity not in ("time", "leg"):
+            dataset[quantity] = ("time", series[quantity], attrs)
+    dataset["time"].attrs.update(long_name="hold time", units=finished.described.get("time", ("", ""))[1])
+    dataset["heights"].attrs["units"] = finished.described.get("separation", ("", ""))[1]
+    if "relaxed_area" in finished.scalars:
+        dataset.attrs["relaxed_area"] = finished.scalars["relaxed_area"]
+    recording = recorded(dataset, config, job=f"{name}/{run.identity}", title=name_of(plan, run))
+    recording.end = ending(dataset, None, remarks=(), seconds=finished.scalars.get("seconds"))
+    return _with_python(recording, config), config

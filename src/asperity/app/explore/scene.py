@@ -1,0 +1,462 @@
+"""What the page shows of one run: a scene, its rows and maps, and how it ended; and all that as bytes.
+
+A message is the length of its header (uint32, little endian), the header (JSON, UTF-8), zeros up to a
+multiple of 8, and the arrays that the header lists under ``arrays``, each with zeros up to a multiple of 8.
+Heights and pressures are whole numbers from 0 to 65535 over a range that the header gives. A run that is
+computed, a run in a folder and an exported page give the same messages.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from asperity.aging import Frame
+from asperity.analysis import AgingSummary
+from asperity.analysis.field_values import pressure_of
+from asperity.analysis.legs import leg_table, numbers_of
+from asperity.analysis.maps import on_the_surface
+from asperity.app.config import RunConfig, to_tables, to_toml
+from asperity.errors import ConvergenceError, InputError
+from asperity.fits import growth_rate
+from asperity.lattice import Edges, Field, Mask
+from asperity.patches import patches
+from asperity.protocols import Slide, legs_of
+from asperity.results.dataset import Row, dataset_of, row_of
+from asperity.results.quantities import OF_MAPS
+
+Header = dict[str, Any]
+Arrays = dict[str, NDArray[Any]]
+
+_STEPS = 65535
+"""Values of a height or a pressure, from 0."""
+
+_TYPES = {"<f8": "f8", "<f4": "f4", "<u2": "u2", "|u1": "u1", "<i4": "i4"}
+
+_MOST_MAPS, _FEWEST_MAPS = 40, 6
+_BYTES = 64e6
+"""Maps of a scene, and about how many bytes all of them may take."""
+
+_A_MESSAGE = 4e6
+"""Bytes of maps after which a message is sent off."""
+
+_SERIES = ("area", "contact_fraction", "load", "separation", "residual")
+_OF_LENGTHS = ("contact_area", "contact_area_corrected")
+_OF_SOME = ("displacement", "yielding_area")
+_PATCHES = ("patches", "largest_patch_size", "mean_patch_size", "median_patch_size")
+"""What is known at the times of maps alone."""
+
+_MADE = {
+    "mean_pressure": "load over real contact area",
+    "friction": "static friction over that at first: real contact area over load (Tabor)",
+    "decade_growth": "growth of the area since the entry before, in areas at first, per decade of time since "
+    "the last switch",
+}
+
+
+def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]] | None = None) -> bytes:
+    """Make a message of a header and arrays; numbers that are not finite become null."""
+    listed, parts, offset = [], [], 0
+    for name, array in (arrays or {}).items():
+        raw = np.ascontiguousarray(array)
+        listed.append(
+            {"name": name, "dtype": _TYPES[raw.dtype.str], "shape": list(raw.shape), "offset": offset}
+        )
+        parts.append(_padded(raw.tobytes()))
+        offset += len(parts[-1])
+    # In ASCII: a name that is no UTF-8 has halves of pairs, which JSON can write and UTF-8 cannot.
+    words = json.dumps(finite({**header, "arrays": listed}), allow_nan=False).encode()
+    start = _padded(len(words).to_bytes(4, "little") + words)
+    return b"".join([start, *parts])
+
+
+def unpack(message: bytes) -> tuple[Header, Arrays]:
+    """Take a message of `pack` apart."""
+    length = int.from_bytes(message[:4], "little")
+    header: Header = json.loads(message[4 : 4 + length])
+    start = (4 + length + 7) // 8 * 8
+    arrays = {}
+    for one in header.pop("arrays"):
+        count = math.prod(one["shape"])
+        found = np.frombuffer(message, np.dtype(f"<{one['dtype']}"), count, start + one["offset"])
+        arrays[one["name"]] = found.reshape(one["shape"])
+    return header, arrays
+
+
+def finite(value: Any) -> Any:
+    """Put null where a number is not finite, which JSON cannot write."""
+    if isinstance(value, Mapping):
+        return {str(key): finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def json_tables(config: RunConfig) -> dict[str, Any]:
+    """A configuration as JSON can write it: an infinite stiffness or velocity is a word."""
+    tables: dict[str, Any] = _worded(to_tables(config))
+    return tables
+
+
+def _worded(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _worded(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_worded(one) for one in value]
+    return "inf" if value == math.inf else value
+
+
+def _padded(raw: bytes) -> bytes:
+    return raw + bytes(-len(raw) % 8)
+
+
+@dataclass(frozen=True, eq=False)
+class Map:
+    """Contacts of one moment: sites in contact as bits, row after row, and the pressure of each of them.
+
+    Number and sizes of the patches come with it, and where the solid yields, the sites that have, as bits.
+    """
+
+    time: float
+    leg: int
+    area: int
+    scale: float
+    bits: NDArray[np.uint8]
+    pressure: NDArray[np.uint16]
+    patches: Mapping[str, float]
+    yielded: NDArray[np.uint8] | None
+
+
+def map_of(
+    time: float,
+    leg: int,
+    in_contact: Mask,
+    pressure: Field,
+    edges: Edges = "periodic",
+    indentation: Field | None = None,
+) -> Map:
+    """Take a map from fields over the sites; without a permanent indentation nothing yields."""
+    values = pressure[in_contact]
+    scale = float(values.max(initial=0.0))
+    steps = np.rint(values * (_STEPS / scale)) if scale > 0 else values
+    sizes = patches(in_contact, edges=edges).sizes
+    some = sizes.astype(np.float64) if sizes.size else np.array([math.nan])
+    numbers = (sizes.size, float(some.max()), float(some.mean()), float(np.median(some)))
+    found = dict(zip(_PATCHES, numbers, strict=True))
+    yielded = None if indentation is None else np.packbits(indentation > 0)
+    return Map(
+        time, leg, values.size, scale, np.packbits(in_contact), steps.astype(np.uint16), found, yielded
+    )
+
+
+@dataclass
+class Cursor:
+    """How much of a recording has been sent to one reader."""
+
+    scene: bool = False
+    stage: str = ""
+    rows: int = 0
+    maps: int = 0
+    ended: bool = False
+
+
+@dataclass(eq=False)
+class Recording:
+    """All that is known of one run so far; readers come and go, each with a `Cursor`.
+
+    Attributes
+    ----------
+    job
+        Name of the run in messages.
+    scene, heights
+        Header of the scene, None before the solids touch; heights, shape (ny, nx).
+    rows
+        Entries of the time series, one number a column.
+    maps
+        Maps, in the order of time.
+    stage
+        What is being done.
+    end
+        Header of the last message, once there is one.
+    """
+
+    job: str
+    scene: Header | None = None
+    heights: NDArray[np.uint16] | None = None
+    rows: list[list[float]] = field(default_factory=list)
+    maps: list[Map] = field(default_factory=list)
+    stage: str = ""
+    end: Header | None = None
+
+    def begin(self, dataset: xr.Dataset, config: RunConfig | None, title: str, **facts: object) -> None:
+        """Describe the scene by a dataset of the run, however short."""
+        self.scene, self.heights = _scene(dataset, config, title)
+        self.scene |= facts
+
+    def add_row(self, row: Mapping[str, float]) -> None:
+        """Add an entry of the time series, by the names of the dataset."""
+        assert self.scene is not None
+        self.rows.append(_numbers(row, self.scene["columns"], self.rows, self.scene["switches"]))
+
+    @property
+    def size(self) -> int:
+        """Bytes that it takes, about."""
+        heights = 0 if self.heights is None else self.heights.nbytes
+        return (
+            heights + 200 * len(self.rows) + sum(one.bits.nbytes + one.pressure.nbytes for one in self.maps)
+        )
+
+    def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
+        """What a reader gets next: all that is new, or as much as makes a message; None for nothing."""
+        if self.stage != cursor.stage and self.end is None:
+            cursor.stage = self.stage
+            return {"kind": "stage", "job": self.job, "text": self.stage}, {}
+        if self.scene is not None and self.heights is not None and not cursor.scene:
+            cursor.scene = True
+            return {"kind": "scene", "job": self.job, **self.scene}, {"heights": self.heights}
+        if cursor.scene and (cursor.rows < len(self.rows) or cursor.maps < len(self.maps)):
+            return self._more(cursor)
+        if self.end is not None and not cursor.ended:
+            cursor.ended = True
+            return {"job": self.job, **self.end}, {}
+        return None
+
+    def messages(self) -> Iterator[bytes]:
+        """All messages, for one who was not there."""
+        cursor, number = Cursor(), 0
+        while (made := self.next(cursor)) is not None:
+            header, arrays = made
+            number += 1
+            yield pack({**header, "sequence": number}, arrays)
+
+    def _more(self, cursor: Cursor) -> tuple[Header, Arrays]:
+        arrays: Arrays = {"rows": np.array(self.rows[cursor.rows :], dtype=np.float64)}
+        if not arrays["rows"].size:
+            arrays["rows"] = np.empty((0, len(self.scene["columns"]) if self.scene else 0))
+        listed, taken, first = [], 0.0, cursor.maps
+        for number, one in enumerate(self.maps[first:], first):
+            after = number > 0 and self.maps[number - 1].time == one.time
+            listed.append(
+                {
+                    "index": number,
+                    "time": one.time,
+                    "leg": one.leg,
+                    "side": "after" if after else "",
+                    "area": one.area,
+                    "pressure_scale": one.scale,
+                    **one.patches,
+                }
+            )
+            arrays |= {f"bits.{number}": one.bits, f"pressure.{number}": one.pressure}
+            taken += one.bits.nbytes + one.pressure.nbytes
+            if one.yielded is not None:
+                arrays[f"yielded.{number}"] = one.yielded
+                taken += one.yielded.nbytes
+            if taken > _A_MESSAGE:
+                break
+        cursor.rows, cursor.maps = len(self.rows), first + len(listed)
+        times = {"time_now": self.rows[-1][0] if self.rows else 0.0}
+        times["last_time"] = self.scene["last_time"] if self.scene else 0.0
+        return {"kind": "rows", "job": self.job, **times, "maps": listed}, arrays
+
+
+def started(frame: Frame, config: RunConfig) -> xr.Dataset:
+    """Describe a run by its first moment, as `recorded` does by the whole."""
+    contact = frame.contact
+    return dataset_of(
+        contact,
+        contact.control,
+        config.legs or None,
+        False,
+        [row_of(frame, slides=_slides(config))],
+        [],
+        rtol=config.aging.rtol,
+    )
+
+
+def _slides(config: RunConfig) -> bool:
+    return bool(config.legs) and any(isinstance(leg, Slide) for leg in legs_of(config.legs))
+
+
+def of_frame(frame: Frame) -> tuple[Row, Map]:
+    """Entry and map of a moment that was just reached."""
+    contact = frame.contact
+    # The page shows the rough surface at rest, as `on_the_surface` does.
+    back, axes = [-round(sites) for sites in frame.shift], tuple(range(len(frame.shift)))
+    in_contact, pressure = np.roll(contact.in_contact, back, axes), np.roll(contact.pressure, back, axes)
+    yields = contact.solid.yields
+    indentation = np.roll(contact.permanent_indentation, back, axes) if yields else None
+    edges = contact.lattice.edges
+    found = map_of(frame.time, frame.leg, in_contact, pressure, edges, indentation)
+    return row_of(frame, slides=True), found
+
+
+def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: str) -> Recording:
+    """Make the recording of a finished history: rows, and the maps that it kept."""
+    recording = Recording(job)
+    recording.begin(dataset, config, title)
+    names = [
+        name
+        for name in ("time", *_SERIES, *_OF_LENGTHS, *_OF_SOME, "mean_contact_pressure")
+        if name in dataset
+    ]
+    series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
+    for number in range(dataset.sizes["time"]):
+        recording.add_row({name: values[number] for name, values in series.items()})
+    count = dataset.sizes.get("field_time", 0)
+    legs = dataset["field_leg"].values.tolist() if "field_leg" in dataset.coords else [0] * count
+    placed = on_the_surface(dataset)
+    for number in _spread(count, most_maps(dataset["heights"].size)):
+        one = placed.isel(field_time=number)
+        mask = np.asarray(one["in_contact"], dtype=bool)
+        pressure = pressure_of(one)
+        assert pressure is not None, "a history knows its springs"
+        depth = one["permanent_indentation"].values if "permanent_indentation" in one else None
+        edges = dataset.attrs["edges"]
+        time = float(one["field_time"])
+        recording.maps.append(map_of(time, int(legs[number]), mask, pressure, edges, depth))
+    return recording
+
+
+def ending(
+    dataset: xr.Dataset, summary: AgingSummary | None, *, remarks: Sequence[str], seconds: float | None
+) -> Header:
+    """Header of the message that ends a run: the limit, what fits the growth, the effort."""
+    limit = dataset.attrs.get("relaxed_area")
+    cell = math.prod(json.loads(dataset.attrs["spacing"])) if "contact_area" in dataset else None
+    known = None
+    if limit is not None:
+        known = {"area": int(limit), "contact_area": None if cell is None else limit * cell}
+    effort = {name: int(dataset[name].sum()) for name in ("steps", "iterations") if name in dataset}
+    return {
+        "kind": "done",
+        "limit": known,
+        "fit": None if "protocol" in dataset.attrs else _fit(dataset, summary),
+        "effort": {**effort, "seconds": seconds},
+        "remarks": list(remarks),
+    }
+
+
+def _fit(dataset: xr.Dataset, summary: AgingSummary | None) -> Header:
+    """Growth per decade over all times, with its 95 % interval, in areas at first; and the fitted law."""
+    found: Header = {"note": "", "growth": None, "law": None, "steepest": None}
+    try:
+        rate = growth_rate(dataset["time"].values, dataset["area"].values.astype(np.float64))
+    except (InputError, ConvergenceError):
+        rate = None
+    if rate is not None:
+        low, high = (math.log(10) * edge for edge in rate.interval("B"))
+        growth = {"per_decade": math.log(10) * rate.B, "low": low, "high": high, "straight": rate.straight}
+        found["growth"] = growth | {"first": rate.first, "last": rate.last}
+    if summary is None:
+        return found
+    found["note"] = summary.fit_note
+    found["steepest"] = {"per_decade": summary.steepest_per_decade, "time": summary.steepest_time}
+    if (law := summary.fit) is not None:
+        found["law"] = {name: getattr(law, name) for name in ("a", "q", "t0", "C", "rms_residual")}
+    return found
+
+
+def most_maps(sites: int) -> int:
+    """Maps of a lattice that are worth their bytes, were a quarter of its sites in contact."""
+    return int(min(_MOST_MAPS, max(_FEWEST_MAPS, _BYTES / (0.625 * sites))))
+
+
+def mapped(times: Sequence[float], switches: Sequence[float], sites: int) -> set[float]:
+    """Times at which to take a map: spread over those recorded, and always the first, last and switches."""
+    recorded = sorted({0.0, *times})
+    chosen = [recorded[number] for number in _spread(len(recorded), most_maps(sites))]
+    return {*chosen, *switches[: _MOST_MAPS - 1]}
+
+
+def _spread(count: int, most: int) -> list[int]:
+    """Whole numbers below ``count``, evenly spread, with the first and the last."""
+    if count <= most:
+        return list(range(count))
+    return sorted(set(np.linspace(0, count - 1, most).round().astype(int).tolist()))
+
+
+def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[Header, NDArray[np.uint16]]:
+    heights = np.atleast_2d(np.asarray(dataset["heights"], dtype=np.float64))
+    low, high = float(heights.min()), float(heights.max())
+    steps = np.rint((heights - low) * (_STEPS / (high - low) if high > low else 0.0)).astype(np.uint16)
+    lengths = "contact_area" in dataset
+    series = [*_SERIES[:2], *(_OF_LENGTHS if lengths else ()), *_SERIES[2:]]
+    series += [name for name in _OF_SOME if name in dataset]
+    columns = ["time", "leg", *series, *_MADE]
+    long_names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
+    unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
+    pressure = f"{unit['load']} / site"
+    if lengths:
+        pressure = str(dataset["mean_contact_pressure"].attrs["units"])
+    spacing = json.loads(dataset.attrs["spacing"])
+    steps_between = [1.0, *spacing][-2:]
+    switches = [row.begin for row in leg_table(dataset)[1:]]
+    header = {
+        "title": title,
+        "config": None if config is None else json_tables(config),
+        "toml": "" if config is None else to_toml(config),
+        "shape": list(heights.shape),
+        "edges": dataset.attrs["edges"],
+        "spacing": steps_between if lengths else None,
+        "length_unit": str(dataset["x"].attrs.get("units", "")) if lengths else None,
+        "units": {
+            "time": unit["time"],
+            "area": unit["contact_area" if lengths else "area"],
+            "load": unit["load"],
+            "pressure": pressure,
+            "height": unit["heights"],
+            "separation": unit["separation"],
+        },
+        "names": long_names
+        | {"leg": "leg of the history, from 0"}
+        | {name: OF_MAPS[name][0] for name in _PATCHES}
+        | _MADE,
+        "column_units": unit
+        | {name: OF_MAPS[name][1] for name in _PATCHES}
+        | {"leg": "1", "mean_pressure": pressure, "friction": "1", "decade_growth": "1"},
+        "columns": columns,
+        "map_columns": list(_PATCHES),
+        "switches": sorted(set(switches)),
+        "last_time": float(dataset["time"][-1]),
+        "height_range": [low, high],
+        "shear_strength": None if config is None else config.friction.shear_strength,
+        "remarks": [],
+    }
+    return header, steps
+
+
+def _numbers(
+    row: Mapping[str, float],
+    columns: Sequence[str],
+    before: Sequence[Sequence[float]],
+    switches: Sequence[float],
+) -> list[float]:
+    """One entry, in the order of the columns; what is made of others is NaN where it means nothing."""
+    area, load, time = float(row["area"]), float(row["load"]), float(row["time"])
+    leg = int(row.get("leg", 0))
+    made = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
+    pressure = row.get("mean_contact_pressure")
+    made["mean_pressure"] = (load / area if area else 0.0) if pressure is None else pressure
+    at = {name: number for number, name in enumerate(columns)}
+    first = before[0] if before else None
+    area_at_first = area if first is None else first[at["area"]]
+    load_at_first = load if first is None else first[at["load"]]
+    if load > 0 and load_at_first > 0 and area_at_first > 0:
+        made["friction"] = (area / area_at_first) * (load_at_first / load)
+    if before and area_at_first > 0:
+        last, since = before[-1], max((switch for switch in switches if switch < time), default=0.0)
+        earlier = last[at["time"]] - since
+        if leg == last[at["leg"]] and 0 < earlier < time - since:
+            growth = (area - last[at["area"]]) / area_at_first
+            made["decade_growth"] = growth / math.log10((time - since) / earlier)
+    return [float(made[name] if name in made else row[name]) for name in columns]

@@ -1,0 +1,469 @@
+"""The server of the page: on this machine alone, for pages of its own alone.
+
+A browser lets any page send requests to 127.0.0.1. So the host that a request names must be this server
+(another name may have been pointed here), and what changes something must come from our own page (Origin).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import math
+import socket
+import tempfile
+import webbrowser
+from collections.abc import AsyncIterator, Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from asperity._version import __version__
+from asperity.app.config import RunConfig, config_from, to_toml
+from asperity.app.config.keys import sections
+from asperity.app.explore.export import exported_page, page_files
+from asperity.app.explore.folders import Opened, entries, inside, open_entry
+from asperity.app.explore.jobs import Job, Jobs, Shown, mistakes_of
+from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, json_tables, pack
+from asperity.app.runs.pipeline import completed
+from asperity.errors import ConfigError, InputError
+from asperity.words import brief
+
+HOST = "127.0.0.1"
+USUAL_PORT, _PORTS = 8765, 20
+"""Port that is tried first, and how many are tried."""
+
+PER_DECADE = 8
+"""Times in each decade of a run that does not say: twice as many as on the command line."""
+
+EDGES = "reflect"
+"""Edges of a scan that does not say: it is taken once, as a prediction takes it."""
+
+_LONGEST_CHECK, _LONGEST_UPLOAD = 30.0, 600.0
+"""Seconds after which a configuration that is still being checked, or a file that still comes, is refused."""
+
+_LARGEST_FILE, _LARGEST_FILES = 200_000_000, 1_000_000_000
+"""Bytes of one file that is dropped on the page, and of all."""
+
+_LARGEST_REQUEST, _MOST_OPENED = 2**20, 4
+"""Bytes of a message of a page; results of the folder that are kept in memory."""
+
+_TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "media-src blob:; connect-src 'self' ws://{host}; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'"
+)
+
+
+class Places:
+    """The folder that is shown, and the files that were dropped on the page."""
+
+    def __init__(self, root: Path | None, uploads: Path) -> None:
+        self.root, self.uploads = root, uploads
+        self._named: set[Path] = set()
+
+    def allow(self, config: RunConfig | None) -> None:
+        """Let the surface of a run that was opened be read, wherever it lies."""
+        path = getattr(config.surface, "path", None) if config is not None else None
+        if path is not None:
+            self._named.add(Path(path).resolve())
+
+    def find(self, name: str) -> Path:
+        """The file of a name: in the folder, among the dropped ones, or of a run that was opened.
+
+        `InputError` if it lies elsewhere.
+        """
+        path, homes = Path(name), [home for home in (self.root, self.uploads) if home is not None]
+        if path.is_absolute():
+            found = path.resolve()
+            known = found in self._named or any(found.is_relative_to(home.resolve()) for home in homes)
+            choices = [found] if known else []
+        else:
+            choices = [inside(home, name) for home in homes]
+        if file := next((one for one in choices if one.is_file()), None):
+            return file
+        expected = "a file that was dropped on the page, or lies in the folder that is shown"
+        raise InputError("path", expected=expected, got=name, advice="dropping it on the page")
+
+
+def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
+    """Check a configuration that a page sent; null stands for a key that is not given.
+
+    `ConfigError` with one line for each mistake.
+    """
+    if not isinstance(tables, dict):
+        raise ConfigError(["expected the sections of a configuration"])
+    known: dict[str, Any] = {
+        section: {key: one for key, one in table.items() if one is not None}
+        if isinstance(table, dict)
+        else table
+        for section, table in tables.items()
+        if table != []
+    }
+    aging, surface = known.setdefault("aging", {}), known.get("surface")
+    if isinstance(aging, dict) and "times" not in aging:
+        aging.setdefault("per_decade", PER_DECADE)
+    if isinstance(surface, dict) and surface.get("kind", "file" if "path" in surface else "") == "file":
+        surface.setdefault("periodic", EDGES)
+    shown: Shown = {}
+    for section, key in (("surface", "path"), ("solid", "relaxation")):
+        table = known.get(section)
+        if isinstance(table, dict) and isinstance(name := table.get(key), str):
+            try:
+                table[key] = str(places.find(name))
+            except InputError as error:
+                said = str(error).removeprefix("path: ")
+                raise ConfigError([f"[{section}] {key}: {said}"]) from None
+            shown[table[key]] = name
+    solid = known.get("solid")
+    if isinstance(solid, dict) and solid.get("apparatus") == "inf":
+        solid["apparatus"] = math.inf
+    return config_from(known, {}, None), shown
+
+
+class Session:
+    """One page that is connected: what it looks at, and how much of that it has been sent.
+
+    The next message is made when the last was acknowledged, of all that is new by then. So a slow page
+    gets larger messages, and nothing queues up.
+    """
+
+    def __init__(self, websocket: WebSocket, server: Server) -> None:
+        self._websocket, self._server = websocket, server
+        self._pending: dict[str, tuple[Header, Arrays]] = {}
+        self._job: Job | None = None
+        self._recording: Recording | None = None
+        self._cursor = Cursor()
+        self._news, self._acknowledged = asyncio.Event(), asyncio.Event()
+        self._sequence = 0
+        self._opening: asyncio.Task[None] | None = None
+
+    async def run(self) -> None:
+        """Serve the page until it goes."""
+        await self._websocket.accept()
+        self._put(await asyncio.to_thread(self._server.hello))
+        sender = asyncio.create_task(self._send())
+        try:
+            while True:
+                message = json.loads(await self._websocket.receive_text())
+                if isinstance(message, dict):
+                    await self._take(message)
+        except (WebSocketDisconnect, ValueError, RecursionError, KeyError):
+            pass  # gone, or no page of ours
+        finally:
+            sender.cancel()
+            self._leave(at_once=False)
+            with contextlib.suppress(asyncio.CancelledError, RuntimeError, WebSocketDisconnect):
+                await sender
+            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+                await self._websocket.close()
+
+    async def _take(self, message: dict[str, Any]) -> None:
+        kind = message.get("kind")
+        if kind == "ack":
+            if message.get("sequence") == self._sequence:
+                self._acknowledged.set()
+        elif kind in ("run", "form"):
+            await self._check(message.get("config"), runs=kind == "run")
+        elif kind == "open":
+            self._later(self._open(str(message.get("path"))))
+        elif kind == "stop" and self._job is not None:
+            job = self._leave(at_once=True)
+            said = [{"where": "", "text": "stopped"}]
+            self._put(({"kind": "failed", "job": job, "mistakes": said}, {}))
+
+    def _later(self, work: Any) -> None:
+        """Do one thing after another without keeping the page waiting: the last one counts."""
+        if self._opening is not None:
+            self._opening.cancel()
+        self._opening = asyncio.create_task(work)
+
+    async def _check(self, tables: object, *, runs: bool) -> None:
+        """Check a configuration, and run it if it shall be."""
+        try:
+            async with asyncio.timeout(_LONGEST_CHECK):
+                config, shown = await asyncio.to_thread(read_request, tables, self._server.places)
+        except TimeoutError:
+            said = f"checking took more than {_LONGEST_CHECK:g} s; try a smaller table, or a shorter history"
+            self._put(({"kind": "mistakes", "job": "", "mistakes": [{"where": "", "text": said}]}, {}))
+            return
+        except Exception as error:  # said to the user, in the page
+            self._put(({"kind": "mistakes", "job": "", "mistakes": mistakes_of(error)}, {}))
+            return
+        if runs and self._opening is not None:
+            self._opening.cancel()
+        if not runs:
+            checked = {"kind": "config", "config": json_tables(config), "toml": to_toml(config)}
+            self._put((checked, {}))
+            return
+        self._watch(self._server.jobs.ask(config, shown, _title(config)))
+
+    async def _open(self, path: str) -> None:
+        """Open what the folder holds."""
+        try:
+            opened = await self._server.open(path)
+        except Exception as error:  # said to the user, in the page
+            said = [{"where": "", "text": one["text"]} for one in mistakes_of(error)]
+            self._put(({"kind": "failed", "job": path, "mistakes": said}, {}))
+            return
+        self._leave(at_once=True)
+        if opened.campaign is not None:
+            self._put(opened.campaign)
+        self._recording, self._cursor = opened.recording, Cursor()
+        self._news.set()
+
+    def _watch(self, job: Job) -> None:
+        before = self._job
+        job.watchers.add(self._news.set)
+        if before is not None and before is not job:
+            self._server.jobs.leave(before, self._news.set, at_once=True)
+        self._job, self._recording, self._cursor = job, job.recording, Cursor()
+        self._news.set()
+
+    def _leave(self, *, at_once: bool) -> str:
+        job, self._job, self._recording = self._job, None, None
+        if job is None:
+            return ""
+        self._server.jobs.leave(job, self._news.set, at_once=at_once)
+        return job.recording.job
+
+    def _put(self, message: tuple[Header, Arrays]) -> None:
+        """Have a message sent; a later one of the same kind takes its place."""
+        self._pending[str(message[0]["kind"])] = message
+        self._news.set()
+
+    def _next(self) -> tuple[Header, Arrays] | None:
+        if self._pending:
+            return self._pending.pop(next(iter(self._pending)))
+        return None if self._recording is None else self._recording.next(self._cursor)
+
+    async def _send(self) -> None:
+        """Send what is new; a fault of it ends the connection, or the page would wait for ever."""
+        try:
+            while True:
+                if (message := self._next()) is None:
+                    self._news.clear()
+                    await self._news.wait()
+                    continue
+                header, arrays = message
+                self._sequence += 1
+                self._acknowledged.clear()
+                await self._websocket.send_bytes(pack({**header, "sequence": self._sequence}, arrays))
+                await self._acknowledged.wait()
+        except Exception:
+            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+                await self._websocket.close(1011)
+            raise
+
+
+class Server:
+    """The application, and what all its pages share."""
+
+    def __init__(self, root: Path | None, uploads: Path) -> None:
+        self.places = Places(root, uploads)
+        self.jobs: Jobs
+        self._opened: dict[str, Opened] = {}
+        self.app = Starlette(
+            routes=[
+                WebSocketRoute("/socket", self._socket),
+                Route("/files/{name}", self._take_file, methods=["POST"]),
+                Route("/shell.html", self._shell),
+                Route("/{name}", self._file),
+                Route("/", self._file),
+            ],
+            lifespan=self._lifespan,
+        )
+
+    @contextlib.asynccontextmanager
+    async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        self.jobs = Jobs()
+        try:
+            yield
+        finally:
+            self.jobs.close()
+
+    def hello(self) -> tuple[Header, Arrays]:
+        """What a page is told first."""
+        form = {
+            section: {kind: {name: asdict(key) for name, key in keys.items()} for kind, keys in kinds.items()}
+            for section, kinds in sections().items()
+        }
+        form["aging"][""]["per_decade"]["default"] = PER_DECADE
+        form["surface"]["file"]["periodic"]["default"] = EDGES
+        config, _ = read_request({}, self.places)
+        usual, _ = completed(config, config.surface.build())
+        usual = usual.model_copy(update={"output": config.output})
+        root = self.places.root
+        return {
+            "kind": "hello",
+            "version": __version__,
+            "form": form,
+            "defaults": json_tables(usual),
+            "folder": None if root is None else entries(root),
+            "limits": {"file": _LARGEST_FILE},
+        }, {}
+
+    async def open(self, path: str) -> Opened:
+        """Open what the folder holds; what has been opened last is kept."""
+        root = self.places.root
+        if root is None:
+            raise InputError("path", expected="a server that shows a folder", got=path)
+        if path not in self._opened or self._opened[path].campaign is not None:
+            opened = await asyncio.to_thread(open_entry, root, path)
+            self.places.allow(opened.config)
+            while len(self._opened) >= _MOST_OPENED:
+                del self._opened[next(iter(self._opened))]
+            self._opened[path] = opened
+        return self._opened[path]
+
+    async def _socket(self, websocket: WebSocket) -> None:
+        await Session(websocket, self).run()
+
+    async def _file(self, request: Request) -> Response:
+        name = request.path_params.get("name", "index.html")
+        files = page_files()
+        if name not in files:
+            return Response("not found", 404)
+        return Response(files[name], media_type=_TYPES.get(Path(name).suffix, "application/octet-stream"))
+
+    async def _shell(self, _: Request) -> Response:
+        """The page for export, without a recording: the page that asks has it."""
+        return Response(exported_page([], title="Asperity"), media_type="text/html")
+
+    async def _take_file(self, request: Request) -> Response:
+        """Keep a file that was dropped on the page."""
+        name = request.path_params["name"]
+        uploads = self.places.uploads
+        if name in (".", "..") or name.startswith(".") or not name.isprintable() or set(name) & set("/\\:"):
+            return _refused(f"expected the name of a file, got {name!r}", 400)
+        size = 0
+        try:
+            kept = sum(one.stat().st_size for one in uploads.iterdir() if one.is_file())
+            # A name of its own: that of the file may be as long as the disk allows.
+            with tempfile.TemporaryDirectory(prefix=".", dir=uploads) as folder:
+                part = Path(folder) / "part"
+                async with asyncio.timeout(_LONGEST_UPLOAD):
+                    with part.open("wb") as stream:
+                        async for chunk in request.stream():
+                            size += len(chunk)
+                            if size > _LARGEST_FILE or kept + size > _LARGEST_FILES:
+                                said = f"{name}: expected at most {_LARGEST_FILE // 1_000_000} MB, got more"
+                                return _refused(said, 413)
+                            stream.write(chunk)
+                part.replace(uploads / name)
+        except ClientDisconnect:
+            return _refused(f"{name}: the connection ended before the file did", 400)
+        except OSError as error:
+            return _refused(f"{brief(name, 80)}: {error.strerror or 'the file did not come to its end'}", 400)
+        return JSONResponse({"path": name})
+
+
+def _refused(text: str, status: int) -> Response:
+    return JSONResponse({"mistakes": [{"where": "surface.path", "text": text}]}, status)
+
+
+def _title(config: RunConfig) -> str:
+    """Name a run in a few words."""
+    surface = config.surface
+    path, lattice = getattr(surface, "path", None), surface.lattice
+    sites = "" if lattice is None else f", {' x '.join(map(str, lattice))}"
+    named = Path(path).name if path else surface.kind.replace("_", " ")
+    return f"{named}{sites} on a {config.solid.kind.replace('_', ' ')}"
+
+
+class OwnPagesOnly:
+    """Refuse requests that name another host or come from another page, and tell browsers to be strict."""
+
+    def __init__(self, app: ASGIApp, port: int) -> None:
+        self._app = app
+        self._hosts = {f"{name}:{port}" for name in ("localhost", HOST, "[::1]")}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Check a request, and hand it on."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        given = [(name, one.decode("latin-1")) for name, one in scope["headers"]]
+        hosts, origins = ([one for name, one in given if name == wanted] for wanted in (b"host", b"origin"))
+        host = hosts[0] if len(hosts) == 1 else ""  # one of each: of two nobody can say which counts
+        changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
+        own = origins == [f"http://{host}"] or (not origins and not changes)
+        if host not in self._hosts or not own:
+            await _turn_away(scope, receive, send)
+            return
+
+        async def send_strictly(message: Any) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [
+                    *message["headers"],
+                    (b"content-security-policy", _POLICY.format(host=host).encode()),
+                    (b"x-content-type-options", b"nosniff"),
+                    (b"referrer-policy", b"no-referrer"),
+                    (b"cross-origin-resource-policy", b"same-origin"),
+                    (b"cache-control", b"no-store"),
+                ]
+            await send(message)
+
+        await self._app(scope, receive, send_strictly)
+
+
+async def _turn_away(scope: Scope, receive: Receive, send: Send) -> None:
+    if scope["type"] == "websocket":
+        await receive()
+        await send({"type": "websocket.close", "code": 1008})
+        return
+    await Response("asperity explore serves its own page alone", 403)(scope, receive, send)
+
+
+def free_socket(port: int | None) -> socket.socket:
+    """Take a port of this machine: that one, or the next free one after the usual; else `InputError`."""
+    for number in [port] if port is not None else [*range(USUAL_PORT, USUAL_PORT + _PORTS), 0]:
+        taken = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        taken.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            taken.bind((HOST, number))
+            taken.listen()  # from now on: a browser that is quicker than the server waits
+        except OSError as error:
+            taken.close()
+            reason = error.strerror or str(error)
+        else:
+            return taken
+    got = f"{port}: {reason}" if port is not None else reason
+    raise InputError("--port", expected="a free port", got=got, advice="another one, or none")
+
+
+def serve(root: Path | None, *, port: int | None, told: Callable[[str], None], browser: bool) -> None:
+    """Serve the page, with a folder if any, until the process is interrupted.
+
+    The port is a free one by default; the address is told, and opened in a browser if wanted.
+    """
+    listening = free_socket(port)
+    number = listening.getsockname()[1]
+    address = f"http://{HOST}:{number}/"
+    with tempfile.TemporaryDirectory(prefix="asperity-") as uploads:
+        app = OwnPagesOnly(Server(root, Path(uploads)).app, number)
+        settings = uvicorn.Config(
+            app,
+            log_level="error",
+            lifespan="on",
+            ws="websockets-sansio",
+            proxy_headers=False,
+            ws_max_size=_LARGEST_REQUEST,
+            ws_per_message_deflate=False,
+            timeout_graceful_shutdown=1,
+        )
+        server = uvicorn.Server(settings)
+        told(address)
+        if browser:
+            webbrowser.open(address)
+        with contextlib.suppress(KeyboardInterrupt):
+            server.run(sockets=[listening])

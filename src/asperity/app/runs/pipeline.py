@@ -1,0 +1,356 @@
+"""One run: a configuration in, a history with its limit and its summary out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from asperity.aging.legs import check_slides
+from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
+from asperity.analysis.scan import written
+from asperity.app.config import MeasuredSurface, RunConfig, to_toml
+from asperity.app.config.models import Aging, AnyLeg, Independent, RepeatLeg, SlideLeg
+from asperity.app.config.models import Contact as ContactSection
+from asperity.app.config.solids import Continuum
+from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load, modest_pressure
+from asperity.contact import Contact
+from asperity.contact.bodies import bodies_of
+from asperity.errors import ConvergenceError, InputError
+from asperity.friction import ShearStrength, add_friction
+from asperity.lattice import Field
+from asperity.memory import require
+from asperity.progress import Progress
+from asperity.protocols import Hold, Ramp, Schedule, Slide, legs_of
+from asperity.results import Checkpoint, History
+from asperity.simulate import age, press, relax
+from asperity.solids import Solid
+from asperity.surfaces import Surface
+from asperity.words import InUnits, written_with_units
+
+_REMARKED_SEAM = 3.0
+"""Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
+
+_SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 204, 360, 115, 40, 16
+"""Bytes a site that a run needs by cycles and by transforms, that each branch of the latter adds after the
+first, that each map adds, and each branch in it after the first.
+
+Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six;
+for branches on half-spaces of 512 x 512 with one, three and six of them, held and unloaded: at most 390, 590
+and 990 with two maps.
+"""
+
+_LOCAL, _SHARED = 400, 720
+"""The same by local creep on a half-space, and where a share of that is permanent.
+
+Measured: 431 and 704 with one map of 512 x 512 sites, 760 with a hardness, 778 with six maps.
+"""
+
+_IN_RAMP = 12
+"""Times recorded in a ramp, evenly spread."""
+
+_MODULI, _LIGHT, _SOFT = (1e2, 2e12), 1e-9, 1e-7
+"""Moduli of solids, Pa; in units of the modulus, the least pressure that leaves a contact to be seen, and the
+least hardness and shear strength."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """All that a run found.
+
+    Attributes
+    ----------
+    config
+        The configuration with nothing left open: reading it again gives the same result.
+    dataset
+        The history, with the relaxed state where there is one.
+    summary
+        Its analysis; None under a protocol, where the area follows no law of growth.
+    remarks
+        What the user should know: a choice that was made, a result that is missing.
+    """
+
+    config: RunConfig
+    dataset: xr.Dataset
+    summary: AgingSummary | None
+    remarks: tuple[str, ...]
+
+
+def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | None = None) -> Outcome:
+    """Run the engine's verbs one after the other.
+
+    Parameters
+    ----------
+    config
+        What to run.
+    progress
+        Who is told how far it has come.
+    checkpoint
+        Where aging keeps its place; see `asperity.age`.
+
+    Raises
+    ------
+    AsperityError
+        As the engine does.
+    """
+    made = config.surface.lattice
+    solid = config.solid.build()
+    if made is not None:
+        _require_memory(made, solid, config)
+    progress.stage("making the surface")
+    rough = config.surface.build()
+    if made is None:
+        _require_memory(rough.shape, solid, config)
+    check_units(config, solid, rough)
+    _shear_strength(config)  # refuses before hours have passed, as does the next
+    bodies = bodies_of(rough, solid)  # refuses before anything is compiled
+    if config.protocol:
+        check_slides(legs_of(config.legs), bodies.lattice, solid)
+    config, remarks = completed(config, rough)
+    progress.completed(config)
+    for remark in remarks:
+        progress.remark(remark)
+    contact = _press(rough, solid, config, progress)
+    if config.output.instrument:
+        observe(contact, **config.output.instrument)  # refuses before hours have passed
+    history = _age(contact, config, progress, checkpoint)
+    dataset = _with_friction(_observed(history.dataset, config), config)
+    if config.protocol:
+        return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
+    progress.stage("finding the relaxed state")
+    dataset, late_remarks = _with_limit(dataset, contact, config)
+    dataset = dataset.assign_attrs(config=to_toml(config))
+    return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks + late_remarks)
+
+
+def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
+    """Refuse a run that would be killed for want of memory after minutes or hours."""
+    maps = config.output.maps_at
+    needed = bytes_a_site(solid, shape, USUAL_MAPS if maps is None else len(maps))
+    require(needed, shape, power_of_two=config.surface.only_powers_of_two)
+
+
+def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int) -> int:
+    """Bytes of memory a site that a run needs, with so many maps."""
+    springs, more = solid.springs, max(len(solid.branches) - 1, 0)
+    cycles = len(shape) == 2 and min(shape) >= 4 and springs is not None and springs.k0 > 0
+    needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
+    if springs is None and solid.creep is not None:
+        needed = _SHARED if "permanent" in solid.parameters else _LOCAL
+    return needed + maps * (_MAP + _MAPPED_BRANCH * more)
+
+
+def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
+    """Refuse numbers with units where nothing else has any."""
+    if solid.in_lengths and rough.has_lengths:
+        return
+    if (text := next(written_with_units(config.model_dump()), None)) is not None:
+        if solid.in_lengths:
+            expected = "plain numbers, as the surface has no unit of length"
+            advice = "file_unit, pixel_size and length_unit in [surface], or unit of a spectral one"
+        else:
+            expected, advice = (
+                f"plain numbers for a {solid.kind}, which is defined on sites",
+                "solid half_space",
+            )
+        raise InputError("units", expected=expected, got=repr(text.written), advice=advice)
+
+
+def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
+    """Remarks on numbers that were written without a unit and are out of proportion in SI."""
+    if not (isinstance(config.solid, Continuum) and rough.has_lengths):
+        return ()
+    _, spacing = rough.in_meters()
+    sides = [count * step for count, step in zip(rough.shape, spacing, strict=True)]
+    modulus, load = config.solid.contact_modulus, math.prod(sides) * config.solid.contact_modulus
+    stresses = ("Pa", _SOFT * modulus, modulus)
+    young = next(iter(config.solid.young or []), None)
+    told: list[tuple[str, float | None, str, float, float]] = [
+        ("modulus", config.solid.modulus, "Pa", *_MODULI),
+        ("young", young, "Pa", *_MODULI),
+        ("thickness", getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
+        ("hardness", getattr(config.solid, "hardness", None), *stresses),
+        ("shear_strength", config.friction.shear_strength, *stresses),
+        ("pressure", config.contact.pressure, "Pa", _LIGHT * modulus, modulus),
+        ("load", config.contact.load, "N", _LIGHT * load, load),
+    ]
+    told += [
+        ("distance", far, "m", min(spacing) / 1000, 1000 * max(sides)) for far in _distances(config.protocol)
+    ]
+    return tuple(
+        f"{name} {value:g} has no unit and was taken in {unit}; here it would usually be "
+        f"from {written(low, unit, 3)} to {written(high, unit, 3)}"
+        for name, value, unit, low, high in dict.fromkeys(told)
+        if value is not None and not isinstance(value, InUnits) and not low <= value <= high
+    )
+
+
+def _distances(legs: Iterable[AnyLeg]) -> Iterator[float]:
+    """How far legs slide, as it was written."""
+    for leg in legs:
+        if isinstance(leg, RepeatLeg):
+            yield from _distances(leg.legs)
+        elif isinstance(leg, SlideLeg):
+            yield leg.distance
+
+
+def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
+    progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
+    contact: Contact = press(rough, solid, **config.contact.model_dump())
+    if contact.area == 0:
+        raise InputError(
+            "separation",
+            expected=f"one at which the solids touch, below {contact.heights.max():.6g}",
+            got=config.contact.separation,
+            advice="a smaller one, or a load",
+        )
+    return contact
+
+
+def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
+    """Decide what the configuration leaves open: the load, the times, the maps; make paths absolute."""
+    chosen = config.surface.anywhere()
+    assumed = (config.solid.assumed,) if config.solid.assumed else ()
+    remarks = rough.remarks + _odd_numbers(config, rough) + assumed
+    contact = config.contact
+    if not contact.model_dump(exclude_none=True):
+        contact, remark = _usual_contact(config, rough)
+        remarks += (remark,)
+    if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
+        copies = 2**rough.heights.ndim
+        remarks += (
+            f"loads and areas are those of {copies} mirrored copies of the scan; "
+            "periodic = 'reflect' takes it once",
+        )
+    measured = isinstance(chosen, MeasuredSurface) and rough.edges == "periodic"
+    if measured and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
+        remarks += (
+            f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
+            "try periodic = 'mirror'",
+        )
+    if rough.heights.ndim == 1 and isinstance(chosen, Independent):
+        n = rough.heights.size
+        remarks += (
+            f"a line contact of {n} sites; for a square: --shape {n} {n}, or shape = [{n}, {n}] in a file",
+        )
+    maps_at = config.output.maps_at
+    if maps_at is None:
+        maps_at = _map_times(config)
+    completed = {
+        "surface": chosen,
+        "solid": config.solid.resolved(),
+        "contact": contact,
+        "aging": _completed_times(config),
+        "output": config.output.model_copy(update={"maps_at": maps_at}),
+    }
+    return config.model_copy(update=completed), remarks
+
+
+def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, str]:
+    """A load, or on a continuum a pressure, that gives about 1 % contact; and what is to be said of it."""
+    chosen, solid = config.surface, config.solid
+    if isinstance(solid, Continuum):
+        pressure = modest_pressure(modulus=solid.contact_modulus, slope=rough.describe().rms_slope)
+        shown = written(pressure, "Pa") if rough.has_lengths else f"{pressure:g}"
+        said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
+        return ContactSection(pressure=pressure), said
+    # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
+    nominal = isinstance(chosen, Independent)
+    rms = chosen.rms if isinstance(chosen, Independent) else rough.describe().rms_height
+    load = modest_load(k0=solid.k0, k1=solid.k1, rms=rms, sites=rough.heights.size)
+    which = "" if nominal else ", measured"
+    said = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
+    return ContactSection(load=load), said
+
+
+def _completed_times(config: RunConfig) -> Aging:
+    """First and last time as numbers, where times are not listed one by one."""
+    if config.aging.times is not None:
+        return config.aging
+    first, last = config.span
+    return config.aging.model_copy(
+        update={"first": first} if config.protocol else {"first": first, "last": last}
+    )
+
+
+def recorded_times(config: RunConfig) -> Field:
+    """Times that a configuration asks to record, without 0; under a protocol, spread since each switch."""
+    aging, (first, last) = config.aging, config.span
+    if aging.times is not None:
+        return np.asarray(aging.times, dtype=np.float64)
+    if not config.protocol:
+        return hold_times(first=first, last=last, per_decade=aging.per_decade)
+    schedule = Schedule.of(legs_of(config.legs), np.empty(0))
+    times = list(schedule.switches[1:])
+    for leg, begun in zip(schedule.legs, schedule.switches, strict=False):
+        if isinstance(leg, Ramp):
+            times += (begun + leg.duration * np.arange(1, _IN_RAMP) / _IN_RAMP).tolist()
+        elif isinstance(leg, Hold) and leg.duration > first:
+            since = hold_times(first=first, last=leg.duration, per_decade=aging.per_decade)
+            times += (begun + since[:-1]).tolist()
+    return np.unique(times)
+
+
+def _map_times(config: RunConfig) -> list[float]:
+    """Times of the maps where none are given: under a protocol, the switches."""
+    if not config.protocol:
+        return list(map_times(recorded_times(config).tolist()))
+    switches = list(dict.fromkeys(Schedule.of(legs_of(config.legs), np.empty(0)).switches))
+    chosen = np.unique(np.linspace(0, len(switches) - 1, min(len(switches), USUAL_MAPS)).round().astype(int))
+    return [switches[index] for index in chosen]
+
+
+def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Checkpoint | None) -> History:
+    times = recorded_times(config)
+    progress.stage("aging", times=times.tolist())
+    return age(
+        contact,
+        times,
+        protocol=config.legs or None,
+        hold=config.aging.hold,
+        rtol=config.aging.rtol,
+        fields_at=config.output.maps_at or (),
+        progress=progress.reached,
+        checkpoint=checkpoint,
+    )
+
+
+def _observed(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
+    """Add the area that the instrument sees on each map, if there is one."""
+    instrument = config.output.instrument
+    if not instrument:
+        return dataset
+    maps = (dataset.isel(field_time=number) for number in range(dataset.sizes["field_time"]))
+    unit = dataset["contact_area"].attrs["units"] if "contact_area" in dataset else "sites"
+    described = {"long_name": "contact area that the instrument sees", "units": unit}
+    areas = [observe(one, **instrument).area for one in maps]
+    return dataset.assign(area_observed=("field_time", areas, described))
+
+
+def _with_friction(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
+    """Add friction, where there is a shear strength."""
+    law = _shear_strength(config)
+    return dataset if law is None else add_friction(dataset, law)
+
+
+def _shear_strength(config: RunConfig) -> ShearStrength | None:
+    """The law of the shear strength, if there is one; it must know all velocities."""
+    told = config.friction
+    if told.shear_strength is None:
+        return None
+    law = ShearStrength(told.shear_strength, told.rate_coefficient or 0.0, told.reference_velocity)
+    law.at([leg.velocity for leg in legs_of(config.legs or [Hold(1.0)]) if isinstance(leg, Slide)] or [0.0])
+    return law
+
+
+def _with_limit(
+    dataset: xr.Dataset, contact: Contact, config: RunConfig
+) -> tuple[xr.Dataset, tuple[str, ...]]:
+    """Add the relaxed state; where there is none to be had, the history is worth keeping all the same."""
+    try:
+        return with_limit(dataset, relax(contact, hold=config.aging.hold)), ()
+    except (InputError, ConvergenceError) as error:
+        return dataset, (f"no relaxed state: {error}",)

@@ -1,5 +1,0 @@
-"""The command line: arguments in, the package's verbs called, words out."""
-
-from asperity.cli.app import main
-
-__all__ = ["main"]
