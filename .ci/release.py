@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 VERSION, DATE = r"\d+\.\d+\.\d+", r"\d{4}-\d\d-\d\d"
 PLACES = [
-    ("src/asperity/_version.py", rf'(?<=__version__ = "){VERSION}'),
+    ("src/asperity/base/version.py", rf'(?<=__version__ = "){VERSION}'),
     ("CITATION.cff", rf"(?<=\nversion: ){VERSION}"),
     ("CITATION.cff", rf"(?<=\ndate-released: ){DATE}"),
     ("recipe.yaml", rf"(?<=\n  version: ){VERSION}"),

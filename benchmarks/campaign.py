@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import asperity as asp
-from asperity.threads import cores
+from asperity.base.machine import cores
 
 PLAN = """
 [surface]

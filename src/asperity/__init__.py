@@ -18,7 +18,7 @@ import importlib
 import importlib.util
 from typing import TYPE_CHECKING
 
-from asperity._version import __version__
+from asperity.base.version import __version__
 
 if TYPE_CHECKING:
     from asperity import (

@@ -15,8 +15,6 @@ Remark (UserWarning)                nothing is wrong, but the user should know
 
 from __future__ import annotations
 
-from asperity.words import brief
-
 __all__ = [
     "AsperityError",
     "CheckpointError",
@@ -28,6 +26,17 @@ __all__ = [
     "SurfaceFileError",
 ]
 __dir__ = __all__.copy  # dir() lists the public names alone
+
+
+def printable(text: str) -> str:
+    """Write what a terminal would obey, or not show, as escapes; lines and tabs stay what they are."""
+    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
+
+
+def brief(text: str, longest: int = 400) -> str:
+    """Leave out the line breaks, and the middle of what is too long for a line; escape what is not shown."""
+    line = " ".join(text.split()) if "\n" in text else text
+    return printable(line if len(line) <= longest else f"{line[: longest // 2]} ... {line[-longest // 3 :]}")
 
 
 class AsperityError(Exception):

@@ -24,9 +24,9 @@ import scipy.fft
 from array_api_compat import array_namespace
 from numpy.typing import NDArray
 
-import asperity.checks as checks
+from asperity.base import checks
+from asperity.base.machine import usual_threads
 from asperity.errors import InputError
-from asperity.threads import usual_threads
 
 Field = NDArray[np.float64]
 Spectrum = NDArray[np.float64]

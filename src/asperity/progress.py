@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from asperity.aging import Frame
-from asperity.words import printable
+from asperity.errors import printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar

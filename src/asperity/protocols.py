@@ -20,8 +20,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-import asperity.checks as checks
-import asperity.units as units
+from asperity.base import checks, units
 from asperity.errors import LARGEST, InputError
 
 __all__ = ["Hold", "Leg", "Ramp", "Repeat", "Slide", "Step"]

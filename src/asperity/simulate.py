@@ -11,11 +11,10 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import asperity.checks as checks
-import asperity.units as units
 from asperity.aging.legs import LegMidway, check_edges, check_slides, follow, load_of
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
+from asperity.base import checks, units
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Hold, Load, Separation

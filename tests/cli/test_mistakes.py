@@ -132,7 +132,7 @@ def test_surface_files_that_cannot_be_read(
 def test_more_than_memory_holds(
     asperity: Asperity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], fits: str
 ) -> None:
-    monkeypatch.setattr("asperity.memory.available", lambda: 20_000_000_000)
+    monkeypatch.setattr("asperity.base.machine.available", lambda: 20_000_000_000)
     line = complaint(asperity, "run", *words, status=1)
     assert re.fullmatch(rf".* sites: expected .* [GT]B where 20 GB are available; try at most {fits}", line)
     assert list(tmp_path.iterdir()) == []

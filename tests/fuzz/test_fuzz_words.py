@@ -102,7 +102,7 @@ SWITCHES = {
 def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder with a few files, on a small machine."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("asperity.memory.available", lambda: 3_000_000)
+    monkeypatch.setattr("asperity.base.machine.available", lambda: 3_000_000)
     monkeypatch.setattr(
         "asperity.results.store.flush", lambda _: None
     )  # waits for the disk, a file at a time

@@ -25,9 +25,9 @@ from asperity.app.config.models import (
 )
 from asperity.app.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
 from asperity.app.config.solids import SpringLattice
+from asperity.base.words import closest
 from asperity.errors import ConfigError, InputError
 from asperity.theory import ExponentialHeights, GaussianHeights
-from asperity.words import closest
 
 
 def written(folder: Path, text: str) -> Path:

@@ -13,9 +13,9 @@ from asperity.app.config.models import RunConfig
 from asperity.app.config.reading import from_tables, read_config, to_tables, to_toml
 from asperity.app.config.solids import HalfSpace, Layer, SpringLattice
 from asperity.app.runs import Progress, execute
+from asperity.base.words import has_unit, numbers, written_with_units
 from asperity.errors import ConfigError
 from asperity.lattice import Lattice
-from asperity.words import has_unit, numbers, written_with_units
 from tests.refusals import refuses
 
 LATTICE = Lattice((8, 8), (0.5, 0.25))

@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
-import asperity.memory as memory
+import asperity.base.machine as memory
+from asperity.base.machine import available, require
 from asperity.errors import AsperityError
-from asperity.memory import available, require
 
 
 def test_there_is_some():

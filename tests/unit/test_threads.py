@@ -10,7 +10,7 @@ import scipy.fft
 
 import asperity as asp
 from asperity import lattice
-from asperity.threads import cores, usual_threads
+from asperity.base.machine import cores, usual_threads
 
 
 def test_threads_follow_the_environment(monkeypatch):

@@ -5,8 +5,8 @@ import sys
 
 import pytest
 
+from asperity.base.units import factor, quantity
 from asperity.errors import InputError
-from asperity.units import factor, quantity
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_what_is_no_number_is_refused() -> None:
 
 def test_pint_is_imported_only_for_a_unit() -> None:
     code = (
-        "import sys, asperity.units as u, asperity.relaxation; u.quantity('3', 'Pa');"
+        "import sys, asperity.base.units as u, asperity.relaxation; u.quantity('3', 'Pa');"
         "early = 'pint' in sys.modules; u.quantity('3 kPa', 'Pa');"
         "sys.exit(early or 'pint' not in sys.modules)"
     )

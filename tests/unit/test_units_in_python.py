@@ -9,10 +9,10 @@ import pint
 import pytest
 
 from asperity import Contact, age, press
+from asperity.base.units import quantity
 from asperity.protocols import Hold, Ramp, Repeat, Step
 from asperity.solids import Solid, coated_half_space, half_space, layer, spring_lattice
 from asperity.surfaces import Surface, gaussian
-from asperity.units import quantity
 from tests.refusals import refuses
 
 SCAN = Surface(gaussian((16, 16)), unit="um", pixel_size=(2.0, 2.0), length_unit="um")

@@ -15,9 +15,9 @@ import pytest
 from PIL import Image
 
 import asperity as asp
-from asperity import views
+from asperity.base import views
+from asperity.base.views import InNotebooks
 from asperity.figures import html_of
-from asperity.views import InNotebooks
 
 SPRINGS = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 CREEPING = asp.solids.half_space(modulus=1e9, branches=[(0.5, 10.0), (0.25, 1e3)])

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from asperity.words import data_size, duration, thousands, uncertain
+from asperity.base.words import data_size, duration, thousands, uncertain
 
 
 @pytest.mark.parametrize(

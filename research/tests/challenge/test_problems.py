@@ -14,7 +14,7 @@ from tests.refusals import refuses
 
 import asperity as asp
 import asperity_research.challenge as challenge
-from asperity.tables import read_table
+from asperity.base.tables import read_table
 from asperity_research.challenge.heights import independent, outputs, waves
 
 BENCHMARKS = Path(__file__).parents[3] / "benchmarks"

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity._version import __version__
+from asperity.base.version import __version__
 from asperity.surfaces import gaussian
 from asperity.theory import (
     GaussianHeights,

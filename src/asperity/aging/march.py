@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import asperity.checks as checks
 from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim, FieldSteps, Steps
+from asperity.base import checks
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Load
 from asperity.contact.mechanics import SpringMechanics

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-import asperity.views as views
+from asperity.base import views
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import SaturationFit, saturation
 from asperity.lattice import Field

@@ -13,8 +13,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-import asperity.views as views
 from asperity.analysis.scan import lateral_unit, readable
+from asperity.base import views
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask

@@ -26,8 +26,7 @@ import scipy.special
 import xarray as xr
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-import asperity.units as units
+from asperity.base import checks, units
 from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Edges, Field, Mask

@@ -24,10 +24,11 @@ from typing import cast
 import numpy as np
 import xarray as xr
 
-import asperity.views as views
 from asperity.analysis.observation import Observation
 from asperity.analysis.scan import written
-from asperity.checks import Floats
+from asperity.base import views
+from asperity.base.checks import Floats
+from asperity.base.words import counted
 from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.patches import patches
@@ -36,7 +37,6 @@ from asperity.relaxation.series import Branches
 from asperity.solids import Eyring, Norton, Solid
 from asperity.surfaces import statistics
 from asperity.theory import flowing_area, persson_area, static_friction
-from asperity.words import counted
 
 _DRAWS = 200
 _TILES = 4

@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-import asperity.views as views
 from asperity.analysis.field_values import lattice_of, pressure_of
-from asperity.checks import kind_of
+from asperity.base import views
+from asperity.base.checks import kind_of
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.free_sites import Accuracy, FreeSites

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.lattice_creep import LatticeCreep
 from asperity.contact.local_creep import LocalCreepSolver

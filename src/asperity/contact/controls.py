@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, Literal, Self, cast
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.errors import LARGEST
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-import asperity.checks as checks
-import asperity.views as views
+from asperity.base import checks, views
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.problem import Solution, mean_by_rounding, residual

@@ -6,8 +6,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import asperity.checks as checks
 from asperity.analysis import AgingSummary
+from asperity.base import checks
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field

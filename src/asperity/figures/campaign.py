@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.errors import InputError
 from asperity.figures import style
 

@@ -12,9 +12,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import asperity.views as views
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import lateral_unit, written
+from asperity.base import views
+from asperity.base.words import thousands, uncertain
 from asperity.contact.state import ACCEPTED_RESIDUAL, Contact
 from asperity.figures import style
 from asperity.figures.page import pixels, quantity
@@ -28,7 +29,6 @@ from asperity.results.history import History
 from asperity.results.quantities import units_of
 from asperity.solids import Solid
 from asperity.surfaces import Surface
-from asperity.words import thousands, uncertain
 
 Row = tuple[str, str]
 

@@ -12,13 +12,13 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-import asperity.checks as checks
 from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.scan import readable, written
+from asperity.base import checks
+from asperity.base.words import counted, thousands
 from asperity.figures import style
 from asperity.figures.marks import COLORS
 from asperity.lattice import Field
-from asperity.words import counted, thousands
 
 _COLUMNS = 4
 _PANEL = 2.45

@@ -13,11 +13,10 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimatio
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
-import asperity.checks as checks
 import asperity.figures.contacts as contacts
-import asperity.views as views
 from asperity.analysis import ContactMaps, SiteState, contact_maps
 from asperity.analysis.legs import numbers_of
+from asperity.base import checks, views
 from asperity.errors import InputError, OutputError
 from asperity.figures import style
 from asperity.figures.marks import COLORS

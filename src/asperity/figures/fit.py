@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import asperity.checks as checks
+from asperity.base import checks
+from asperity.base.words import thousands, uncertain
 from asperity.figures import style
 from asperity.fits import LogarithmFit, MeasuredGrowth, SaturationFit
 from asperity.fits.measured import Law
-from asperity.words import thousands, uncertain
 
 _LINES: dict[Law, tuple[str, str, str]] = {
     "saturation": (style.BLUE, "-", "o"),

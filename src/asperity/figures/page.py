@@ -14,10 +14,10 @@ import jinja2
 import numpy as np
 from matplotlib.figure import Figure
 
-import asperity.checks as checks
-from asperity._version import __version__
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
+from asperity.base import checks
+from asperity.base.version import __version__
 from asperity.figures import prediction as drawn
 from asperity.figures.relaxation import relaxation_figure
 from asperity.surfaces import statistics

@@ -11,11 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, to_hex
 from matplotlib.figure import Figure, SubFigure
 
-import asperity.checks as checks
-import asperity.views as views
 from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.maps import maps_between
 from asperity.analysis.scan import readable, written
+from asperity.base import checks, views
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.figures import style

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import asperity.checks as checks
 from asperity.analysis.scan import readable
+from asperity.base import checks
+from asperity.base.words import uncertain
 from asperity.figures import style
 from asperity.friction import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw
-from asperity.words import uncertain
 
 _LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
 _MANY = 400

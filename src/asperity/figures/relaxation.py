@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import asperity.checks as checks
 from asperity.analysis.scan import readable, written
+from asperity.base import checks
 from asperity.figures import style
 from asperity.relaxation import Creep, Dynamic, Fit
 

@@ -9,14 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-import asperity.checks as checks
 from asperity.analysis.maps import color_range
 from asperity.analysis.scan import lateral_unit, readable
+from asperity.base import checks
+from asperity.base.words import uncertain
 from asperity.figures import style
 from asperity.lattice import Field
 from asperity.surfaces import PowerSpectrum, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length
-from asperity.words import uncertain
 
 _PAD = 0.15
 """Room around each panel, inches: tick labels reach beyond their axes."""

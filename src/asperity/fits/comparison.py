@@ -29,8 +29,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.views as views
-from asperity.checks import Floats
+from asperity.base import views
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits.curve import Curve
 from asperity.fits.laws import GrowthFit, LogarithmFit, SaturationFit, logarithm, saturation

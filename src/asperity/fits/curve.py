@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import spearmanr
 
-from asperity.checks import Floats, kind_of, line
+from asperity.base.checks import Floats, kind_of, line
 from asperity.errors import LARGEST, InputError
 
 MANY = 2000

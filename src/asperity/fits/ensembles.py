@@ -9,8 +9,8 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.views as views
-from asperity.checks import Floats, floats, line
+from asperity.base import views
+from asperity.base.checks import Floats, floats, line
 from asperity.errors import InputError
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.fits.result import parameters_of

@@ -37,7 +37,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import gammainc
 
-from asperity.checks import Floats, not_negative
+from asperity.base.checks import Floats, not_negative
 from asperity.errors import InputError
 from asperity.fits.curve import Curve
 from asperity.fits.result import FitResult

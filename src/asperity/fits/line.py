@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits.result import explained
 

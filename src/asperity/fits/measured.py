@@ -14,8 +14,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-import asperity.views as views
+from asperity.base import checks, views
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits.comparison import Comparison, compare
 from asperity.fits.curve import Series, refuse_decline

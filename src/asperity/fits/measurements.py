@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-import asperity.views as views
-from asperity.checks import Floats
-from asperity.columns import position
+from asperity.base import views
+from asperity.base.checks import Floats
+from asperity.base.columns import position
+from asperity.base.tables import GROUPED, MISSING, Table, read_table
 from asperity.errors import InputError
-from asperity.tables import GROUPED, MISSING, Table, read_table
 
 _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
 _LEAVE_OUT = "a # before a line to leave it out"

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.checks import Floats, positive
+from asperity.base.checks import Floats, positive
 from asperity.errors import InputError
 from asperity.fits.curve import Series, sketch
 from asperity.fits.line import polynomial

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-from asperity.checks import Floats
+from asperity.base import checks
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits.curve import Series
 from asperity.fits.line import polynomial

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import asperity.views as views
-from asperity.checks import Floats
+from asperity.base import views
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits.result import student
 

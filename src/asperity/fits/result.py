@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import stdtrit
 
-import asperity.views as views
-from asperity.checks import Floats
+from asperity.base import views
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 
 SURE = 0.95

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits.curve import MANY, Curve, Series
 from asperity.fits.result import explained

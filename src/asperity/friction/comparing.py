@@ -14,9 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-import asperity.checks as checks
-import asperity.views as views
-from asperity.checks import Floats
+from asperity.base import checks, views
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import Estimate, jackknife
 from asperity.fits.comparison import ROUNDING, UNLIKELY

@@ -12,8 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-import asperity.units as units
+from asperity.base import checks, units
 from asperity.errors import InputError
 from asperity.friction.laws import RateAndState
 from asperity.friction.records import STEP, Record

@@ -10,13 +10,13 @@ import csv
 import io
 from pathlib import Path
 
-import asperity.checks as checks
-from asperity._version import __version__
+from asperity.base import checks
+from asperity.base.version import __version__
+from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
 from asperity.friction.comparing import PARAMETERS, StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
 from asperity.results.store import whole_file
-from asperity.words import tables_to_toml
 
 _UNITS = {"D_c": "m", "V_0": "m/s", "normal_stress": "Pa"}
 _OWN_UNITS = {"D_c": "length of the record", "V_0": "length / time of the record"}

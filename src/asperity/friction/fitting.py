@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-import asperity.checks as checks
-import asperity.units as units
-from asperity.checks import Floats
+from asperity.base import checks, units
+from asperity.base.checks import Floats
+from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.fits import FitResult
 from asperity.fits.comparison import ROUNDING, autocorrelation_of
@@ -41,7 +41,6 @@ from asperity.friction.laws import (
     state_law,
 )
 from asperity.friction.records import HOLD, RUN_IN, STEP, STEPPED, Record
-from asperity.words import has_unit
 
 Events = Literal["all", "holds", "steps"]
 _EVENTS: dict[str, tuple[int, ...]] = {

@@ -31,8 +31,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-from asperity.checks import Floats
+from asperity.base import checks
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 
 StateLaw = Literal["aging", "slip"]

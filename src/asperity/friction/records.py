@@ -12,16 +12,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-import asperity.checks as checks
-import asperity.units as units
-import asperity.views as views
-from asperity.checks import Floats
-from asperity.columns import Roles, finite, named, position
+from asperity.base import checks, units, views
+from asperity.base.checks import Floats
+from asperity.base.columns import Roles, finite, named, position
+from asperity.base.tables import read_table
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
 from asperity.friction.tabor import ShearStrength, add_friction
 from asperity.results import History, load
-from asperity.tables import read_table
 
 STEP = 1.2
 """Ratio of two velocities from which a change is a step."""

@@ -17,8 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-import asperity.checks as checks
-import asperity.units as units
+from asperity.base import checks, units
 from asperity.errors import LARGEST, InputError
 from asperity.friction.laws import coming_velocity
 from asperity.lattice import Field

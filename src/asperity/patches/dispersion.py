@@ -8,7 +8,7 @@ import numpy as np
 import scipy.ndimage
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.lattice import Mask
 from asperity.patches.labels import mask
 

@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-import asperity.checks as checks
-import asperity.views as views
+from asperity.base import checks, views
 from asperity.errors import InputError
 from asperity.lattice import Edges, Mask
 

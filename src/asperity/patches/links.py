@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import asperity.views as views
+from asperity.base import views
 from asperity.lattice import Edges
 from asperity.patches.labels import Labels, Patches, masks, patches
 

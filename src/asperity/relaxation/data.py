@@ -17,9 +17,8 @@ from typing import ClassVar, Literal, Self, get_args
 
 import numpy as np
 
-import asperity.checks as checks
-import asperity.views as views
-from asperity.checks import Floats
+from asperity.base import checks, views
+from asperity.base.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation.positive_sums import positive_weights
 from asperity.relaxation.series import PronySeries, from_retardation

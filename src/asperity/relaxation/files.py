@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Literal
 
-import asperity.units as units
-from asperity.checks import Floats, shown
-from asperity.columns import Roles, finite, named, position
+from asperity.base import units
+from asperity.base.checks import Floats, shown
+from asperity.base.columns import Roles, finite, named, position
+from asperity.base.tables import Table, read_table
 from asperity.errors import InputError, Remark
 from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
-from asperity.tables import Table, read_table
 
 Kind = Literal["relaxation", "creep", "dynamic"]
 

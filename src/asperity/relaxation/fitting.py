@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-import asperity.checks as checks
-import asperity.views as views
-from asperity.checks import Floats
+from asperity.base import checks, views
+from asperity.base.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation.data import Dynamic, Extrapolate, Measured, scales
 from asperity.relaxation.positive_sums import log_times

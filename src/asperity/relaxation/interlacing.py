@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 
 ROUNDING = 1e-12
 """What sums of shares, and ratios of times, may be wrong by."""

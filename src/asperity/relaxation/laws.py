@@ -26,8 +26,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy.special import expit
 
-import asperity.checks as checks
-from asperity.checks import Floats
+from asperity.base import checks
+from asperity.base.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation.positive_sums import log_times, positive_weights
 from asperity.relaxation.series import PronySeries

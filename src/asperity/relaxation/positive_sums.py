@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import nnls
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.errors import ConvergenceError
 
 _NOTHING = 1e-10

@@ -27,9 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-import asperity.units as units
-from asperity.checks import Floats
+from asperity.base import checks, units
+from asperity.base.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation import interlacing
 from asperity.relaxation.interlacing import ROUNDING

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.errors import LARGEST, InputError
 
 GAS_CONSTANT = 8.31446261815324

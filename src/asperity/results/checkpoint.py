@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import asperity.checks as checks
-from asperity._version import __version__
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.legs import LegMidway
 from asperity.aging.march import Midway, Pace
+from asperity.base import checks
+from asperity.base.version import __version__
+from asperity.base.words import reason_of
 from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
@@ -28,7 +29,6 @@ from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
 from asperity.results.store import remove_parts, whole_file
 from asperity.solids.creep_laws import fingerprint_of_law
-from asperity.words import reason_of
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import xarray as xr
 
-import asperity.checks as checks
-import asperity.views as views
+from asperity.base import checks, views
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import Solution

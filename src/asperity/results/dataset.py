@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity._version import __version__
 from asperity.aging.march import Frame
+from asperity.base.version import __version__
 from asperity.contact.controls import Control
 from asperity.contact.state import Contact
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles

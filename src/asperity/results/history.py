@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-import asperity.checks as checks
-import asperity.views as views
+from asperity.base import checks, views
+from asperity.base.words import closest
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.results.store import save
-from asperity.words import closest
 
 if TYPE_CHECKING:
     import pandas as pd

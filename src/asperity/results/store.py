@@ -15,10 +15,9 @@ import xarray as xr
 import zarr
 from zarr.codecs import ZstdCodec
 
-import asperity.checks as checks
-import asperity.views as views
+from asperity.base import checks, views
+from asperity.base.words import reason_of
 from asperity.errors import InputError, OutputError
-from asperity.words import reason_of
 
 _OTHER_FORMATS = (".nc", ".nc4", ".h5", ".hdf5")
 """Suffixes of files that are no zarr folders."""

@@ -25,7 +25,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-import asperity.units as units
+from asperity.base import units
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.relaxation import check_branches

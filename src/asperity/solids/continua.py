@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import asperity.checks as checks
-import asperity.units as units
+from asperity.base import checks, units
 from asperity.errors import InputError
 from asperity.relaxation import check_branches
 from asperity.solids.creep_laws import LocalCreep, checked_law

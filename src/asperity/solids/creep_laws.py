@@ -16,8 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import asperity.checks as checks
-import asperity.units as units
+from asperity.base import checks, units
 from asperity.errors import InputError
 from asperity.lattice import Field
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.lattice import Lattice, Spectrum
 
 SpectrumOf = Callable[[Lattice], Spectrum]

@@ -16,9 +16,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-import asperity.checks as checks
-import asperity.units as units
-import asperity.views as views
+from asperity.base import checks, units, views
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.solids.creep_laws import LocalCreep

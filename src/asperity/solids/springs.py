@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.errors import InputError
 from asperity.solids.creep_laws import LocalCreep, checked_law
 from asperity.solids.laws import LaplacianSpectrum

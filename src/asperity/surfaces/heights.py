@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-import asperity.units as units
+from asperity.base import checks, units
+from asperity.base.words import as_text, has_unit
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.surfaces.prepare import is_length
-from asperity.words import as_text, has_unit
 
 
 def check_heights(heights: ArrayLike) -> Field:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.errors import SurfaceFileError
 from asperity.surfaces.points import grid_of
 from asperity.surfaces.raw import RawSurface

@@ -17,13 +17,13 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from asperity._version import __version__
+from asperity.base.tables import read_table
+from asperity.base.version import __version__
+from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 from asperity.surfaces.points import are_points
 from asperity.surfaces.raw import RawSurface
-from asperity.tables import read_table
-from asperity.words import reason_of
 
 _READER = f"asperity {__version__}"
 _LABELS = 5

@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.checks import number as checked_number
+from asperity.base.checks import number as checked_number
 from asperity.errors import InputError, SurfaceFileError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import levelling, prepare

@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.errors import InputError
 from asperity.lattice import Field
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.surfaces.heights import check_heights

@@ -27,7 +27,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.surfaces.heights import checked_spacing

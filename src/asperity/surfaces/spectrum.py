@@ -28,8 +28,7 @@ import scipy.fft
 import scipy.special
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-import asperity.views as views
+from asperity.base import checks, views
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.surfaces.heights import check_heights, checked_spacing

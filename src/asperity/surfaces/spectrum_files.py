@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import asperity.checks as checks
-import asperity.units as units
-from asperity.columns import Roles, finite, named
+from asperity.base import checks, units
+from asperity.base.columns import Roles, finite, named
+from asperity.base.tables import read_table
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.tables import read_table
 
 _ROLES = Roles(
     (

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-import asperity.checks as checks
-import asperity.views as views
+from asperity.base import checks, views
 from asperity.errors import InputError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import levelling, prepare

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.lattice import Field
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import gamma
 
-from asperity.checks import Floats, broadcast, line_or_plane, not_negative, positive
+from asperity.base.checks import Floats, broadcast, line_or_plane, not_negative, positive
 from asperity.errors import InputError
 from asperity.theory.indentation import site_stiffness
 

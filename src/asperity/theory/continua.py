@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, zeta
 
-from asperity.checks import Floats, broadcast, not_negative, number, positives
+from asperity.base.checks import Floats, broadcast, not_negative, number, positives
 
 
 def _beta(s: float) -> float:

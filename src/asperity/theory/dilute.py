@@ -29,7 +29,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.checks import Floats, broadcast, line_or_plane, positive, positives
+from asperity.base.checks import Floats, broadcast, line_or_plane, positive, positives
 from asperity.errors import InputError
 from asperity.theory.heights import HeightLaw
 from asperity.theory.indentation import compliance, site_stiffness

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.checks import Floats, broadcast, floats, line_or_plane
+from asperity.base.checks import Floats, broadcast, floats, line_or_plane
 from asperity.errors import InputError
 from asperity.theory.modes import creep_numbers, depth, log_scale
 from asperity.theory.panels import Panel, graded_panels, lattice

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.checks import Floats, broadcast, positive
+from asperity.base.checks import Floats, broadcast, positive
 
 
 def flowing_area(time: ArrayLike, *, load: float, area: float, at: float, stress: float) -> Floats:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.checks import Floats, broadcast, not_negative, positive
+from asperity.base.checks import Floats, broadcast, not_negative, positive
 
 
 def static_friction(area: ArrayLike, load: ArrayLike, shear_strength: ArrayLike) -> Floats:

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-from asperity.checks import Floats
+from asperity.base import checks
+from asperity.base.checks import Floats
 
 
 def full_contact_load(heights: ArrayLike, *, k0: float, k1: float) -> float:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import elementwise
 from scipy.special import erfcx, log_ndtr, ndtr
 
-from asperity.checks import Floats, floats, number, positive
+from asperity.base.checks import Floats, floats, number, positive
 from asperity.errors import ConvergenceError, InputError
 
 _LOG_ROOT_TWO_PI = 0.5 * np.log(2 * np.pi)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipkm1
 
-from asperity.checks import Floats, broadcast, lattice_shape, line_or_plane, not_negative, positive
+from asperity.base.checks import Floats, broadcast, lattice_shape, line_or_plane, not_negative, positive
 from asperity.theory.modes import Integrand, creep_numbers, depth, log_scale, sinking, weighted_sum
 from asperity.theory.panels import Dispersion, mean_nodes
 from asperity.theory.zone import torus_modes

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import exprel
 
-import asperity.checks as checks
-from asperity.checks import Floats
+from asperity.base import checks
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.theory.modes import decay, log_scale
 from asperity.theory.zone import zone_nodes

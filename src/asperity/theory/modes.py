@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.checks import Floats, broadcast, not_negative, positive
+from asperity.base.checks import Floats, broadcast, not_negative, positive
 
 #: A function of lam, x1, x2, r.
 Integrand = Callable[[Floats, Floats, Floats, Floats], Floats]

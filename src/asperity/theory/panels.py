@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import roots_legendre
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.theory.zone import zone_nodes
 

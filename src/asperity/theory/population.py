@@ -25,8 +25,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
-from asperity.checks import Floats
+from asperity.base import checks
+from asperity.base.checks import Floats
 from asperity.theory.heights import HeightLaw
 from asperity.theory.memory import SiteMemory, history, response, site_memory
 

@@ -24,7 +24,7 @@ import math
 import numpy as np
 from scipy.special import ellipkm1, expit
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 
 # Of the rule of step h = 1/8, and of what is left outside the nodes.
 _ROUNDING = 7e-18

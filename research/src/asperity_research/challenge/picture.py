@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.figures import style
 from asperity.lattice import Field
 from asperity_research.challenge.scoring import QuantityScore, Score

@@ -19,14 +19,14 @@ from typing import Any
 
 import numpy as np
 
-import asperity.checks as checks
 from asperity.app.config import MeasuredSurface, RunConfig, config_from
+from asperity.base import checks
+from asperity.base.tables import read_table, with_unit
+from asperity.base.words import closest
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import Leg, leg_of
 from asperity.surfaces import Surface
-from asperity.tables import read_table, with_unit
-from asperity.words import closest
 from asperity_research.challenge.heights import independent, waves
 
 _DATA = files("asperity_research.challenge") / "data"

@@ -11,10 +11,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-import asperity.checks as checks
+from asperity.base import checks
+from asperity.base.tables import read_table
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.tables import read_table
 from asperity_research.challenge.posing import Column, Problem, problem
 
 Verdict = Literal["within the error bars", "within the tolerance", "off"]

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
 from asperity.results.store import whole_folder
 from asperity.surfaces import Surface
-from asperity.words import tables_to_toml
 from asperity_research.challenge.posing import NAMES, Column, Problem, problem
 
 _WIDTH = 110

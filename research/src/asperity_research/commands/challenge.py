@@ -11,8 +11,8 @@ import numpy as np
 from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
 from asperity.app.cli.output import write_figure
 from asperity.app.cli.report import aligned
+from asperity.base.words import counted
 from asperity.errors import InputError
-from asperity.words import counted
 from asperity_research.challenge import NAMES, Score, problems, score, score_figure, write
 
 _FLAGS = {"problem": "--problem", "scan": "--scan", "directory": "folder"}

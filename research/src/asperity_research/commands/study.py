@@ -15,7 +15,7 @@ from asperity.app.campaign import Estimate, Tally
 from asperity.app.cli.campaign import tally_shown
 from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
-from asperity.words import data_size, duration
+from asperity.base.words import data_size, duration
 from asperity_research.commands.ensembles import Ensembles
 from asperity_research.studies import STUDIES, Study, conclude, named
 from asperity_research.studies.campaigns import Home, Prepared, run_campaigns

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import asperity.checks as checks
+from asperity.base import checks
+from asperity.base.words import closest
 from asperity.errors import InputError
-from asperity.words import closest
 from asperity_research.studies.activated_creep import ACTIVATED_CREEP
 from asperity_research.studies.campaigns import run_campaigns
 from asperity_research.studies.growth_rate import GROWTH_RATE

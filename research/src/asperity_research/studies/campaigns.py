@@ -13,12 +13,12 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 import asperity.app.campaign as campaign
-import asperity.checks as checks
 from asperity.app.campaign import Plan, Tally, read_plan
+from asperity.base import checks
+from asperity.base.words import tables_to_toml
 from asperity.errors import AsperityError, InputError, OutputError
 from asperity.lattice import Field
 from asperity.results.store import whole_file
-from asperity.words import tables_to_toml
 from asperity_research.studies.evidence import Evidence
 
 Tables = Mapping[str, Any]

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 import asperity.app.campaign as campaign
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.lattice import Field
 
 

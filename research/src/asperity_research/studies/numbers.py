@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.fits.resampling import Estimate, jackknife
 
 

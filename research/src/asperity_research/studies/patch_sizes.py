@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 import asperity_research.studies.unloading as unloading
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.patches import link_patches, patches

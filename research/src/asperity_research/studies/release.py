@@ -25,7 +25,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import jackknife
 from asperity.relaxation import PronySeries

@@ -29,7 +29,7 @@ from matplotlib.figure import Figure
 
 import asperity.friction as friction
 import asperity_research.studies.slip_on_lines as lines
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.friction.fitting import Events

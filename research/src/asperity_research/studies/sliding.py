@@ -7,7 +7,7 @@ import math
 import numpy as np
 import xarray as xr
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.surfaces import spectral
 from asperity_research.studies.campaigns import Solid
 

@@ -17,7 +17,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.patches import patches

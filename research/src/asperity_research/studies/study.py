@@ -17,11 +17,11 @@ import jinja2
 import pandas as pd
 from matplotlib.figure import Figure
 
-import asperity.checks as checks
 import asperity_research.studies.campaigns as campaigns
-from asperity._version import __version__
+from asperity.base import checks
+from asperity.base.version import __version__
+from asperity.base.words import duration, tables_to_toml
 from asperity.results.store import whole_file
-from asperity.words import duration, tables_to_toml
 from asperity_research.studies.campaigns import Campaign, Home, Prepared
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding

@@ -13,8 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
+from asperity.base.machine import cores
 from asperity.errors import AsperityError, InputError, Remark
-from asperity.threads import cores
 
 if TYPE_CHECKING:
     from distributed import Client

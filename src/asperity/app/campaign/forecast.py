@@ -20,13 +20,13 @@ from pathlib import Path
 
 import numpy as np
 
-import asperity.checks as checks
 from asperity.app.campaign.plan import Plan, Run
 from asperity.app.campaign.store import QUANTITIES, Store
 from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.models import SelfAffine
 from asperity.app.config.solids import Continuum
 from asperity.app.runs import Progress, execute, recorded_times
+from asperity.base import checks
 from asperity.errors import AsperityError
 from asperity.patches import QUANTILES
 from asperity.results.quantities import OF_MAPS

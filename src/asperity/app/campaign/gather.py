@@ -11,16 +11,16 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-import asperity.checks as checks
 import asperity.results.quantities as quantities
-from asperity._version import __version__
 from asperity.app.campaign.plan import Axis, Plan, Run, name_of, put, seeded, value_at
 from asperity.app.campaign.store import FITTED, QUANTITIES, Finished, Store
 from asperity.app.config import RunConfig, from_tables, to_tables
+from asperity.base import checks
+from asperity.base.version import __version__
+from asperity.base.words import reason_of, tables_to_toml
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import in_words
-from asperity.words import reason_of, tables_to_toml
 
 _NO_ENSEMBLE = (
     *("steps", "rejected", "iterations", "residual", "worst_residual", "relaxed_residual"),

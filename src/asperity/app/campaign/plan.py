@@ -24,13 +24,13 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from asperity._version import __version__
 from asperity.app.config import RunConfig, config_from, read_tables
 from asperity.app.config.mistakes import ORDER, Sections, models_of
 from asperity.app.config.models import KINDS
+from asperity.base.version import __version__
+from asperity.base.words import written_with_units
 from asperity.errors import SHOWN_PROBLEMS, ConfigError
 from asperity.results.quantities import IN_A_LEG
-from asperity.words import written_with_units
 
 Value = float | int | str
 _NOT_SWEPT = (

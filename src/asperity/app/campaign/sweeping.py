@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import asperity.checks as checks
-from asperity._version import __version__
 from asperity.app.campaign.cluster import ATTEMPTS, connect, leave_if_imported_by_worker
 from asperity.app.campaign.plan import Plan, Run
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import Report, run_task
 from asperity.app.config import to_tables
 from asperity.app.runs.loops import compile_loops
+from asperity.base import checks
+from asperity.base.version import __version__
 from asperity.errors import InputError, OutputError
 from asperity.results.store import whole_file
 

@@ -7,10 +7,10 @@ import time as clock
 from pathlib import Path
 from typing import Literal
 
-from asperity._version import __version__
 from asperity.app.campaign.store import Store
 from asperity.app.config import RunConfig, from_tables
 from asperity.app.runs import Progress, execute
+from asperity.base.version import __version__
 from asperity.errors import AsperityError, CheckpointError, InputError, OutputError
 from asperity.results import Checkpoint
 

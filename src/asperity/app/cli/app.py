@@ -26,8 +26,8 @@ from asperity.app.cli.flags import Flags, Open, Out, Quiet, Switch, Whole, flags
 from asperity.app.cli.opening import open_results
 from asperity.app.cli.options import FitFlags, FrictionFlags, PredictFlags, Work
 from asperity.app.cli.terminal import complain, make_streams_safe, silence_output
+from asperity.base.words import closest, has_decimal_comma
 from asperity.errors import AsperityError, ConfigError, InputError, Remark
-from asperity.words import closest, has_decimal_comma
 
 __all__ = ["flags_for", "main"]  # annotations that `command` writes name flags_for
 

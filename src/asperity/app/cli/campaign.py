@@ -20,12 +20,12 @@ from asperity.app.campaign.plan import Run, name_of
 from asperity.app.cli.options import Work
 from asperity.app.cli.output import write_figure
 from asperity.app.cli.report import aligned
+from asperity.base.tables import with_unit
+from asperity.base.words import counted, data_size, duration
 from asperity.errors import AsperityError, InputError
 from asperity.figures import campaign_figure
 from asperity.results import save
 from asperity.results.store import whole_file
-from asperity.tables import with_unit
-from asperity.words import counted, data_size, duration
 
 _LINE_EVERY = 10.0
 """Seconds between two plain lines of progress."""

@@ -11,8 +11,8 @@ from typing import ParamSpec
 
 from cyclopts import App
 
-from asperity._version import __version__
 from asperity.app.cli.options import paragraphs
+from asperity.base.version import __version__
 
 app = App(
     name="asperity",

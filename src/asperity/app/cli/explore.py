@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import asperity.checks as checks
 from asperity.app.cli.new_files import check_new_file
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import entries, open_entry
 from asperity.app.explore.scene import pack
+from asperity.base import checks
 from asperity.errors import InputError
 from asperity.results.store import whole_file
 

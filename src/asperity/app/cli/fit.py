@@ -12,6 +12,7 @@ from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
 from asperity.app.cli.options import FitFlags
 from asperity.app.cli.output import write_figure
 from asperity.app.cli.report import aligned
+from asperity.base.words import uncertain
 from asperity.errors import InputError
 from asperity.figures import fit_figure
 from asperity.figures.fit import UNDETERMINED, determined
@@ -28,7 +29,6 @@ from asperity.fits import (
 from asperity.fits.measured import Law
 from asperity.fits.result import parameters_of
 from asperity.results.store import whole_file
-from asperity.words import uncertain
 
 _PER_DECADE = math.log(10)
 _SLOPES = ("slope", "B", "relative")

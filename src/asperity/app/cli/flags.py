@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from cyclopts import Group, Parameter, Token
 
+from asperity.base.words import has_decimal_comma, has_unit, number, numbers
 from asperity.errors import InputError
-from asperity.words import has_decimal_comma, has_unit, number, numbers
 
 if TYPE_CHECKING:
     from asperity.app.config.keys import Key, What

@@ -16,12 +16,12 @@ from asperity.app.cli.options import FrictionFlags
 from asperity.app.cli.output import check_free, write_figure
 from asperity.app.cli.report import aligned
 from asperity.app.cli.resuming import tell_results
+from asperity.base.words import counted, uncertain
 from asperity.errors import InputError
 from asperity.figures import rate_and_state_figure
 from asperity.friction import Record, StateLaws, compare_state_laws, read_record, record_of, save_parameters
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.results.store import whole_folder
-from asperity.words import counted, uncertain
 
 _FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | {
     name: f"--{name}" for name in ("a", "events", "columns")

@@ -182,6 +182,6 @@ class Work:
     @property
     def hands(self) -> int:
         """Worker processes."""
-        from asperity.threads import cores
+        from asperity.base.machine import cores
 
         return self.workers or cores()

@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from asperity.analysis import contact_maps
 from asperity.app.cli.new_files import try_writing
 from asperity.app.config.reading import to_toml
+from asperity.base.tables import with_unit
 from asperity.errors import InputError, OutputError
 from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
 from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_MAPS, OF_SLIDING, OF_YIELDING
 from asperity.results.store import whole_file, whole_folder
-from asperity.tables import with_unit
 
 if TYPE_CHECKING:
     import xarray as xr

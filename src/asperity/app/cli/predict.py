@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-import asperity.units as units
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
 from asperity.app.cli.flags import check_unit, keys_for, of_flags
@@ -28,14 +27,15 @@ from asperity.app.config.reading import file_surface, read_config, section_from
 from asperity.app.config.solids import POISSON, BesideTable
 from asperity.app.runs.prediction import predict as predict_it
 from asperity.app.runs.prediction import predict_config
+from asperity.base import units
+from asperity.base.words import counted as how_many
+from asperity.base.words import tables_to_toml, thousands
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.progress import listener
 from asperity.relaxation import Fit, arrhenius, wlf
 from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
-from asperity.words import counted as how_many
-from asperity.words import tables_to_toml, thousands
 
 _CHECKPOINT_EVERY = 3.0
 _OF_TABLES = ("kind", "columns", "noise", "modulus", "branches")

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from asperity.analysis.scan import readable, written
+from asperity.base.words import counted, thousands
+from asperity.errors import printable
 from asperity.results.quantities import PARAMETERS, Units, units_named
-from asperity.words import counted, printable, thousands
 
 if TYPE_CHECKING:
     import xarray as xr

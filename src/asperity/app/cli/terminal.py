@@ -7,7 +7,7 @@ import io
 import os
 import sys
 
-from asperity.words import brief, printable
+from asperity.errors import brief, printable
 
 _PLAIN = {"±": "+-", "×": "x", "²": "^2", "µ": "u"}
 

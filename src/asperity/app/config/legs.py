@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from asperity.base.words import number
 from asperity.errors import ConfigError
-from asperity.words import number
 
 _EXAMPLES = (
     "'hold 10', 'ramp 5 load=400', 'step load=160', 'slide distance=20 velocity=0.1', or 'repeat 3' for the "

@@ -13,8 +13,8 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from asperity.app.config.models import KINDS, LEGS, Aging, Contact, Friction, Output
+from asperity.base.words import closest, has_decimal_comma, shortened
 from asperity.errors import SHOWN_PROBLEMS
-from asperity.words import closest, has_decimal_comma, shortened
 
 Sections = dict[str, dict[str, object]]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
-from asperity._version import __version__
 from asperity.app.config.models import MeasuredSurface, RunConfig, Spectrum, Waves
+from asperity.base.version import __version__
 from asperity.errors import InputError
 from asperity.protocols import Leg, Repeat, described
 from asperity.solids import LocalCreep

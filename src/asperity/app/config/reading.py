@@ -12,8 +12,8 @@ from pydantic import BaseModel, ValidationError
 from asperity.app.config.mistakes import Sections, is_unknown, spelled, unknown_names
 from asperity.app.config.models import KINDS, MeasuredSurface, RunConfig
 from asperity.app.config.solids import ACTIVATION, OF_LAWS
+from asperity.base.words import number, tables_to_toml
 from asperity.errors import ConfigError
-from asperity.words import number, tables_to_toml
 
 _Model = TypeVar("_Model", bound=BaseModel)
 

@@ -9,8 +9,8 @@ from typing import Annotated
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidator
 
+from asperity.base.words import InUnits, has_unit
 from asperity.errors import LARGEST, InputError
-from asperity.words import InUnits, has_unit
 
 
 class Section(BaseModel):
@@ -34,7 +34,7 @@ class InUnit:
         """Read a number, which remembers how it was written."""
         if not has_unit(value):
             return check(value)
-        from asperity.units import quantity
+        from asperity.base.units import quantity
 
         try:
             number = quantity(value, self.unit)

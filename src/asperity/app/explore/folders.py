@@ -23,9 +23,8 @@ from asperity.app.config import RunConfig, config_from
 from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
 from asperity.app.runs import recorded_times
-from asperity.errors import AsperityError, ConfigError, InputError
+from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import described
-from asperity.words import printable
 
 _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
 """Folders within folders that are looked into, results that are listed, and folders that are looked at."""

@@ -31,9 +31,9 @@ from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Map, Recording, ending, mapped, of_frame, started
 from asperity.app.runs import Progress, execute
 from asperity.app.runs.loops import compile_loops
-from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError
+from asperity.base.words import reason_of
+from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError, brief
 from asperity.protocols import Schedule, legs_of
-from asperity.words import brief, reason_of
 
 _PATIENCE = 0.5
 """Seconds after which a process that was asked to stop is killed."""

@@ -26,7 +26,6 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from asperity._version import __version__
 from asperity.app.config import RunConfig, config_from, to_toml
 from asperity.app.config.keys import sections
 from asperity.app.explore.export import exported_page, page_files
@@ -34,8 +33,8 @@ from asperity.app.explore.folders import Opened, entries, inside, open_entry
 from asperity.app.explore.jobs import Job, Jobs, Shown, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, json_tables, pack
 from asperity.app.runs.pipeline import completed
-from asperity.errors import ConfigError, InputError
-from asperity.words import brief
+from asperity.base.version import __version__
+from asperity.errors import ConfigError, InputError, brief
 
 HOST = "127.0.0.1"
 USUAL_PORT, _PORTS = 8765, 20

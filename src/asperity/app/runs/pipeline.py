@@ -17,19 +17,19 @@ from asperity.app.config.models import Aging, AnyLeg, Independent, RepeatLeg, Sl
 from asperity.app.config.models import Contact as ContactSection
 from asperity.app.config.solids import Continuum
 from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load, modest_pressure
+from asperity.base.machine import require
+from asperity.base.words import InUnits, written_with_units
 from asperity.contact import Contact
 from asperity.contact.bodies import bodies_of
 from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
-from asperity.memory import require
 from asperity.progress import Progress
 from asperity.protocols import Hold, Ramp, Schedule, Slide, legs_of
 from asperity.results import Checkpoint, History
 from asperity.simulate import age, press, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
-from asperity.words import InUnits, written_with_units
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""

@@ -15,8 +15,6 @@ from typing import Any, Literal, get_args
 import numpy as np
 import xarray as xr
 
-import asperity.checks as checks
-import asperity.units as units
 from asperity.aging.march import DEFAULT_RTOL
 from asperity.analysis.observation import observe
 from asperity.analysis.prediction import Prediction, growth_of, resolved
@@ -27,9 +25,11 @@ from asperity.app.config.models import HoldLeg, RampLeg
 from asperity.app.config.solids import POISSON, HalfSpace
 from asperity.app.runs.defaults import USUAL_MAPS, hold_times
 from asperity.app.runs.pipeline import bytes_a_site, check_units, completed, recorded_times
+from asperity.base import checks, units
+from asperity.base.machine import require
+from asperity.base.words import counted as how_many
 from asperity.errors import InputError, Remark
 from asperity.lattice import Field
-from asperity.memory import require
 from asperity.progress import Progress, listener
 from asperity.protocols import Hold, Ramp
 from asperity.relaxation import Fit, Measured, fit
@@ -41,7 +41,6 @@ from asperity.simulate import age, press
 from asperity.solids import Solid, contact_modulus, half_space
 from asperity.solids.continua import checked_poisson
 from asperity.surfaces import Surface, read
-from asperity.words import counted as how_many
 
 Modulus = Literal["young", "shear", "contact"]
 

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-import asperity.checks as checks
+from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import inner
 from asperity.contact.asperities import level_of_overlap

@@ -11,9 +11,9 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from asperity.analysis import SiteState
+from asperity.base.words import thousands
 from asperity.figures import style
 from asperity.figures.marks import SMALLEST, draw_marks, site_side, width_in_words
-from asperity.words import thousands
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 

@@ -13,11 +13,11 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from asperity.analysis import ContactMaps, SiteState, clustering, contact_maps, patches, turnover
+from asperity.base.words import thousands
 from asperity.figures import style
 from asperity.figures.marks import COLORS, draw_marks, show_lattice, site_side, width_in_words
 from asperity.fits.result import student
 from asperity.lattice import Field
-from asperity.words import thousands
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.paper.studies import MAP_BOXES
 from asperity_research.studies.evidence import Evidence

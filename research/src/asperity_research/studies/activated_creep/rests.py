@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.fits.resampling import jackknife
 from asperity_research.studies.activated_creep.steps import LOAD, PROPORTIONAL, ROUGH, SIDE, eyring_lattice
 from asperity_research.studies.campaigns import Campaign, hold, slide, zipped

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.fits.resampling import Estimate, jackknife
 from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
 from asperity_research.studies.evidence import Around, Evidence

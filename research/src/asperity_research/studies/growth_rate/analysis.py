@@ -11,7 +11,7 @@ import pandas as pd
 
 import asperity.theory as theory
 import asperity_research.studies.growth_rate.grown as grown
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.fits.resampling import Estimate, jackknife
 from asperity.lattice import Field
 from asperity_research.studies.evidence import Evidence

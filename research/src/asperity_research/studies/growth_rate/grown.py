@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 import asperity.theory as theory
-from asperity.checks import Floats
+from asperity.base.checks import Floats
 from asperity.lattice import Field
 from asperity.surfaces import exponential, gaussian
 from asperity_research.studies.campaigns import Campaign, Solid

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import asperity.units as units
-from asperity.checks import Floats
+from asperity.base import units
+from asperity.base.checks import Floats
+from asperity.base.tables import Table
 from asperity.errors import InputError
-from asperity.tables import Table
 
 _ARGUMENT = r"t|time|omega|ω|w|f|q"
 

@@ -10,9 +10,9 @@ import re
 import tokenize
 from typing import TYPE_CHECKING, Any
 
-import asperity.checks as checks
+from asperity.base import checks
+from asperity.base.words import InUnits, as_text, has_unit, written_with_units
 from asperity.errors import InputError
-from asperity.words import InUnits, as_text, has_unit, written_with_units
 
 if TYPE_CHECKING:
     import pint

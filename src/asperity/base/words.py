@@ -152,17 +152,6 @@ def _distance(one: str, other: str) -> int:
     return row[-1]
 
 
-def printable(text: str) -> str:
-    """Write what a terminal would obey, or not show, as escapes; lines and tabs stay what they are."""
-    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
-
-
-def brief(text: str, longest: int = 400) -> str:
-    """Leave out the line breaks, and the middle of what is too long for a line; escape what is not shown."""
-    line = " ".join(text.split()) if "\n" in text else text
-    return printable(line if len(line) <= longest else f"{line[: longest // 2]} ... {line[-longest // 3 :]}")
-
-
 def reason_of(error: BaseException) -> str:
     """What an error of a library says, in one short line, whatever it was."""
     return shortened(" ".join(str(error).split()), 120) or type(error).__name__

@@ -1,4 +1,4 @@
-"""The memory there is, and whether a lattice fits into it: too much is refused before anything is made."""
+"""The cores and the memory there are, and whether a lattice fits: too much is refused before it is made."""
 
 from __future__ import annotations
 
@@ -8,11 +8,22 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from asperity.base.words import data_size
 from asperity.errors import TooLargeError
-from asperity.words import data_size
 
 _NO_LIMIT = 2**60
 """Limits above it are how the system writes that there is none."""
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def usual_threads() -> int:
+    """Number of threads: what ``OMP_NUM_THREADS`` says, as for other numerical libraries, or all cores."""
+    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    return max(1, int(wanted)) if wanted.isdigit() else cores()
 
 
 def available() -> int:

@@ -1,0 +1,1 @@
+"""What every other room needs: checks of input, units, tables, words, views, the machine, the version."""
