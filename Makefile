@@ -8,7 +8,7 @@ PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup --ma
 # The first use of a loop compiles it; done once here, for every process after.
 COMPILE = $(BIN)/python -W ignore -c "from asperity.app.runs.loops import compile_loops as c; c(lambda text: print(text, '...'))"
 
-.PHONY: help run test test-slow check format docs packages lock release bench clean
+.PHONY: help run test test-all check format docs packages lock release bench clean
 
 help:  ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 12
@@ -19,9 +19,8 @@ run: $(VENV)/.run  ## Age a rough contact over nine decades and draw it
 test: $(VENV)/.dev  ## Run the test suite
 	$(PYTEST)
 
-test-slow: $(VENV)/.dev  ## Run the long physics
-	$(PYTEST) -m slow -o timeout=1800 -o faulthandler_timeout=2400
-	HYPOTHESIS_PROFILE=other $(PYTEST) tests/properties
+test-all: $(VENV)/.dev  ## Run what `make test` leaves out: long physics, browser, gallery, research, other random draws
+	HYPOTHESIS_PROFILE=other $(PYTEST) tests research/tests -m "slow or random" -o timeout=1800 -o faulthandler_timeout=2400
 
 check: $(VENV)/.dev  ## Lint, format and types
 	$(BIN)/ruff check
@@ -44,7 +43,7 @@ lock: $(VENV)/.dev  ## Renew the lock file of the development environment
 
 release: $(VENV)/.dev  ## Check everything, build, and print the commands that publish
 	$(BIN)/python .ci/release.py ready
-	$(MAKE) check test docs packages
+	$(MAKE) check test test-all docs packages
 	$(BIN)/python .ci/release.py upload
 
 bench: $(VENV)/.run  ## Time Asperity beside its peers: BENCH="--all" for every case

@@ -42,7 +42,11 @@ def no_display():
     plt.close("all")
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=name_of)
+@pytest.mark.parametrize(
+    "script",
+    [SCRIPTS[0], *(pytest.param(script, marks=pytest.mark.slow) for script in SCRIPTS[1:])],
+    ids=name_of,
+)
 @pytest.mark.usefixtures("empty_folder", "no_display")
 def test_the_script_runs_draws_and_its_checks_hold(script, capsys):
     runpy.run_path(str(script), run_name="__main__")

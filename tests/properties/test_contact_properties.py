@@ -1,5 +1,6 @@
 """Any surface, any solid, any load: the conditions of contact hold."""
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
@@ -9,6 +10,8 @@ from asperity.aging import creep
 from asperity.contact.state import control_of
 from asperity.solids import spring_lattice
 from tests.independent import assert_equilibrium
+
+pytestmark = pytest.mark.random
 
 shapes = st.one_of(st.tuples(st.integers(1, 12)), st.tuples(st.integers(1, 7), st.integers(1, 7)))
 # Few distinct values: plateaus, ties and flat surfaces are where sets of contacts are ambiguous.
