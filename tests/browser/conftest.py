@@ -23,7 +23,7 @@ FOLDER = Path(__file__).parent
 
 
 def pytest_collection_modifyitems(items):
-    """Run all of them in one process, where they share a browser and a server, and in `make test-all` alone."""
+    """Run all in one process, where they share a browser and a server, and in `make test-all` alone."""
     for item in items:
         if FOLDER in item.path.parents:
             item.add_marker(pytest.mark.xdist_group("browser"))

@@ -57,13 +57,11 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     if summary.load is not None:
         _draw_load(grid[1], summary, summary.load)
     for one in grid:
-        one.grid(visible=True, which="major", color="0.9", linewidth=0.6)
-        one.legend(loc="best", fontsize=8, framealpha=0.95)
+        style.finish(one)
     grid[-1].set_xlabel(style.over_time(dataset, "hold time $t$"))
     held = str(dataset.attrs["held"])
     held = f"{held} {style.said(dataset, held, float(dataset.attrs[f'held_{held}']))} held"
-    conditions = style.lines(style.conditions(dataset, held), figure.room)
-    figure.suptitle(f"Real contact area against hold time\n{conditions}", fontsize=10)
+    style.entitle(figure, dataset, "Real contact area against hold time", held)
     return figure
 
 

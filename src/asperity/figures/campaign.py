@@ -75,11 +75,9 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
             axes.yaxis.set_minor_formatter("{x:g}")
         axes.yaxis.set_major_formatter("{x:g}")
         axes.set_title(_said(dataset, panel), fontsize=9)
-        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        style.finish(axes, legend=axes is grid[0, 0])
     for axes in grid.flat[len(panels) :]:
         axes.set_axis_off()
-    if along:
-        grid[0, 0].legend(fontsize=8, framealpha=0.95, loc="best")
     figure.supxlabel(
         style.over_time(dataset, f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"), fontsize=10
     )

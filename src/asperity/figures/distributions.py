@@ -70,9 +70,7 @@ def distribution_figure(dataset: xr.Dataset) -> Figure:
         if "patch" in name:
             axes.set_xscale("log")
             axes.set_yscale("log")
-        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
-        axes.legend(fontsize=8, framealpha=0.95, loc="best")
+        style.finish(axes)
     return figure
 
 

@@ -65,9 +65,8 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
     upper.set_ylabel(style.verbatim(style.fitted(quantity, 280)))
     lower.set_xlabel(f"hold time $t$ [{unit or 'unit of the table'}]")
     for axes in (upper, lower):
-        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        style.finish(axes, legend=axes is upper)
     upper.margins(x=0.03)
-    upper.legend(loc="best", fontsize=8, framealpha=0.95)
     return figure
 
 

@@ -91,10 +91,7 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
         _scale(time, growth, "x")
     _scale(np.unique(ages.values[ages.values >= 0]), age, "y")
     for axes in (number, size, growth, age):
-        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
-    for axes in (growth, age):
-        axes.legend(fontsize=8, framealpha=0.95, loc="best")
+        style.finish(axes, legend=axes in (growth, age))
     for axes in (growth, age):
         axes.set_xlabel(style.over_time(dataset, "time $t$"))
     return figure

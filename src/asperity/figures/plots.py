@@ -181,8 +181,6 @@ def draw_series(
             axes.axhline(values[0], color=style.GRAY, linewidth=0.8, label="at $t$ = 0", zorder=1)
         axes.set_ylabel(name, multialignment="center")
         axes.set_xlabel(style.over_time(dataset, "hold time $t$"))
-        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
     if relaxed is not None:
         own = f"{label}: " if label else ""
         axes.axhline(
@@ -193,8 +191,7 @@ def draw_series(
             label=rf"{own}relaxed limit, $t \to \infty$",
             zorder=1,
         )
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(loc="best", fontsize=8, framealpha=0.95)
+    style.finish(axes, lines_along="y" if "protocol" in dataset.attrs else "both")
     return place
 
 

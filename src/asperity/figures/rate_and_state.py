@@ -53,7 +53,7 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     if holds:
         _draw_peaks(figure.add_subplot(grid[:, 1]), found)
     for axes in figure.axes:
-        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
+        style.finish(axes, legend=False)
     return figure
 
 

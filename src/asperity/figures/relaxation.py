@@ -48,8 +48,7 @@ def relaxation_figure(fit: Fit) -> Figure:
     middle.set_ylabel("data − fit [%]")
     _draw_branches(lower, fit)
     for axes in (upper, middle, lower):
-        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
+        style.finish(axes)
     return figure
 
 
@@ -69,7 +68,6 @@ def draw_moduli(axes: Axes, fit: Fit) -> None:
         axes.set_yscale("log")
     axes.yaxis.set_major_formatter("{x:g}")
     axes.set_ylabel(f"{'compliance' if isinstance(fit.data, Creep) else 'modulus'} [{unit}]")
-    axes.legend(loc="best", fontsize=8, framealpha=0.95)
 
 
 def _look(quantity: int) -> dict[str, Any]:

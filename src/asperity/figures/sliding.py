@@ -84,9 +84,7 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     axes.set_ylabel("friction coefficient" if name == "friction" else quantity)
     if name == "area":
         style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * per_site))
-    axes.legend(loc="best", fontsize=8, framealpha=0.95)
+    style.finish(axes)
     what = "Friction" if name == "friction" else "Contact area"
-    first_load = f"load {style.said(dataset, 'load', float(dataset['load'].values[0]))} at first"
-    conditions = style.lines(style.conditions(dataset, first_load), figure.room)
-    figure.suptitle(f"{what} against displacement\n{conditions}", fontsize=10)
+    style.entitle(figure, dataset, f"{what} against displacement")
     return figure

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -117,6 +117,23 @@ def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
     if "hardness" in attrs:
         parts.append(f"hardness = {written(attrs['hardness'], 'Pa' if attrs.get('si') else '1')}")
     return parts
+
+
+def entitle(figure: Drawing, dataset: xr.Dataset, title: str, prescribed: str = "") -> None:
+    """Write a title above a figure of a history, and under it the conditions that `conditions` says.
+
+    What was prescribed is by default the load at first.
+    """
+    prescribed = prescribed or f"load {said(dataset, 'load', float(dataset['load'].values[0]))} at first"
+    figure.suptitle(f"{title}\n{lines(conditions(dataset, prescribed), figure.room)}", fontsize=10)
+
+
+def finish(axes: Axes, *, legend: bool = True, lines_along: Literal["x", "y", "both"] = "both") -> None:
+    """Draw the grid behind what is drawn, and explain the curves that have a name."""
+    axes.grid(visible=True, axis=lines_along, color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)
+    if legend and axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="best", fontsize=8, framealpha=0.95)
 
 
 def said(dataset: xr.Dataset, name: str, value: float, digits: int = 6) -> str:
