@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.base.checks import Floats, broadcast, positive
+from asperity.base.checks import Floats, broadcast, positives
 
 
 def flowing_area(time: ArrayLike, *, load: float, area: float, at: float, stress: float) -> Floats:
@@ -44,12 +44,7 @@ def flowing_area(time: ArrayLike, *, load: float, area: float, at: float, stress
     -----
     Contacts that do not flow yet bear a part of the load without growing, so B is at most s0/s.
     """
-    t, force, first, since, scale = broadcast(
-        time=positive("time", time),
-        load=positive("load", load),
-        area=positive("area", area),
-        at=positive("at", at),
-        stress=positive("stress", stress),
-    )
+    given = positives(time=time, load=load, area=area, at=at, stress=stress)
+    t, force, first, since, scale = broadcast(**given)
     inverse = 1 / first - scale / force * np.log(t / since)
     return np.divide(1.0, inverse, out=np.full_like(inverse, np.inf), where=inverse > 0)[()]

@@ -136,44 +136,32 @@ class EmpiricalHeights:
         object.__setattr__(self, "heights", copied)
 
     def __repr__(self) -> str:
-        return f"EmpiricalHeights({self._descending.size} heights)"
+        return f"EmpiricalHeights({np.size(self.heights)} heights)"
 
     @cached_property
-    def _descending(self) -> Floats:
-        return np.sort(np.ravel(self.heights))[::-1].astype(np.float64)
-
-    @cached_property
-    def _excess_at_knots(self) -> Floats:
-        """Mean excess at each height, descending. A sum of positive terms: nothing cancels."""
-        gaps = -np.diff(self._descending)
-        touching = np.arange(1, gaps.size + 1)
-        return np.concatenate([[0.0], np.cumsum(touching * gaps)]) / self._descending.size
+    def _knots(self) -> tuple[Floats, Floats]:
+        """The heights, rising, and the mean excess at each: a sum of positive terms, nothing cancels."""
+        rising = np.sort(np.ravel(self.heights))
+        touching = np.arange(rising.size - 1, 0, -1)
+        excess = np.append(np.cumsum((touching * np.diff(rising))[::-1])[::-1], 0.0) / rising.size
+        return rising, excess
 
     def exceedance(self, separation: ArrayLike) -> Floats:
         """Fraction of the heights above d."""
-        d = floats("separation", separation)
-        return np.asarray(self._count_above(d) / self._descending.size)[()]
+        rising, _ = self._knots
+        above = rising.size - np.searchsorted(rising, floats("separation", separation), side="right")
+        return np.asarray(above / rising.size)[()]
 
     def mean_excess(self, separation: ArrayLike) -> Floats:
         """Exact: piecewise linear in d, with a knot at each height."""
-        d = floats("separation", separation)
-        above = self._count_above(d)
-        knot = np.maximum(above, 1) - 1  # the lowest height above d
-        fall = np.maximum(self._descending[knot] - d, 0)
-        rise = self._excess_at_knots[knot] + above * fall / self._descending.size
-        return np.asarray(np.where(above > 0, rise, 0.0))[()]
+        d, (rising, excess) = floats("separation", separation), self._knots
+        return np.asarray(np.interp(d, rising, excess) + np.maximum(rising[0] - d, 0))[()]
 
     def separation_for(self, mean_excess: ArrayLike) -> Floats:
         """Exact inverse of the piecewise linear `mean_excess`."""
-        target = positive("mean_excess", mean_excess)
-        touching = np.searchsorted(self._excess_at_knots, target, side="left")
-        knot = touching - 1
-        fall = (target - self._excess_at_knots[knot]) * self._descending.size / touching
-        return np.asarray(self._descending[knot] - fall)[()]
-
-    def _count_above(self, d: Floats) -> Floats:
-        ascending = self._descending[::-1]
-        return np.asarray(ascending.size - np.searchsorted(ascending, d, side="right"), dtype=np.int64)
+        target, (rising, excess) = positive("mean_excess", mean_excess), self._knots
+        below = np.maximum(target - excess[0], 0)  # where all heights touch
+        return np.asarray(np.interp(target, excess[::-1], rising[::-1]) - below)[()]
 
 
 def _log_normal_excess(x: Floats) -> Floats:

@@ -14,10 +14,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import exprel
+from scipy.special import exprel, hyp1f1
 
 from asperity.base import checks
 from asperity.base.checks import Floats
@@ -127,24 +128,20 @@ class SiteMemory:
     def step(self, duration: float) -> Step:
         """Factors of a step in which the force is linear in time; duration 0 is a jump."""
         y = self.rate * duration
+        # 1 - (1 - exp(-y))/y without its cancellation at small y, and without an overflow at large y.
+        late = np.minimum(y, 1e100)
         return Step(
             keep=np.exp(-y),
             gain=exprel(-y),
             recover=-self.slow * np.expm1(-y),
-            follow=float(self.slow @ _followed(y)),
+            follow=float(self.slow @ (late / 2 * hyp1f1(1, 3, -late))),
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Step:
-    """One step of a `SiteMemory`: from lags g and a change df of the force, what happens to depth and lags.
+class Step(NamedTuple):
+    """From lags g, and a change df of the force, to the lags ``keep * g + gain * df``.
 
-    Attributes
-    ----------
-    keep, gain
-        The lags after it are ``keep * g + gain * df``.
-    recover, follow
-        The delayed part of the depth grows by ``recover @ g + follow * df``.
+    The delayed part of the depth grows by ``recover @ g + follow * df``.
     """
 
     keep: Floats
@@ -196,13 +193,3 @@ def _slope(durations: Floats, changes: Floats) -> Floats:
     slope = np.divide(changes, durations, out=np.zeros(durations.size), where=durations > 0)
     begins = np.append(durations[1:] > 0, False)
     return np.where(begins, np.append(slope[1:], 0.0), slope)
-
-
-def _followed(y: Floats) -> Floats:
-    """1 - (1 - exp(-y))/y: what a mode makes good of a linear change of its force while it lasts."""
-    small = np.minimum(y, 1.0)
-    series = small * np.polynomial.polynomial.polyval(-small, _SERIES)
-    return np.where(y < 1, series, 1 - exprel(-y))
-
-
-_SERIES = np.array([1 / math.factorial(k + 2) for k in range(18)])

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Literal
 
 import numpy as np
@@ -69,7 +69,7 @@ def mean_nodes(dispersion: Dispersion, dimension: int, log_scale: float) -> tupl
         )
     panels = graded_panels(law, dimension, log_scale)
     lam = [panel.lam.ravel() for panel in panels]
-    weight = [_outer(panel.weight).ravel() for panel in panels]
+    weight = [reduce(np.multiply.outer, panel.weight).ravel() for panel in panels]
     return np.concatenate(lam), np.concatenate(weight)
 
 
@@ -149,7 +149,3 @@ def _check_even(law: Callable[..., ArrayLike], panel: Panel) -> None:
         lam = _evaluate(law, np.meshgrid(*mirrored, indexing="ij"))
         if not np.allclose(lam, panel.lam, rtol=1e-9, atol=0):
             raise InputError("dispersion", expected="a function even in each component", got="another")
-
-
-def _outer(factors: tuple[Floats, ...]) -> Floats:
-    return factors[0] if len(factors) == 1 else np.multiply.outer(*factors)

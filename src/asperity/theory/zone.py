@@ -51,14 +51,9 @@ def zone_nodes(dimension: int, log_scale: float, error: float = _ROUNDING) -> tu
 
 
 def torus_modes(shape: tuple[int, ...]) -> tuple[Floats, Floats]:
-    """Eigenvalues lam of a finite periodic lattice, without lam = 0, and how many modes share each.
-
-    Shape (n,) each; the counts sum to the number of sites less one.
-    """
-    lam, count = np.zeros(1), np.ones(1)
+    """Eigenvalues lam of a finite periodic lattice, without lam = 0, and how many modes share each."""
+    lam = np.zeros(1)
     for length in shape:
-        j = np.arange(length // 2 + 1)  # wave numbers q and -q share lam: half of the axis suffices
-        twins = np.where((j == 0) | (2 * j == length), 1.0, 2.0)
-        lam = np.add.outer(lam, 4 * np.sin(math.pi * j / length) ** 2).ravel()
-        count = np.multiply.outer(count, twins).ravel()
-    return lam[1:], count[1:]
+        lam = np.add.outer(lam, 4 * np.sin(math.pi * np.arange(length) / length) ** 2).ravel()
+    different, count = np.unique(lam[1:], return_counts=True)
+    return different, count.astype(np.float64)
