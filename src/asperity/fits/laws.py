@@ -233,11 +233,7 @@ def _shared(best: Optimum) -> dict[str, Any]:
         "initial_area_stderr": best.initial_stderr * area_unit,
         "slope": slope,
         "slope_stderr": slope * best.log_stderr(1, per_initial=False),
-        "points": best.curve.points.x.size,
-        "degrees_of_freedom": best.degrees_of_freedom,
-        "rms_residual": best.rms_residual,
-        "r_squared": best.r_squared,
-        "reduced_chi_squared": best.reduced_chi_squared,
+        **best.quality,
     }
 
 

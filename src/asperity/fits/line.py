@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.fits.result import explained
+from asperity.fits.result import quality
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,18 +23,18 @@ class Polynomial:
         errors of y were given.
     center, scale
         Middle and half width of the range of x.
-    degrees_of_freedom, residual, r_squared, reduced_chi_squared
-        See `FitResult`; the residuals are those of y.
+    residual
+        Of y.
+    quality
+        Fields of the `FitResult`; see `fits.result.quality`.
     """
 
     coefficients: Floats
     covariance: Floats
     center: float
     scale: float
-    degrees_of_freedom: float
     residual: Floats
-    r_squared: float
-    reduced_chi_squared: float | None
+    quality: dict[str, Any]
 
     @property
     def slope(self) -> tuple[float, float]:
@@ -62,15 +63,8 @@ def polynomial(
     fitted, unscaled = np.polyfit(z, y, degree, w=weight, cov="unscaled")
     c, covariance = fitted[::-1], unscaled[::-1, ::-1]
     residual = y - np.polynomial.polynomial.polyval(z, c)
-    squares = float(np.sum((weight * residual) ** 2))
-    free = x.size - coefficients
+    if stderr is None:
+        covariance = covariance * float(residual @ residual) / (x.size - coefficients)
     return Polynomial(
-        coefficients=c,
-        covariance=covariance * (squares / free if stderr is None else 1.0),
-        center=float(center),
-        scale=float(scale),
-        degrees_of_freedom=float(free) if stderr is None else float("inf"),
-        residual=residual,
-        r_squared=explained(squares, y, weight**2),
-        reduced_chi_squared=None if stderr is None else squares / free,
+        c, covariance, float(center), float(scale), residual, quality(residual, y, stderr, coefficients)
     )

@@ -16,7 +16,7 @@ from asperity.base.checks import Floats, positive
 from asperity.errors import InputError
 from asperity.fits.curve import Series, sketch
 from asperity.fits.line import polynomial
-from asperity.fits.result import FitResult
+from asperity.fits.result import FitResult, rms
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -78,11 +78,8 @@ def power_law(x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None = None) -> Po
         exponent_stderr=exponent_stderr,
         prefactor=prefactor,
         prefactor_stderr=prefactor * log_stderr,
-        points=series.x.size,
-        degrees_of_freedom=line.degrees_of_freedom,
-        rms_residual=float(np.sqrt(np.mean(np.expm1(-line.residual) ** 2))),
-        r_squared=line.r_squared,
-        reduced_chi_squared=line.reduced_chi_squared,
+        rms_residual=rms(np.expm1(-line.residual)),
+        **line.quality,
     )
 
 

@@ -21,7 +21,7 @@ from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits.curve import Series
 from asperity.fits.line import polynomial
-from asperity.fits.result import FitResult, student
+from asperity.fits.result import FitResult, rms, student
 
 STRAIGHT = 0.25
 """Change of the slope over a window, in units of the slope, up to which the window is called straight."""
@@ -144,11 +144,8 @@ def growth_rate(
         first=float(window.x[0]),
         last=float(window.x[-1]),
         middle=float(line.coefficients[0]),
-        points=x.size,
-        degrees_of_freedom=line.degrees_of_freedom,
-        rms_residual=float(np.sqrt(np.mean((line.residual / y) ** 2))),
-        r_squared=line.r_squared,
-        reduced_chi_squared=line.reduced_chi_squared,
+        rms_residual=rms(line.residual / y),
+        **line.quality,
     )
 
 
@@ -184,4 +181,4 @@ def _curvature(window: Series, slope: float) -> tuple[float, float, float]:
     largest = changes[np.argmax(np.abs(changes @ curve.coefficients))]
     unit = 1 / (slope * curve.scale)
     stderr = float(np.sqrt(largest @ curve.covariance @ largest)) * abs(unit)
-    return float(largest @ curve.coefficients) * unit, stderr, student(curve.degrees_of_freedom) * stderr
+    return float(largest @ curve.coefficients) * unit, stderr, student(curve.quality["degrees_of_freedom"]) * stderr

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.special import stdtrit
@@ -94,10 +94,22 @@ class FitResult(views.InNotebooks):
         return value * math.exp(-exponent), value * math.exp(exponent)
 
 
-def explained(squares: float, y: Floats, weight: Floats | None = None) -> float:
-    """Share of the squares about the mean that a fit with these squares explains; NaN if y does not vary."""
-    total = float(np.sum((1.0 if weight is None else weight) * (y - np.average(y, weights=weight)) ** 2))
-    return 1 - squares / total if total > 0 else math.nan
+def quality(residual: Floats, y: Floats, stderr: Floats | None, parameters: int) -> dict[str, Any]:
+    """Fields of `FitResult` but `rms_residual`, from the residuals of y; errors of y are None if unknown."""
+    weight = np.ones_like(y) if stderr is None else stderr**-2
+    squares, free = float(np.sum(weight * residual**2)), y.size - parameters
+    total = float(np.sum(weight * (y - np.average(y, weights=weight)) ** 2))
+    return {
+        "points": y.size,
+        "degrees_of_freedom": float(free) if stderr is None else math.inf,
+        "r_squared": 1 - squares / total if total > 0 else math.nan,
+        "reduced_chi_squared": None if stderr is None else squares / free,
+    }
+
+
+def rms(relative: Floats) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(relative**2)))
 
 
 def parameters_of(fit: object) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -12,7 +13,7 @@ from scipy.optimize import least_squares
 from asperity.base.checks import Floats
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits.curve import MANY, Curve, Series
-from asperity.fits.result import explained
+from asperity.fits.result import quality, rms
 
 # A law takes the logarithms of its parameters (K first) and times, and gives A(t) - A(0) and its
 # derivatives in those logarithms, one column each. K is left out where the final area gives it.
@@ -127,10 +128,7 @@ class Optimum:
     covariance: Floats
     curve: Curve
     initial: float
-    degrees_of_freedom: float
-    rms_residual: float
-    r_squared: float
-    reduced_chi_squared: float | None
+    quality: dict[str, Any]
 
     @property
     def C(self) -> float:
@@ -184,20 +182,15 @@ def fit_law(
 
 
 def _optimum(misfit: Misfit, theta: Floats, curve: Curve) -> Optimum:
-    residual, jacobian, y = misfit.residual(theta), misfit.jacobian(theta), curve.points.y
-    stderr = curve.points.stderr
-    squares, free = float(residual @ residual), residual.size - theta.size
-    weight = np.ones_like(y) if stderr is None else stderr**-2
+    weighted, y, stderr = misfit.residual(theta), curve.points.y, curve.points.stderr
+    residual = weighted / misfit.weight
+    variance = float(weighted @ weighted) / (y.size - theta.size) if stderr is None else 1.0
     return Optimum(
         theta=theta,
-        covariance=(squares / free if stderr is None else 1.0) * inverse_square(jacobian),
+        covariance=variance * inverse_square(misfit.jacobian(theta)),
         curve=curve,
         initial=1.0 if curve.initial_known else float(theta[-1]),
-        degrees_of_freedom=float(free) if stderr is None else float("inf"),
-        rms_residual=float(np.sqrt(np.mean((residual / misfit.weight / y) ** 2))),
-        # Areas that have grown at once and stay: there is no variation to explain.
-        r_squared=explained(squares, y, weight),
-        reduced_chi_squared=None if stderr is None else squares / free,
+        quality={"rms_residual": rms(residual / y)} | quality(residual, y, stderr, theta.size),
     )
 
 

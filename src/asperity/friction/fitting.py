@@ -29,7 +29,7 @@ from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.fits import FitResult
 from asperity.fits.comparison import ROUNDING, autocorrelation_of
-from asperity.fits.result import explained
+from asperity.fits.result import quality, rms
 from asperity.fits.search import inverse_square
 from asperity.friction.laws import (
     RateAndState,
@@ -324,11 +324,9 @@ class _Problem:
         contrast[1], contrast[2] = -1.0, 1.0 if rest else 0.0
         D_c = math.exp(shape[0])
         return RateAndStateFit(
-            points=n,
-            degrees_of_freedom=max(1.0, effective - self.count),
-            rms_residual=float(np.sqrt(np.mean((residual / friction) ** 2))),
-            r_squared=explained(squares, friction),
-            reduced_chi_squared=None,
+            **quality(residual, friction, None, self.count)
+            | {"degrees_of_freedom": max(1.0, effective - self.count)},
+            rms_residual=rms(residual / friction),
             law=self.law,
             V_0=self.V_0,
             mu_0=float(mu_0),
