@@ -125,6 +125,7 @@ def compare_state_laws(
 
     mean = replace(first, friction=friction.mean(axis=0))
     fits = fitted(mean.friction)
+    estimates = {law: {name: _of_fit(fit, name) for name in PARAMETERS} for law, fit in fits.items()}
     if len(several) == 1:
         better = min(fits.values(), key=_lack)
         ratio = _log_ratio(fits)
@@ -132,23 +133,18 @@ def compare_state_laws(
         likelihood = math.exp(-abs(delta) / 2)
         decided = likelihood < UNLIKELY
         log_ratio = _of_one(ratio, math.nan, math.nan, math.nan)
-        estimates = {law: {name: _of_fit(fit, name) for name in PARAMETERS} for law, fit in fits.items()}
         worth = better.effective_points
     else:
         found = jackknife(statistics, friction)
         log_ratio = found.part(-1)
         ratio = float(log_ratio.value)
         decided = float(log_ratio.low) > 0 or float(log_ratio.high) < 0
-        count = len(PARAMETERS)
-        estimates = {
-            law: {
-                name: found.part(at + n * count, scale=name == "D_c")
-                if fits[law].determined
-                else _of_fit(fits[law], name)
-                for at, name in enumerate(PARAMETERS)
-            }
-            for n, law in enumerate(STATE_LAWS)
-        }
+        for n, law in enumerate(STATE_LAWS):
+            if fits[law].determined:
+                estimates[law] = {
+                    name: found.part(at, scale=name == "D_c")
+                    for at, name in enumerate(PARAMETERS, n * len(PARAMETERS))
+                }
         delta = likelihood = math.nan
         worth = min(fit.effective_points for fit in fits.values())
     return StateLaws(

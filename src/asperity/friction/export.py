@@ -6,20 +6,19 @@ a table of what other programs call them.
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 
-from asperity.base import checks
+import pandas as pd
+
+import asperity.base.checks as checks
 from asperity.base.version import __version__
-from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
 from asperity.friction.comparing import PARAMETERS, StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
 from asperity.results.store import whole_file
 
-_UNITS = {"D_c": "m", "V_0": "m/s", "normal_stress": "Pa"}
 _OWN_UNITS = {"D_c": "length of the record", "V_0": "length / time of the record"}
+_SUFFIXES = {"D_c": "_m", "V_0": "_m_per_s"}
 
 
 def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None = None) -> None:
@@ -52,76 +51,51 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
         part.write_text(text, encoding="utf-8")
 
 
-def _units(found: StateLaws) -> dict[str, str]:
-    lengths = _UNITS if found.record.si else _OWN_UNITS
-    return {name: lengths.get(name, "1") for name in (*PARAMETERS, "V_0")}
+def _values(found: StateLaws, law: StateLaw) -> dict[str, float]:
+    return {name: float(found.estimates[law][name].value) for name in PARAMETERS}
+
+
+def _origin(found: StateLaws) -> dict[str, object]:
+    method = "residuals of one record" if found.runs == 1 else "jackknife over surfaces"
+    return {
+        "surfaces": found.runs,
+        "intervals_from": method,
+        "record": found.record.source,
+        "asperity_version": __version__,
+    }
 
 
 def _toml(found: StateLaws, law: StateLaw) -> str:
-    estimates, record = found.estimates[law], found.record
-    stress: dict[str, object] = {}
-    if record.normal_stress is not None:
-        stress["normal_stress"] = float(record.normal_stress)
+    known, stress = found.record.normal_stress, {}
+    if known is not None:
+        stress = {"normal_stress": float(known)}
+    units = {"D_c": "m", "V_0": "m/s", "normal_stress": "Pa"} if found.record.si else _OWN_UNITS
+    parameters = {**_values(found, law), "V_0": float(found.fits[law].V_0), **stress}
+    intervals = {name: found.estimates[law][name] for name in PARAMETERS}
     tables: dict[str, dict[str, object]] = {
-        "parameters": {
-            "law": law,
-            **{name: float(estimates[name].value) for name in PARAMETERS},
-            "V_0": float(found.fits[law].V_0),
-            **stress,
-        },
-        "intervals_95": {
-            name: [float(estimates[name].low), float(estimates[name].high)] for name in PARAMETERS
-        },
-        "units": {**_units(found), **({"normal_stress": "Pa"} if stress else {})},
+        "parameters": {"law": law, **parameters},
+        "intervals_95": {name: [float(one.low), float(one.high)] for name, one in intervals.items()},
+        "units": {name: units.get(name, "1") for name in parameters},
         "laws": {
             "verdict": found.verdict,
             "ln_ratio_of_squares": float(found.log_ratio.value),
-            **{
-                each: {name: float(found.estimates[each][name].value) for name in PARAMETERS}
-                for each in STATE_LAWS
-            },
+            **{each: _values(found, each) for each in STATE_LAWS},
         },
-        "origin": {
-            "record": record.source,
-            "surfaces": found.runs,
-            "intervals_from": _method(found),
-            "asperity_version": __version__,
-        },
+        "origin": _origin(found),
     }
     heading = "# Rate-and-state friction: mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"
     return f"{heading}\n\n{tables_to_toml(tables)}"
 
 
 def _csv(found: StateLaws, law: StateLaw) -> str:
-    length, speed = ("_m", "_m_per_s") if found.record.si else ("", "")
-    stream = io.StringIO()
-    table = csv.writer(stream, lineterminator="\n")
-    names = [
-        f"{name}{part}{length if name == 'D_c' else ''}"
-        for name in PARAMETERS
-        for part in ("", "_low", "_high")
-    ]
-    table.writerow(
-        [
-            *("law", *names, f"V_0{speed}", "normal_stress_Pa"),
-            *("verdict", "surfaces", "intervals_from", "record", "asperity_version"),
-        ]
-    )
-    stress = found.record.normal_stress
+    suffixes = _SUFFIXES if found.record.si else {}
+    rows: list[dict[str, object]] = []
     for each in sorted(STATE_LAWS, key=lambda one: one != law):
-        numbers = [
-            float(getattr(found.estimates[each][name], part))
-            for name in PARAMETERS
-            for part in ("value", "low", "high")
-        ]
-        table.writerow(
-            [
-                *(each, *numbers, float(found.fits[each].V_0), "" if stress is None else float(stress)),
-                *(found.verdict, found.runs, _method(found), found.record.source, __version__),
-            ]
-        )
-    return stream.getvalue()
-
-
-def _method(found: StateLaws) -> str:
-    return "residuals of one record" if found.runs == 1 else "jackknife over surfaces"
+        row: dict[str, object] = {"law": each}
+        for name, one in ((name, found.estimates[each][name]) for name in PARAMETERS):
+            for end, number in {"": one.value, "_low": one.low, "_high": one.high}.items():
+                row[f"{name}{end}{suffixes.get(name, '')}"] = float(number)
+        row[f"V_0{suffixes.get('V_0', '')}"] = float(found.fits[each].V_0)
+        row["normal_stress_Pa"] = "" if found.record.normal_stress is None else found.record.normal_stress
+        rows.append(row | {"verdict": found.verdict} | _origin(found))
+    return pd.DataFrame(rows).to_csv(index=False, na_rep="nan", lineterminator="\n")

@@ -43,10 +43,10 @@ from asperity.friction.laws import (
 from asperity.friction.records import HOLD, RUN_IN, STEP, STEPPED, Record
 
 Events = Literal["all", "holds", "steps"]
-_EVENTS: dict[str, tuple[int, ...]] = {
-    "all": (RUN_IN, HOLD, STEPPED),
-    "holds": (RUN_IN, HOLD),
-    "steps": (RUN_IN, STEPPED),
+_EVENTS: dict[str, tuple[str, tuple[int, ...]]] = {
+    "all": ("a rest, or a step of the velocity", (HOLD, STEPPED)),
+    "holds": ("a rest", (HOLD,)),
+    "steps": ("a step", (STEPPED,)),
 }
 
 _REACH = 10.0
@@ -164,11 +164,9 @@ def rate_and_state(
     InputError
         There are no such events, too few values, or velocities that do not differ to fit a.
     """
-    problem = _Problem.of(checks.instance("record", record, Record, _MADE), state_law(law), a, V_0, events)
-    return problem.solution()
-
-
-_MADE = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
+    made = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
+    record = checks.instance("record", record, Record, made)
+    return _Problem.of(record, state_law(law), a, V_0, events).solution()
 
 
 def _velocity(given: float | str, *, si: bool) -> float:
@@ -206,17 +204,13 @@ class _Problem:
         reference = first_velocity(record.velocity)
         if V_0 is not None:
             reference = _velocity(V_0, si=record.si)
-        kinds = record.events
+        kinds, (needed, wanted) = record.events, _EVENTS[events]
         rests = bool((record.velocity[1:] == 0).any())
-        wanted = {"all": rests or (kinds == STEPPED).any(), "holds": rests, "steps": (kinds == STEPPED).any()}
-        if not wanted[events]:
-            needed = {"all": "a rest, or a step of the velocity", "holds": "a rest", "steps": "a step"}[
-                events
-            ]
+        if not (rests and HOLD in wanted or STEPPED in wanted and (kinds == STEPPED).any()):
             got = "rests only" if rests else f"slip at {reference:g}, without rest or step"
             raise InputError("record", expected=f"{needed}, to learn b and D_c from", got=got)
         # Where V changes by more, the mean of an interval does not say its velocity at the end.
-        used = np.isin(kinds, _EVENTS[events])
+        used = np.isin(kinds, (RUN_IN, *wanted))
         used &= np.abs(half_changes(record.time, record.velocity)) < math.log(STEP)
         if not record.strength_at_rest:
             used &= record.velocity > 0
@@ -285,15 +279,7 @@ class _Problem:
         starts = [np.array([D_c, state]) for D_c in np.linspace(low, high, many) for state in states]
         starts.sort(key=lambda shape: float(np.sum(misfit(shape) ** 2)))
         minima = [
-            least_squares(
-                misfit,
-                start,
-                jac="2-point",
-                bounds=bounds,
-                ftol=1e-12,
-                xtol=1e-9,
-                gtol=1e-12,
-            )
+            least_squares(misfit, start, bounds=bounds, ftol=1e-12, xtol=1e-9, gtol=1e-12)
             for start in starts[:_POLISHED]
         ]
         return np.asarray(min(minima, key=lambda found: float(found.cost)).x)

@@ -205,23 +205,14 @@ def hold_peaks(record: Record) -> HoldPeaks:
     """
     checks.instance("record", record, Record, "asperity.friction.record_of(history)")
     time, velocity, friction = record.time, record.velocity, record.friction
-    resting = (velocity == 0).astype(int)
-    begins = np.flatnonzero(np.diff(resting) == 1) + 1
+    runs = np.split(np.arange(time.size), np.flatnonzero(np.diff(velocity == 0)) + 1)  # slips and rests
     rows = []
-    for begin in begins:
-        after = np.flatnonzero(resting[begin:] == 0) + begin
-        if not after.size:
-            continue
-        since = np.flatnonzero(resting[:begin])
-        slid = slice(int(since[-1]) + 1 if since.size else 0, begin)
-        again = np.flatnonzero(resting[after[0] :])
-        slip = slice(after[0], after[0] + int(again[0]) if again.size else time.size)
-        end = after[0] - 1
-        peak = friction[end] if record.strength_at_rest else friction[slip].max()
-        before = friction[slid][(slid.stop - slid.start) // 2 :].mean()
-        rows.append((time[end] - time[begin - 1], peak, before, velocity[begin - 1]))
-    columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
-    return HoldPeaks(*columns)
+    for slid, rest, slip in zip(runs, runs[1:], runs[2:], strict=False):
+        if velocity[rest[0]] == 0:
+            peak = friction[rest[-1]] if record.strength_at_rest else friction[slip].max()
+            before = friction[slid[slid.size // 2 :]].mean()
+            rows.append((time[rest[-1]] - time[slid[-1]], peak, before, velocity[slid[-1]]))
+    return HoldPeaks(*np.array(rows, dtype=np.float64).reshape(-1, 4).T)
 
 
 def record_of(
