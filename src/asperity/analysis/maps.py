@@ -204,23 +204,14 @@ def on_the_surface(dataset: xr.Dataset) -> xr.Dataset:
     dataset, as maps show them. A history that does not slide stays as it is.
     """
     axes = [axis for axis in ("y", "x") if f"field_shift_{axis}" in dataset.coords]
-    names = [name for name in dataset.data_vars if axes and "field_time" in dataset[name].dims]
     moved = {}
-    for name in names:
-        field = dataset[name]
+    for name, field in dataset.data_vars.items():
         own = [axis for axis in axes if axis in field.dims]
-        if own:
-            values = [
-                np.roll(one, [-round(float(dataset[f"field_shift_{axis}"][at])) for axis in own], _last(own))
-                for at, one in enumerate(field.values)
-            ]
-            moved[name] = field.copy(data=np.stack(values))
+        if own and "field_time" in field.dims:
+            shifts = ({axis: -round(float(one[f"field_shift_{axis}"])) for axis in own} for one in field)
+            rolled = [one.roll(shift).values for one, shift in zip(field, shifts, strict=True)]
+            moved[name] = field.copy(data=np.stack(rolled))
     return dataset.assign(moved)
-
-
-def _last(axes: Sequence[str]) -> tuple[int, ...]:
-    """The last axes of an array, as many."""
-    return tuple(range(-len(axes), 0))
 
 
 def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
@@ -290,11 +281,8 @@ def color_range(heights: Field) -> tuple[float, float]:
 
 
 def _compared(before: Mask, now: Mask) -> NDArray[np.int8]:
-    states = np.full(now.shape, SiteState.FREE, dtype=np.int8)
-    states[before & now] = SiteState.KEPT
-    states[~before & now] = SiteState.NEW
-    states[before & ~now] = SiteState.LOST
-    return states
+    kinds = [SiteState.KEPT, SiteState.NEW, SiteState.LOST]
+    return np.select([before & now, now, before], kinds, SiteState.FREE).astype(np.int8)
 
 
 def _along_a_z_curve(rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -17,7 +17,6 @@ measure.
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 
@@ -26,7 +25,9 @@ import scipy.special
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.base import checks, units
+import asperity.base.checks as checks
+import asperity.base.units as units
+from asperity.analysis.field_values import lattice_of
 from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Edges, Field, Mask
@@ -188,9 +189,8 @@ def _scene(
         if touching is None or "field_time" in touching.dims:
             got = "none" if touching is None else f"fields of {image.sizes['field_time']} times"
             raise InputError("image", expected="a dataset with fields of one time", got=got, advice=advice)
-        sides = json.loads(image.attrs.get("spacing", json.dumps([1.0] * touching.ndim)))
-        found: Edges = image.attrs.get("edges", "periodic")
-        return touching.values.astype(np.float64), tuple(sides), found, bool(image.attrs.get("si", False))
+        lattice = lattice_of(image)
+        return touching.values.astype(np.float64), lattice.spacing, lattice.edges, bool(image.attrs.get("si"))
     brightness = np.asarray(image)
     brightness = checks.heights(
         "image", brightness.astype(np.float64) if brightness.dtype == np.bool_ else image

@@ -17,7 +17,7 @@ from asperity.base.checks import kind_of
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask
-from asperity.patches import Shapes, ages_of, linked, shapes_of
+from asperity.patches import Patches, Shapes, ages_of, linked, shapes_of
 from asperity.results.history import check_fields
 from asperity.results.quantities import OF_MAPS, units_named, units_of
 
@@ -48,6 +48,9 @@ _PATCHES = {
     "largest_size": ("its largest size", "sites"),
 }
 """Long name and dimension of the columns."""
+
+_FATES = {"birth": float, "death": float, "origin": str, "parent": int, "end": str, "heir": int}
+_LASTING: dict[str, object] = {"death": math.nan, "end": "last map", "heir": -1}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -139,43 +142,25 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
     lattice, units = lattice_of(dataset), _units(dataset)
     entries: list[dict[str, NDArray[Any]]] = []
     links: list[dict[str, NDArray[Any]]] = []
-    birth, death, origin, parent, end, heir = (list[Any]() for _ in range(6))
-    before = None
+    fates: list[dict[str, object]] = []
+    before = Patches(np.zeros(lattice.shape, dtype=np.int64), np.zeros(0, dtype=np.int64))
     numbers = np.empty(0, dtype=np.int64)
     for number, (time, touching) in enumerate(zip(times, maps, strict=True)):
         shapes = shapes_of(touching, lattice.spacing, lattice.edges, connectivity)
-        own = np.full(shapes.found.count, -1, dtype=np.int64)
-        came, source = "first map", own.copy()
-        if before is not None:
-            link = linked(before, shapes.found)
-            known = link.continued > 0
-            own[known] = numbers[link.continued[known] - 1]
-            source = np.append(numbers, -1)[link.main_predecessor - 1]
-            came = "new"
+        link = linked(before, shapes.found)
+        own = np.append(numbers, -1)[link.continued - 1]
         fresh = np.flatnonzero(own < 0)
-        own[fresh] = len(birth) + np.arange(fresh.size)
-        birth += [time] * fresh.size
-        death += [math.nan] * fresh.size
-        parent += source[fresh].tolist()
-        origin += ["split" if one >= 0 else came for one in source[fresh]]
-        end += ["last map"] * fresh.size
-        heir += [-1] * fresh.size
-        if before is not None:
-            into = np.append(own, -1)[link.main_successor - 1]
-            for place in np.flatnonzero(~np.isin(numbers, own)):
-                track = int(numbers[place])
-                death[track], heir[track] = time, int(into[place])
-                end[track] = "merged" if heir[track] >= 0 else "gone"
-            one, other = link.pairs.T - 1
-            links.append(
-                {
-                    "map": np.full(one.size, number),
-                    "before": numbers[one],
-                    "after": own[other],
-                    "shared": link.shared,
-                }
-            )
-        here = dataset.isel(field_time=number)
+        own[fresh] = len(fates) + np.arange(fresh.size)
+        for parent in np.append(numbers, -1)[link.main_predecessor[fresh] - 1].tolist():
+            origin = "split" if parent >= 0 else "new" if number else "first map"
+            fates.append({"birth": time, "origin": origin, "parent": parent} | _LASTING)
+        for place in np.flatnonzero(~np.isin(numbers, own)):
+            heir = int(np.append(own, -1)[link.main_successor[place] - 1])
+            end = "merged" if heir >= 0 else "gone"
+            fates[numbers[place]] |= {"death": time, "end": end, "heir": heir}
+        one, other = link.pairs.T - 1
+        pairs = {"before": numbers[one], "after": own[other], "shared": link.shared}
+        links.append({"map": np.full(one.size, number)} | pairs)
         entries.append(
             {
                 "map": np.full(own.size, number),
@@ -183,27 +168,21 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
                 "patch": np.arange(1, own.size + 1),
                 "track": own,
             }
-            | _columns(shapes, lattice, "pressure" in dataset, pressure_of(here))
+            | _columns(shapes, lattice, "pressure" in dataset, pressure_of(dataset.isel(field_time=number)))
         )
         before, numbers = shapes.found, own
     everything = _joined(entries)
-    largest = np.zeros(len(birth), dtype=np.int64)
+    largest = np.zeros(len(fates), dtype=np.int64)
     np.maximum.at(largest, everything["track"], everything["size"])
     tracks = {
-        "track": np.arange(len(birth)),
-        "birth": np.array(birth, dtype=np.float64),
-        "death": np.array(death, dtype=np.float64),
-        "origin": np.array(origin, dtype=str),
-        "parent": np.array(parent, dtype=np.int64),
-        "end": np.array(end, dtype=str),
-        "heir": np.array(heir, dtype=np.int64),
-        "maps": np.bincount(everything["track"], minlength=len(birth)),
+        "track": np.arange(len(fates)),
+        **{name: np.array([fate[name] for fate in fates], dtype=kind) for name, kind in _FATES.items()},
+        "maps": np.bincount(everything["track"], minlength=len(fates)),
         "largest_size": largest,
     }
-    nothing = {name: np.empty(0, dtype=np.int64) for name in ("map", "before", "after", "shared")}
     return PatchTracks(
         patches=_described(everything, "entry", units),
-        links=_described(_joined([nothing, *links]), "link", units),
+        links=_described(_joined(links), "link", units),
         tracks=_described(tracks, "track", units),
     )
 

@@ -181,4 +181,8 @@ def _curvature(window: Series, slope: float) -> tuple[float, float, float]:
     largest = changes[np.argmax(np.abs(changes @ curve.coefficients))]
     unit = 1 / (slope * curve.scale)
     stderr = float(np.sqrt(largest @ curve.covariance @ largest)) * abs(unit)
-    return float(largest @ curve.coefficients) * unit, stderr, student(curve.quality["degrees_of_freedom"]) * stderr
+    return (
+        float(largest @ curve.coefficients) * unit,
+        stderr,
+        student(curve.quality["degrees_of_freedom"]) * stderr,
+    )

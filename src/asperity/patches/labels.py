@@ -142,7 +142,8 @@ def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
     connectivity = checks.integer("connectivity", connectivity, least=1, most=2, expected=expected)
     if edges not in get_args(Edges):
         raise InputError("edges", expected="'periodic' or 'reflecting'", got=checks.shown(edges))
-    labels, count = _open_pieces(touching, connectivity)
+    structure = scipy.ndimage.generate_binary_structure(touching.ndim, min(connectivity, touching.ndim))
+    labels, count = scipy.ndimage.label(touching, structure)
     joined, turns = np.empty((0, 2), dtype=np.int32), np.empty((0, touching.ndim), dtype=np.int64)
     if edges == "periodic":
         joined, turns = _across_the_seams(labels, connectivity)
@@ -178,14 +179,6 @@ def masks(before: ArrayLike, after: ArrayLike) -> tuple[Mask, Mask]:
     if first.shape != last.shape:
         raise InputError("after", expected=f"a mask of shape {first.shape}", got=last.shape)
     return first, last
-
-
-def _open_pieces(touching: Mask, connectivity: int) -> tuple[NDArray[np.int32], int]:
-    """Label the patches of the lattice with open ends: 1 and up, and 0 off contact."""
-    structure = scipy.ndimage.generate_binary_structure(touching.ndim, min(connectivity, touching.ndim))
-    labels = np.empty(touching.shape, dtype=np.int32)
-    count = scipy.ndimage.label(touching, structure=structure, output=labels)
-    return labels, int(count)
 
 
 def _across_the_seams(

@@ -48,12 +48,12 @@ class Links(views.Brief):
     @cached_property
     def predecessors(self) -> Counts:
         """To how many patches before each patch after is linked, shape ``(patches after,)``."""
-        return np.bincount(self.pairs[:, 1] - 1, minlength=self.after.size)
+        return self._over_links(1)
 
     @cached_property
     def successors(self) -> Counts:
         """To how many patches after each patch before is linked, shape ``(patches before,)``."""
-        return np.bincount(self.pairs[:, 0] - 1, minlength=self.before.size)
+        return self._over_links(0)
 
     @property
     def births(self) -> int:
@@ -117,17 +117,12 @@ class Links(views.Brief):
     @cached_property
     def main_predecessor(self) -> Labels:
         """The patch before with which each patch after shares most sites; 0 for none."""
-        return self._numbers(1)
+        return np.append(self.pairs[:, 0], 0)[self._first_of(1)]
 
     @cached_property
     def main_successor(self) -> Labels:
         """The patch after with which each patch before shares most sites; 0 for none."""
-        return self._numbers(0)
-
-    def _numbers(self, side: int) -> Labels:
-        first = self._first_of(side)
-        found = np.append(self.pairs[:, 1 - side], 0)
-        return np.asarray(found[first])
+        return np.append(self.pairs[:, 1], 0)[self._first_of(0)]
 
     def _first_of(self, side: int) -> Counts:
         """The link of most shared sites of each patch before (0) or after (1); -1 for none."""
@@ -138,15 +133,18 @@ class Links(views.Brief):
         first[numbers - 1] = order[places]
         return first
 
+    def _over_links(self, side: int, weights: Counts | None = None) -> Counts:
+        """Number of links, or sum of their weights, of each patch before (0) or after (1)."""
+        size = (self.before, self.after)[side].size
+        return np.bincount(self.pairs[:, side] - 1, weights, minlength=size).astype(np.int64)
+
     @property
     def _gained(self) -> Counts:
-        kept = np.bincount(self.pairs[:, 1] - 1, self.shared, minlength=self.after.size)
-        return self.after - kept.astype(np.int64)
+        return self.after - self._over_links(1, self.shared)
 
     @property
     def _lost(self) -> Counts:
-        kept = np.bincount(self.pairs[:, 0] - 1, self.shared, minlength=self.before.size)
-        return self.before - kept.astype(np.int64)
+        return self.before - self._over_links(0, self.shared)
 
 
 def link_patches(
