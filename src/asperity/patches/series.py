@@ -121,11 +121,6 @@ def _sizes(shapes: Shapes, dimension: int) -> dict[str, Any]:
 
 def _ages(since: NDArray[np.int32], times: Field) -> dict[str, Any]:
     """Ages of the sites in contact, of which maps know no more than since which map each is there."""
-    ages = times[-1] - times
-    counts = np.bincount(since, minlength=times.size)
-    total = int(counts.sum())
-    if not total:
-        return {"mean_contact_age": math.nan, "contact_age": np.full(len(QUANTILES), math.nan)}
-    younger = np.cumsum(counts[::-1])
-    at = np.searchsorted(younger, np.ceil(np.array(QUANTILES) * total - 1e-9))
-    return {"mean_contact_age": float(ages @ counts / total), "contact_age": ages[::-1][at]}
+    ages = times[-1] - times[since]
+    mean = float(ages.mean()) if ages.size else math.nan
+    return {"mean_contact_age": mean, "contact_age": quantiles(ages)}
