@@ -13,7 +13,7 @@ F = asp.friction
 LAW = {
     law: F.RateAndState(law=law, a=0.006, b=0.012, D_c=1.0, mu_0=0.6, V_0=1.0) for law in ("aging", "slip")
 }
-NOISE = 4e-4
+NOISE, ROWS = 4e-4, 120
 
 
 def evolution(law, V, log_state):
@@ -23,7 +23,7 @@ def evolution(law, V, log_state):
 
 
 @cache
-def pulled(stiffness, law="aging", rows=120):
+def pulled(stiffness, law="aging"):
     """Record of a slider on a spring of this stiffness over (b - a)/D_c, pulled at 1, 10, 1, 10, 1.
 
     Each leg is 8 D_c long. mu = mu_0 + a ln V + b ln theta and d mu/dt = k (V_pulled - V) give d ln V/dt.
@@ -37,7 +37,7 @@ def pulled(stiffness, law="aging", rows=120):
             V, aging = np.exp(y[0]), evolution(law, np.exp(y[0]), y[1])
             return [(k * (pull - V) - is_law.b * aging) / is_law.a, aging, V]
 
-        stops = 8.0 / pull * np.arange(1, rows + 1) / rows
+        stops = 8.0 / pull * np.arange(1, ROWS + 1) / ROWS
         found = solve_ivp(
             rate, (0.0, stops[-1]), state[:, -1], t_eval=stops, method="Radau", rtol=1e-9, atol=1e-11
         )
@@ -46,21 +46,12 @@ def pulled(stiffness, law="aging", rows=120):
     return F.Record.of_displacement(time, state[2], friction, si=False)
 
 
-def off(stiffness, law="aging", rows=120):
-    """Largest relative error of a, b and D_c of a record without noise."""
-    fit = F.rate_and_state(pulled(stiffness, law, rows), law=law)
-    return max(abs(getattr(fit, name) / getattr(LAW[law], name) - 1) for name in ("a", "b", "D_c"))
-
-
 @pytest.mark.parametrize(("law", "most"), [("aging", 0.005), ("slip", 0.01)])
-@pytest.mark.parametrize("stiffness", [3.0, 10.0, 20.0, 50.0, 300.0])
+@pytest.mark.parametrize("stiffness", [3.0, 20.0, 300.0])
 def test_the_parameters_of_a_soft_machine_are_those_of_the_law(stiffness, law, most):
-    assert off(stiffness, law) < most
-
-
-@pytest.mark.parametrize("law", ["aging", "slip"])
-def test_the_error_is_of_second_order_in_the_rows(law):
-    assert off(10.0, law, rows=960) < off(10.0, law, rows=240) / 8  # of first order 4, of second 16
+    fit = F.rate_and_state(pulled(stiffness, law), law=law)
+    for name in ("a", "b", "D_c"):
+        assert getattr(fit, name) == pytest.approx(getattr(LAW[law], name), rel=most)
 
 
 def covered(stiffness):
@@ -76,7 +67,9 @@ def covered(stiffness):
     return hits
 
 
-@pytest.mark.parametrize("stiffness", [3.0, 10.0, 20.0, 50.0, 300.0])
+@pytest.mark.parametrize(
+    "stiffness", [3.0, 300.0, *(pytest.param(k, marks=pytest.mark.slow) for k in (10.0, 20.0, 50.0))]
+)
 def test_intervals_cover_the_truth(stiffness):
     assert min(covered(stiffness).values()) >= 33  # fewer, at 95 %, in 1 of 3000 cases
 

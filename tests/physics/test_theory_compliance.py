@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import dblquad, quad
+from scipy.integrate import quad
 from scipy.linalg import expm
 from scipy.special import ive
 
@@ -22,7 +22,7 @@ from asperity.theory import (
     site_stiffness,
     torus_compliance,
 )
-from asperity.theory.zone import torus_modes, zone_nodes
+from asperity.theory.zone import zone_nodes
 from tests.refusals import refuses
 
 Floats = NDArray[np.float64]
@@ -74,21 +74,8 @@ def test_zone_measure_has_the_moments_of_the_lattice(dimension: int) -> None:
     assert [weight @ lam**n for n in range(4)] == pytest.approx(moments, rel=1e-14)
 
 
-def test_square_compliance_against_a_plain_double_integral() -> None:
-    x1, x2, r = 2.0, 3.0, 0.5
-
-    def depth(qx: float, qy: float) -> float:
-        lam = 4 - 2 * math.cos(qx) - 2 * math.cos(qy)
-        z = (lam + r) * x1 * lam / (x1 + lam)
-        grown = x1 * z * x2 / lam if lam == 0 else x1 / lam * -math.expm1(-z * x2)
-        return (1 + grown) / (x1 + lam) / math.pi**2
-
-    reference, _ = dblquad(depth, 0, math.pi, 0, math.pi, epsabs=1e-11, epsrel=1e-11)
-    assert compliance(x1, x2, r) == pytest.approx(reference, rel=1e-10)
-
-
 @pytest.mark.parametrize("dimension", [1, 2])
-@pytest.mark.parametrize("x1", [0.05, 1.0, 30.0])
+@pytest.mark.parametrize("x1", [0.05, 30.0])
 def test_site_stiffness_against_a_random_walk(x1: float, dimension: int) -> None:
     # 1/(x1 + lam) = int exp(-(x1 + lam) s) ds, and the mean of exp(-lam s) is [exp(-2 s) I0(2 s)]^dimension.
     def walk(s: float) -> float:
@@ -107,38 +94,12 @@ def test_site_stiffness_is_k1_for_hard_springs_and_falls_like_a_logarithm_for_so
     assert site_stiffness(10.0) / 10 == pytest.approx(1.37, abs=0.005)
 
 
-@pytest.mark.parametrize("shape", [(1,), (5,), (6,), (1, 4), (4, 6), (3, 5), (7, 7)])
-@pytest.mark.parametrize("viscous", [0.0, 0.4])
-def test_torus_against_the_sum_over_every_mode(shape: tuple[int, ...], viscous: float) -> None:
+@pytest.mark.parametrize("shape", [(1,), (5,), (6,), (1, 4), (4, 6), (3, 5)])
+def test_torus_against_the_sum_over_every_mode(shape: tuple[int, ...]) -> None:
     times = np.array([0.0, 0.3, 20.0, np.inf])
-    expected = [plain_sum(1.7, x2, shape, viscous) for x2 in times]
-    assert torus_compliance(1.7, times, shape, viscous) == pytest.approx(expected, rel=1e-12)
-
-
-def test_torus_modes_are_all_there() -> None:
-    lam, count = torus_modes((6, 9))
-    assert count.sum() == 6 * 9 - 1
-    assert (lam > 0).all()
-
-
-def test_line_torus_has_closed_forms() -> None:
-    n, x1 = 31, 0.3
-    kappa = math.acosh(1 + x1 / 2)
-    before = 1 / (math.tanh(n * kappa / 2) * 2 * math.sinh(kappa))
-    after = 1 / (x1 * n) + (n**2 - 1) / (12 * n)
-    assert torus_compliance(x1, [0, np.inf], (n,)) == pytest.approx([before, after], rel=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("x1", "x2", "viscous"), [(3.0, 0.0, 0.0), (0.8, 10.0, 0.0), (3.0, 1e3, 0.0), (5.0, 2.0, 1.0)]
-)
-def test_big_torus_is_the_infinite_lattice(x1: float, x2: float, viscous: float) -> None:
-    # The images of a contact add terms exponentially small in L over the reach of the dip. With R_tilde
-    # the mode q = 0 sinks as well, by r x2 / N: the torus leaves it out (it moves mean u0),
-    # the infinite lattice does not.
-    sites = 400 * 400
-    finite = torus_compliance(x1, x2, (400, 400), viscous) + viscous * x2 / sites
-    assert compliance(x1, x2, viscous) == pytest.approx(finite, rel=1e-11)
+    for viscous in (0.0, 0.4):
+        expected = [plain_sum(1.7, x2, shape, viscous) for x2 in times]
+        assert torus_compliance(1.7, times, shape, viscous) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("viscous", [0.0, 0.7])
@@ -164,17 +125,8 @@ def test_compliance_follows_from_the_equations_of_motion(viscous: float) -> None
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
-@pytest.mark.parametrize("viscous", [0.0, 0.02, 50.0])
-def test_rate_integrates_to_the_compliance(viscous: float, dimension: int) -> None:
-    start, stop = 0.2, 40.0
-    grown, _ = quad(lambda x2: float(compliance_rate(3.0, x2, viscous, dimension)), start, stop, epsrel=1e-12)
-    ends = compliance(3.0, [start, stop], viscous, dimension)
-    assert grown == pytest.approx(ends[1] - ends[0], rel=1e-10)
-
-
-@pytest.mark.parametrize("dimension", [1, 2])
-@pytest.mark.parametrize("viscous", [0.0, 0.3, 5.0])
-@pytest.mark.parametrize("x1", [0.5, 3.0, 100.0])
+@pytest.mark.parametrize("viscous", [0.0, 0.3])
+@pytest.mark.parametrize("x1", [0.5, 100.0])
 def test_each_asymptotic_term_gains_its_order(x1: float, viscous: float, dimension: int) -> None:
     x2 = np.array([1e6, 1e8])
     exact = compliance(x1, x2, viscous, dimension)
@@ -198,13 +150,6 @@ def test_late_slope_and_intercept_are_the_numbers_of_the_paper() -> None:
 def test_the_papers_dotted_line_is_the_asymptote_rounded() -> None:
     assert compliance_asymptote_paper([1.0, math.e]) == pytest.approx([0.3, 0.34], rel=1e-15)
     assert compliance_asymptote_paper(1e6) == pytest.approx(float(compliance_asymptote(1e6)), rel=6e-3)
-
-
-def test_a_little_viscosity_shows_only_after_its_own_time() -> None:
-    r = 1e-5
-    early, late = 1e-3 / r**2, 1e5 / r**2
-    assert early * compliance_rate(3.0, early, r) == pytest.approx(LATE_SLOPE, rel=0.03)
-    assert late * compliance_rate(3.0, late, r) == pytest.approx(2 * LATE_SLOPE, rel=1e-4)
 
 
 def test_arguments_broadcast_block_by_block_and_scalars_give_floats() -> None:
@@ -289,16 +234,12 @@ def test_stiffer_along_one_axis_is_allowed() -> None:
         (lambda: compliance(0.0, 1.0), "x1"),
         (lambda: compliance(1.0, -1.0), "x2"),
         (lambda: compliance(1.0, np.inf), "x2"),
-        (lambda: compliance(1.0, np.nan), "x2"),
-        (lambda: compliance("soft", 1.0), "x1"),
         (lambda: compliance([1, 2, 3], [1, 2]), "x1, x2, viscous"),
         (lambda: compliance(1.0, 1.0, viscous=-1), "viscous"),
         (lambda: compliance(1.0, 1.0, dimension=3), "dimension"),
         (lambda: compliance_asymptote(0.0), "x2"),
         (lambda: site_stiffness([1.0, -2.0]), "x1"),
         (lambda: torus_compliance(1.0, 1.0, (4, 4, 4)), "shape"),
-        (lambda: torus_compliance(1.0, 1.0, (4, 0)), "shape"),
-        (lambda: torus_compliance(1.0, 1.0, cast(Any, (4.5,))), "shape"),
     ],
 )
 def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:

@@ -147,38 +147,11 @@ def test_without_load_nothing_touches_and_dips_heal() -> None:
     assert healed[5] == pytest.approx(fresh, rel=2e-4)
 
 
-def test_a_partial_fall_opens_contacts_at_once_and_creep_wins_them_back() -> None:
-    heights = ExponentialHeights()
-    times = np.concatenate([[0, 1e3, 1e3], np.logspace(3.01, 7, 9)])
-    load = np.concatenate([[1, 1], np.full(10, 0.6)]) * 1e-4
-    area = dilute_history(times, load, k0=1.0, x1=3.0, heights=heights)
-    assert area[2] < area[1]
-    assert (np.diff(area[2:]) > 0).all()
-    # Late, the first load is forgotten, and the area is that of the second.
-    closed = dilute_area(6e-5, compliance(3.0, times[-1] - 1e3), heights)
-    assert area[-1] == pytest.approx(closed, rel=1e-3)
-
-
 def test_heights_too_low_to_be_followed_do_not_touch() -> None:
     heights = EmpiricalHeights([1.0, 1.0, 2.0, 0.5])
     given: Any = {"k0": 1.0, "x1": 3.0, "heights": heights}
     assert dilute_history([0, 1, 2, 3], [1e-3, 5e-4, 0, 2e-3], **given).tolist() == [0.25, 0.25, 0, 0.25]
     assert dilute_history([0, 1, 2], [50, 20, 20], **given).tolist() == [1, 1, 1]
-
-
-def test_scaling_of_lengths_forces_and_times() -> None:
-    times, load = np.array([0, 10, 20, 30.0]), np.array([0, 1e-3, 2e-4, 2e-4])
-    area = dilute_history(times, load, k0=1.0, x1=3.0, heights=GaussianHeights())
-    for same in (
-        dilute_history(times, 2 * load, k0=1.0, x1=3.0, heights=GaussianHeights(2.0)),
-        dilute_history(times, 5 * load, k0=5.0, x1=3.0, heights=GaussianHeights()),
-        dilute_history(times + 4, load, k0=1.0, x1=3.0, heights=GaussianHeights()),
-    ):
-        assert same == pytest.approx(area, rel=1e-9)
-    # Intermediate times are recorded, not felt.
-    finer = np.linspace(0, 30, 31)
-    again = dilute_history(finer, np.interp(finer, times, load), k0=1.0, x1=3.0, heights=GaussianHeights())
-    assert again[::10] == pytest.approx(area, rel=1e-4)
 
 
 @pytest.mark.parametrize(

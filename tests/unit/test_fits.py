@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
-from asperity.fits import LogarithmFit, SaturationFit, compare, logarithm, saturation
-from asperity.theory import LATE_SLOPE, exponential_growth, site_stiffness
+from asperity.fits import SaturationFit, compare, logarithm, saturation
 from tests.refusals import refuses
 
 Floats = NDArray[np.float64]
@@ -23,7 +23,7 @@ def saturating(time: Floats, a: float, q: float, t0: float) -> Floats:
     return a - (a - 1) / (1 + time / t0) ** q
 
 
-LAWS = [(5.0, 0.2, 3.0), (1.5, 1.0, 100.0), (40.0, 0.02, 0.1), (3.0, 0.5, 0.05), (2.0, 5.0, 1e4)]
+LAWS = [(1.5, 1.0, 100.0), (40.0, 0.02, 0.1), (2.0, 5.0, 1e4)]
 
 
 @pytest.mark.parametrize(("a", "q", "t0"), LAWS)
@@ -37,7 +37,7 @@ def test_saturation_recovers_exact_parameters(a: float, q: float, t0: float, fir
     assert fit.r_squared == pytest.approx(1, abs=1e-12)
 
 
-@pytest.mark.parametrize(("C", "t0"), [(0.3, 2.0), (0.01, 50.0), (4.0, 0.02)])
+@pytest.mark.parametrize(("C", "t0"), [(0.01, 50.0), (4.0, 0.02)])
 @pytest.mark.parametrize("first", [0, 1])
 def test_logarithm_recovers_exact_parameters(C: float, t0: float, first: int) -> None:
     fit = logarithm(TIME[first:], 0.02 * (1 + C * np.log1p(TIME[first:] / t0)))
@@ -45,50 +45,31 @@ def test_logarithm_recovers_exact_parameters(C: float, t0: float, first: int) ->
     assert fit.rms_residual < 1e-12
 
 
-def pulls(
-    law: Callable[..., Any],
-    model: Floats,
-    names: list[str],
-    truth: list[float],
-    time: Floats,
-    initial_free: bool,
-) -> Floats:
-    """(fitted - true) / stderr over 200 curves with noise of known origin, one row each."""
-    rng = np.random.default_rng(20)
+KNOWN: dict[str, float] = {"a": 3.0, "q": 0.4, "t0": 10.0, "C": 0.8, "initial_area": 1.0}
+CASES: dict[str, tuple[Callable[..., Any], str]] = {
+    "saturation": (saturation, "a q t0 C"),
+    "saturation and A(0)": (saturation, "a q t0 C initial_area"),
+    "saturation below a limit": (partial(saturation, limit=3.0), "q t0"),
+    "logarithm": (logarithm, "C t0"),
+}
+
+
+@pytest.mark.parametrize("count", [40, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("case", CASES)
+def test_standard_errors_are_the_spread_of_fits_to_noise(case: str, count: int) -> None:
+    law, said = CASES[case]
+    names, rng = said.split(), np.random.default_rng(21)
+    time = TIME[1:] if "initial_area" in names else TIME
+    model = 1 + 0.8 * np.log1p(time / 10) if case == "logarithm" else saturating(time, 3.0, 0.4, 10.0)
     rows = []
-    for _ in range(200):
-        area = model + 2e-3 * rng.normal(size=time.size)
-        if not initial_free:
-            area[0] = model[0]
-        fit = law(time, area)
-        rows.append(
-            [
-                (getattr(fit, n) - true) / getattr(fit, f"{n}_stderr")
-                for n, true in zip(names, truth, strict=True)
-            ]
-        )
-    return np.array(rows)
-
-
-@pytest.mark.parametrize("initial_free", [False, True])
-def test_saturation_errors_are_standard_errors(initial_free: bool) -> None:
-    time = TIME[1:] if initial_free else TIME
-    names, truth = ["a", "q", "t0", "C"], [3.0, 0.4, 10.0, 0.8]
-    if initial_free:
-        names, truth = [*names, "initial_area"], [*truth, 1.0]
-    pull = pulls(saturation, saturating(time, 3.0, 0.4, 10.0), names, truth, time, initial_free)
-    # The spread of 200 pulls has a standard error of 5 %, their mean one of 7 %: bands of three of these.
-    assert pull.std(axis=0) == pytest.approx(np.ones(len(names)), abs=0.15)
-    assert pull.mean(axis=0) == pytest.approx(np.zeros(len(names)), abs=0.22)
+    for _ in range(count):
+        fit = law(time, model + 2e-3 * rng.normal(size=time.size) * (time > 0))
+        rows.append([(getattr(fit, n) - KNOWN[n]) / getattr(fit, f"{n}_stderr") for n in names])
+    pull = np.array(rows)
+    # The spread has a standard error of 1/sqrt(2 count), the mean one of 1/sqrt(count): three of these.
+    assert pull.std(axis=0) == pytest.approx(np.ones(len(names)), abs=3 / math.sqrt(2 * count))
+    assert pull.mean(axis=0) == pytest.approx(np.zeros(len(names)), abs=3.1 / math.sqrt(count))
     # 99.7 % are expected within 3.
-    assert (np.abs(pull) < 3).mean() > 0.985
-
-
-def test_logarithm_errors_are_standard_errors() -> None:
-    model = 1 + 0.2 * np.log1p(TIME / 5)
-    pull = pulls(logarithm, model, ["C", "t0"], [0.2, 5.0], TIME, initial_free=False)
-    assert pull.std(axis=0) == pytest.approx(np.ones(2), abs=0.15)
-    assert pull.mean(axis=0) == pytest.approx(np.zeros(2), abs=0.22)
     assert (np.abs(pull) < 3).mean() > 0.985
 
 
@@ -113,29 +94,22 @@ def test_units_of_time_and_area_only_scale(law: Callable[..., Any], first: int) 
     assert other.r_squared == pytest.approx(one.r_squared, rel=1e-10)
 
 
-def test_given_initial_area_is_kept_and_has_no_weight() -> None:
-    fit = saturation(TIME, noisy())
-    assert fit.initial_area == 1.0
-    assert fit.initial_area_stderr == 0.0
-    assert fit.predict(0.0) == 1.0
-
-
 @pytest.mark.parametrize("law", [saturation, logarithm])
 def test_prediction_residual_and_r_squared_say_the_same(law: Callable[..., Any]) -> None:
     area = noisy()
     fit = law(TIME, area)
+    assert (fit.initial_area, fit.initial_area_stderr, fit.predict(0.0)) == (1.0, 0.0, 1.0)
     after = fit.predict(TIME[1:])
     assert fit.rms_residual == pytest.approx(np.sqrt(np.mean((after / area[1:] - 1) ** 2)), rel=1e-12)
     squares = np.sum((after - area[1:]) ** 2) / np.sum((area[1:] - area[1:].mean()) ** 2)
     assert fit.r_squared == pytest.approx(1 - squares, rel=1e-12)
     assert np.array_equal(fit(TIME), fit.predict(TIME))
     assert np.array_equal(fit.area_ratio(TIME) * fit.initial_area, fit.predict(TIME))
-
-
-def test_saturation_predicts_its_own_formula() -> None:
-    fit = saturation(TIME, noisy())
-    assert fit.area_ratio(TIME) == pytest.approx(saturating(TIME, fit.a, fit.q, fit.t0), rel=1e-12)
-    assert fit.area_ratio(1e300) == pytest.approx(fit.a, rel=1e-12)
+    if isinstance(fit, SaturationFit):
+        assert fit.area_ratio(TIME) == pytest.approx(saturating(TIME, fit.a, fit.q, fit.t0), rel=1e-12)
+        assert fit.area_ratio(1e300) == pytest.approx(fit.a, rel=1e-12)
+    with refuses("time"):
+        fit.predict([1.0, -1.0])
 
 
 @pytest.mark.parametrize("first", [0, 1])
@@ -148,16 +122,6 @@ def test_pure_logarithm_leaves_a_open_but_not_C(first: int) -> None:
     assert fit.a_stderr == math.inf
     assert fit.q < 1e-6
     assert fit.predict(TIME[first:]) == pytest.approx(area, rel=1e-6)
-
-
-def test_noisy_logarithm_says_that_q_may_be_zero() -> None:
-    rng = np.random.default_rng(4)
-    area = (1 + 0.05 * np.log1p(TIME / 2)) * (1 + 3e-3 * rng.normal(size=TIME.size))
-    area[0] = 1.0
-    fit = saturation(TIME, area)
-    assert fit.q < 3 * fit.q_stderr
-    assert fit.a_stderr > 0.3 * fit.a
-    assert abs(fit.C - 0.05) < 4 * fit.C_stderr
 
 
 @pytest.mark.parametrize("law", [saturation, logarithm])
@@ -173,16 +137,13 @@ def test_a_late_piece_of_a_logarithm_does_not_determine_its_beginning(law: Calla
     assert fit.predict(time) == pytest.approx(area, rel=5e-3)
 
 
-def test_late_slope_of_the_dilute_theory_is_found() -> None:
-    """Eq. (ndet2), corrected: C = k_eff/(8 pi k0). The paper's k1/(8 pi k0) is 37 % off at k1/k0 = 10."""
-    time = np.logspace(5, 10, 40)
-    fit = logarithm(np.concatenate([[0], time]), np.concatenate([[1], exponential_growth(10.0, time)]))
-    assert pytest.approx(LATE_SLOPE * float(site_stiffness(10.0)), rel=1e-3) == fit.C
-
-
-def test_labeled_arrays_are_welcome() -> None:
-    area = xr.DataArray(noisy(), dims="time", coords={"time": TIME}, name="area")
-    assert saturation(area.time, area) == saturation(TIME, noisy())
+@pytest.mark.parametrize("seed", [8, 9])
+def test_a_search_along_a_valley_ends(seed: int) -> None:
+    """Times long after t0: along a line the squares hardly change, and a search for the last digit creeps."""
+    time, noise = np.geomspace(10, 3e3, 36), np.random.default_rng(seed).normal(size=36)
+    fit = saturation(time, 1 + 0.004 * np.log1p(time / 4e-3) + 6e-4 * noise)
+    assert fit.rms_residual == pytest.approx(6e-4, rel=0.3)
+    assert fit.t0_stderr > fit.t0
 
 
 @pytest.mark.parametrize("law", [logarithm, saturation, compare])
@@ -195,18 +156,9 @@ def test_an_array_that_knows_its_time_is_fitted_alone(law: Callable[..., Any]) -
             law(wrong)
 
 
-def test_results_are_frozen_and_of_their_kind() -> None:
-    assert isinstance(saturation(TIME, noisy()), SaturationFit)
-    fit = logarithm(TIME, noisy())
-    assert isinstance(fit, LogarithmFit)
-    with pytest.raises(AttributeError, match="cannot assign"):
-        fit.C = 1.0  # type: ignore[misc]
-
-
 GROWING = np.linspace(1.0, 2.0, 8)
 
 
-@pytest.mark.parametrize("law", [saturation, logarithm])
 @pytest.mark.parametrize(
     ("time", "area", "name"),
     [
@@ -228,22 +180,15 @@ GROWING = np.linspace(1.0, 2.0, 8)
         (np.arange(8), [1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 1.1], "area"),
     ],
 )
-def test_bad_data_are_named(law: Callable[..., Any], time: ArrayLike, area: ArrayLike, name: str) -> None:
+def test_bad_data_are_named(time: ArrayLike, area: ArrayLike, name: str) -> None:
     with refuses(name):
-        law(time, area)
-
-
-def test_predictions_ask_for_times_after_contact() -> None:
-    with refuses("time"):
-        logarithm(TIME, noisy()).predict([1.0, -1.0])
+        saturation(time, area)
 
 
 def test_areas_that_grow_at_once_and_stay_have_no_variation_to_explain() -> None:
-    laws: tuple[Callable[..., SaturationFit | LogarithmFit], ...] = (saturation, logarithm)
-    for law in laws:
-        fit = law([0.0, 1.0, 2.0, 4.0, 8.0, 16.0], [3.0, 4.0, 4.0, 4.0, 4.0, 4.0])
-        assert np.isnan(fit.r_squared)
-        np.testing.assert_allclose(fit.area_ratio(np.array([2.0, 16.0])), 4 / 3, rtol=0.1)
+    fit = saturation([0.0, 1.0, 2.0, 4.0, 8.0, 16.0], [3.0, 4.0, 4.0, 4.0, 4.0, 4.0])
+    assert np.isnan(fit.r_squared)
+    np.testing.assert_allclose(fit.area_ratio(np.array([2.0, 16.0])), 4 / 3, rtol=0.1)
 
 
 @pytest.mark.parametrize(("a", "q", "t0"), LAWS)
@@ -262,15 +207,6 @@ def test_a_known_limit_is_kept(a: float, q: float, t0: float) -> None:
     assert other.a == pytest.approx(1.1 * a, rel=1e-14)
 
 
-def test_errors_beside_a_known_limit_are_standard_errors() -> None:
-    def law(time: Floats, area: Floats) -> SaturationFit:
-        return saturation(time, area, limit=3.0)
-
-    pull = pulls(law, saturating(TIME, 3.0, 0.4, 10.0), ["q", "t0"], [0.4, 10.0], TIME, initial_free=False)
-    assert pull.std(axis=0) == pytest.approx(np.ones(2), abs=0.15)
-    assert pull.mean(axis=0) == pytest.approx(np.zeros(2), abs=0.22)
-
-
 @pytest.mark.parametrize(("first", "limit"), [(0, 0.9), (0, math.nan), (1, 3.0)])
 def test_a_limit_that_is_none_is_refused(first: int, limit: float) -> None:
     with refuses("limit"):
@@ -282,11 +218,3 @@ def test_fits_are_short_in_words() -> None:
     assert text.startswith("<SaturationFit: C = 0.6")
     assert "60 points, misfit 0.0" in text
     assert len(text) < 250
-
-
-def test_a_number_that_is_none_is_found() -> None:
-    area = noisy()
-    area[[5, 9]] = np.nan
-    area[7] = np.inf
-    with refuses("area"):
-        saturation(TIME, area)

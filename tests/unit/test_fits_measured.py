@@ -26,7 +26,7 @@ def test_intervals_cover_the_truth_of_noisy_friction() -> None:
     late = np.log(np.unique(HOLD[HOLD >= 30]))
     true_line = np.polyfit(late, SLOPE * np.log1p(np.exp(late)), 1)[0]
     hits: Counter[str] = Counter()
-    for seed in range(200):
+    for seed in range(100):
         mu = friction(seed)
         fit = logarithm(HOLD, mu)
         for name, value in truth.items():
@@ -35,8 +35,8 @@ def test_intervals_cover_the_truth_of_noisy_friction() -> None:
         rate = growth_rate(HOLD, mu, first=30, initial=0.6)
         low, high = rate.interval("slope")
         hits["line"] += low <= true_line <= high
-    # 95 % expected, with a standard deviation of 1.5 %.
-    assert {name: 0.90 <= count / 200 <= 0.99 for name, count in hits.items()} == dict.fromkeys(hits, True)
+    # 95 % expected, with a standard deviation of 2.2 %: a band of three.
+    assert {name: 0.885 <= count / 100 <= 1.0 for name, count in hits.items()} == dict.fromkeys(hits, True)
     assert len(hits) == 5
 
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import ArrayLike
 from scipy.stats import linregress, t
 
-from asperity.fits import growth_rate, local_exponent, logarithm, power_law, saturation
+from asperity.fits import growth_rate, local_exponent, power_law
 from tests.refusals import refuses
 
 X = np.geomspace(0.1, 1e4, 12)
@@ -81,11 +81,6 @@ def test_local_exponent() -> None:
 def test_power_laws_that_are_none(x: ArrayLike, y: ArrayLike, name: str) -> None:
     with refuses(name):
         power_law(x, y)
-
-
-def test_local_exponent_needs_neighbors() -> None:
-    with refuses("x"):
-        local_exponent([1.0, 1.0], [1.0, 2.0])
 
 
 TIME = np.append(0.0, np.geomspace(1e-2, 1e4, 25))
@@ -186,11 +181,3 @@ def test_bad_windows_are_named() -> None:
         growth_rate(TIME, area, stderr=np.zeros(TIME.size))
     with refuses("name"):
         growth_rate(TIME, area).interval("q")
-
-
-def test_the_rate_is_the_slope_of_the_law() -> None:
-    area = np.append(2.0, 2 * (1 + 0.3 * np.log1p(TIME[1:] / 1e-4)))
-    fit, rate = logarithm(TIME, area), growth_rate(TIME, area, first=10)
-    assert pytest.approx(fit.C, rel=1e-4) == rate.B
-    assert fit.slope == pytest.approx(0.6, rel=1e-8)
-    assert saturation(TIME, area).slope == pytest.approx(0.6, rel=1e-5)

@@ -42,8 +42,7 @@ def test_a_sharp_eye_sees_the_sites_themselves(edges: Edges) -> None:
 
 
 @pytest.mark.parametrize("edges", EDGES)
-@pytest.mark.parametrize("pixel", [0.5, 1.0, 1.5, 3.0, 6.0])
-@pytest.mark.parametrize("blur", [0.0, 0.3, 2.0, 6.0])
+@pytest.mark.parametrize(("pixel", "blur"), [(0.5, 0.3), (1.5, 2.0), (6.0, 6.0), (3.0, 0.0)])
 def test_pixels_that_tile_the_surface_see_all_of_its_light(edges: Edges, pixel: float, blur: float) -> None:
     light = brightness((6, 12))
     seen = asp.observe(light, pixel=pixel, blur=blur, edges=edges)
@@ -79,7 +78,7 @@ def test_periodic_edges_are_seen_through() -> None:
     np.testing.assert_allclose(np.roll(ours, **shift), moved, rtol=1e-12)
 
 
-@pytest.mark.parametrize("width", [12.0, 20.0, 40.0])
+@pytest.mark.parametrize("width", [12.0, 40.0])
 def test_a_blurred_disc(width: float) -> None:
     # A point of the disc's image: the probability that a normal vector around it ends within the disc.
     n, radius, deviation = 160, 24.0, width / (2 * math.sqrt(2 * math.log(2)))

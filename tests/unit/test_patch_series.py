@@ -11,13 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 
 import asperity as asp
 from asperity.analysis import contact_ages, link_patches, patch_table, patch_tracks
-from asperity.lattice import Edges, Lattice, Mask
+from asperity.lattice import Lattice, Mask
 from asperity.patches import QUANTILES, clustering, clustering_box, map_series, quantiles, shapes_of
 from asperity.results.quantities import OF_MAPS
 from tests.refusals import refuses
@@ -116,33 +113,6 @@ def test_reflecting_edges_join_nothing_and_are_no_rim() -> None:
     assert shapes_of(touching, (1.0, 1.0)).found.count == 1
 
 
-masks = hnp.array_shapes(min_dims=1, max_dims=2, max_side=9).flatmap(
-    lambda shape: st.tuples(hnp.arrays(bool, shape), hnp.arrays(bool, shape))
-)
-
-
-@settings(max_examples=200, deadline=None, derandomize=True)
-@given(masks, st.sampled_from([1, 2]), st.sampled_from(["periodic", "reflecting"]))
-def test_events_add_up_to_the_change_of_number(
-    pair: tuple[Mask, Mask], connectivity: int, edges: Edges
-) -> None:
-    before, after = pair
-    links = link_patches(before, after, connectivity, edges=edges)
-    change = links.after.size - links.before.size
-    assert links.births - links.deaths + links.splits - links.merges == change
-    assert min(links.births, links.deaths, links.splits, links.merges) >= 0
-    gained = links.gained_by_expansion + links.gained_by_coalescence + links.gained_by_births
-    assert gained == np.count_nonzero(after & ~before)
-    assert links.lost_by_shrinkage + links.lost_by_deaths == np.count_nonzero(before & ~after)
-    back = link_patches(after, before, connectivity, edges=edges)
-    assert (back.births, back.deaths, back.merges, back.splits) == (
-        links.deaths,
-        links.births,
-        links.splits,
-        links.merges,
-    )
-
-
 @pytest.mark.parametrize("connectivity", [1, 2])
 @pytest.mark.parametrize("shape", [(40,), (13, 16), (18, 2)])
 def test_links_are_those_of_flood_fill(shape: tuple[int, ...], connectivity: int) -> None:
@@ -179,26 +149,6 @@ def test_links_are_those_of_flood_fill(shape: tuple[int, ...], connectivity: int
                 own = {p: n for p, n in pairs.items() if number == p[1]}
                 its = {p: n for p, n in pairs.items() if taken == p[0]}
                 assert pairs[taken, number] == max(own.values()) == max(its.values())
-
-
-def test_many_to_many_has_merges_and_splits() -> None:
-    """Two bars that are crossed by two others share four sites: each bar has two of the other map."""
-    bars = filled((6, 6), (slice(1, 2), slice(0, 5)), (slice(3, 4), slice(0, 5)))
-    links = link_patches(bars, bars.T)
-    assert (links.births, links.deaths, links.merges, links.splits) == (0, 0, 2, 2)
-    # One bridge less is one event less of each kind.
-    short = filled((6, 6), (slice(0, 5), slice(1, 2)), (slice(2, 5), slice(3, 4)))
-    assert (link_patches(bars, short).merges, link_patches(bars, short).splits) == (1, 1)
-
-
-def test_what_is_linked_is_two_masks_of_one_lattice() -> None:
-    mask = np.zeros((8, 8), dtype=bool)
-    with refuses("after"):
-        link_patches(mask, mask[0])
-    with refuses("before"):
-        link_patches(mask.astype(int), mask)
-    with refuses("edges"):
-        link_patches(mask, mask, edges="open")  # type: ignore[arg-type]
 
 
 def maps_of(shape: tuple[int, ...], seed: int, count: int = 7) -> list[Mask]:
