@@ -25,9 +25,8 @@ import scipy.special
 import xarray as xr
 from numpy.typing import ArrayLike
 
-import asperity.base.checks as checks
-import asperity.base.units as units
 from asperity.analysis.field_values import lattice_of
+from asperity.base import checks, units
 from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Edges, Field, Mask

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pandas as pd
 
-import asperity.base.checks as checks
+from asperity.base import checks
 from asperity.base.version import __version__
+from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
 from asperity.friction.comparing import PARAMETERS, StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
