@@ -1,8 +1,6 @@
 """The compliance of a site against sums over modes, other integrals, closed forms, many-digit quadrature."""
 
 import math
-from collections.abc import Callable
-from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -23,7 +21,6 @@ from asperity.theory import (
     torus_compliance,
 )
 from asperity.theory.zone import zone_nodes
-from tests.refusals import refuses
 
 Floats = NDArray[np.float64]
 
@@ -218,30 +215,3 @@ def test_stiffer_along_one_axis_is_allowed() -> None:
     # Before creep and at large x1: <1/(x1 + lam)> = 1/x1 - <lam>/x1^2 + ..., and <lam> = 2 + 2 * 9.
     soft = compliance(1e6, 0.0, dispersion=lambda qx, qy: 2 - 2 * np.cos(qx) + 9 * (2 - 2 * np.cos(qy)))
     assert 1 - 1e6 * soft == pytest.approx(20 / 1e6, rel=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("call", "name"),
-    [
-        (lambda: compliance(1.0, 1.0, dispersion=cast(Any, "cubic")), "dispersion"),
-        (
-            lambda: compliance(1.0, 1e14, dispersion=lambda qx, qy: 4 - 2 * np.cos(qx) - 2 * np.cos(qy)),
-            "dispersion",
-        ),
-        (lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: qx**2 + qy**2 + qx * qy), "dispersion"),
-        (lambda: compliance(1.0, 1.0, dispersion=lambda qx, qy: 1 + qx**2 + qy**2), "dispersion"),
-        (lambda: compliance(1.0, 1.0, dispersion=lambda *_: 1.0), "dispersion"),
-        (lambda: compliance(0.0, 1.0), "x1"),
-        (lambda: compliance(1.0, -1.0), "x2"),
-        (lambda: compliance(1.0, np.inf), "x2"),
-        (lambda: compliance([1, 2, 3], [1, 2]), "x1, x2, viscous"),
-        (lambda: compliance(1.0, 1.0, viscous=-1), "viscous"),
-        (lambda: compliance(1.0, 1.0, dimension=3), "dimension"),
-        (lambda: compliance_asymptote(0.0), "x2"),
-        (lambda: site_stiffness([1.0, -2.0]), "x1"),
-        (lambda: torus_compliance(1.0, 1.0, (4, 4, 4)), "shape"),
-    ],
-)
-def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:
-    with refuses(name):
-        call()

@@ -1,8 +1,6 @@
 """Laws of heights, the dilute theory and full contact, against quadrature, brute force and bisection."""
 
 import math
-from collections.abc import Callable
-from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -29,7 +27,6 @@ from asperity.theory import (
     static_friction,
     winkler_area,
 )
-from tests.refusals import refuses
 
 
 @pytest.fixture
@@ -217,34 +214,3 @@ def test_full_contact_of_a_cosine() -> None:
         4 * n * (k1 + k0 * lam) * height
     )
     assert full_contact_load(np.ones((3, 3)), k0=1.0, k1=1.0) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("call", "name"),
-    [
-        (lambda: GaussianHeights(rms=0.0), "rms"),
-        (lambda: ExponentialHeights(rms=cast(Any, [1.0, 2.0])), "rms"),
-        (lambda: EmpiricalHeights([]), "heights"),
-        (lambda: EmpiricalHeights([1.0, np.inf]), "heights"),
-        (lambda: GaussianHeights().separation_for(0.0), "mean_excess"),
-        (lambda: dilute_area(0.0, 1.0, GaussianHeights()), "load_per_site"),
-        (lambda: dilute_area(1.0, [1.0, -1.0], GaussianHeights()), "compliance"),
-        (lambda: dilute_area([1, 2], [1, 2, 3], GaussianHeights()), "load_per_site, compliance"),
-        (lambda: winkler_area(1.0, 0.0, GaussianHeights()), "k1"),
-        (lambda: contacts_at_start(0.0, 1.0, 1.0, k0=1.0), "load"),
-        (lambda: contacts_at_start(1.0, 1.0, 1.0, k0=1.0, dimension=3), "dimension"),
-        (lambda: contacts_at_start_paper(1.0, 1.0, [1, 2], k0=[1, 2, 3]), "load, rms, x1, k0"),
-        (lambda: late_slope(1.0, dimension=1), "dimension"),
-        (lambda: late_slope_paper(0.0), "x1"),
-        (lambda: static_friction(1.0, 0.0, 1.0), "load"),
-        (lambda: static_friction(-1.0, 1.0, 1.0), "area"),
-        (lambda: static_friction(1.0, 1.0, np.inf), "shear_strength"),
-        (lambda: dilute_horizon(1.5), "area_fraction"),
-        (lambda: full_contact_load(np.zeros((2, 2, 2)), k0=1.0, k1=1.0), "heights"),
-        (lambda: full_contact_load([0.0, 1.0], k0=-1.0, k1=1.0), "k0"),
-        (lambda: full_contact_load_relaxed([0.0, 1.0], k0=-1.0), "k0"),
-    ],
-)
-def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:
-    with refuses(name):
-        call()

@@ -1,7 +1,6 @@
 """A site under a force that changes, against closed integrals, superposition and plain quadrature."""
 
 from collections.abc import Callable
-from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from asperity.theory import compliance, compliance_rate, response, response_rate, site_stiffness
-from tests.refusals import refuses
 
 SOLIDS = [(0.02, 0.0, 2), (200.0, 0.4, 2), (3.0, 0.0, 1), (0.5, 30.0, 1)]
 
@@ -85,23 +83,3 @@ def test_rate_is_the_derivative_of_the_depth_but_for_the_term_that_the_paper_lea
 def test_one_time_alone_is_the_elastic_answer() -> None:
     assert response([4.0], [2.0], 3.0) == pytest.approx([2 * compliance(3.0, 0.0)], rel=1e-14)
     assert response_rate([4.0], [2.0], 3.0) == pytest.approx([2 * compliance_rate(3.0, 0.0)], rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("call", "name"),
-    [
-        (lambda: response([], [], 1.0), "x2"),
-        (lambda: response(1.0, 1.0, 1.0), "x2"),
-        (lambda: response([0, 1], [0, 1, 2], 1.0), "force"),
-        (lambda: response([0, 2, 1], [0, 1, 2], 1.0), "x2"),
-        (lambda: response([0, np.inf], [0, 1], 1.0), "x2"),
-        (lambda: response([0, 1], [0, np.nan], 1.0), "force"),
-        (lambda: response([0, 1], [0, 1], cast(Any, [1.0, 2.0])), "x1"),
-        (lambda: response([0, 1], [0, 1], 0.0), "x1"),
-        (lambda: response_rate([0, 1], [0, 1], 1.0, -1.0), "viscous"),
-        (lambda: response_rate([0, 1], [0, 1], 1.0, dimension=3), "dimension"),
-    ],
-)
-def test_bad_input_is_named(call: Callable[[], object], name: str) -> None:
-    with refuses(name):
-        call()

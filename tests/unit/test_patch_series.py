@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 from itertools import pairwise
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import asperity as asp
 from asperity.analysis import contact_ages, link_patches, patch_table, patch_tracks
@@ -378,45 +374,6 @@ def test_what_has_no_fields_is_refused(history: asp.results.History) -> None:
         patch_table(history.final.in_contact)  # type: ignore[arg-type]
     with refuses("connectivity"):
         patch_table(history.final, connectivity=3)
-
-
-def test_pressures_are_distributed_as_hertz_says() -> None:
-    """p = p0 sqrt(1 - r^2/a^2): the share p^2/p0^2 of the area bears at most p.
-
-    K. L. Johnson, Contact Mechanics (1985), Eq. 3.39.
-    """
-    n, radius, modulus = 128, 400.0, 1.0
-    y, x = np.meshgrid(*(np.arange(n) - n / 2 + 0.25,) * 2, indexing="ij")
-    contact = asp.press(-(x**2 + y**2) / (2 * radius), asp.solids.half_space(modulus=modulus), load=40.0)
-    assert patch_table(contact).sizes["patch"] == 1
-    area = contact.contact_area_corrected
-    largest = 1.5 * contact.load / area
-    found = asp.age(contact, [1.0], fields_at=[0.0])["contact_pressure"].sel(field_time=0.0)
-    expected = largest * np.sqrt(np.array(QUANTILES))
-    np.testing.assert_allclose(found[1:], expected[1:], rtol=0.03)
-
-
-class KilledError(Exception):
-    """A run ends here."""
-
-
-def test_a_resumed_run_has_the_same_series(tmp_path: Path) -> None:
-    contact = asp.press(asp.surfaces.gaussian((24, 24), rms=1.0, seed=4), SPRINGS, load=150.0)
-    place = tmp_path / "place"
-
-    def kill(frame: asp.Frame) -> None:
-        if frame.time > 1.0:
-            raise KilledError
-
-    def aged(**options: Any) -> xr.Dataset:
-        return asp.age(contact, [1.0, 10.0, 100.0], fields_at=[0.0, 1.0, 30.0, 100.0], **options).dataset
-
-    whole = aged()
-    with pytest.raises(KilledError):
-        aged(checkpoint=asp.Checkpoint(place, every=0.0), progress=kill)
-    kept = json.loads(str(np.load(place)["facts"]))["snapshots"]
-    assert [one[1] for one in kept] == whole["contact_pressure"][:2].values.tolist()
-    xr.testing.assert_identical(aged(checkpoint=place), whole)
 
 
 def test_while_the_surface_slides_ages_are_those_of_the_body() -> None:

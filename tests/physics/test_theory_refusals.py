@@ -1,0 +1,83 @@
+"""Numbers that the theory refuses, by name: each check once."""
+
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from tests.refusals import refuses
+
+T = asp.theory
+GAUSS = T.GaussianHeights()
+
+
+def history(**changed: object) -> object:
+    given = {"x2": [0.0, 1.0], "load_per_site": [1.0, 0.5], "k0": 1.0, "x1": 3.0, "heights": GAUSS}
+    return T.dilute_history(**cast(Any, given | changed))
+
+
+def dispersed(law: object, x2: float = 1.0) -> object:
+    return T.compliance(1.0, x2, dispersion=cast(Any, law))
+
+
+@pytest.mark.parametrize(
+    ("name", "call"),
+    [
+        ("dispersion", lambda: dispersed("cubic")),
+        ("dispersion", lambda: dispersed(lambda qx, qy: 4 - 2 * np.cos(qx) - 2 * np.cos(qy), x2=1e14)),
+        ("dispersion", lambda: dispersed(lambda qx, qy: qx**2 + qy**2 + qx * qy)),
+        ("dispersion", lambda: dispersed(lambda qx, qy: 1 + qx**2 + qy**2)),
+        ("dispersion", lambda: dispersed(lambda *_: 1.0)),
+        ("x1", lambda: T.compliance(0.0, 1.0)),
+        ("x2", lambda: T.compliance(1.0, -1.0)),
+        ("x2", lambda: T.compliance(1.0, np.inf)),
+        ("x1, x2, viscous", lambda: T.compliance([1, 2, 3], [1, 2])),
+        ("viscous", lambda: T.compliance(1.0, 1.0, viscous=-1)),
+        ("dimension", lambda: T.compliance(1.0, 1.0, dimension=3)),
+        ("x2", lambda: T.compliance_asymptote(0.0)),
+        ("x1", lambda: T.site_stiffness([1.0, -2.0])),
+        ("shape", lambda: T.torus_compliance(1.0, 1.0, (4, 4, 4))),
+        ("rms", lambda: T.GaussianHeights(rms=0.0)),
+        ("rms", lambda: T.ExponentialHeights(rms=cast(Any, [1.0, 2.0]))),
+        ("heights", lambda: T.EmpiricalHeights([])),
+        ("heights", lambda: T.EmpiricalHeights([1.0, np.inf])),
+        ("mean_excess", lambda: GAUSS.separation_for(0.0)),
+        ("load_per_site", lambda: T.dilute_area(0.0, 1.0, GAUSS)),
+        ("compliance", lambda: T.dilute_area(1.0, [1.0, -1.0], GAUSS)),
+        ("load_per_site, compliance", lambda: T.dilute_area([1, 2], [1, 2, 3], GAUSS)),
+        ("k1", lambda: T.winkler_area(1.0, 0.0, GAUSS)),
+        ("load", lambda: T.contacts_at_start(0.0, 1.0, 1.0, k0=1.0)),
+        ("load, rms, x1, k0", lambda: T.contacts_at_start_paper(1.0, 1.0, [1, 2], k0=[1, 2, 3])),
+        ("dimension", lambda: T.late_slope(1.0, dimension=1)),
+        ("x1", lambda: T.late_slope_paper(0.0)),
+        ("load", lambda: T.static_friction(1.0, 0.0, 1.0)),
+        ("area", lambda: T.static_friction(-1.0, 1.0, 1.0)),
+        ("area_fraction", lambda: T.dilute_horizon(1.5)),
+        ("heights", lambda: T.full_contact_load(np.zeros((2, 2, 2)), k0=1.0, k1=1.0)),
+        ("k0", lambda: T.full_contact_load([0.0, 1.0], k0=-1.0, k1=1.0)),
+        ("k0", lambda: T.full_contact_load_relaxed([0.0, 1.0], k0=-1.0)),
+        ("offset", lambda: T.displacement((1, 0, 0), 1.0, 1.0)),
+        ("offset", lambda: T.displacement(3, 1.0, 1.0)),
+        ("offset", lambda: T.displacement((0.5, 0.0), 1.0, 1.0)),
+        ("offset", lambda: T.displacement((0, 3000), 1.0, 1.0)),
+        ("x1, x2, viscous, offset", lambda: T.displacement([(1, 0), (1, 1)], 1.0, [1, 2, 3])),
+        ("dimension", lambda: T.displacement((1, 0), 1.0, 1.0, dimension=3)),
+        ("x2", lambda: T.response([], [], 1.0)),
+        ("force", lambda: T.response([0, 1], [0, 1, 2], 1.0)),
+        ("x2", lambda: T.response([0, 2, 1], [0, 1, 2], 1.0)),
+        ("x2", lambda: T.response([0, np.inf], [0, 1], 1.0)),
+        ("x1", lambda: T.response([0, 1], [0, 1], 0.0)),
+        ("viscous", lambda: T.response_rate([0, 1], [0, 1], 1.0, -1.0)),
+        ("dimension", lambda: T.response_rate([0, 1], [0, 1], 1.0, dimension=3)),
+        ("load_per_site", lambda: history(load_per_site=[1.0, -1.0])),
+        ("x2", lambda: history(x2=[1.0, 0.0])),
+        ("k0", lambda: history(k0=0.0)),
+        ("x1", lambda: history(x1=-1.0)),
+        ("dimension", lambda: history(dimension=0)),
+    ],
+)
+def test_bad_input_is_named(name: str, call: Callable[[], object]) -> None:
+    with refuses(name):
+        call()
