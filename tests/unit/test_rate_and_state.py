@@ -77,15 +77,19 @@ def test_mu_0_is_the_steady_friction_of_the_velocity_asked_for():
 
 
 def covered(protocol, law, count, **known):
-    """How many of 95 % intervals cover the truth."""
+    """How many of 95 % intervals cover the truth; the spread of the fits is that of their standard errors."""
     truth = LAWS[law]
-    hits = dict.fromkeys(("b", "D_c", "mu_0", "a_minus_b"), 0)
+    names = ("b", "D_c", "mu_0", "a_minus_b")
+    hits, pulls = dict.fromkeys(names, 0), np.zeros((count, len(names)))
     for seed in range(count):
         record = F.synthetic_record(protocol, truth, per_leg=30, noise=NOISE, seed=seed)
         fit = F.rate_and_state(record, law=law, **known)
-        for name in hits:
+        for at, name in enumerate(names):
+            value = -0.005 if name == "a_minus_b" else getattr(truth, name)
             low, high = fit.interval(name)
-            hits[name] += low <= (-0.005 if name == "a_minus_b" else getattr(truth, name)) <= high
+            hits[name] += low <= value <= high
+            pulls[seed, at] = (getattr(fit, name) - value) / getattr(fit, f"{name}_stderr")
+    np.testing.assert_allclose(pulls.std(axis=0), 1.0, atol=3 / np.sqrt(2 * count))
     return hits
 
 
@@ -176,6 +180,14 @@ def test_static_friction_against_hold_time_has_a_closed_form():
     grown = asp.fits.logarithm(np.append(0.0, peaks.duration), np.append(peaks.before[0], peaks.peak))
     assert grown.slope == pytest.approx(law.b, rel=1e-6)
     assert grown.t0 * 1e-6 == pytest.approx(law.D_c, rel=1e-6)
+
+
+def test_before_a_hold_counts_the_second_half_of_the_slip():
+    velocity, friction = [1, 1, 1, 1, 0, 0, 1, 1, 0], [0.1, 0.2, 0.3, 0.5, 0.45, 0.42, 0.9, 0.8, 0.7]
+    for at_rest, peak in ((False, 0.9), (True, 0.42)):
+        found = F.hold_peaks(F.Record(np.arange(9.0), velocity, friction, strength_at_rest=at_rest))
+        rows = [found.duration, found.peak, found.before, found.velocity]
+        np.testing.assert_allclose(rows, [[2.0], [peak], [0.4], [1.0]])
 
 
 def test_rest_counts_only_where_it_is_the_strength():
