@@ -183,7 +183,8 @@ def test_static_friction_against_hold_time_has_a_closed_form():
 
 
 def test_before_a_hold_counts_the_second_half_of_the_slip():
-    velocity, friction = [1, 1, 1, 1, 0, 0, 1, 1, 0], [0.1, 0.2, 0.3, 0.5, 0.45, 0.42, 0.9, 0.8, 0.7]
+    velocity = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0])
+    friction = np.array([0.1, 0.2, 0.3, 0.5, 0.45, 0.42, 0.9, 0.8, 0.7])
     for at_rest, peak in ((False, 0.9), (True, 0.42)):
         found = F.hold_peaks(F.Record(np.arange(9.0), velocity, friction, strength_at_rest=at_rest))
         rows = [found.duration, found.peak, found.before, found.velocity]
@@ -309,8 +310,8 @@ BAD = {
     "one velocity": ("a", lambda: F.rate_and_state(RECORD)),
     "no steps": ("record", lambda: F.rate_and_state(RECORD, events="steps")),
     "too short": ("record", lambda: F.rate_and_state(F.synthetic_record(HOLDS[:3], AGING, per_leg=2), a=0.0)),
-    "other events": ("events", lambda: F.rate_and_state(RECORD, events="both")),
-    "other law": ("law", lambda: F.rate_and_state(RECORD, law="ageing")),
+    "other events": ("events", lambda: F.rate_and_state(RECORD, events="both")),  # type: ignore[arg-type]
+    "other law": ("law", lambda: F.rate_and_state(RECORD, law="ageing")),  # type: ignore[arg-type]
     "none": ("records", lambda: F.compare_state_laws([])),
     "two kinds": ("records", lambda: F.compare_state_laws([RECORD, F.synthetic_record(STEPS, AGING)])),
     "no age": ("start", lambda: SLIP.state([0.0, 1.0], [1.0, 1.0], start=0.0)),

@@ -353,13 +353,12 @@ def read_record(
             got=named(table),
             advice=f"a first line that names them with their units, such as {_EXAMPLES}",
         )
-    with_units = [role for role in _KINEMATIC if role in found and found[role][1]]
-    if with_units and len(with_units) < sum(role in found for role in _KINEMATIC):
-        bare = next(role for role in _KINEMATIC if role in found and not found[role][1])
-        at = found[bare][0]
-        raise InputError(
-            f"column {table.names[at]!r} of {table.name}", expected=f"a unit of {bare}", got="none"
-        )
+    kinematic = [role for role in _KINEMATIC if role in found]
+    bare = [role for role in kinematic if not found[role][1]]
+    si = len(bare) < len(kinematic)
+    if bare and si:
+        name = f"column {table.names[found[bare[0]][0]]!r} of {table.name}"
+        raise InputError(name, expected=f"a unit of {bare[0]}", got="none")
 
     def read(role: str) -> Floats:
         at, unit = found[role]
@@ -379,7 +378,7 @@ def read_record(
             read(motion),
             friction,
             strength_at_rest=strength_at_rest,
-            si=bool(with_units),
+            si=si,
             normal_stress=float(read("normal stress").mean()) if "normal stress" in found else None,
             source=str(path),
         )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import scipy.ndimage
@@ -74,7 +74,7 @@ class Pieces:
         the second: -1, 0 or 1; shape ``(bonds, dimension)``.
     """
 
-    labels: NDArray[np.int32]
+    labels: NDArray[np.signedinteger[Any]]
     numbers: Labels
     sizes: NDArray[np.int64]
     joined: NDArray[np.int32]
@@ -182,7 +182,7 @@ def masks(before: ArrayLike, after: ArrayLike) -> tuple[Mask, Mask]:
 
 
 def _across_the_seams(
-    labels: NDArray[np.int32], connectivity: int
+    labels: NDArray[np.signedinteger[Any]], connectivity: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
     """Pairs of pieces that touch each other from the first site of an axis to its last, and their turns."""
     bonds = []
