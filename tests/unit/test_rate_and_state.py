@@ -261,6 +261,10 @@ def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
     assert written["units"]["D_c"] == "m"
     assert written["intervals_95"]["D_c"] == list(found.fits["aging"].interval("D_c"))
     assert written["origin"]["asperity_version"] == asp.__version__
+    own = F.compare_state_laws(dataclasses.replace(record, si=False))
+    F.save_parameters(own, tmp_path / "own.toml")
+    bare = tomllib.loads((tmp_path / "own.toml").read_text())["units"]
+    assert (bare["D_c"], bare["a"], bare["normal_stress"]) == ("length of the record", "1", "Pa")
     first, second = csv.DictReader((tmp_path / "f.csv").read_text().splitlines())
     assert [first["law"], second["law"]] == ["slip", "aging"]
     assert float(second["D_c_m"]) == found.fits["aging"].D_c

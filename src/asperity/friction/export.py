@@ -70,13 +70,13 @@ def _toml(found: StateLaws, law: StateLaw) -> str:
     known, stress = found.record.normal_stress, {}
     if known is not None:
         stress = {"normal_stress": float(known)}
-    units = {"D_c": "m", "V_0": "m/s", "normal_stress": "Pa"} if found.record.si else _OWN_UNITS
+    units = {"D_c": "m", "V_0": "m/s"} if found.record.si else _OWN_UNITS
     parameters = {**_values(found, law), "V_0": float(found.fits[law].V_0), **stress}
     intervals = {name: found.estimates[law][name] for name in PARAMETERS}
     tables: dict[str, dict[str, object]] = {
         "parameters": {"law": law, **parameters},
         "intervals_95": {name: [float(one.low), float(one.high)] for name, one in intervals.items()},
-        "units": {name: units.get(name, "1") for name in parameters},
+        "units": {name: units.get(name, "1") for name in parameters} | dict.fromkeys(stress, "Pa"),
         "laws": {
             "verdict": found.verdict,
             "ln_ratio_of_squares": float(found.log_ratio.value),
