@@ -18,6 +18,7 @@ from asperity.friction.comparing import PARAMETERS, StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
 from asperity.results.store import whole_file
 
+_UNITS = {"D_c": "m", "V_0": "m/s"}
 _OWN_UNITS = {"D_c": "length of the record", "V_0": "length / time of the record"}
 _SUFFIXES = {"D_c": "_m", "V_0": "_m_per_s"}
 
@@ -67,16 +68,15 @@ def _origin(found: StateLaws) -> dict[str, object]:
 
 
 def _toml(found: StateLaws, law: StateLaw) -> str:
-    known, stress = found.record.normal_stress, {}
-    if known is not None:
-        stress = {"normal_stress": float(known)}
-    units = {"D_c": "m", "V_0": "m/s"} if found.record.si else _OWN_UNITS
-    parameters = {**_values(found, law), "V_0": float(found.fits[law].V_0), **stress}
+    units = (_UNITS if found.record.si else _OWN_UNITS) | {"normal_stress": "Pa"}
+    parameters = {**_values(found, law), "V_0": float(found.fits[law].V_0)}
+    if found.record.normal_stress is not None:
+        parameters["normal_stress"] = float(found.record.normal_stress)
     intervals = {name: found.estimates[law][name] for name in PARAMETERS}
     tables: dict[str, dict[str, object]] = {
         "parameters": {"law": law, **parameters},
         "intervals_95": {name: [float(one.low), float(one.high)] for name, one in intervals.items()},
-        "units": {name: units.get(name, "1") for name in parameters} | dict.fromkeys(stress, "Pa"),
+        "units": {name: units.get(name, "1") for name in parameters},
         "laws": {
             "verdict": found.verdict,
             "ln_ratio_of_squares": float(found.log_ratio.value),

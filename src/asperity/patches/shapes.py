@@ -114,12 +114,9 @@ def _perimeter(
 ) -> Field:
     total = np.zeros(count)
     for axis, step in enumerate(spacing):
-        free = np.zeros(sites.size)
-        for forth in (1, -1):
-            neighbor = np.roll(touching, forth, axis)
-            if edges == "reflecting":
-                border = (slice(None),) * axis + (0 if forth == 1 else -1,)
-                neighbor[border] = touching[border]
-            free += ~neighbor.ravel()[sites]
+        rows = np.moveaxis(touching, axis, 0)
+        ends = (rows[:1], rows[-1:]) if edges == "reflecting" else (rows[-1:], rows[:1])
+        sides = np.diff(np.concatenate([ends[0], rows, ends[1]]), axis=0).astype(np.int8)
+        free = np.moveaxis(sides[:-1] + sides[1:], 0, axis).ravel()[sites]
         total += _over_patches(numbers, count, free) * (math.prod(spacing) / step)
     return total
