@@ -179,7 +179,7 @@ def _velocity(given: float | str, *, si: bool) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """What is fitted: the entries `used` of a record. The direct effect `given_a` is None where it is fitted."""
+    """What is fitted: entries `used` of a record. The direct effect `given_a` is None where it is fitted."""
 
     record: Record
     law: StateLaw
