@@ -37,24 +37,10 @@ def with_limit(dataset: xr.Dataset, limit: Contact) -> xr.Dataset:
         raise InputError(
             "limit", expected=f"a contact of shape {dataset['heights'].shape}", got=limit.heights.shape
         )
-    extended = dataset.copy()
-    extended["in_contact_relaxed"] = xr.DataArray(
-        limit.in_contact,
-        dims=sites,
-        attrs={"long_name": "whether the site is in contact in the relaxed state", "units": "1"},
-    )
-    extended["u_relaxed"] = xr.DataArray(
-        limit.u,
-        dims=sites,
-        attrs={
-            "long_name": "height of the elastic surface in the relaxed state",
-            "units": dataset["heights"].attrs.get("units", "height unit"),
-        },
-    )
-    return extended.assign_attrs(
-        relaxed_area=limit.area,
-        relaxed_load=limit.load,
-        relaxed_separation=limit.separation,
-        relaxed_energy=limit.energy,
-        relaxed_residual=limit.residual,
-    )
+    touching = {"long_name": "whether the site is in contact in the relaxed state", "units": "1"}
+    unit = dataset["heights"].attrs.get("units", "height unit")
+    height = {"long_name": "height of the elastic surface in the relaxed state", "units": unit}
+    numbers = ("area", "load", "separation", "energy", "residual")
+    return dataset.assign(
+        in_contact_relaxed=(sites, limit.in_contact, touching), u_relaxed=(sites, limit.u, height)
+    ).assign_attrs({f"relaxed_{name}": getattr(limit, name) for name in numbers})
