@@ -181,7 +181,7 @@ def test_square_and_unknown_pixels_stay() -> None:
 @pytest.mark.parametrize("shape", [(5, 4), (7,), (1, 3)])
 def test_mirror_doubles_and_alters_nothing(shape: Any) -> None:
     heights = np.random.default_rng(0).normal(size=shape)
-    mirrored = prepare.make_periodic(heights, "mirror", border=0.1)
+    mirrored = prepare.make_periodic(heights, "mirror")
     assert mirrored.shape == tuple(2 * n for n in shape)
     np.testing.assert_array_equal(mirrored[tuple(slice(n) for n in shape)], heights)
     for axis in range(heights.ndim):
@@ -191,13 +191,13 @@ def test_mirror_doubles_and_alters_nothing(shape: Any) -> None:
 
 def test_wrap_alters_nothing() -> None:
     heights = np.random.default_rng(0).normal(size=(5, 4))
-    np.testing.assert_array_equal(prepare.make_periodic(heights, "wrap", border=0.1), heights)
+    np.testing.assert_array_equal(prepare.make_periodic(heights, "wrap"), heights)
 
 
 def test_taper_is_half_a_cosine_toward_the_mean() -> None:
-    n, border = 40, 0.1
+    n = 40
     profile = np.where(np.arange(n) % 2, 1.0, 5.0)  # deviations of -2 and 2 from the mean 3
-    tapered = prepare.make_periodic(profile, "taper", border=border)
+    tapered = prepare.make_periodic(profile, "taper")
     weight = (tapered - 3.0) / (profile - 3.0)
     place = np.arange(4) + 0.5  # pixels from the seam; the border has 4
     np.testing.assert_allclose(weight[:4], 0.5 * (1 - np.cos(np.pi * place / 4)), atol=1e-14)
@@ -207,18 +207,18 @@ def test_taper_is_half_a_cosine_toward_the_mean() -> None:
 
 def test_taper_of_a_surface_is_the_product_of_its_axes() -> None:
     weights = [
-        prepare.make_periodic(np.where(np.arange(n) % 2, 1.0, -1.0), "taper", border=0.2)
+        prepare.make_periodic(np.where(np.arange(n) % 2, 1.0, -1.0), "taper")
         * np.where(np.arange(n) % 2, 1.0, -1.0)
         for n in (20, 30)
     ]
     sign = np.where(np.add.outer(np.arange(20), np.arange(30)) % 2, 1.0, -1.0)
-    tapered = prepare.make_periodic(sign, "taper", border=0.2)
+    tapered = prepare.make_periodic(sign, "taper")
     np.testing.assert_allclose(tapered, sign * np.outer(*weights), atol=1e-14)
 
 
 def test_taper_closes_the_seam() -> None:
     ramp = np.add.outer(np.arange(50.0), np.arange(60.0))
-    tapered = prepare.make_periodic(ramp, "taper", border=0.1)
+    tapered = prepare.make_periodic(ramp, "taper")
     for axis in (0, 1):
         seam = np.abs(np.take(tapered, 0, axis) - np.take(tapered, -1, axis)).max()
         assert seam < np.abs(np.diff(tapered, axis=axis)).max() / 2

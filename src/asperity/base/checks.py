@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from datetime import timedelta
 from decimal import Decimal
@@ -120,6 +120,12 @@ def one_of(advice: str, **given: object) -> str:
         expected = "exactly one of them"
         raise InputError(f"{', '.join(some)} and {last}", expected=expected, got=got, advice=advice)
     return names[0]
+
+
+def choice(name: str, value: object, choices: Sequence[object]) -> None:
+    """Refuse what is none of the choices; `InputError`."""
+    if value not in choices:
+        raise InputError(name, expected=f"one of {', '.join(map(repr, choices))}", got=repr(value))
 
 
 def instance(name: str, value: object, kind: type[T], advice: str) -> T:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from itertools import combinations_with_replacement
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,9 @@ Tilt = Literal["plane", "quadratic", "mean", "none"]
 SPIKE = 6.0
 """Robust standard deviations above the median from which on a pixel is a spike; no Gaussian surface of
 less than a thousand million pixels has any."""
+_BOWED = 0.85, 0.9
+"""Parts of the variance in a bow, and of the highest pixels at the edges, from which on both are remarked:
+in one of 300 square parts of self-affine surfaces without a roll-off (H = 0.8), in none with one."""
 _LOOKED_AT = 256
 """Pixels along an axis that tell a bow."""
 _FEW = 100
@@ -38,41 +42,21 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
     level = heights - mean
     if rule == "mean":
         return level, [mean] + [0.0] * axes
-    terms, grids, parts = _polynomial(level, defined, 2 if rule == "quadratic" else 1)
-    rest = zip(parts[1:], terms[1:], strict=True)
-    left = np.asarray(
-        level - (parts[0] + sum(part * math.prod(grids[a] for a in term) for part, term in rest))
-    )
+    # With coordinates from 0 to 1 the problem is well conditioned at any size.
+    along = np.meshgrid(*(np.linspace(0, 1, n) for n in heights.shape), indexing="ij", sparse=True)
+    order = 2 if rule == "quadratic" else 1
+    terms = [term for n in range(order + 1) for term in combinations_with_replacement(range(axes), n)]
+    columns = [np.broadcast_to(math.prod(along[a] for a in term), heights.shape) for term in terms]
+    parts = np.linalg.lstsq(np.stack([c[defined] for c in columns], axis=1), level[defined], rcond=None)[0]
+    left = np.asarray(level - sum(part * column for part, column in zip(parts, columns, strict=True)))
     # What a perfect plane leaves is rounding, and no surface to press anything onto.
-    rounding = 16 * np.finfo(float).eps * float(np.abs(heights).max())
-    if float(np.abs(left).max()) <= rounding:
+    if float(np.abs(left).max()) <= 16 * np.finfo(float).eps * float(np.abs(heights).max()):
         left = np.zeros_like(left)
-    # From coordinates u = s i - 1 to pixels i: u v = 1 - s i - t j + s t i j.
-    per_pixel = [2 / (n - 1) if n > 1 else 0.0 for n in heights.shape]
-    removed = dict(zip(terms, parts, strict=True))
-    removed[()] += mean - sum(parts[1 : 1 + axes])
-    for (first, second), part in zip(terms[1 + axes :], parts[1 + axes :], strict=True):
-        removed[()] += part
-        removed[first,] -= part
-        removed[second,] -= part
-    return left, [part * math.prod(per_pixel[a] for a in term) for term, part in removed.items()]
-
-
-def _polynomial(
-    heights: Field, chosen: Mask, order: int
-) -> tuple[list[tuple[int, ...]], list[Field], list[float]]:
-    """Least-squares polynomial of the chosen pixels.
-
-    Returns its terms, each the axes whose coordinates are multiplied; the coordinate along each axis,
-    from -1 to 1, with which the problem is well conditioned at any size; and the coefficients.
-    """
-    ends = [np.linspace(-1, 1, n) if n > 1 else np.zeros(1) for n in heights.shape]
-    grids = np.meshgrid(*ends, indexing="ij", sparse=True)
-    terms = [term for n in range(order + 1) for term in combinations_with_replacement(range(heights.ndim), n)]
-    shape = heights.shape
-    columns = [np.broadcast_to(math.prod(grids[a] for a in term), shape)[chosen] for term in terms]
-    found = np.linalg.lstsq(np.stack(columns, axis=1), heights[chosen], rcond=None)[0]
-    return terms, list(grids), found.tolist()
+    parts[0] += mean
+    sides = [max(n - 1, 1) for n in heights.shape]
+    return left, [
+        float(part) / math.prod(sides[a] for a in term) for part, term in zip(parts, terms, strict=True)
+    ]
 
 
 class Levelled(NamedTuple):
@@ -148,3 +132,20 @@ def bow(heights: Field) -> dict[str, float]:
     outer = [np.minimum(i, n - 1 - i) < n / 10 for i, n in zip(highest, part.shape, strict=True)]
     share = 1 - float(left[chosen].var()) / variance
     return {"bow_variance": share, "highest_at_edges": float(np.any(outer, axis=0).mean())}
+
+
+def remarks(facts: Mapping[str, Any]) -> Iterator[str]:
+    """What `levelled` and `bow` found, where it may be no height of the surface."""
+    if count := facts.get("outlying_pixels"):
+        yield (
+            f"pixels more than {SPIKE:g} robust standard deviations above the median height: "
+            f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load; "
+            "try despike = true (--despike)"
+        )
+    share, outside = facts.get("bow_variance", 0.0), facts.get("highest_at_edges", 0.0)
+    if share > _BOWED[0] and outside > _BOWED[1]:
+        yield (
+            f"the contact would be at the edges: {100 * outside:.0f} % of the highest pixels are in the "
+            f"outer tenth, and a polynomial of second order has {100 * share:.0f} % of the variance; "
+            "try tilt = 'quadratic' (--tilt quadratic), or longest (--longest)"
+        )

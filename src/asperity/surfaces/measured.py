@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.base.checks import number as checked_number
+from asperity.base import checks
 from asperity.errors import InputError, SurfaceFileError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import levelling, prepare
@@ -28,7 +28,6 @@ Length = Literal["m", "mm", "um", "nm", "pm"]
 Unit = Literal["m", "mm", "um", "nm", "pm", "rms"]
 CropUnit = Literal["pixel", "m", "mm", "um", "nm", "pm"]
 
-TAPER_BORDER = 0.1
 # Beyond it, moments of the heights would overflow; only damage or a wrong byte order leads there.
 _LARGEST = 1e60
 _TEXT_SUFFIXES = (".txt", ".csv", ".dat")
@@ -133,10 +132,9 @@ def read(
         ("file_unit", file_unit, (None, *get_args(Length))),
         ("length_unit", length_unit, (None, *get_args(Length))),
     ):
-        if value not in choices:
-            raise InputError(option, expected=f"one of {', '.join(map(repr, choices))}", got=repr(value))
+        checks.choice(option, value, choices)
     expected = "a fraction from 0 to below 1"
-    limit = checked_number("max_undefined", max_undefined, least=0, below=1, expected=expected)
+    limit = checks.number("max_undefined", max_undefined, least=0, below=1, expected=expected)
     limits = prepare.checked_band(longest, shortest)
     file = _checked_file(path)
     checksum = _sha256(file)
@@ -154,7 +152,7 @@ def read(
     factor, final_unit = prepare.scale_factor(
         level, raw.unit, unit, largest=float(np.abs(found.filled).max())
     )
-    final = prepare.make_periodic(level * factor, periodic, border=TAPER_BORDER)
+    final = prepare.make_periodic(level * factor, periodic)
     done: Provenance = {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),
@@ -238,21 +236,20 @@ def _is_binary(file: Path) -> bool:
 
 
 def _checked_file(path: str | Path) -> Path:
+    got = ""
     try:
         file = Path(path)
-        exists, is_file = file.exists(), file.is_file()
-        size = file.stat().st_size if is_file else 0
+        if not file.exists():
+            got = "no such file"
+        elif not file.is_file():
+            got = "a directory" if file.is_dir() else "something that is not a regular file"
+        elif file.stat().st_size == 0:
+            got = "an empty file"
     except (TypeError, ValueError, OSError) as error:
-        raise SurfaceFileError(
-            "path", expected="the path of a surface file", got=f"{path!r} ({error})"
-        ) from error
-    if not exists:
-        raise SurfaceFileError(str(path), expected="a surface file", got="no such file")
-    if not is_file:
-        got = "a directory" if file.is_dir() else "something that is not a regular file"
+        expected = "the path of a surface file"
+        raise SurfaceFileError("path", expected=expected, got=f"{path!r} ({error})") from error
+    if got:
         raise SurfaceFileError(str(path), expected="a surface file", got=got)
-    if size == 0:
-        raise SurfaceFileError(str(path), expected="a surface file", got="an empty file")
     return file
 
 

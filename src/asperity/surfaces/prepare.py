@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.fft
 import scipy.sparse
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
@@ -26,7 +25,7 @@ from scipy.sparse.linalg import spsolve
 
 from asperity.base import checks
 from asperity.errors import InputError
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field, Lattice, Mask
 
 # Powers of ten of the length units.
 _EXPONENTS = {"km": 3, "m": 0, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
@@ -34,6 +33,8 @@ _EXPONENTS = {"km": 3, "m": 0, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "p
 _ROUNDING = 1e-12
 _SQUARE = 0.01
 """Pixels are square if their sides differ by no more than this part."""
+_BORDER = 0.1
+"""Part of an axis, on either side, over which "taper" brings heights to their mean."""
 
 
 def is_length(unit: str | None) -> bool:
@@ -115,23 +116,12 @@ def band(
     longest, shortest = limits
     if longest is None and shortest is None:
         return heights
-    sizes = pixel_size or (1.0,) * heights.ndim
-    # Waves a unit of length, squared, of each mode.
-    axes = [
-        np.arange(n) / (2 * n * size) if reflecting else scipy.fft.fftfreq(n, size)
-        for n, size in zip(heights.shape, sizes, strict=True)
-    ]
-    count = np.sqrt(sum(axis**2 for axis in np.meshgrid(*axes, indexing="ij", sparse=True)))
-    lost = count > (np.inf if shortest is None else (1 + _ROUNDING) / shortest)
+    lattice = Lattice(heights.shape, pixel_size or (), "reflecting" if reflecting else "periodic")
+    count = lattice.wave_number / (2 * np.pi)  # waves in a unit of length
+    kept = count <= (np.inf if shortest is None else (1 + _ROUNDING) / shortest)
     if longest is not None:
-        lost |= (count > 0) & (count < (1 - _ROUNDING) / longest)
-    if reflecting:
-        modes = scipy.fft.dctn(heights, type=2)
-        modes[lost] = 0
-        return np.asarray(scipy.fft.idctn(modes, type=2))
-    waves = scipy.fft.fftn(heights)
-    waves[lost] = 0
-    return np.ascontiguousarray(scipy.fft.ifftn(waves).real)
+        kept &= (count == 0) | (count >= (1 - _ROUNDING) / longest)
+    return lattice.apply(kept.astype(np.float64), heights)
 
 
 def fill(heights: Field) -> Field:
@@ -159,14 +149,11 @@ def _neighbors_of_missing(shape: tuple[int, ...], missing: Mask) -> tuple[NDArra
     """Flat indices of all pairs (missing pixel, its neighbor on the grid); the grid is not periodic."""
     grid = np.arange(missing.size).reshape(shape)
     pairs = []
-    for axis in range(grid.ndim):
-        lower = np.take(grid, range(grid.shape[axis] - 1), axis=axis).ravel()
-        upper = np.take(grid, range(1, grid.shape[axis]), axis=axis).ravel()
-        pairs += [
-            (lower[missing[lower]], upper[missing[lower]]),
-            (upper[missing[upper]], lower[missing[upper]]),
-        ]
-    return np.concatenate([p[0] for p in pairs]), np.concatenate([p[1] for p in pairs])
+    for axis, n in enumerate(shape):
+        lower, upper = (np.take(grid, range(i, n - 1 + i), axis=axis).ravel() for i in (0, 1))
+        pairs += [np.stack(pair)[:, missing[pair[0]]] for pair in ((lower, upper), (upper, lower))]
+    here, there = np.concatenate(pairs, axis=1)
+    return here, there
 
 
 def _clipped(
@@ -239,19 +226,10 @@ def scale_factor(heights: Field, unit: str, target: str | None, *, largest: floa
     return length_factor(unit, target), target
 
 
-def make_periodic(heights: Field, rule: str, *, border: float) -> Field:
-    """Make a surface periodic.
-
-    "mirror" appends the mirror image along each axis, which doubles it; all seams join equal heights and
-    no measured value is altered. "taper" lowers the deviation from the mean to zero over a border on
-    either side of each axis, by half a period of a cosine; its width is a part of the axis. "wrap" leaves
-    all as it is, with steps at the seams, and so does "reflect", for edges beyond which the solver sees
-    the mirror image.
-    """
+def make_periodic(heights: Field, rule: str) -> Field:
+    """Make a surface periodic by a rule of `asperity.surfaces.read`."""
     if rule == "mirror":
-        for axis in range(heights.ndim):
-            heights = np.concatenate([heights, np.flip(heights, axis=axis)], axis=axis)
-        return heights
+        return np.pad(heights, [(0, n) for n in heights.shape], mode="symmetric")
     if rule in ("wrap", "reflect"):
         return heights
     from scipy.signal.windows import tukey  # scipy.signal is slow to import
@@ -260,6 +238,6 @@ def make_periodic(heights: Field, rule: str, *, border: float) -> Field:
     weight = np.ones(heights.shape)
     for axis, n in enumerate(heights.shape):
         # The seam lies half a pixel outside: zero weight there, so take the inner points of a wider window.
-        window = tukey(2 * n + 1, 2 * border)[1::2]
+        window = tukey(2 * n + 1, 2 * _BORDER)[1::2]
         weight *= window.reshape([-1 if a == axis else 1 for a in range(heights.ndim)])
     return np.asarray(mean + weight * (heights - mean))

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.base import checks
 from asperity.errors import InputError
-from asperity.lattice import Field
+from asperity.lattice import Field, Lattice
 from asperity.surfaces.heights import checked_spacing
 
 _USUAL_CUTOFF = 8
@@ -91,7 +91,8 @@ def spectral(
     lengths = checks.lattice_shape(shape)
     exponent = checks.number("hurst", hurst, least=0, most=1, expected="a number from 0 to 1", advice="0.8")
     steps = checked_spacing("spacing", spacing, len(lengths))
-    q = wave_number(lengths, steps)
+    lattice = Lattice(lengths, steps)
+    q = lattice.wave_number
     longest, shortest = _band(roll_off, cutoff, [n * d for n, d in zip(lengths, steps, strict=True)], steps)
     power, roughness = _roughness(rms_height, rms_slope, rms_curvature, len(lengths))
     phases = _phases(lengths, seed)
@@ -105,9 +106,8 @@ def spectral(
     amplitude = np.maximum(relative, shortest / longest) ** -(len(lengths) / 2 + exponent)
     modes = np.zeros_like(phases)
     modes[kept] = phases[kept] * amplitude
-    # Each mode of the half spectrum stands for two, but for those on its edges.
-    twice = np.where(np.arange(q.shape[-1]) * 2 % lengths[-1] == 0, 1.0, 2.0)
-    total = math.sqrt(float(np.sum((twice * np.abs(modes) ** 2)[kept] * relative ** (2 * power))))
+    squares = (lattice.multiplicity * np.abs(modes) ** 2)[kept]
+    total = math.sqrt(float(np.sum(squares * relative ** (2 * power))))
     modes *= roughness * (shortest / (2 * math.pi)) ** power / total * math.prod(lengths)
     return np.asarray(scipy.fft.irfftn(modes, s=lengths))
 
@@ -157,7 +157,7 @@ def from_spectrum(
     """
     lengths = checks.lattice_shape(shape)
     sides = checked_spacing("pixel_size", pixel_size, len(lengths))
-    q = wave_number(lengths, sides)
+    q = Lattice(lengths, sides).wave_number
     kept = q > 0
     power = np.zeros(q.shape)
     found = (
@@ -195,13 +195,6 @@ def _of_table(table: tuple[ArrayLike, ArrayLike], q: Field) -> Field:
         raise InputError("spectrum", expected="rising q and as many C, two or more", got=got)
     inside = (q >= points[0] * (1 - _ROUNDING)) & (q <= points[-1] * (1 + _ROUNDING))
     return np.where(inside, np.exp(np.interp(np.log(q), np.log(points), np.log(values))), 0.0)
-
-
-def wave_number(shape: tuple[int, ...], spacing: tuple[float, ...]) -> Field:
-    """Magnitude of the wave vectors of a half spectrum, in radians per unit of the spacing."""
-    axes = [scipy.fft.fftfreq(n, d) for n, d in zip(shape[:-1], spacing[:-1], strict=True)]
-    axes.append(scipy.fft.rfftfreq(shape[-1], spacing[-1]))
-    return np.asarray(2 * np.pi * np.sqrt(sum(k**2 for k in np.meshgrid(*axes, indexing="ij", sparse=True))))
 
 
 def _band(

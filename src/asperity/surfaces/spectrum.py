@@ -19,21 +19,24 @@ surface are left out then: the window blurs them.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.fft
+import scipy.ndimage
 import scipy.special
 from numpy.typing import ArrayLike
 
-from asperity.base import checks, views
+from asperity.base import views
 from asperity.errors import InputError
-from asperity.lattice import Field
+from asperity.lattice import Field, Lattice
 from asperity.surfaces.heights import check_heights, checked_spacing
 from asperity.surfaces.levelling import remove_tilt
 from asperity.surfaces.moments import statistics
+from asperity.surfaces.prepare import checked_band
 from asperity.surfaces.surface import Surface
 
 if TYPE_CHECKING:
@@ -185,7 +188,7 @@ def power_spectrum(
         sizes = None if pixel_size is None else checked_spacing("pixel_size", pixel_size, heights.ndim)
         length_unit = "pixel" if sizes is None else "unit of length"
     sizes = sizes or (1.0,) * heights.ndim
-    limits = _checked_limits(longest, shortest)
+    limits = checked_band(longest, shortest)
     measured = statistics(heights)
     fits = edges != "reflecting" and measured.seam_ratio <= _FITTING_SEAM
     if fits:
@@ -193,7 +196,7 @@ def power_spectrum(
         axes = [(1.0, np.ones(n)) for n in heights.shape]
     else:
         level, _ = remove_tilt(heights, np.ones(heights.shape, dtype=bool), "plane")
-        axes = [(_HANN, _hann(n) if n > 1 else np.ones(1)) for n in heights.shape]
+        axes = [(_HANN, _hann(n)) for n in heights.shape]
     q, power = _isotropic(level, sizes, [window for _, window in axes])
     least = 0.0 if fits else 6 * math.pi / min(n * s for n, s in zip(heights.shape, sizes, strict=True))
     most = math.pi / max(sizes)  # beyond it only waves of some directions are on the lattice
@@ -226,18 +229,12 @@ class _Bins:
 
 def _isotropic(level: Field, sizes: tuple[float, ...], windows: list[Field]) -> tuple[Field, Field]:
     """Wave number and power of each wave of a half spectrum, of which each stands there once."""
-    weight = np.ones(())
-    for window in windows:
-        weight = np.multiply.outer(weight, window)
-    modes = scipy.fft.fftn(level * weight)
-    power = np.abs(modes) ** 2 * (math.prod(sizes) / float(np.sum(weight**2)))
-    axes = [scipy.fft.fftfreq(n, size) for n, size in zip(level.shape, sizes, strict=True)]
-    q = 2 * np.pi * np.sqrt(sum(axis**2 for axis in np.meshgrid(*axes, indexing="ij", sparse=True)))
-    half = level.shape[-1] // 2 + 1
-    once = np.ones((*level.shape[:-1], half), dtype=bool)
+    lattice, weight = Lattice(level.shape, sizes), functools.reduce(np.multiply.outer, windows)
+    power = np.abs(lattice.forward(level * weight)) ** 2 * (lattice.cell / float(np.sum(weight**2)))
+    once = np.ones(lattice.spectral_shape, dtype=bool)
     if level.ndim == 2:  # waves along the first axis come twice: with positive and negative wave number
         once[level.shape[0] // 2 + 1 :, 0] = False
-    return q[..., :half][once], power[..., :half][once]
+    return lattice.wave_number[once], power[once]
 
 
 def _binned(q: Field, power: Field, least: float, most: float, correlated: float) -> _Bins:
@@ -249,7 +246,7 @@ def _binned(q: Field, power: Field, least: float, most: float, correlated: float
     number = np.floor(_PER_DECADE * np.log10(most / q) + 1e-9).astype(int)
     number = number.max() - number  # rising with q; the last bin ends at the largest wave number
     count = np.bincount(number)
-    full = count > 0
+    full = np.flatnonzero(count)
     modes = count[full].astype(np.float64)
     with np.errstate(divide="ignore"):
         logarithms = np.log(power)
@@ -258,8 +255,8 @@ def _binned(q: Field, power: Field, least: float, most: float, correlated: float
         return np.bincount(number, values)[full] / modes
 
     return _Bins(
-        low=_extreme(np.minimum, number, q)[full],
-        high=_extreme(np.maximum, number, q)[full],
+        low=np.asarray(scipy.ndimage.minimum(q, number, full)),
+        high=np.asarray(scipy.ndimage.maximum(q, number, full)),
         q=np.exp(mean(np.log(q))),
         power=mean(power),
         modes=modes,
@@ -268,18 +265,12 @@ def _binned(q: Field, power: Field, least: float, most: float, correlated: float
     )
 
 
-def _extreme(choose: np.ufunc, number: np.ndarray, q: Field) -> Field:
-    found = np.full(number.max() + 1, np.inf if choose is np.minimum else -np.inf)
-    choose.at(found, number, q)
-    return found
-
-
-def _fit(bins: _Bins, axes: int, limits: tuple[float, float] | None) -> SelfAffineRange | None:
+def _fit(bins: _Bins, axes: int, limits: tuple[float | None, float | None]) -> SelfAffineRange | None:
     """Fit a power law to the bins between the limits, or to the broadest range that is straight."""
-    if limits is not None:
-        inside = (bins.low >= 2 * math.pi / limits[1] * (1 - 1e-9)) & (
-            bins.high <= 2 * math.pi / limits[0] * (1 + 1e-9)
-        )
+    longest, shortest = limits
+    if longest is not None or shortest is not None:
+        inside = bins.low >= 2 * math.pi / (longest or math.inf) * (1 - 1e-9)
+        inside &= bins.high <= 2 * math.pi / (shortest or 1e-300) * (1 + 1e-9)
         chosen = np.flatnonzero(inside & np.isfinite(bins.logarithm))
         if chosen.size < 3:
             expected = f"a range of wavelengths with three bins of the spectrum, {_PER_DECADE} a decade"
@@ -336,26 +327,15 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
 
 def _hann(n: int) -> Field:
     """Hann's window, periodic in `n` points."""
-    from scipy.signal.windows import hann  # scipy.signal is slow to import
-
-    return np.asarray(hann(n, sym=False))
+    return np.hanning(n + 1)[:-1] if n > 1 else np.ones(1)
 
 
 def _along(level: Field, axis: int, size: float, fits: bool) -> tuple[Field, Field]:
     """Mean spectrum of the profiles along one axis; q and -q are the same wave, and stand there once."""
     n = level.shape[axis]
     profiles = np.moveaxis(level, axis, -1).reshape(-1, n)
-    window = np.ones(n) if fits or n == 1 else _hann(n)
+    window = np.ones(n) if fits else _hann(n)
     modes = scipy.fft.rfft(profiles * window, axis=-1)
     power = np.mean(np.abs(modes) ** 2, axis=0) * (size / float(np.sum(window**2)))
     first = 1 if fits else 3
     return 2 * np.pi * scipy.fft.rfftfreq(n, size)[first:], power[first:]
-
-
-def _checked_limits(longest: float | None, shortest: float | None) -> tuple[float, float] | None:
-    """Shortest and longest wavelength of the fit, or None where neither is given."""
-    if longest is None and shortest is None:
-        return None
-    high = math.inf if longest is None else checks.number("longest", longest, above=0)
-    low = 0.0 if shortest is None else checks.number("shortest", shortest, above=0, below=high)
-    return low or 1e-300, high

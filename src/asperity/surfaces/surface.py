@@ -23,10 +23,6 @@ if TYPE_CHECKING:
 
 Provenance = dict[str, str | int | float | bool | list[int] | list[float] | list[str]]
 
-_BOWED = 0.85, 0.9
-"""Parts of the variance in a bow, and of the highest pixels at the edges, from which on both are remarked:
-in one of 300 square parts of self-affine surfaces without a roll-off (H = 0.8), in none with one."""
-
 _SPIKY = 0.1
 """Largest part of the pixels that are filled as spikes."""
 
@@ -73,9 +69,7 @@ class Surface(views.InNotebooks):
             size, unit = sides_of_pixels(self.pixel_size, heights.ndim, self.length_unit)
             object.__setattr__(self, "pixel_size", size)
             object.__setattr__(self, "length_unit", unit)
-        if self.edges not in get_args(Edges):
-            expected = f"one of {', '.join(map(repr, get_args(Edges)))}"
-            raise InputError("edges", expected=expected, got=repr(self.edges))
+        checks.choice("edges", self.edges, get_args(Edges))
 
     def __repr__(self) -> str:
         sites, unit = " x ".join(map(str, self.shape)), "" if self.unit == "1" else f" {self.unit}"
@@ -137,23 +131,8 @@ class Surface(views.InNotebooks):
     @property
     def remarks(self) -> tuple[str, ...]:
         """What whoever presses it should know: what its reader remarked, and heights that may be none."""
-        facts = self.provenance
-        told, count = facts.get("reader_remarks", []), facts.get("outlying_pixels", 0)
-        remarks = tuple(map(str, told)) if isinstance(told, list) else ()
-        if count:
-            remarks += (
-                f"pixels more than {levelling.SPIKE:g} robust standard deviations above the median height: "
-                f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load; "
-                "try despike = true (--despike)",
-            )
-        share, outside = (float(str(facts.get(name, 0))) for name in ("bow_variance", "highest_at_edges"))
-        if share > _BOWED[0] and outside > _BOWED[1]:
-            remarks += (
-                f"the contact would be at the edges: {100 * outside:.0f} % of the highest pixels are in the "
-                f"outer tenth, and a polynomial of second order has {100 * share:.0f} % of the variance; "
-                "try tilt = 'quadratic' (--tilt quadratic), or longest (--longest)",
-            )
-        return remarks
+        told = self.provenance.get("reader_remarks", [])
+        return (*map(str, told if isinstance(told, list) else ()), *levelling.remarks(self.provenance))
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights, into axes that are given or a new figure; see `asperity.figures.plot_surface`."""
@@ -234,8 +213,7 @@ class Surface(views.InNotebooks):
         InputError
             If the tilt is none of these, or more than a tenth of the pixels are spikes.
         """
-        if tilt not in (choices := get_args(levelling.Tilt)):
-            raise InputError("tilt", expected=f"one of {', '.join(map(repr, choices))}", got=repr(tilt))
+        checks.choice("tilt", tilt, get_args(levelling.Tilt))
         scan = self.scan
         nowhere = np.zeros(scan.shape, dtype=bool)
         found = levelling.levelled(scan.heights, nowhere, tilt, _SPIKY if despike else None)
