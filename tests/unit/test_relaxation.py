@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from asperity.errors import InputError
 from asperity.relaxation import PronySeries, arrhenius, check_branches, combined, from_retardation, wlf
+from tests.refusals import refuses
 
 
 def series(count: int, permanent: float, decades: float = 8.0) -> PronySeries:
@@ -182,29 +182,24 @@ def test_shifted_times() -> None:
     warm = solid.shifted(0.1)
     np.testing.assert_allclose(warm.modulus_at([0.1, 1.0]), solid.modulus_at([1.0, 10.0]), rtol=1e-14)
     assert warm.span == (0.1, 1.0)
-    with pytest.raises(InputError, match="factor: expected a finite factor > 0, got 0"):
-        solid.shifted(0.0)
 
 
-@pytest.mark.parametrize(
-    ("branches", "message"),
-    [
-        ([(0.6, 1.0), (0.5, 2.0)], "branches: expected shares .* 1 together at most, got 1.1 together; try"),
-        ([(-0.1, 1.0)], "share of branch 1: expected a share > 0 and <= 1, got -0.1"),
-        ([(0.1, 1.0), (0.0, 1.0)], "share of branch 2: expected a share > 0 and <= 1, got 0"),
-        ([(0.1, 0.0)], "relaxation time of branch 1: expected a finite time > 0, got 0"),
-        ([(0.1, math.inf)], "relaxation time of branch 1: expected a finite time > 0, got inf"),
-        ([(0.1, 1.0, 2.0)], "branch 1: expected a share and a relaxation time, got"),
-        ([0.1, 1.0], "branch 1: expected a share and a relaxation time, got 0.1; try"),
-        ("0.1", "branches: expected pairs of a share and a relaxation time, got '0.1'; try"),
-        (np.array([0.1, 1.0]), r"branches: expected pairs .*, got shape \(2,\)"),
-        (None, "branches: expected pairs of a share and a relaxation time, got None"),
-    ],
-)
-def test_wrong_branches_are_refused_in_one_line(branches: Any, message: str) -> None:
-    with pytest.raises(InputError, match=message) as raised:
-        check_branches(branches)
-    assert "\n" not in str(raised.value)
+def test_wrong_branches_are_refused_in_one_line() -> None:
+    wrong: list[tuple[str, Any]] = [
+        ("branches", [(0.6, 1.0), (0.5, 2.0)]),
+        ("share of branch 1", [(-0.1, 1.0)]),
+        ("share of branch 2", [(0.1, 1.0), (0.0, 1.0)]),
+        ("relaxation time of branch 1", [(0.1, 0.0)]),
+        ("relaxation time of branch 1", [(0.1, math.inf)]),
+        ("branch 1", [(0.1, 1.0, 2.0)]),
+        ("branch 1", [0.1, 1.0]),
+        ("branches", "0.1"),
+        ("branches", np.array([0.1, 1.0])),
+        ("branches", None),
+    ]
+    for name, branches in wrong:
+        with refuses(name):
+            check_branches(branches)
 
 
 def test_branches_are_sorted_and_nothing_is_merged() -> None:
@@ -218,40 +213,29 @@ def test_branches_are_sorted_and_nothing_is_merged() -> None:
 
 def test_wrong_numbers_of_a_series_are_refused() -> None:
     solid = series(3, 0.2)
-    with pytest.raises(InputError, match="modulus: expected a finite modulus > 0, got -1"):
-        PronySeries(-1.0)
-    with pytest.raises(InputError, match=r"times: expected times that do not fall, got 2.0 before 1.0"):
-        solid.effective_load([2.0, 1.0], [1.0, 1.0])
-    with pytest.raises(InputError, match="loads: expected a load for each of 2 times, got 1 loads"):
-        solid.effective_load([1.0, 2.0], [1.0])
-    with pytest.raises(InputError, match="time: expected numbers not below 0, got -1"):
-        solid.compliance_at(-1.0)
-    with pytest.raises(InputError, match="span: expected a first and a last time, got"):
-        PronySeries(1.0, span=(2.0, 1.0))
-    with pytest.raises(InputError, match=r"delayed: expected pairs .* got shape \(2,\)"):
-        from_retardation(1.0, [0.1, 1.0])  # type: ignore[list-item]
+    calls: list[tuple[str, Any]] = [
+        ("modulus", lambda: PronySeries(-1.0)),
+        ("times", lambda: solid.effective_load([2.0, 1.0], [1.0, 1.0])),
+        ("loads", lambda: solid.effective_load([1.0, 2.0], [1.0])),
+        ("time", lambda: solid.compliance_at(-1.0)),
+        ("span", lambda: PronySeries(1.0, span=(2.0, 1.0))),
+        ("delayed", lambda: from_retardation(1.0, [0.1, 1.0])),  # type: ignore[list-item]
+        ("factor", lambda: solid.shifted(0.0)),
+        ("temperature", lambda: arrhenius(80e3, -5, 300)),
+        ("temperature", lambda: arrhenius(80e3, 5, 300)),
+        ("temperature", lambda: wlf(17.44, 51.6, 321.0, 373.0)),
+        ("temperature", lambda: wlf(17.44, 51.6, 322.0, 373.0)),
+    ]
+    for name, call in calls:
+        with refuses(name):
+            call()
 
 
-def test_arrhenius() -> None:
+def test_shift_factors() -> None:
     # Lowering 1/T by R ln(10)/Q speeds relaxation up tenfold.
     reference = 300.0
     warmer = 1 / (1 / reference - 8.31446261815324 * math.log(10) / 80e3)
     assert arrhenius(80e3, warmer, reference) == pytest.approx(0.1)
     assert arrhenius(80e3, 300, 300) == 1
-    with pytest.raises(InputError, match="temperature: expected a temperature > 0 in kelvin, got -5"):
-        arrhenius(80e3, -5, 300)
-    with pytest.raises(
-        InputError, match="temperature: expected a shift factor from 1e-100 to 1e100, got one of"
-    ):
-        arrhenius(80e3, 5, 300)
-
-
-def test_wlf() -> None:
     assert math.log10(wlf(17.44, 51.6, 400.0, 373.0)) == pytest.approx(-17.44 * 27 / 78.6)
     assert wlf(17.44, 51.6, 373.0, 373.0) == 1
-    with pytest.raises(
-        InputError, match=r"expected more than reference - c2 = 321.4 K, .* got 321 K; try arrhenius"
-    ):
-        wlf(17.44, 51.6, 321.0, 373.0)
-    with pytest.raises(InputError, match="temperature: expected a shift factor"):
-        wlf(17.44, 51.6, 322.0, 373.0)

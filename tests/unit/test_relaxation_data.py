@@ -3,12 +3,14 @@
 import math
 import re
 import warnings
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from asperity.errors import InputError, Remark
+from asperity.errors import Remark
 from asperity.figures import relaxation_figure
 from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
 from tests.refusals import refuses
@@ -105,14 +107,27 @@ def test_two_exact_branches_are_found(data: Relaxation | Creep | Dynamic) -> Non
     assert on_grid.resampled == ()
 
 
-def test_two_noisy_branches_are_found_within_their_intervals() -> None:
-    held, tables = np.zeros((2, 2)), 10
+@pytest.mark.parametrize("tables", [1, pytest.param(10, marks=pytest.mark.slow)])
+def test_two_noisy_branches_are_found_within_their_intervals(tables: int) -> None:
+    held = np.zeros((2, 2))
+    # Standard errors of ln G(t) with shares and times of two branches, by propagation of 1 % of noise.
+    numbers = np.array([1.0, *np.ravel(TWO.branches)])
+
+    def logarithm(numbers: np.ndarray) -> np.ndarray:
+        (modulus, *branches), t = numbers, SECONDS
+        pairs = zip(branches[::2], branches[1::2], strict=True)
+        return np.log(modulus * (1 + sum(share * np.expm1(-t / time) for share, time in pairs)))
+
+    steps = 1e-6 * np.diag(numbers)
+    slopes = [(logarithm(numbers + d) - logarithm(numbers - d)) / (2 * d.sum()) for d in steps]
+    errors = 0.01 * np.sqrt(np.diag(np.linalg.inv(np.array(slopes) @ np.transpose(slopes))))[1:].reshape(2, 2)
     for seed in range(tables):
         found = fit(Relaxation(SECONDS, noisy(TWO.modulus_at(SECONDS), 0.01, seed), noise=0.2))
         assert len(found.series.branches) == 2
         assert not found.systematic
         intervals = found.intervals
         assert intervals is not None
+        np.testing.assert_allclose(np.diff(intervals, axis=-1)[..., 0], 2 * 1.96 * errors, rtol=0.5)
         held += (intervals[..., 0] <= TWO.branches) & (TWO.branches <= intervals[..., 1])
     assert held.min() >= 0.8 * tables  # of 95 %
     assert held.sum() >= 0.88 * 4 * tables
@@ -130,7 +145,7 @@ def test_a_broad_spectrum_gets_a_time_for_each_decade(seed: int | None) -> None:
 
 
 def test_waves_are_told_from_noise() -> None:
-    deviations = np.random.default_rng(0).normal(0, 0.01, (200, SECONDS.size))
+    deviations = np.random.default_rng(0).normal(0, 0.01, (60, SECONDS.size))
     flat = [fit(Relaxation(SECONDS, 1e9 * (1 + one), noise=0.2), branches=1) for one in deviations]
     assert np.mean([one.systematic for one in flat]) < 0.04  # 1 % by definition
     wave = 0.01 * np.sin(np.log(SECONDS) * 3)
@@ -149,11 +164,9 @@ def test_creep_that_flows_is_a_fluid_and_creep_that_does_not_a_solid() -> None:
     found = fit(Creep(TIME, fluid.compliance_at(TIME)), per_decade=2)
     assert found.series.permanent == 0
     assert found.series.error < 0.02
-    solid = fit(Creep(TIME, SOLID.compliance_at(TIME)))
+    solid = fit(Creep(TIME, SOLID.compliance_at(TIME)), per_decade=1)
     assert solid.series.permanent == pytest.approx(0.2, abs=0.03)
-    with pytest.raises(
-        InputError, match="compliance: expected creep that begins with an elastic strain, got one"
-    ):
+    with refuses("compliance"):
         fit(Creep(TIME, 1e-3 * TIME))
 
 
@@ -169,16 +182,15 @@ def test_other_temperatures_shift_the_data() -> None:
 
 
 def test_extrapolation_is_refused() -> None:
-    found = fit(read(TABLE))
+    data = read(TABLE)
+    found = fit(data, per_decade=1)
     found.require(1e-3, 1e6)
-    with pytest.raises(
-        InputError, match=r"times: expected times that the data span, 0.001 to 1e\+06 s \(9.0 dec"
-    ):
-        fit(read(TABLE), over=(1e-3, 1e7))
-    with pytest.raises(InputError, match=r"got 0.0001 to 1 s"):
+    with refuses("times"):
         found.require(1e-4, 1.0)
-    with pytest.raises(InputError, match="over: expected a first and a last time, got 3"):
-        fit(read(TABLE), over=3)  # type: ignore[arg-type]
+    with refuses("times"):
+        fit(data, per_decade=1, over=(1e-3, 1e7))
+    with refuses("over"):
+        fit(data, per_decade=1, over=3)  # type: ignore[arg-type]
 
 
 G = np.array([5.0, 4.0, 3.0, 2.5, 2.2, 2.1])
@@ -191,50 +203,27 @@ def changed(values: np.ndarray, at: int, to: float) -> np.ndarray:
     return copy
 
 
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
-        (
-            lambda: Relaxation(changed(T, 2, 0.5), G),
-            "time: expected time that rises .* got 0.5 after 1, at point 3",
-        ),
-        (lambda: Relaxation(changed(T, 0, 0.0), G), "time: expected time above 0, got 0 at point 1 of 6"),
-        (
-            lambda: Relaxation(T, changed(G, 3, 3.3)),
-            "modulus: expected no rise .*, got 3 at 10, then 3.3 at 100; try",
-        ),
-        (
-            lambda: Relaxation(T, changed(G, 5, -1)),
-            "modulus: expected modulus above 0, got -1 at point 6 of 6",
-        ),
-        (lambda: Relaxation(T, changed(G, 5, math.nan)), "modulus: expected finite numbers, got 1 NaN"),
-        (lambda: Relaxation(T[:4], G[:4]), "time: expected 5 points or more, got 4"),
-        (lambda: Relaxation(T, G[:5]), "modulus: expected 6 values, as many as of time, got 5"),
-        (
-            lambda: Creep(T, G),
-            "compliance: expected no fall with time beyond 5 % of noise, got 5 at 0.1, then 2.1",
-        ),
-        (lambda: Dynamic(T, G, G), "storage: expected no fall with frequency .*, got 5 at 0.1, then 2.1"),
-        (lambda: Dynamic(T, 1 / G, changed(G, 1, -2)), "loss: expected loss not below 0, got -2 at point 2"),
-        (lambda: fit(T), "data: expected a Relaxation, Creep or Dynamic, got ndarray; try relaxation.read"),  # type: ignore[arg-type]
-        (
-            lambda: fit(Relaxation(T, G), per_decade=99),
-            "per_decade: expected a finite number >= 0.2 and <= 10, got 99",
-        ),
-    ],
-)
-def test_what_is_no_relaxation_is_refused_in_one_line(data, message: str) -> None:
-    with pytest.raises(InputError, match=message) as raised:
-        data()
-    assert "\n" not in str(raised.value)
-
-
-def test_noise_is_what_the_user_says_it_is() -> None:
-    wavy = changed(G, 3, 3.3)
-    assert Relaxation(T, wavy, noise=0.11).noise == 0.11
-    slow = np.array([5.0, 5.2, 5.4, 5.6, 5.8, 6.0])  # each step is small; their sum is not
-    with pytest.raises(InputError, match=r"modulus: expected no rise .* got 5 at 0.1, then 6 at 1e"):
-        Relaxation(T, slow)
+def test_what_is_no_relaxation_is_refused() -> None:
+    calls: list[tuple[str, Callable[[], Any]]] = [
+        ("time", lambda: Relaxation(changed(T, 2, 0.5), G)),
+        ("time", lambda: Relaxation(changed(T, 0, 0.0), G)),
+        ("modulus", lambda: Relaxation(T, changed(G, 3, 3.3))),
+        ("modulus", lambda: Relaxation(T, changed(G, 5, -1))),
+        ("modulus", lambda: Relaxation(T, changed(G, 5, math.nan))),
+        # Each step is small; their sum is not.
+        ("modulus", lambda: Relaxation(T, np.array([5.0, 5.2, 5.4, 5.6, 5.8, 6.0]))),
+        ("time", lambda: Relaxation(T[:4], G[:4])),
+        ("modulus", lambda: Relaxation(T, G[:5])),
+        ("compliance", lambda: Creep(T, G)),
+        ("storage", lambda: Dynamic(T, G, G)),
+        ("loss", lambda: Dynamic(T, 1 / G, changed(G, 1, -2))),
+        ("data", lambda: fit(T)),  # type: ignore[arg-type]
+        ("per_decade", lambda: fit(Relaxation(T, G), per_decade=99)),
+    ]
+    for name, call in calls:
+        with refuses(name):
+            call()
+    assert Relaxation(T, changed(G, 3, 3.3), noise=0.11).noise == 0.11
 
 
 def write(path: Path, header: str, *columns: np.ndarray) -> Path:
@@ -295,45 +284,37 @@ def test_columns_without_units_are_taken_in_si_with_a_remark(tmp_path) -> None:
     assert "column 0 has no name, taken as time in s" in told
 
 
-def test_columns_can_be_chosen(tmp_path) -> None:
+def test_columns_can_be_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = write(tmp_path, "time_s,E_MPa,J_1/MPa,second_MPa", T, G, 1 / G, 2 * G)
     assert isinstance(read(file, kind="creep"), Creep)
     assert isinstance(read(file, columns=["time_s", "J_1/MPa"]), Creep)
-    with pytest.raises(InputError, match=r"expected columns of time and modulus, .* try kind=..., columns"):
-        read(file)
-    with pytest.raises(InputError, match=r"column 'nope' .* expected one of 'time_s', .* got no such column"):
-        read(file, columns=["time_s", "nope"])
-    with pytest.raises(InputError, match="columns: expected 2 different ones: time, modulus"):
-        read(file, columns=[0, 0], kind="relaxation")
+    monkeypatch.chdir(tmp_path)
+    calls: list[tuple[str, dict[str, Any]]] = [
+        ("table.csv", {}),
+        ("column 'nope' of table.csv", {"columns": ["time_s", "nope"]}),
+        ("columns", {"columns": [0, 0], "kind": "relaxation"}),
+        ("kind", {"kind": "dma"}),
+    ]
+    for name, options in calls:
+        with refuses(name):
+            read("table.csv", **options)
 
 
-@pytest.mark.parametrize(
-    ("header", "columns", "message"),
-    [
-        ("time_s,E_MPa", [changed(T, 2, 0.5), G], "table.csv, time: expected time that rises"),
-        (
-            "time_s,E_MPa",
-            [T, G[::-1]],
-            r"table.csv, modulus: expected no rise .* got 2.1e\+06 at 0.1, then 5e\+06",
-        ),
-        (
-            "time_s,E_MPa",
-            [T, changed(G, 2, math.nan)],
-            "expected 'E_MPa' to be a number in line 4, got '10, nan'",
-        ),
-        ("time_s,E [furlong]", [T, G], r"column 'E \[furlong\]' .* expected a unit of modulus, such as MPa"),
-        ("time [m],E [Pa]", [T, G], r"column 'time \[m\]' .* expected a unit of time, such as h"),
-        ("a,b", [T, G], "expected columns of time and modulus, .*, got columns 'a', 'b'; try columns"),
-        ("", [T, G], "got 2 columns without names"),
-        ("log t [s],E [Pa]", [T, G], "expected columns of time and modulus"),
-    ],
-)
-def test_tables_that_are_none_are_refused_in_one_line(tmp_path, header: str, columns, message: str) -> None:
-    with pytest.raises(InputError, match=message) as raised:
-        read(write(tmp_path, header, *columns))
-    assert "\n" not in str(raised.value)
-    with pytest.raises(InputError, match="kind: expected 'relaxation' or 'creep' or 'dynamic', got 'dma'"):
-        read("nowhere.csv", kind="dma")  # type: ignore[arg-type]
+def test_tables_that_are_none_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for header, columns, name in (
+        ("time_s,E_MPa", [changed(T, 2, 0.5), G], "table.csv, time"),
+        ("time_s,E_MPa", [T, G[::-1]], "table.csv, modulus"),
+        ("time_s,E_MPa", [T, changed(G, 2, math.nan)], "table.csv"),
+        ("time_s,E [furlong]", [T, G], "column 'E [furlong]' of table.csv"),
+        ("time [m],E [Pa]", [T, G], "column 'time [m]' of table.csv"),
+        ("a,b", [T, G], "table.csv"),
+        ("", [T, G], "table.csv"),
+        ("log t [s],E [Pa]", [T, G], "table.csv"),
+    ):
+        write(Path(), header, *columns)
+        with refuses(name):
+            read("table.csv")
 
 
 @pytest.mark.parametrize(
@@ -345,7 +326,7 @@ def test_tables_that_are_none_are_refused_in_one_line(tmp_path, header: str, col
     ],
 )
 def test_the_figure_draws_the_numbers(data: Relaxation | Creep | Dynamic) -> None:
-    found = fit(data)
+    found = fit(data, per_decade=1)
     upper, middle, lower = relaxation_figure(found).axes
     scale = 1e9 if isinstance(data, Creep) else 1e-9
     x, values = data.columns
@@ -375,28 +356,30 @@ TO_LAST = PronySeries(2e9, ((0.3, 1.0), (0.2, 117.0)))
 
 
 @pytest.mark.parametrize(
-    ("modulus", "count"),
-    [(TO_LAST.modulus_at(PLATEAU_TIME), 2), (2e9 * (1 + PLATEAU_TIME) ** -0.1, 4)],
+    ("modulus", "per_decade", "count"),
+    [(TO_LAST.modulus_at(PLATEAU_TIME), None, 2), (2e9 * (1 + PLATEAU_TIME) ** -0.1, 1.0, 4)],
     ids=["two branches", "power law"],
 )
-def test_on_a_plateau_the_last_modulus_stays_within_the_misfit(modulus: np.ndarray, count: int) -> None:
+def test_on_a_plateau_the_last_modulus_stays_within_the_misfit(
+    modulus: np.ndarray, per_decade: float | None, count: int
+) -> None:
     data = Relaxation(PLATEAU_TIME, modulus)
-    found = fit(data, extrapolate="plateau", over=(0.1, 5e3))
+    found = fit(data, per_decade=per_decade, extrapolate="plateau", over=(0.1, 5e3))
     assert found.series.span == pytest.approx((0.1, math.inf))
     assert len(found.series.branches) == count
     later = found.series.modulus_at([5e3, 1e5, 1e8])
     np.testing.assert_allclose(later, modulus[-1], rtol=found.series.error)
     np.testing.assert_array_equal(found.data.columns[0], PLATEAU_TIME)  # the table stays what was measured
     assert found.decades == pytest.approx(4)
-    assert "1000 s, the modulus is assumed to stay" in found.assumed
-    assert fit(data).assumed == ""
+    assert (found.assumed != "", fit(data, per_decade=1).assumed) == (True, "")
     compliance = 1 / modulus
-    crept = fit(Creep(PLATEAU_TIME, compliance), extrapolate="plateau")
+    crept = fit(Creep(PLATEAU_TIME, compliance), per_decade=per_decade, extrapolate="plateau")
     np.testing.assert_allclose(
         crept.series.compliance_at([5e3, 1e5]), compliance[-1], rtol=crept.series.error
     )
 
 
+@pytest.mark.slow
 def test_the_tables_that_noise_would_give_end_in_a_plateau_too() -> None:
     data = Relaxation(PLATEAU_TIME, noisy(TO_LAST.modulus_at(PLATEAU_TIME), 0.01, 0))
     drawn = fit(data, extrapolate="plateau").resampled

@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erfcx, gamma
 
-from asperity.errors import InputError
 from asperity.relaxation import fractional_zener, power_law
 from asperity.relaxation.laws import mittag_leffler
+from tests.refusals import refuses
 
 
 def by_its_spectrum(n: float, x: float) -> float:
@@ -44,7 +44,7 @@ def test_the_mittag_leffler_function_where_it_has_another_name() -> None:
 
 
 @pytest.mark.parametrize("accuracy", [0.05, 0.01, 1e-4, 1e-6])
-@pytest.mark.parametrize("exponent", [0.05, 0.3, 0.9])
+@pytest.mark.parametrize("exponent", [0.05, 0.9])
 def test_a_power_law_to_its_accuracy(exponent: float, accuracy: float) -> None:
     first, last = 2e-3, 5e6
     series = power_law(modulus=7.0, exponent=exponent, time=10.0, first=first, last=last, accuracy=accuracy)
@@ -87,33 +87,21 @@ def test_a_fractional_zener_solid_to_its_accuracy(exponent: float, relaxed: floa
         assert len(series.branches) <= 2 or accuracy < 1e-4
 
 
-@pytest.mark.parametrize(
-    ("law", "changed", "message"),
-    [
-        (power_law, {"exponent": 1.0}, "exponent: expected a finite number > 0 and < 1, got 1"),
-        (power_law, {"modulus": 0.0}, "modulus: expected a finite modulus > 0, got 0"),
-        (power_law, {"first": 10.0, "last": 1.0}, "last: expected a time after the first, 10, got 1"),
-        (
-            power_law,
-            {"first": 1e-30, "last": 1e30},
-            "last: expected at most 40 decades from the first time, got 60",
-        ),
-        (power_law, {"accuracy": 1e-9}, "accuracy: expected a finite number >= 1e-06 and <= 0.5, got 1e-09"),
-        (
-            fractional_zener,
-            {"relaxed": 5.0},
-            "relaxed: expected a modulus >= 0 and below the instantaneous one, 2",
-        ),
-        (
-            fractional_zener,
-            {"exponent": 1, "last": 1e4},
-            "last: expected times before all has relaxed, .*, got a mod",
-        ),
-        (fractional_zener, {"exponent": 1.5}, "exponent: expected a finite number >= 0.02 and <= 1, got 1.5"),
-    ],
-)
-def test_wrong_numbers_are_refused(law, changed: dict[str, float], message: str) -> None:
+def test_wrong_numbers_are_refused() -> None:
     right = {"exponent": 0.5, "time": 1.0, "first": 0.1, "last": 10.0}
-    right |= {"modulus": 2.0} if law is power_law else {"instantaneous": 2.0, "relaxed": 0.0}
-    with pytest.raises(InputError, match=message):
-        law(**(right | changed))
+    for name, changed in (
+        ("exponent", {"exponent": 1.0}),
+        ("modulus", {"modulus": 0.0}),
+        ("last", {"first": 10.0, "last": 1.0}),
+        ("last", {"first": 1e-30, "last": 1e30}),
+        ("accuracy", {"accuracy": 1e-9}),
+    ):
+        with refuses(name):
+            power_law(**({"modulus": 2.0} | right | changed))
+    for name, changed in (
+        ("relaxed", {"relaxed": 5.0}),
+        ("last", {"exponent": 1, "last": 1e4}),
+        ("exponent", {"exponent": 1.5}),
+    ):
+        with refuses(name):
+            fractional_zener(**({"instantaneous": 2.0, "relaxed": 0.0} | right | changed))

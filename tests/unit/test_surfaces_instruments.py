@@ -97,10 +97,9 @@ def test_undefined_pixels_are_counted_and_limited() -> None:
     path = instrument_file("opd-1.opd")
     surface = read(path)
     assert surface.provenance["undefined_pixels"] == surface.describe().undefined_pixels == 116
-    with pytest.raises(SurfaceFileError, match="expected no undefined pixel, got 116 of 307200"):
-        read(path, undefined="refuse")
-    with pytest.raises(SurfaceFileError, match=r"expected at most 0.0001 of the pixels undefined"):
-        read(path, max_undefined=1e-4)
+    for options in ({"undefined": "refuse"}, {"max_undefined": 1e-4}):
+        with pytest.raises(SurfaceFileError, match="got 116 of 307200"):
+            read(path, **options)  # type: ignore[arg-type]
 
 
 @needs_library
@@ -115,47 +114,31 @@ def test_channels_by_name_and_number() -> None:
     assert second.provenance["channel"] == "Height#2"
     np.testing.assert_array_equal(read(path, channel=1).heights, second.heights)
     assert not np.array_equal(second.heights, default.heights)
-
-
-@needs_library
-@pytest.mark.parametrize("channel", ["Phase", "Hight", 7, -1])
-def test_other_channels_list_the_right_ones(channel: Any) -> None:
-    message = (
-        f"expected one of its channels of heights: 'Height#1' .*, 'Height#2' .*, got channel {channel!r}"
-    )
-    with pytest.raises(SurfaceFileError, match=message):
-        read(instrument_file("di-1.di"), channel=channel)
+    others: list[Any] = ["Phase", "Hight", 7, -1]
+    for channel in others:
+        with pytest.raises(SurfaceFileError, match=r"'Height#1' .*, 'Height#2' .*, got channel"):
+            read(path, channel=channel)
 
 
 @needs_library
 @pytest.mark.parametrize("name", FILES)
-@pytest.mark.parametrize("part", [1, 30, 1000, 9000, 0.25, 0.6, 0.97])
-def test_truncated_instrument_files(
-    tmp_path: Path, name: Any, part: Any, capfd: pytest.CaptureFixture[str]
+def test_truncated_and_damaged_instrument_files(
+    tmp_path: Path, name: Any, capfd: pytest.CaptureFixture[str]
 ) -> None:
+    """Wrong bytes, most of them in the header, lead to heights or to one line; missing ones to a line."""
     whole = instrument_file(name).read_bytes()
     path = tmp_path / name
-    path.write_bytes(whole[: part if isinstance(part, int) else int(part * len(whole))])
-    with pytest.raises(SurfaceFileError, match=f"{name}: expected a surface file, got") as caught:
-        read(path)
-    assert "\n" not in str(caught.value)
-    assert "Error" not in str(caught.value)
-    assert len(str(caught.value)) < 350 + len(str(tmp_path))
-    assert capfd.readouterr() == ("", "")
-
-
-@needs_library
-@pytest.mark.parametrize("name", FILES)
-def test_damaged_instrument_files(tmp_path: Path, name: Any, capfd: pytest.CaptureFixture[str]) -> None:
-    """Wrong bytes, most of them in the header, lead to heights or to one line."""
-    whole = instrument_file(name).read_bytes()
     rng = np.random.default_rng(len(whole))
     refused = []
+    for part in (1, 30, 1000, 9000, *(int(part * len(whole)) for part in (0.25, 0.6, 0.97))):
+        path.write_bytes(whole[:part])
+        with pytest.raises(SurfaceFileError) as caught:
+            read(path)
+        refused.append(str(caught.value))
     for _ in range(12):
         damaged = bytearray(whole)
         for place in rng.integers(0, rng.choice([300, 3000, len(whole)]), size=rng.integers(1, 30)):
             damaged[place] = rng.integers(256)
-        path = tmp_path / name
         path.write_bytes(damaged)
         try:
             surface = read(path, tilt="mean", periodic="wrap", max_undefined=0.99)
@@ -163,7 +146,8 @@ def test_damaged_instrument_files(tmp_path: Path, name: Any, capfd: pytest.Captu
             refused.append(str(error))
         else:
             assert np.isfinite(surface.heights).all()
-    assert 0 < len(refused) < 12
+    assert 7 < len(refused) < 19
+    assert max(map(len, refused)) < 350 + len(str(tmp_path))
     assert "\n" not in "".join(refused)
     assert "Error" not in "".join(refused)
     assert capfd.readouterr() == ("", "")

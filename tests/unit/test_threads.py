@@ -49,11 +49,11 @@ def test_results_do_not_depend_on_the_number_of_threads(monkeypatch, shape, soli
 
 HISTORIES = """
 import hashlib, numpy as np, asperity as asp
-heights = np.random.default_rng(0).normal(size=(160, 130))
+heights = np.random.default_rng(0).normal(size=(110, 100))
 law = asp.solids.Eyring(rate=1.0, stress=1.0)
 for k0, creep in ((1.0, law), (0.0, None)):
     solid = asp.solids.spring_lattice(k0=k0, k1=3.0, creep=creep)
-    final = asp.age(asp.press(heights, solid, load=400.0), [0.1, 10.0]).final
+    final = asp.age(asp.press(heights, solid, load=200.0), [0.1]).final
     print(hashlib.sha256(final.u.tobytes() + final.u0.tobytes()).hexdigest())
 """
 

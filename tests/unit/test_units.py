@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from asperity.base.units import factor, quantity
-from asperity.errors import InputError
+from tests.refusals import refuses
 
 
 @pytest.mark.parametrize(
@@ -36,23 +36,30 @@ def test_a_text_becomes_a_number(text: object, unit: str, value: float) -> None:
     assert found == pytest.approx(value, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    "text",
-    ["1 furlong", "1 mpa", "1 s", "MPa", "1 2 MPa", "1,5 MPa", "nan Pa", "inf", "", "1 Pa/0", "1e400 Pa",
-     "1 ()", "1 [Pa]", "1 Pa**9**9**9", "1 9**9**9**9", "1 Pa^99", "1 __import__", "1 °", "1 %",
-     "1 " + "Pa " * 50],
-)  # fmt: skip
-def test_other_texts_are_refused_in_one_line(text: str) -> None:
-    with pytest.raises(InputError, match="pressure: expected a pressure, such as 1 MPa, got ") as raised:
-        quantity(text, "Pa", "pressure")
-    assert "\n" not in str(raised.value)
-
-
-def test_what_is_no_number_is_refused() -> None:
+def test_other_texts_are_refused() -> None:
+    for text in (
+        *(
+            "1 furlong",
+            "1 mpa",
+            "1 s",
+            "MPa",
+            "1 2 MPa",
+            "1,5 MPa",
+            "nan Pa",
+            "inf",
+            "",
+            "1 Pa/0",
+            "1e400 Pa",
+        ),
+        *("1 ()", "1 [Pa]", "1 Pa**9**9**9", "1 9**9**9**9", "1 Pa^99", "1 __import__", "1 °", "1 %"),
+        "1 " + "Pa " * 50,
+    ):
+        with refuses("pressure"):
+            quantity(text, "Pa", "pressure")
     for wrong in (None, True, float("nan"), 1j):
-        with pytest.raises(InputError, match="load: expected a finite number"):
+        with refuses("load"):
             quantity(wrong, "N", "load")
-    with pytest.raises(InputError, match="expected a quantity in V, such as 1 V, got '1 m'"):
+    with refuses("quantity"):
         quantity("1 m", "V")
     assert factor("GPa^-1", "1/Pa") == pytest.approx(1e-9)
     assert factor("GPa", "1/Pa") is None
