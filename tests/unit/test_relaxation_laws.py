@@ -26,21 +26,18 @@ def by_its_spectrum(n: float, x: float) -> float:
     return sum(quad(integrand, a, b, epsabs=1e-15, epsrel=1e-12, limit=400)[0] for a, b in parts if b <= top)
 
 
-@pytest.mark.parametrize("n", [0.1, 0.3, 0.5, 0.8, 0.97])
+@pytest.mark.parametrize("n", [0.1, 0.5, 0.97])
 def test_the_mittag_leffler_function(n: float) -> None:
     x = np.array([1e-4, 0.03, 0.5, 1.0, 4.0, 60.0])
     np.testing.assert_allclose(mittag_leffler(n, x), [by_its_spectrum(n, t) for t in x], rtol=1e-9)
     small = np.array([1e-9, 1e-6]) if n > 0.3 else np.array([1e-40, 1e-30])
     power_series = sum((-(small**n)) ** k / gamma(1 + n * k) for k in range(40))
     np.testing.assert_allclose(mittag_leffler(n, small), power_series, rtol=1e-12)
-
-
-def test_the_mittag_leffler_function_where_it_has_another_name() -> None:
     t = np.geomspace(1e-8, 1e10, 41)
     np.testing.assert_allclose(mittag_leffler(0.5, t), erfcx(np.sqrt(t)), rtol=1e-11)
     np.testing.assert_allclose(mittag_leffler(1.0, t), np.exp(-t), rtol=1e-14)
     np.testing.assert_allclose(mittag_leffler(1 - 1e-9, t[:20]), np.exp(-t[:20]), rtol=1e-7)
-    assert mittag_leffler(0.3, np.array(0.0)) == pytest.approx(1.0, abs=1e-13)
+    assert mittag_leffler(n, np.array(0.0)) == pytest.approx(1.0, abs=1e-13)
 
 
 @pytest.mark.parametrize("accuracy", [0.05, 0.01, 1e-4, 1e-6])
@@ -58,7 +55,7 @@ def test_a_power_law_to_its_accuracy(exponent: float, accuracy: float) -> None:
 
 @pytest.mark.parametrize("accuracy", [0.01, 1e-5])
 @pytest.mark.parametrize("relaxed", [0.0, 0.02])
-@pytest.mark.parametrize("exponent", [0.2, 0.5, 0.95, 1.0])
+@pytest.mark.parametrize("exponent", [0.2, 0.5, 1.0])
 def test_a_fractional_zener_solid_to_its_accuracy(exponent: float, relaxed: float, accuracy: float) -> None:
     first, last = 1e-4, 10.0 if exponent == 1 else 1e5
     series = fractional_zener(

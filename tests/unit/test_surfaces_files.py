@@ -38,7 +38,7 @@ def written(content: str | bytes, name: str = "surface.txt") -> str:
     return name
 
 
-def refused(path: Any, name: str = "", **options: Any) -> None:
+def read_refuses(path: Any, name: str = "", **options: Any) -> None:
     with refuses(name or str(path), kind=InputError if name else SurfaceFileError):
         read(path, **options)
 
@@ -149,7 +149,7 @@ def test_text_that_is_no_matrix() -> None:
         "".join(f"{i * 0.1} {i**2}\n" for i in range(9)),
         "".join(f"{i},{j},{i * j}\n" for i in range(4) for j in range(5)),
     ):
-        refused(written(text))
+        read_refuses(written(text))
 
 
 def test_npz_of_several_arrays() -> None:
@@ -159,19 +159,19 @@ def test_npz_of_several_arrays() -> None:
         np.testing.assert_array_equal(read("surface.npz", channel=channel, **AS_IT_IS).heights, ROUGH)
     others: list[Any] = [None, "names", 2, -1]
     for channel in others:
-        refused("surface.npz", channel=channel)
+        read_refuses("surface.npz", channel=channel)
     np.savez("surface.npz", names=np.array(["a"]), traps=np.array([None]))
-    refused("surface.npz")
+    read_refuses("surface.npz")
 
 
 def test_headers_that_promise_more_than_there_is_allocate_nothing() -> None:
     header = io.BytesIO()
     form = {"descr": "<f8", "fortran_order": False, "shape": (10**7, 10**7)}
     np.lib.format.write_array_header_1_0(header, form)
-    refused(written(header.getvalue() + bytes(800), "huge.npy"))
+    read_refuses(written(header.getvalue() + bytes(800), "huge.npy"))
     with zipfile.ZipFile("huge.npz", "w") as archive:
         archive.writestr("h.npy", header.getvalue() + bytes(800))
-    refused("huge.npz")
+    read_refuses("huge.npz")
 
 
 def test_damaged_npy_never_leaks_another_error() -> None:
@@ -230,7 +230,7 @@ class Trap:
 
 def test_what_is_no_npy_or_no_surface() -> None:
     for content in (b"\x89PNG\r\n\x1a\n" + bytes(100), pickle.dumps([1.0, 2.0]), b"1 2 3\n4 5 6\n", b""):
-        refused(written(content, "surface.npy"))
+        read_refuses(written(content, "surface.npy"))
     for array in (
         np.zeros((2, 3, 4)),
         np.float64(1.0),
@@ -242,8 +242,8 @@ def test_what_is_no_npy_or_no_surface() -> None:
         np.full((2, 2), math.nan),
         np.array([[0.0, 1.0], [-1e200, 2.0]]),  # squares overflow
     ):
-        refused(saved(array), max_undefined=0.999)
-    refused(saved(np.array([Trap()], dtype=object), allow_pickle=True))
+        read_refuses(saved(array), max_undefined=0.999)
+    read_refuses(saved(np.array([Trap()], dtype=object), allow_pickle=True))
     assert not Path("sprung").exists()
 
 
@@ -252,7 +252,7 @@ def test_paths_that_are_no_files() -> None:
     for path in ("absent.npy", "folder", *(["pipe.npy"] if hasattr(os, "mkfifo") else [])):
         if path == "pipe.npy":
             os.mkfifo(path)  # which nobody waits for
-        refused(path)
+        read_refuses(path)
     others: list[Any] = [3, None, "bad\0name.npy"]
     for other in others:
         with pytest.raises(SurfaceFileError):
@@ -264,8 +264,8 @@ def test_undefined_pixels_beyond_the_limit() -> None:
     holed[0, 2] = holed[5] = math.nan
     path = saved(holed)
     assert read(path, max_undefined=10 / 108).provenance["undefined_pixels"] == 10
-    refused(path, max_undefined=0.05)
-    refused(path, undefined="refuse")
+    read_refuses(path, max_undefined=0.05)
+    read_refuses(path, undefined="refuse")
     assert read(saved(np.eye(3)), undefined="refuse").provenance["undefined_rule"] == "refuse"
 
 
@@ -286,11 +286,11 @@ def test_options_are_checked() -> None:
         ("crop", [0, 5, 0, 99]),
     ]
     for name, value in wrong:
-        refused(path, name, **{name: value})
-    refused(path, "shortest", shortest=3.0, longest=2.0)
-    refused(path, channel="Height")
+        read_refuses(path, name, **{name: value})
+    read_refuses(path, "shortest", shortest=3.0, longest=2.0)
+    read_refuses(path, channel="Height")
     plane = np.add.outer(0.1 * np.arange(30), 0.3 * np.arange(20))
-    refused(saved(plane), "unit", unit="rms")
+    read_refuses(saved(plane), "unit", unit="rms")
 
 
 def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square() -> None:

@@ -28,22 +28,31 @@ def rough(seed: int, **options: Any) -> Any:
     return heights / heights.std()
 
 
-@pytest.mark.parametrize("shape", [(12, 9), (30,), (1, 8), (2, 7), (2, 2)])
-def test_a_polynomial_of_second_order_is_removed_and_told(shape: Any) -> None:
+@pytest.mark.parametrize(("rule", "order"), [("plane", 1), ("quadratic", 2)])
+@pytest.mark.parametrize("shape", [(12, 9), (30,), (1, 8), (8, 1), (2, 7), (2, 2), (1, 1), (1,)])
+def test_a_polynomial_is_removed_and_told(shape: Any, rule: Any, order: int) -> None:
     grids = np.meshgrid(*(np.arange(float(n)) for n in shape), indexing="ij")
     terms = [np.ones(shape), *grids]
-    terms += [grids[a] * grids[b] for a in range(len(shape)) for b in range(a, len(shape))]
+    terms += [grids[a] * grids[b] for a in range(len(shape)) for b in range(a, len(shape))][
+        : 99 * (order - 1)
+    ]
     numbers = [5.0, *([0.25, -2.0][: len(shape)]), *([0.5, -0.125, 0.0625][: len(terms) - 1 - len(shape)])]
     heights = sum(number * term for number, term in zip(numbers, terms, strict=True))
     defined = np.ones(shape, dtype=bool)
-    if min(shape) > 2:
+    if heights.size > 20:
         defined.flat[[3, 11, 12]] = False
-    left, found = levelling.remove_tilt(np.where(defined, heights, 1e3), defined, "quadratic")
+    left, found = levelling.remove_tilt(np.where(defined, heights, 1e3), defined, rule)
     np.testing.assert_allclose(left[defined], 0, atol=1e-11)
-    if min(shape) > 2:
+    np.testing.assert_allclose(left[~defined], (1e3 - heights)[~defined])
+    if heights.size > 20:
         assert found == pytest.approx(numbers)
     told = sum(number * term for number, term in zip(found, terms, strict=True))
     np.testing.assert_allclose(told[defined], heights[defined])
+    # Of anything else, what is left has nothing along any term.
+    noise = np.random.default_rng(1).normal(size=shape) + 1e4
+    left, _ = levelling.remove_tilt(noise, np.ones(shape, dtype=bool), rule)
+    for term in terms:
+        assert np.sum(left * term) == pytest.approx(0, abs=1e-8 * max(np.sum(np.abs(term)), 1))
 
 
 def test_the_bow_of_a_scan_is_removed_as_it_was_added() -> None:

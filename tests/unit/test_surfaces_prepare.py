@@ -1,6 +1,5 @@
 """The rules that make a measurement ready: filling, tilt, unit, periodicity."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -59,34 +58,6 @@ def test_fill_creates_no_summit(offset: float) -> None:
     level = np.full((20, 20), 0.1)
     level[3:9, 2:17] = np.nan
     assert np.unique(prepare.fill(level)).tolist() == [0.1]
-
-
-def test_plane_is_found_from_the_defined_pixels_alone() -> None:
-    i, j = np.meshgrid(np.arange(6.0), np.arange(9.0), indexing="ij")
-    plane = 5.0 + 0.25 * i - 2.0 * j
-    defined = np.ones(plane.shape, dtype=bool)
-    defined[1, 2] = defined[4, 4] = False
-    level, coefficients = levelling.remove_tilt(np.where(defined, plane, 100.0), defined, "plane")
-    assert coefficients == pytest.approx([5.0, 0.25, -2.0])
-    np.testing.assert_allclose(level[defined], 0, atol=1e-13)
-    np.testing.assert_allclose(level[~defined], (100.0 - plane)[~defined])
-
-
-def test_least_squares_leaves_nothing_along_the_plane() -> None:
-    heights = np.random.default_rng(1).normal(size=(30, 20)) + 1e4
-    level, coefficients = levelling.remove_tilt(heights, np.ones(heights.shape, dtype=bool), "plane")
-    i, j = np.meshgrid(np.arange(30.0), np.arange(20.0), indexing="ij")
-    for direction in (np.ones_like(i), i, j):
-        assert np.sum(level * direction) == pytest.approx(0, abs=1e-6)
-    np.testing.assert_allclose(level + coefficients[0] + coefficients[1] * i + coefficients[2] * j, heights)
-
-
-@pytest.mark.parametrize("shape", [(1, 8), (8, 1), (8,), (1, 1), (1,)])
-def test_plane_of_degenerate_shapes(shape: Any) -> None:
-    ramp = np.arange(math.prod(shape), dtype=float).reshape(shape) * 3 + 2
-    level, coefficients = levelling.remove_tilt(ramp, np.ones(shape, dtype=bool), "plane")
-    np.testing.assert_allclose(level, 0, atol=1e-13)
-    assert coefficients == pytest.approx([2.0] + [3.0 if n > 1 else 0.0 for n in shape])
 
 
 def test_mean_and_none() -> None:

@@ -60,14 +60,6 @@ def test_roughness_is_exact(shape: Any, spacing: Any) -> None:
         assert abs(heights.mean()) < 1e-12 * heights.std()
 
 
-@pytest.mark.parametrize("shape", [(400, 300), (900,)])
-def test_finite_differences_agree_where_waves_are_long(shape: tuple[int, ...]) -> None:
-    size = (0.5, 0.4)[: len(shape)]
-    for name in ("rms_height", "rms_slope", "rms_curvature"):
-        heights = spectral(shape, spacing=size, roll_off=60, cutoff=15, seed=1, **{name: 0.1})
-        assert getattr(statistics(heights, size), name) == pytest.approx(0.1, rel=0.03)
-
-
 def test_seeds_differ_in_phases_only() -> None:
     one, other = spectral((32, 32), seed=1), spectral((32, 32), seed=2)
     assert np.abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.9
@@ -154,7 +146,7 @@ def test_the_hurst_exponent_is_found(hurst: float) -> None:
         "profile": lambda seed: spectral(2048, hurst=hurst, seed=seed),
     }
     for name, make in surfaces.items():
-        for seed in range(4):
+        for seed in range(2):
             found = power_spectrum(make(seed))
             assert found.fit is not None, name
             assert found.window == ("Hann" if name == "part" else "none")

@@ -37,27 +37,10 @@ def number(
     expected: str = "",
     advice: str = "",
 ) -> float:
-    """One real number: of Python, NumPy or xarray, or an array without axes.
+    """One real number, as a float: of Python, NumPy or xarray, or an array without axes.
 
-    Parameters
-    ----------
-    name
-        What it is, for the message.
-    value
-        What was given.
-    least, above, most, below
-        Bounds; at most 1e100 in magnitude in any case.
-    expected, advice
-        Words for the message; by default the bounds.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InputError
-        It is a truth value, a text, complex, an array, a quantity with a unit, NaN, or out of bounds.
+    It is at most 1e100 in magnitude in any case. `InputError`, by default in words of the bounds, for a truth
+    value, a text, a complex number, an array, a quantity with a unit, NaN, and what is out of bounds.
     """
     found = _real(value)
     if found is None or not (least <= found <= most and above < found < below):
@@ -354,19 +337,9 @@ def _hint(name: str, value: object) -> str:
 
 @contextmanager
 def extra(name: str, what: str) -> Iterator[None]:
-    """Import within it what an extra of the package installs.
+    """Import within it what an extra of the package installs, such as ``"campaign"``.
 
-    Parameters
-    ----------
-    name
-        The extra, as `pip` knows it: ``"campaign"``.
-    what
-        What cannot be done without it, for the message.
-
-    Raises
-    ------
-    MissingExtraError
-        A package is missing; the message says how to install it.
+    `MissingExtraError` says what cannot be done where a package is missing, and how to install it.
     """
     try:
         yield

@@ -74,12 +74,8 @@ def _control_groups(
         if controllers == "":
             top, limit, used, cache = root, "memory.max", "memory.current", "inactive_file"
         elif "memory" in controllers.split(","):
-            top, limit, used, cache = (
-                root / "memory",
-                "memory.limit_in_bytes",
-                "memory.usage_in_bytes",
-                "total_inactive_file",
-            )
+            top, limit = root / "memory", "memory.limit_in_bytes"
+            used, cache = "memory.usage_in_bytes", "total_inactive_file"
         else:
             continue
         group = top / path.lstrip("/")
@@ -87,15 +83,8 @@ def _control_groups(
             # In a container the path may be that of the outside: only what is there is read.
             most = _number(folder / limit)
             if most is not None and most < _NO_LIMIT:
-                given_up = next(
-                    (
-                        int(row.split()[1])
-                        for row in _lines(folder / "memory.stat")
-                        if row.split()[0] == cache
-                    ),
-                    0,
-                )
-                yield most - (_number(folder / used) or 0) + given_up
+                statistics = dict(row.split(maxsplit=1) for row in _lines(folder / "memory.stat"))
+                yield most - (_number(folder / used) or 0) + int(statistics.get(cache, 0))
             if folder == top:
                 break
 

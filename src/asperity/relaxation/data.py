@@ -21,7 +21,7 @@ from asperity.base import checks, views
 from asperity.base.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation.positive_sums import positive_weights
-from asperity.relaxation.series import PronySeries, from_retardation
+from asperity.relaxation.series import PronySeries, from_retardation, of_weights
 
 Extrapolate = Literal["plateau"]
 
@@ -121,7 +121,7 @@ class Relaxation(_InTime):
     def series(self, times: Floats) -> PronySeries:
         """Fit branches of these times."""
         columns = np.column_stack([np.exp(-self.time[:, None] / times), np.ones_like(self.time)])
-        return _maxwell(positive_weights(columns, self.modulus, self.modulus), times)
+        return of_weights(positive_weights(columns, self.modulus, self.modulus), times)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -235,18 +235,10 @@ class Dynamic(_Data):
         still = np.ones((self.frequency.size, 1))
         rows = [np.hstack([x / (x + 1 / x), still]), np.hstack([1 / (x + 1 / x), 0 * still])]
         values, scale = np.concatenate([self.storage, self.loss]), np.concatenate(scales(self))
-        return _maxwell(positive_weights(np.vstack(rows), values, scale), times)
+        return of_weights(positive_weights(np.vstack(rows), values, scale), times)
 
 
 Measured = Relaxation | Creep | Dynamic
-
-
-def _maxwell(weights: Floats, times: Floats) -> PronySeries:
-    """Series of weights of the branches, and of what is permanent at last."""
-    modulus = float(weights.sum())
-    some = weights[:-1] > 0
-    shares = weights[:-1][some] / modulus
-    return PronySeries(modulus, tuple(zip(shares.tolist(), times[some].tolist(), strict=True)))
 
 
 def scales(data: Measured) -> tuple[Floats, ...]:
@@ -270,12 +262,10 @@ def _check_columns(data: Measured) -> None:
     along = getattr(data, x)
     if along.size < FEWEST:
         raise InputError(x, expected=f"{FEWEST} points or more", got=along.size)
-    for name in names:
-        values = getattr(data, name)
-        if values.shape != along.shape:
-            raise InputError(name, expected=f"{along.size} values, as many as of {x}", got=values.size)
     for name in (x, *names):
         values, zero = getattr(data, name), name == "loss"
+        if values.shape != along.shape:
+            raise InputError(name, expected=f"{along.size} values, as many as of {x}", got=values.size)
         if (wrong := values < 0 if zero else values < 1 / LARGEST).any():
             at = int(np.argmax(wrong))
             expected = f"{name} {'not below' if zero else 'above'} 0"

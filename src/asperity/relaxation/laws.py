@@ -20,6 +20,7 @@ Applications* (Springer 2020), DOI 10.1007/978-3-662-61550-8.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 
@@ -30,7 +31,7 @@ from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation.positive_sums import log_times, positive_weights
-from asperity.relaxation.series import PronySeries
+from asperity.relaxation.series import PronySeries, of_weights
 
 _DENSITIES = (1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5, 4, 5, 6, 8, 10)
 """Times per decade, tried in this order."""
@@ -81,10 +82,8 @@ def power_law(
     def law(t: Floats) -> Floats:
         return np.asarray((t / first) ** -n)
 
-    branches, permanent, error = _approximate(law, first, last, accuracy, through=first, permanent=None)
-    total = permanent + math.fsum(share for share, _ in branches)
-    scale = modulus * (first / time) ** -n * total
-    return PronySeries(scale, tuple((share / total, tau) for share, tau in branches), (first, last), error)
+    series = _approximate(law, first, last, accuracy, through=first, permanent=None)
+    return dataclasses.replace(series, modulus=modulus * (first / time) ** -n * series.modulus)
 
 
 def fractional_zener(
@@ -129,8 +128,8 @@ def fractional_zener(
         return np.asarray(permanent + (1 - permanent) * mittag_leffler(n, t / time))
 
     through = time if first <= time <= last else first
-    branches, _, error = _approximate(law, first, last, accuracy, through=through, permanent=permanent)
-    return PronySeries(modulus, branches, (first, last), error)
+    series = _approximate(law, first, last, accuracy, through=through, permanent=permanent)
+    return dataclasses.replace(series, modulus=modulus)
 
 
 def mittag_leffler(exponent: float, time: Floats) -> Floats:
@@ -170,11 +169,8 @@ def _approximate(
     *,
     through: float,
     permanent: float | None,
-) -> tuple[tuple[tuple[float, float], ...], float, float]:
-    """Branches, permanent part and largest relative error of a law that relaxes.
-
-    Where the permanent part is given, the law is 1 at time 0.
-    """
+) -> PronySeries:
+    """Series of a law that relaxes. Where the permanent part is given, the law is 1 at time 0."""
     between = _grid(first, last, 60)
     exact = law(between)
     if exact[-1] < 1 / LARGEST:
@@ -187,27 +183,22 @@ def _approximate(
         slowest = last * (max(100, 0.1 / accuracy) if permanent is not None else 10)
         times = log_times(fastest, slowest, density, through)
         t = _grid(first, last, max(10, 4 * density))
-        columns, target, scale = np.exp(-t[:, None] / times), law(t), law(t)
+        columns = np.exp(-t[:, None] / times)
         if permanent is None:
-            columns = np.column_stack([columns, np.ones_like(t)])
+            weights = positive_weights(np.column_stack([columns, np.ones_like(t)]), law(t), law(t))
         else:
-            target = target - permanent
-        weights = positive_weights(columns, target, scale)
-        kept = permanent if permanent is not None else float(weights[-1])
-        shares = weights[: times.size]
-        if permanent is not None:
+            shares = positive_weights(columns, law(t) - permanent, law(t))
             missing = 1 - permanent - shares.sum()
             if missing > 0:  # what has relaxed before the first time
                 times, shares = np.append(first / 50, times), np.append(missing, shares)
             else:
                 shares = shares * ((1 - permanent) / shares.sum())
-        found = kept + np.exp(-between[:, None] / times) @ shares
-        error = float(np.abs(found / exact - 1).max())
+            weights = np.append(shares, permanent)
+        series = of_weights(weights, times)
+        error = float(np.abs(series.modulus_at(between) / exact - 1).max())
         best = min(best, error)
         if error <= accuracy:
-            some = shares > 0
-            pairs = tuple(zip(shares[some].tolist(), times[some].tolist(), strict=True))
-            return pairs, kept, error
+            return dataclasses.replace(series, span=(first, last), error=error)
     raise InputError(
         "accuracy", expected=f"{best:.1g} or more, for this law between these times", got=f"{accuracy:g}"
     )

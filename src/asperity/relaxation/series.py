@@ -256,6 +256,14 @@ class PronySeries:
         return columns[0], columns[1]
 
 
+def of_weights(weights: Floats, times: Floats) -> PronySeries:
+    """Series of weights of branches, shape (m + 1,), the last permanent, and their times, shape (m,)."""
+    modulus = float(weights.sum())
+    some = weights[:-1] > 0
+    shares = weights[:-1][some] / modulus
+    return PronySeries(modulus, tuple(zip(shares.tolist(), times[some].tolist(), strict=True)))
+
+
 def from_retardation(
     compliance: float, delayed: Iterable[Sequence[float | str]], fluidity: float = 0.0
 ) -> PronySeries:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
+from scipy.constants import R as GAS_CONSTANT
+
 from asperity.base import checks
 from asperity.errors import LARGEST, InputError
-
-GAS_CONSTANT = 8.31446261815324
-"""J/(mol K): exact in the SI of 2019."""
 
 
 def arrhenius(activation_energy: float, temperature: float, reference: float) -> float:

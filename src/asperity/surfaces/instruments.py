@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.base import checks
+from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
 from asperity.surfaces.points import grid_of
 from asperity.surfaces.raw import RawSurface
@@ -67,8 +67,9 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
         raise SurfaceFileError(str(path), expected="heights on a regular grid", got="scattered points")
     _require_whole(reader, chosen)
     topography = _topography(chosen)
-    heights = _rows_downward(np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan))
-    unit = _spelled(topography.unit)
+    heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
+    heights = heights.T[::-1] if heights.ndim == 2 else heights
+    unit = _SPELLINGS.get(str(topography.unit), topography.unit)
     sizes = chosen.physical_sizes
     known = sizes is not None and all(s is not None and 0 < s < np.inf for s in sizes)
     downward = sizes[::-1] if known else ()
@@ -136,23 +137,13 @@ def _require_whole(reader: Any, chosen: Any) -> None:
             continue
 
 
-def _rows_downward(heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    return heights.T[::-1] if heights.ndim == 2 else heights
-
-
-def _spelled(unit: object) -> str | None:
-    return None if unit is None else _SPELLINGS.get(str(unit), str(unit))
-
-
 def _diagnosis(error: Exception) -> str:
     """Say in one line what the library's error means."""
     if type(error).__name__ == "CannotDetectFileFormat":
         return "a file of no known kind, or a damaged or truncated one"
     # Its own errors speak of the file, others (list index out of range) of its code.
-    text = (
-        " ".join(str(error).split())[:120] if type(error).__module__.startswith("SurfaceTopography") else ""
-    )
-    return "a damaged, truncated or unsupported file" + (f" ({text})" if text else "")
+    told = type(error).__module__.startswith("SurfaceTopography") and str(error)
+    return "a damaged, truncated or unsupported file" + (f" ({reason_of(error)})" if told else "")
 
 
 @contextlib.contextmanager

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from itertools import combinations_with_replacement
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from asperity.lattice import Field, Mask
 from asperity.surfaces.prepare import fill
 
 Tilt = Literal["plane", "quadratic", "mean", "none"]
+Facts = dict[str, str | int | float | list[float]]
 
 SPIKE = 6.0
 """Robust standard deviations above the median from which on a pixel is a spike; no Gaussian surface of
@@ -59,28 +60,15 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
     ]
 
 
-class Levelled(NamedTuple):
-    """Heights without tilt and spikes, with the undefined pixels filled.
-
-    Attributes
-    ----------
-    level, filled
-        The heights; and as they were before the tilt was removed.
-    facts
-        What was done, and what was found: how many pixels are spikes, the highest in robust standard
-        deviations, and how many spikes were filled, if that was asked.
-    """
-
-    level: Field
-    filled: Field
-    facts: dict[str, str | int | float | list[float]]
-
-
-def levelled(heights: Field, missing: Mask, tilt: Tilt, most_spikes: float | None) -> Levelled:
+def levelled(
+    heights: Field, missing: Mask, tilt: Tilt, most_spikes: float | None
+) -> tuple[Field, Field, Facts]:
     """Fill undefined pixels and remove the tilt; fill the spikes too, unless None of the pixels may be any.
 
     Without its spikes a surface has another tilt and deviation, so that is repeated until there is none.
-    `InputError` if more than this part of the pixels are spikes.
+    `InputError` if more than this part of the pixels are spikes. Returns the heights; these before the tilt
+    was removed; and what was done and found: how many pixels are spikes, the highest in robust standard
+    deviations, and how many spikes were filled, if that was asked.
     """
     ignored = missing.copy()
     while True:
@@ -93,11 +81,11 @@ def levelled(heights: Field, missing: Mask, tilt: Tilt, most_spikes: float | Non
         if (share := float((ignored & ~missing).mean())) > most_spikes:
             expected = f"at most {most_spikes:.3g} of the pixels to be spikes"
             raise InputError("despike", expected=expected, got=f"{share:.3g}", advice="heights as they are")
-    facts: dict[str, str | int | float | list[float]] = {"tilt_rule": tilt, "tilt_coefficients": removed}
+    facts: Facts = {"tilt_rule": tilt, "tilt_coefficients": removed}
     facts |= {"outlying_pixels": int(outlying.sum()), "outlying_height": highest}
     if most_spikes is not None:
         facts["despiked_pixels"] = int((ignored & ~missing).sum())
-    return Levelled(level, filled, facts)
+    return level, filled, facts
 
 
 def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:

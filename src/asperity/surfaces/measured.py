@@ -146,18 +146,16 @@ def read(
         heights, cut = heights[part], [edge for axis in part for edge in (axis.start, axis.stop)]
     missing = _checked_missing(file, heights, 0.0 if undefined == "refuse" else limit)
 
-    found = levelling.levelled(heights, missing, tilt, limit if despike else None)
-    level, size = prepare.square(found.level, size) if resample else (found.level, size)
+    level, filled, facts = levelling.levelled(heights, missing, tilt, limit if despike else None)
+    level, size = prepare.square(level, size) if resample else (level, size)
     level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
-    factor, final_unit = prepare.scale_factor(
-        level, raw.unit, unit, largest=float(np.abs(found.filled).max())
-    )
+    factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=float(np.abs(filled).max()))
     final = prepare.make_periodic(level * factor, periodic)
     done: Provenance = {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),
         "undefined_fraction": float(missing.mean()),
-        **found.facts,
+        **facts,
         **levelling.bow(level),
         "resampled": size != raw.pixel_size,
         "pixel_size": list(size or ()),

@@ -42,6 +42,13 @@ def is_length(unit: str | None) -> bool:
     return unit in _EXPONENTS
 
 
+def conversion(unit: str | None, target: str | None) -> float | None:
+    """How many of the `target` unit make one `unit`; None where one of them is no length."""
+    if unit is None or target is None or not (is_length(unit) and is_length(target)):
+        return None
+    return length_factor(unit, target)
+
+
 def length_factor(unit: str, target: str) -> float:
     """How many of the `target` unit make one `unit`; both must be lengths."""
     power = _EXPONENTS[unit] - _EXPONENTS[target]
@@ -67,11 +74,12 @@ def part_of(
         if not is_length(unit):
             units = ", ".join(map(repr, ("pixel", *_EXPONENTS)))
             raise InputError("crop_unit", expected=f"one of {units}", got=repr(unit))
-        if pixel_size is None or length_unit is None or not is_length(length_unit):
+        across = conversion(length_unit, unit)
+        if pixel_size is None or across is None:
             got = "none" if pixel_size is None else f"pixels in {length_unit or 'no unit'}"
             expected = f"pixels with a unit of length, to crop in {unit}"
             raise InputError("crop", expected=expected, got=got, advice="bounds in pixels")
-        scale = [size * length_factor(length_unit, unit) for size in pixel_size]
+        scale = [size * across for size in pixel_size]
     ends = checks.floats("crop", bounds)
     order = "top, bottom, left and right" if len(shape) == 2 else "left and right"
     if ends.shape != (2 * len(shape),):
@@ -215,7 +223,7 @@ def scale_factor(heights: Field, unit: str, target: str | None, *, largest: floa
                 "unit", expected="a rough surface, to divide by its rms height", got="a flat one"
             )
         return 1 / rms, "rms"
-    if not is_length(unit):
+    if (factor := conversion(unit, target)) is None:
         got = "heights without a unit" if unit == "1" else f"heights in {unit!r}"
         raise InputError(
             "unit",
@@ -223,7 +231,7 @@ def scale_factor(heights: Field, unit: str, target: str | None, *, largest: floa
             got=got,
             advice="no unit, or rms",
         )
-    return length_factor(unit, target), target
+    return factor, target
 
 
 def make_periodic(heights: Field, rule: str) -> Field:

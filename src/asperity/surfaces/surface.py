@@ -111,11 +111,10 @@ class Surface(views.InNotebooks):
                 "pixel_size and length_unit (--pixel-size)",
             )
             raise InputError("surface", expected="the distance between pixels", got=got, advice=advice)
-        if lateral is None or not prepare.is_length(lateral):
+        if (across := prepare.conversion(lateral, "m")) is None:
             got = f"pixels of {_sides(spacing)} in " + (repr(lateral) if lateral else "no unit")
             advice = "length_unit = 'um' (--length-unit)"
             raise InputError("surface", expected="pixels with a unit of length", got=got, advice=advice)
-        across = prepare.length_factor(lateral, "m")
         return self.heights * prepare.length_factor(self.unit, "m"), tuple(across * size for size in spacing)
 
     @property
@@ -147,13 +146,8 @@ class Surface(views.InNotebooks):
         ``unit / length_unit^2`` or ``unit / pixel^2``.
         """
         size, lateral = self.pixel_size, self.length_unit
-        if (
-            size is not None
-            and lateral is not None
-            and prepare.is_length(self.unit)
-            and prepare.is_length(lateral)
-        ):
-            factor = prepare.length_factor(lateral, self.unit)
+        factor = prepare.conversion(lateral, self.unit)
+        if size is not None and factor is not None:
             size, slope_unit, curvature_unit = tuple(s * factor for s in size), "1", f"1/{self.unit}"
         else:
             across = "pixel" if size is None else lateral or "unit of length"
@@ -216,9 +210,9 @@ class Surface(views.InNotebooks):
         checks.choice("tilt", tilt, get_args(levelling.Tilt))
         scan = self.scan
         nowhere = np.zeros(scan.shape, dtype=bool)
-        found = levelling.levelled(scan.heights, nowhere, tilt, _SPIKY if despike else None)
-        facts = {**scan.provenance, **found.facts, **levelling.bow(found.level)}
-        return dataclasses.replace(scan, heights=found.level, provenance=facts)
+        level, _, facts = levelling.levelled(scan.heights, nowhere, tilt, _SPIKY if despike else None)
+        told = {**scan.provenance, **facts, **levelling.bow(level)}
+        return dataclasses.replace(scan, heights=level, provenance=told)
 
     def band(self, *, longest: float | None = None, shortest: float | None = None) -> Surface:
         """Leave out the waves that are longer or shorter than these; the mean stays.
@@ -284,15 +278,13 @@ def combined(first: Surface, second: Surface) -> Surface:
     if (mine is None) != (pixels is None) or not np.allclose(mine or 0.0, pixels or 0.0, rtol=_ALIKE, atol=0):
         expected = f"the pixel size of the first, {_told_size(first)}"
         raise InputError("second", expected=expected, got=_told_size(second))
-    factor = 1.0
-    if first.unit != second.unit:
-        if not (prepare.is_length(first.unit) and prepare.is_length(second.unit)):
-            expected = f"heights that can be added to those of the first, in {first.unit!r}"
-            raise InputError("second", expected=expected, got=f"heights in {second.unit!r}")
-        factor = prepare.length_factor(second.unit, first.unit)
-    elif first.unit == "rms":
+    if first.unit == second.unit == "rms":
         got = "heights in units of the rms of each"
         raise InputError("second", expected="heights of one unit", got=got, advice="a unit of length")
+    factor = 1.0 if first.unit == second.unit else prepare.conversion(second.unit, first.unit)
+    if factor is None:
+        expected = f"heights that can be added to those of the first, in {first.unit!r}"
+        raise InputError("second", expected=expected, got=f"heights in {second.unit!r}")
     other = str(second.provenance.get("file") or second.provenance.get("kind") or "heights")
     return dataclasses.replace(
         first,
@@ -334,10 +326,8 @@ def _size_in(surface: Surface, unit: str | None) -> tuple[float, ...] | None:
     size, own = surface.pixel_size, surface.length_unit
     if size is None or own == unit:
         return size
-    if own is None or unit is None or not (prepare.is_length(own) and prepare.is_length(unit)):
-        return None
-    factor = prepare.length_factor(own, unit)
-    return tuple(factor * side for side in size)
+    factor = prepare.conversion(own, unit)
+    return None if factor is None else tuple(factor * side for side in size)
 
 
 def _told_size(surface: Surface) -> str:
