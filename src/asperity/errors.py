@@ -78,7 +78,7 @@ class InputError(AsperityError, ValueError):
 
     def __reduce__(self) -> tuple[object, ...]:
         # By default a copy would be made by calling the class with the message alone.
-        return copyreg.__newobj__, (type(self), *self.args), vars(self)
+        return copyreg.__newobj__, (type(self), *self.args), vars(self)  # type: ignore[attr-defined]
 
 
 class SurfaceFileError(InputError):

@@ -115,7 +115,7 @@ def test_two_noisy_branches_are_found_within_their_intervals(tables: int) -> Non
     def logarithm(numbers: np.ndarray) -> np.ndarray:
         (modulus, *branches), t = numbers, SECONDS
         pairs = zip(branches[::2], branches[1::2], strict=True)
-        return np.log(modulus * (1 + sum(share * np.expm1(-t / time) for share, time in pairs)))
+        return np.asarray(np.log(modulus * (1 + sum(share * np.expm1(-t / time) for share, time in pairs))))
 
     steps = 1e-6 * np.diag(numbers)
     slopes = [(logarithm(numbers + d) - logarithm(numbers - d)) / (2 * d.sum()) for d in steps]

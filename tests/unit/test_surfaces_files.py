@@ -89,7 +89,7 @@ def test_profiles_are_read_too() -> None:
 
 @pytest.mark.parametrize("suffix", ["txt", "csv", "dat", "TXT"])
 def test_text_is_read_with_any_delimiter(suffix: str) -> None:
-    for text, expected in {
+    texts: dict[str, Any] = {
         "# a comment\n\n  1\t2   3 \n4 5 6 # and another\n": [[1, 2, 3], [4, 5, 6]],
         "1,5;2,5\n3,5;NA\n": [[1.5, 2.5], [3.5, 2.5 + 1 / 2]],
         '"1,5","2"\n"3,5","4,5"\n': [[1.5, 2], [3.5, 4.5]],
@@ -102,7 +102,8 @@ def test_text_is_read_with_any_delimiter(suffix: str) -> None:
         "1 2 3\n": [1, 2, 3],
         "0,1,2\n1,,3\n2,3,4\n": [[0, 1, 2], [1, 2, 3], [2, 3, 4]],
         "5\t5\n\t\n5\t5\n": [[5, 5], [5, 5], [5, 5]],
-    }.items():
+    }
+    for text, expected in texts.items():
         surface = read(written(text, f"surface.{suffix}"), max_undefined=0.5, **AS_IT_IS)
         np.testing.assert_allclose(surface.heights, expected, rtol=1e-14, err_msg=text)
         assert surface.provenance["format"] == "text"

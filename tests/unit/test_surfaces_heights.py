@@ -26,7 +26,7 @@ def test_door_accepts_whatever_is_an_array_and_never_aliases_it() -> None:
         xarray.DataArray(mine),
         Surface(mine),
     ):
-        result = check_heights(heights)  # type: ignore[arg-type]
+        result = check_heights(heights)
         assert type(result) is np.ndarray
         assert result.dtype == np.dtype("=f8")
         assert result.flags.c_contiguous

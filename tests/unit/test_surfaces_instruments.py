@@ -99,7 +99,7 @@ def test_undefined_pixels_are_counted_and_limited() -> None:
     assert surface.provenance["undefined_pixels"] == surface.describe().undefined_pixels == 116
     for options in ({"undefined": "refuse"}, {"max_undefined": 1e-4}):
         with pytest.raises(SurfaceFileError, match="got 116 of 307200"):
-            read(path, **options)  # type: ignore[arg-type]
+            read(path, **options)
 
 
 @needs_library

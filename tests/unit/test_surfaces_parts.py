@@ -66,8 +66,7 @@ def test_a_band_of_a_reflecting_surface_is_that_of_its_mirror_images() -> None:
     np.save("a.npy", ROUGH)
     options: dict[str, Any] = {"shortest": 4.0, "longest": 20.0, "tilt": "mean"}
     images, alone, wrapped = (
-        read("a.npy", periodic=rule, **options)  # type: ignore[arg-type]
-        for rule in ("mirror", "reflect", "wrap")
+        read("a.npy", periodic=rule, **options) for rule in ("mirror", "reflect", "wrap")
     )
     assert (images.edges, alone.edges) == ("periodic", "reflecting")
     assert alone.shape == ROUGH.shape

@@ -118,6 +118,7 @@ def test_wrong_numbers_are_refused() -> None:
         call(make, 8, rms=math.nan)
         for shape in (0, (3, 0), (2, 2, 2), (), 2.5, (4, 4.0), "44", None, (True, 3)):
             call(make, shape)
-    for make in (*MAKERS, self_affine):
+    makers: list[Any] = [*MAKERS, self_affine]
+    for make in makers:
         for seed in (-1, 1.0, None, False):
             call(make, 8, seed=seed)
