@@ -104,10 +104,8 @@ def _chosen(
         if isinstance(columns, str):
             raise InputError("columns", expected="a list of names or numbers", got=shown(columns))
         positions = [position(table, column) for column in columns]
-        fitting = [
-            one for one, (_, wanted) in _KINDS.items() if [roles[at] for at in positions] == list(wanted)
-        ]
-        chosen = kind or (fitting[0] if fitting else None)
+        asked = tuple(roles[at] for at in positions)
+        chosen = kind or next((one for one, (_, wanted) in _KINDS.items() if asked == wanted), None)
         if chosen is None:
             raise _unclear(table, 'kind="relaxation", "creep" or "dynamic"')
         if len(set(positions)) != (count := len(_KINDS[chosen][1])) or len(positions) != count:
@@ -132,10 +130,9 @@ def _chosen(
     ]
     if len(fitting) != 1:
         if not any(table.names):
-            first = {2: "time_s,E_MPa", 3: "omega_rad_s,storage_MPa,loss_MPa"}.get(
-                len(table.names), _EXAMPLES
-            )
-            raise _unclear(table, f"a first line that names them with their units, such as {first}")
+            first = {2: "time_s,E_MPa", 3: "omega_rad_s,storage_MPa,loss_MPa"}
+            example = first.get(len(table.names), _EXAMPLES)
+            raise _unclear(table, f"a first line that names them with their units, such as {example}")
         what = "kind=..., " if len(fitting) > 1 else ""
         raise _unclear(table, f"{what}columns=[...] to choose, or names such as {_EXAMPLES}")
     return fitting[0], [roles.index(role) for role in _KINDS[fitting[0]][1]]

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.base import checks
-from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.surfaces.heights import check_heights
+from asperity.surfaces.heights import check_heights, checked_spacing
 
 
 @dataclass(frozen=True)
@@ -96,11 +94,7 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
         number for each axis.
     """
     xi = check_heights(heights)
-    sizes = np.ones(xi.ndim) if pixel_size is None else checks.positive("pixel_size", pixel_size)
-    if sizes.shape != (xi.ndim,):
-        got = checks.shown(pixel_size)
-        raise InputError("pixel_size", expected=f"{xi.ndim} numbers, one an axis", got=got)
-
+    sizes = checked_spacing("pixel_size", 1.0 if pixel_size is None else pixel_size, xi.ndim)
     steps = [np.diff(xi, axis=axis) for axis in range(xi.ndim)]
     seams = [np.take(xi, 0, axis=axis) - np.take(xi, -1, axis=axis) for axis in range(xi.ndim)]
     mean = float(xi.mean())
@@ -125,7 +119,7 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
     )
 
 
-def _mean_curvature(xi: Field, sizes: Field) -> Field:
+def _mean_curvature(xi: Field, sizes: tuple[float, ...]) -> Field:
     """Second derivatives from second differences, averaged over the axes, at the sites inside."""
     inside = tuple(slice(1, -1) for _ in xi.shape)
     total = np.zeros(xi[inside].shape)
