@@ -144,7 +144,8 @@ def test_tables(tmp_path: Path) -> None:
     fuzz("tables", 60, attempt)
 
 
-def test_histories_on_disk(tmp_path: Path) -> None:
+@pytest.mark.parametrize("draws", [8, pytest.param(25, marks=pytest.mark.slow)])
+def test_histories_on_disk(draws: int, tmp_path: Path) -> None:
     good, bad = tmp_path / "good.zarr", tmp_path / "bad.zarr"
     history = asp.age(asp.press(ROUGH, SOLID, load=10.0), TIMES, fields_at=[0.0, 1.0])
     history.save(good)
@@ -159,7 +160,7 @@ def test_histories_on_disk(tmp_path: Path) -> None:
         finally:
             shutil.rmtree(bad)
 
-    fuzz("histories on disk", 25, attempt)
+    fuzz("histories on disk", draws, attempt)
 
 
 class StopHereError(Exception):
@@ -193,8 +194,9 @@ def test_checkpoints(tmp_path: Path) -> None:
     fuzz("checkpoints", 25, attempt)
 
 
+@pytest.mark.parametrize("draws", [3, pytest.param(15, marks=pytest.mark.slow)])
 def test_campaigns_on_disk(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    draws: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plan = campaign.read_plan(written(tmp_path, PLAN))
     good, bad = tmp_path / "good", tmp_path / "bad"
@@ -230,7 +232,7 @@ def test_campaigns_on_disk(
         finally:
             shutil.rmtree(bad)
 
-    fuzz("campaigns on disk", 15, attempt)
+    fuzz("campaigns on disk", draws, attempt)
 
 
 def run_command(draw: Draw, capsys: pytest.CaptureFixture[str], words: list[str]) -> int:

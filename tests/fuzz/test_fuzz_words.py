@@ -167,7 +167,8 @@ def is_brief(config: RunConfig) -> bool:
     return bool(sites <= 1e4 and decades * config.aging.per_decade <= 300)
 
 
-def test_configurations(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("draws", [15, pytest.param(40, marks=pytest.mark.slow)])
+def test_configurations(draws: int, capsys: pytest.CaptureFixture[str]) -> None:
     def attempt(draw: Draw) -> None:
         path = written(draw, "run.toml", sweep=draw.chance(0.02))
         config = tried(lambda: read_config(path, {}))
@@ -179,7 +180,7 @@ def test_configurations(capsys: pytest.CaptureFixture[str]) -> None:
         else:
             assert run_command(draw, capsys, ["run", str(path)]) == 2
 
-    fuzz("configurations", 40, attempt)
+    fuzz("configurations", draws, attempt)
 
 
 def test_campaign_files(capsys: pytest.CaptureFixture[str]) -> None:
@@ -194,7 +195,10 @@ def test_campaign_files(capsys: pytest.CaptureFixture[str]) -> None:
     fuzz("campaign files", 60, attempt)
 
 
-def test_command_lines(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("draws", [15, pytest.param(40, marks=pytest.mark.slow)])
+def test_command_lines(
+    draws: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def nothing(*_: Any, **__: Any) -> None:
         """In place of what takes hours."""
 
@@ -236,4 +240,4 @@ def test_command_lines(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
                 if path.name not in ("rough.npy", "table.csv"):
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
 
-    fuzz("command lines", 40, attempt)
+    fuzz("command lines", draws, attempt)

@@ -232,9 +232,8 @@ def write(path: Path, header: str, *columns: np.ndarray) -> Path:
     return file
 
 
-@pytest.mark.parametrize(
-    ("header", "factors"),
-    [
+def test_headers_say_what_columns_are_and_in_which_unit(tmp_path: Path) -> None:
+    headers: list[tuple[str, tuple[float, ...]]] = [
         ("time_s,E_MPa", (1, 1e6)),
         ("t/s,E/GPa", (1, 1e9)),
         ("Time (h),E(t) [MPa]", (3600, 1e6)),
@@ -249,21 +248,17 @@ def write(path: Path, header: str, *columns: np.ndarray) -> Path:
         ("f [Hz],E' [MPa],E'' [MPa],tan delta", (2 * math.pi, 1e6, 1e6)),
         ("angular frequency (1/s),E'(omega) [Pa],E''(omega) [Pa]", (1, 1, 1)),
         ("Frequency (Hz),Storage Modulus (MPa),Loss Modulus (MPa),T [degC]", (2 * math.pi, 1e6, 1e6)),
-    ],
-)
-def test_headers_say_what_columns_are_and_in_which_unit(
-    tmp_path, header: str, factors: tuple[float, ...]
-) -> None:
-    rising = 1 / G
-    columns = [T, rising, G, G][: header.count(",") + 1]
-    if len(factors) == 2 and "J" not in header and "ompliance" not in header:
-        columns = [T, G]
-    data = read(write(tmp_path, header, *columns))
-    x, values = data.columns
-    for found, column, factor in zip((x, *values), columns, factors, strict=False):
-        np.testing.assert_allclose(found, column * factor, rtol=1e-8)
-    assert len(values) == len(factors) - 1
-    assert isinstance(data, (Relaxation if values[0][0] > values[0][-1] else Creep, Dynamic))
+    ]
+    for header, factors in headers:
+        columns = [T, 1 / G, G, G][: header.count(",") + 1]
+        if len(factors) == 2 and "J" not in header and "ompliance" not in header:
+            columns = [T, G]
+        data = read(write(tmp_path, header, *columns))
+        x, values = data.columns
+        for found, column, factor in zip((x, *values), columns, factors, strict=False):
+            np.testing.assert_allclose(found, column * factor, rtol=1e-8, err_msg=header)
+        assert len(values) == len(factors) - 1
+        assert isinstance(data, (Relaxation if values[0][0] > values[0][-1] else Creep, Dynamic))
 
 
 def test_columns_without_units_are_taken_in_si_with_a_remark(tmp_path) -> None:
