@@ -13,15 +13,21 @@ texts: ``Hold("10 min")``, ``Step(load="2 N")``, ``Slide("20 um", velocity="1 um
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import accumulate
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
+from annotated_types import Ge, Gt
 
-from asperity.base import checks, units
+from asperity.base import checks
+from asperity.base.parameters import Checked, Quantity, parameters_of
 from asperity.errors import LARGEST, InputError
+
+if TYPE_CHECKING:
+    from asperity.lattice import Lattice
 
 __all__ = ["Hold", "Leg", "Ramp", "Repeat", "Slide", "Step"]
 __dir__ = __all__.copy  # dir() lists the public names alone
@@ -30,28 +36,126 @@ __dir__ = __all__.copy  # dir() lists the public names alone
 _SAME_TIME = 1e-9
 """Relative difference of a sum of durations and a time that is meant to be it."""
 
-
-_UNITS = {
-    "duration": "s",
-    "load": "N",
-    "separation": "m",
-    "approach": "m",
-    "pressure": "Pa",
-    "distance": "m",
-    "velocity": "m/s",
-}
-
 _AXES = {"x": (0, 1), "-x": (0, -1), "y": (1, 0), "-y": (-1, 0)}
 
 _MOST_LEGS = 100_000
 """Legs of a history, repetitions written out: each is a march of its own."""
 
-_TARGETS = ("load", "separation", "pressure", "approach")
+_MOST_SHIFTS = 10**7
+
+_Duration = Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
+_Mobility = Annotated[float, Gt(0), Quantity("factor on the mobility of creep meanwhile")]
+_Load = Annotated[float | None, Gt(0), Quantity("load at the end", "N")]
+_Separation = Annotated[float | None, Quantity("separation at the end; instead of the load", "m")]
+_Pressure = Annotated[
+    float | None, Gt(0), Quantity("load over nominal area at the end; instead of the load", "Pa")
+]
+_Approach = Annotated[
+    float | None,
+    Quantity("how far the rigid body has moved at the end since time 0; instead of the load", "m"),
+]
+
+_TARGETS = ("load", "pressure", "separation", "approach")
 """What a `Ramp` or a `Step` may prescribe."""
 
+Say = Callable[[str, float], str]
+"""Writes a value of a quantity of the results, with its unit."""
 
-class Leg:
-    """A part of a history: `Hold`, `Ramp`, `Step`, `Slide` or `Repeat`."""
+
+@dataclass(frozen=True)
+class Shifts:
+    """The shifts of a leg that slides.
+
+    Attributes
+    ----------
+    count
+        How many they are.
+    sites
+        By how many sites along each axis.
+    length
+        By which length.
+    """
+
+    count: int
+    sites: tuple[Fraction, ...]
+    length: float
+
+
+class Leg(Checked):
+    """A part of a history: `Hold`, `Ramp`, `Step`, `Slide` or `Repeat`.
+
+    Attributes
+    ----------
+    duration
+        How long it lasts.
+    hold
+        What is held in it; None for what was prescribed last.
+    mobility
+        Factor on the mobility of creep.
+    speed
+        How fast the rough surface slides.
+    target
+        What it leads to: ``"load"``, ``"separation"``, ``"pressure"`` or ``"approach"``; empty where nothing
+        that is prescribed changes.
+    end
+        The value of that.
+    every
+        Of how many shifts one is recorded.
+    """
+
+    duration: float
+    hold: Literal["load", "separation", "area"] | None = None
+    mobility: float = 1.0
+    speed: float = 0.0
+    target: str = ""
+    end: float = math.nan
+    every: int = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, parameter in parameters_of(type(self)).items():
+            value = getattr(self, name)
+            if parameter.bounds.get("above") == 0 and value is not None and value < 1 / LARGEST:
+                raise InputError(name, expected=f"a number of at least {1 / LARGEST:g}", got=f"{value:g}")
+
+    @property
+    def rests(self) -> bool:
+        """Whether nothing changes in it but by creep."""
+        return not (self.target or self.speed)
+
+    @property
+    def jumps(self) -> bool:
+        """Whether what is prescribed changes at once."""
+        return bool(self.target) and self.duration == 0
+
+    @property
+    def moves_the_body(self) -> bool:
+        """Whether the rigid body is held or moved."""
+        return "separation" in (self.hold, self.target) or self.target == "approach"
+
+    def load_on(self, area: float) -> float | None:
+        """Load to which it leads on a nominal area, if it does."""
+        del area
+        return None
+
+    def shifts(self, lattice: Lattice) -> Shifts | None:
+        """Shifts of the rough surface, where it slides; `InputError` if it cannot."""
+        del lattice
+        return None
+
+    def written_out(self) -> Iterator[Leg]:
+        """Legs one by one, without repetitions."""
+        yield self
+
+    def words(self, say: Say) -> str:
+        """What it does."""
+        raise NotImplementedError
+
+    @property
+    def arguments(self) -> dict[str, object]:
+        """What made it, but for what is usual."""
+        known = parameters_of(type(self))
+        return {name: value for name, value in vars(self).items() if value != known[name].default}
 
 
 @dataclass(frozen=True)
@@ -69,14 +173,17 @@ class Hold(Leg):
         Factor > 0 on the mobility of creep during this leg, as a change of temperature makes it.
     """
 
-    duration: float
-    hold: Literal["load", "separation", "area"] | None = None
-    mobility: float = 1.0
+    duration: _Duration
+    hold: Annotated[
+        Literal["load", "separation", "area"] | None,
+        Quantity("what is held; by default what was prescribed last"),
+    ] = None
+    mobility: _Mobility = 1.0
 
-    def __post_init__(self) -> None:
-        _check(self, "duration", "mobility")
-        if self.hold not in (None, "load", "separation", "area"):
-            raise InputError("hold", expected="'load', 'separation' or 'area'", got=repr(self.hold))
+    def words(self, say: Say) -> str:
+        """See `Leg`."""
+        what = f"hold {self.hold} for" if self.hold else "hold for"
+        return f"{what} {say('time', self.duration)}{_faster(self)}"
 
 
 class Change(Leg):
@@ -87,10 +194,29 @@ class Change(Leg):
     pressure: float | None
     approach: float | None
 
+    def __post_init__(self) -> None:
+        example = "Ramp(10.0, load=400.0)" if "duration" in vars(self) else "Step(load=400.0)"
+        checks.one_of(example, **{name: getattr(self, name) for name in _TARGETS})
+        super().__post_init__()
+
     @property
-    def target(self) -> str:
+    def target(self) -> str:  # type: ignore[override]
         """Which of these it prescribes."""
         return next(name for name in _TARGETS if getattr(self, name) is not None)
+
+    @property
+    def end(self) -> float:  # type: ignore[override]
+        """What it is at the end."""
+        return float(getattr(self, self.target))
+
+    def load_on(self, area: float) -> float | None:
+        """See `Leg`."""
+        return self.load if self.pressure is None else self.pressure * area
+
+    def _end(self, say: Say) -> str:
+        """What it leads to, in words."""
+        quantity = "mean_contact_pressure" if self.target == "pressure" else self.target
+        return f"{self.target} {say(quantity, self.end)}".replace("-", "\u2212")
 
 
 @dataclass(frozen=True)
@@ -114,16 +240,16 @@ class Ramp(Change):
         The approach at the end: how far the rigid body has moved since time 0, as the dataset has it.
     """
 
-    duration: float
-    load: float | None = None
-    separation: float | None = None
-    mobility: float = 1.0
-    pressure: float | None = None
-    approach: float | None = None
+    duration: _Duration
+    load: _Load = None
+    separation: _Separation = None
+    mobility: _Mobility = 1.0
+    pressure: _Pressure = None
+    approach: _Approach = None
 
-    def __post_init__(self) -> None:
-        _check(self, "duration", "mobility")
-        _check_target(self, "Ramp(10.0, load=400.0)")
+    def words(self, say: Say) -> str:
+        """See `Leg`."""
+        return f"ramp to {self._end(say)} in {say('time', self.duration)}{_faster(self)}"
 
 
 @dataclass(frozen=True)
@@ -142,18 +268,19 @@ class Step(Change):
         The new approach, as in `Ramp`.
     """
 
-    load: float | None = None
-    separation: float | None = None
-    pressure: float | None = None
-    approach: float | None = None
-
-    def __post_init__(self) -> None:
-        _check_target(self, "Step(load=400.0)")
+    load: _Load = None
+    separation: _Separation = None
+    pressure: _Pressure = None
+    approach: _Approach = None
 
     @property
-    def duration(self) -> float:
+    def duration(self) -> float:  # type: ignore[override]
         """No time passes."""
         return 0.0
+
+    def words(self, say: Say) -> str:
+        """See `Leg`."""
+        return f"step to {self._end(say)}"
 
 
 @dataclass(frozen=True)
@@ -182,27 +309,68 @@ class Slide(Leg):
         As in `Hold`.
     """
 
-    distance: float
-    velocity: float
-    direction: str | tuple[int, ...] = "x"
-    substeps: int = 1
-    every: int = 1
-    mobility: float = 1.0
+    distance: Annotated[float, Gt(0), Quantity("how far it slides; on the lattice of springs, in sites", "m")]
+    velocity: Annotated[float | Literal["inf"], Gt(0), Quantity("how fast it slides; inf for at once", "m/s")]
+    direction: Annotated[
+        Literal["x", "-x", "y", "-y"] | str | tuple[int, ...],
+        Quantity("where the rough surface goes: x along the rows"),
+    ] = "x"
+    substeps: Annotated[
+        int, Ge(1), Quantity("shifts from site to site; heights between sites are interpolated")
+    ] = 1
+    every: Annotated[int, Ge(1), Quantity("record before and after one in so many shifts")] = 1
+    mobility: _Mobility = 1.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.velocity, str | float) and self.velocity in ("inf", math.inf):
-            object.__setattr__(self, "velocity", math.inf)
-            _check(self, "distance", "mobility")
-        else:
-            _check(self, "distance", "velocity", "mobility")
-        for name in ("substeps", "every"):
-            object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=1))
         object.__setattr__(self, "direction", checked_direction(self.direction))
+        super().__post_init__()
 
     @property
-    def duration(self) -> float:
+    def speed(self) -> float:  # type: ignore[override]
+        """How fast it slides."""
+        return float(self.velocity)
+
+    @property
+    def duration(self) -> float:  # type: ignore[override]
         """Distance over velocity."""
-        return self.distance / self.velocity
+        return self.distance / self.speed
+
+    def shifts(self, lattice: Lattice) -> Shifts:
+        """Shifts that make up the leg.
+
+        Raises
+        ------
+        InputError
+            The surface does not go around, has no such direction, or the distance is too short.
+        """
+        check_edges(lattice)
+        sites = sites_along(self.direction, lattice.dimension)
+        length = lattice.length_of(sites) / self.substeps
+        count = round(self.distance / length)
+        if not 1 <= count <= _MOST_SHIFTS:
+            raise InputError(
+                "distance",
+                expected=f"from {length:g}, which is one shift, to {_MOST_SHIFTS:g} of them",
+                got=f"{self.distance:g}",
+                advice="" if count else "more substeps",
+            )
+        return Shifts(count, tuple(Fraction(n, self.substeps) for n in sites), length)
+
+    def words(self, say: Say) -> str:
+        """See `Leg`."""
+        speed = say("velocity", self.speed) if self.duration else "once"
+        return f"slide {say('displacement', self.distance)} at {speed}"
+
+
+def check_edges(lattice: Lattice) -> None:
+    """Refuse to slide a surface that does not go around."""
+    if lattice.reflecting:
+        raise InputError(
+            "slide",
+            expected="a surface with periodic edges",
+            got="one whose edges reflect, which has no other side to come from",
+            advice="a surface that is made periodic",
+        )
 
 
 def checked_direction(direction: object) -> str | tuple[int, ...]:
@@ -252,16 +420,29 @@ class Repeat(Leg):
         How many times they are done, >= 1; at most 100,000 legs in all.
     """
 
-    legs: Sequence[Leg]
-    count: int
+    legs: Annotated[Sequence[Leg], Quantity("the legs that are repeated")]
+    count: Annotated[int, Ge(1), Quantity("how often in all")]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "count", checks.integer("count", self.count, least=1))
+        super().__post_init__()
         object.__setattr__(self, "legs", tuple(legs_of(self.legs)))
         _check_length(self.count * len(self.legs), f"{self.count:,} times {len(self.legs):,}")
 
+    def written_out(self) -> Iterator[Leg]:
+        """See `Leg`."""
+        for _ in range(self.count):
+            yield from self.legs
 
-def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step | Slide]:
+    def words(self, say: Say) -> str:
+        """See `Leg`."""
+        return f"{self.count} × ({', '.join(leg.words(say) for leg in self.legs)})"
+
+
+def _faster(leg: Leg) -> str:
+    return f", mobility\u00a0×\u00a0{leg.mobility:.5g}" if leg.mobility != 1 else ""
+
+
+def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Leg]:
     """Legs of a protocol one by one, repetitions written out.
 
     Raises
@@ -274,18 +455,13 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Hold | Ramp | Step | Slid
     advice = "[asperity.protocols.Hold(10.0), asperity.protocols.Step(load=160.0)]"
     if not isinstance(protocol, Sequence) or len(protocol) == 0:
         raise InputError("protocol", expected="a list of legs", got=repr(protocol), advice=advice)
+    if others := [leg for leg in protocol if not isinstance(leg, Leg)]:
+        expected = "Hold, Ramp, Step, Slide or Repeat"
+        raise InputError("protocol", expected=expected, got=repr(others[0]), advice=advice)
     total = sum(leg.count * len(leg.legs) if isinstance(leg, Repeat) else 1 for leg in protocol)
     _check_length(total, f"{total:,}")
     for leg in protocol:
-        if isinstance(leg, Repeat):
-            for _ in range(leg.count):
-                yield from leg.legs  # type: ignore[misc]  # plain legs, as Repeat has written them out
-        elif isinstance(leg, Hold | Ramp | Step | Slide):
-            yield leg
-        else:
-            raise InputError(
-                "protocol", expected="Hold, Ramp, Step, Slide or Repeat", got=repr(leg), advice=advice
-            )
+        yield from leg.written_out()
 
 
 def _check_length(count: int, shown: str) -> None:
@@ -298,11 +474,10 @@ def _check_length(count: int, shown: str) -> None:
 def described(leg: Leg) -> dict[str, object]:
     """A leg as plain numbers and words, as configuration files write it."""
     values: dict[str, object] = {"kind": type(leg).__name__.lower()}
-    for name, value in vars(leg).items():
+    for name, value in leg.arguments.items():
         if isinstance(value, tuple):
             value = [described(part) if isinstance(part, Leg) else part for part in value]
-        if value is not None and value != _USUAL.get(name):
-            values[name] = "inf" if value == math.inf else value
+        values[name] = "inf" if value == math.inf else value
     return values
 
 
@@ -316,7 +491,8 @@ def in_words(legs: Iterable[Mapping[str, Any]]) -> str:
             if key != "legs"
         }
         said = [short.pop(key) for key in ("kind", "duration", "count") if key in short]
-        said += [f"{key}={value}" for key, value in short.items() if value != f"{_USUAL.get(key)}"]
+        usual = parameters_of(KINDS[leg["kind"]])
+        said += [f"{key}={value}" for key, value in short.items() if leg[key] != usual[key].default]
         said += [f"({in_words(leg['legs'])})"] if "legs" in leg else []
         words.append(" ".join(said))
     return ", ".join(words)
@@ -327,13 +503,11 @@ def leg_of(values: Mapping[str, Any]) -> Leg:
     arguments = {name: value for name, value in values.items() if name != "kind"}
     if "legs" in arguments:
         arguments["legs"] = [leg_of(part) for part in arguments["legs"]]
-    return _KINDS[values["kind"]](**arguments)
+    return KINDS[values["kind"]](**arguments)
 
 
-_KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Repeat, Slide, Step)}
-
-_USUAL = {"mobility": 1, "direction": "x", "substeps": 1, "every": 1}
-"""What is not said of a leg."""
+KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Step, Slide, Repeat)}
+"""Legs by their kind in a configuration."""
 
 
 @dataclass(frozen=True)
@@ -348,11 +522,11 @@ class Schedule:
         Times at which they begin and end: one more than legs, the first 0.
     """
 
-    legs: tuple[Hold | Ramp | Step | Slide, ...]
+    legs: tuple[Leg, ...]
     switches: tuple[float, ...]
 
     @classmethod
-    def of(cls, protocol: Iterable[Hold | Ramp | Step | Slide], times: np.ndarray) -> Schedule:
+    def of(cls, protocol: Iterable[Leg], times: np.ndarray) -> Schedule:
         """Lay out legs; a switch that is one of the times but for rounding is that time.
 
         Raises
@@ -377,26 +551,9 @@ class Schedule:
     @property
     def holds_separation(self) -> bool:
         """Whether the rigid body is held or moved in some leg."""
-        return any(
-            leg.hold == "separation" if isinstance(leg, Hold) else leg.target in ("separation", "approach")
-            for leg in self.legs
-            if not isinstance(leg, Slide)
-        )
+        return any(leg.moves_the_body for leg in self.legs)
 
     @property
     def slides(self) -> bool:
         """Whether the rough surface slides in some leg."""
-        return any(isinstance(leg, Slide) for leg in self.legs)
-
-
-def _check(leg: Hold | Ramp | Slide, *names: str) -> None:
-    """Make Python floats of numbers that are to be above 0."""
-    for name in names:
-        value = getattr(leg, name)
-        object.__setattr__(leg, name, units.number(name, value, _UNITS.get(name, ""), least=1 / LARGEST))
-
-
-def _check_target(leg: Ramp | Step, advice: str) -> None:
-    target = checks.one_of(advice, **{name: getattr(leg, name) for name in _TARGETS})
-    least = -LARGEST if target in ("separation", "approach") else 1 / LARGEST
-    object.__setattr__(leg, target, units.number(target, getattr(leg, target), _UNITS[target], least=least))
+        return any(leg.speed for leg in self.legs)

@@ -11,7 +11,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.aging.legs import LegMidway, check_edges, check_slides, follow, load_of
+from asperity.aging.legs import LegMidway, check_slides, follow
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
 from asperity.base import checks, units
@@ -24,8 +24,8 @@ from asperity.contact.state import WHERE_FROM, Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import listener
-from asperity.protocols import Change, Leg, Schedule, checked_direction, legs_of, sites_along
 from asperity.protocols import Hold as HoldLeg
+from asperity.protocols import Leg, Schedule, check_edges, checked_direction, legs_of, sites_along
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.history import History
@@ -313,7 +313,7 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         schedule = Schedule.of(legs, times)
         check_slides(legs, contact.lattice, contact.solid)
         for leg in legs:
-            if isinstance(leg, Change) and (load := load_of(leg, contact)) is not None:
+            if (load := leg.load_on(contact.nominal_area)) is not None:
                 contact.system(Load(load)).held()
     if schedule.holds_separation:
         contact.system(Separation(contact.separation))

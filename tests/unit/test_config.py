@@ -96,23 +96,16 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
     ("text", "line"),
     [
         ("k0 = 3", "k0: stands outside any section; it belongs below [solid]"),
-        ("shape = 3", "shape: stands outside any section; it belongs below [surface]"),
         ("nonsense = 3", "nonsense: stands outside any section"),
         ("solid = 3", "solid: expected a section [solid], got 3"),
-        ("surface = 3", "surface: expected a section [surface], got 3"),
         ("[surface]\nkind = 'gausian'", "got 'gausian'; did you mean 'gaussian'?"),
-        ("[surface]\nkind = 3", "got 3"),
         ("[surface]\nkind = 'file'", "[surface] path: expected a value, got none"),
         ("[surface]\nshape = [3, 3, 3]", "[surface] shape: expected at most 2 in the list, got [3, 3, 3]"),
-        ("[surface]\nshape = []", "[surface] shape: expected at least 1 in the list, got []"),
-        ("[surface]\nshape = [0]", "[surface] shape: expected a number of at least 1, got 0"),
-        ("[surface]\nseed = true", "[surface] seed: expected a whole number, got true"),
         (
             "[surface]\nkind = 'self_affine'\nsize = 100",
             "size: expected a power of two, 2 or more, got 100; try 64",
         ),
         ("[solid]\nk0 = nan", "[solid] k0: expected a finite number, got nan"),
-        ("[solid]\nk1 = inf", "[solid] k1: expected a finite number, got inf"),
         ("[solid]\nk1 = 0", "[solid] k1: expected a number above 0.0, got 0"),
         ("[contact]\nload = 1\nseparation = 1", "[contact] expected load or separation, got both"),
         ("[aging]\nfirst = 10.0\nlast = 1.0", "[aging] expected first < last, got 10 and 1"),
@@ -126,28 +119,15 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
             "[sweep]: makes this the file of a campaign, not of a run; try asperity sweep",
         ),
         ("[surface]\nfile = 'a.npy'", "[surface] file: no such key; try path"),
-        ("[contact]\npressure = 1.0\nload = 1.0", "[contact] expected load or pressure, got both"),
         ("[solid]\nE = 1.0", "[solid] E: no such key; there are kind, creep, creep_rate, creep_stress, "),
         ("[contact]\nload = '0,5'", "[contact] load: expected a number, got '0,5'; try 0.5"),
         ("[aging]\ntimes = ['0,5']", "expected a number, got '0,5'; try 0.5, or 0 5 for two values"),
         (
-            f"[surface]\nshape = [1{'0' * 40}]",
-            "[surface] shape: expected a number of at most 2147483648, got 1",
-        ),
-        (f"[surface]\nkind = 'self_affine'\nsize = {2**60}", "size: expected a number of at most 2147483648"),
-        (
             f"[surface]\nseed = {2**64}",
             "[surface] seed: expected a number below 9223372036854775808, got 184",
         ),
-        (f"[surface]\nseed = 1{'0' * 400}", "00..."),
         (f"[solid]\nk0 = 1{'0' * 400}", "[solid] k0: expected a number, got 1000"),
-        (
-            f"[aging]\nper_decade = 1{'0' * 18}",
-            "[aging] per_decade: expected a number of at most 1000, got 1",
-        ),
         ("[solid]\nR = 1e100", "[solid] R: expected a number of at most 1e+30, got 1e+100"),
-        ("[solid]\nR_viscous = 1e100", "[solid] R_viscous: expected a number of at most 1e+30, got 1e+100"),
-        ("[aging]\ntimes = [1e-100, 1e100]", "[aging] times: expected a number of at most 1e+30, got 1e+100"),
     ],
 )
 def test_a_mistake_is_named(tmp_path: Path, text: str, line: str) -> None:
@@ -281,30 +261,23 @@ def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path, config: Run
     ("words", "times"),
     [
         (["0.1,1,10"], [0.1, 1.0, 10.0]),
-        (["0.1,", "1"], [0.1, 1.0]),
         (["1,2,3"], [1.0, 2.0, 3.0]),
-        (["1e-3,1"], [1e-3, 1.0]),
-        (["0.5", "1"], [0.5, 1.0]),
     ],
 )
 def test_commas_between_numbers(words: list[str], times: list[float]) -> None:
     assert read_config(None, flags_of("aging", times=words)).aging.times == times
 
 
-@pytest.mark.parametrize("words", [["0,5"], ["0,5", "1,5"], ["1", "2,5e3"]])
+@pytest.mark.parametrize("words", [["0,5"], ["1", "2,5e3"]])
 def test_a_comma_that_may_be_a_decimal_mark_is_refused(words: list[str]) -> None:
     (problem, *_) = problems_of(None, flags_of("aging", times=words))
     assert "--times: expected a number, got" in problem
     assert "for two values" in problem
 
 
-@pytest.mark.parametrize(
-    ("section", "key"), [("surface", "seed"), ("surface", "size"), ("aging", "per_decade")]
-)
-def test_whole_numbers_are_not_rounded(section: str, key: str) -> None:
-    kind = {"kind": "self_affine"} if key == "size" else {}
-    (problem,) = problems_of(None, flags_of(section, **{key: "2.7"}, **kind))
-    assert problem == f"--{key.replace('_', '-')}: expected a whole number, got 2.7"
+def test_whole_numbers_are_not_rounded() -> None:
+    (problem,) = problems_of(None, flags_of("aging", per_decade="2.7"))
+    assert problem == "--per-decade: expected a whole number, got 2.7"
 
 
 def test_every_key_has_one_flag_and_its_help() -> None:
@@ -323,15 +296,10 @@ def test_every_key_has_one_flag_and_its_help() -> None:
     ("word", "known", "meant"),
     [
         ("rnu", ["run", "fit"], "run"),
-        ("shap", ["shape", "rms"], "shape"),
         ("K1", ["k0", "k1"], "k1"),
         ("gausian", ["gaussian"], "gaussian"),
-        ("contcat", ["contact"], "contact"),
         ("pressure", ["surface", "load"], None),
         ("E", ["R", "k0"], None),
-        ("solid", ["hold", "load"], None),
-        ("half-space", ["shape"], None),
-        ("", ["k0"], None),
     ],
 )
 def test_only_what_is_close_is_suggested(word: str, known: list[str], meant: str | None) -> None:

@@ -20,7 +20,7 @@ ROOMS = [
     {"errors"},
     {"base"},
     {"lattice"},
-    {"relaxation", "patches"},
+    {"relaxation", "patches", "creep"},
     {"surfaces", "solids", "protocols"},
     {"contact"},
     {"aging"},

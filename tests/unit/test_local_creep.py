@@ -4,13 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import asperity as asp
 import asperity.app.runs.pipeline as pipeline
 from asperity.app.config.models import RunConfig
 from asperity.app.config.python import to_python
 from asperity.errors import CheckpointError, ConvergenceError
-from asperity.solids import CreepLaw, Eyring, Norton, half_space, spring_lattice
+from asperity.solids import CreepLaw, Eyring, Garofalo, Norton, half_space, spring_lattice
 from tests.refusals import refuses
 
 ROUGH = np.random.default_rng(0).normal(size=(12, 12))
@@ -31,6 +32,60 @@ def test_norton_is_odd_and_has_its_derivative():
     rate, slope = Norton(0.5, 2.0, 3.0).velocity(stress)
     np.testing.assert_allclose(rate, 0.5 * (stress / 2.0) ** 3)
     np.testing.assert_allclose(slope, 0.75 * (stress / 2.0) ** 2)
+
+
+def test_garofalo_is_eyring_at_one_and_norton_at_small_stresses():
+    stress = np.array([-30.0, -0.7, -1e-3, 0.0, 1e-3, 0.7, 30.0])
+    law = Garofalo(2.0, 0.5, 3.5)
+    rate, slope = law.velocity(stress)
+    np.testing.assert_allclose(rate, 2.0 * np.sign(stress) * np.sinh(np.abs(stress) / 0.5) ** 3.5, rtol=1e-13)
+    h = 1e-6 * np.abs(stress) + 1e-9
+    ahead, behind = law.velocity(stress + h)[0], law.velocity(stress - h)[0]
+    np.testing.assert_allclose(slope, (ahead - behind) / (2 * h), rtol=1e-6, atol=1e-12)
+    for here, there in zip(
+        Garofalo(2.0, 0.5, 1.0).velocity(stress), Eyring(2.0, 0.5).velocity(stress), strict=True
+    ):
+        np.testing.assert_allclose(here, there, rtol=1e-14)
+    small = 1e-4 * stress[1:-1]
+    for here, there in zip(law.velocity(small), Norton(2.0, 0.5, 3.5).velocity(small), strict=True):
+        np.testing.assert_allclose(here, there, rtol=1e-7)
+    greatest = law.greatest_stress
+    assert np.isfinite(law.velocity(np.array([greatest, 100 * greatest, -np.inf]))).all()
+
+
+SITES = 0.1 * np.random.default_rng(1).normal(size=(4, 4))
+
+
+@pytest.mark.parametrize("law", [Eyring(0.1, 0.3), Norton(0.5, 1.0, 3.0), Garofalo(0.2, 0.5, 2.5)])
+@pytest.mark.parametrize("kind", ["springs", "half-space"])
+def test_sites_that_all_touch_relax_as_explicit_integration_has_it(law, kind):
+    """Their shape is that of the rough surface, so that s follows ds/dt = -C v(s), but for its mean."""
+    if kind == "springs":
+        solid, C = spring_lattice(k0=1.0, k1=3.0, R=0.0, creep=law), np.full((4, 3), 3.0)
+    else:
+        q = 2 * np.pi * np.hypot(np.fft.fftfreq(4)[:, np.newaxis], np.fft.rfftfreq(4))
+        solid, C = half_space(modulus=6.0, creep=law), 3.0 * q
+    C[0, 0] = 0.0
+    formula = {
+        "Eyring": lambda s: 0.1 * np.sinh(s / 0.3),
+        "Norton": lambda s: 0.5 * s**3,
+        "Garofalo": lambda s: 0.2 * np.sign(s) * np.abs(np.sinh(s / 0.5)) ** 2.5,
+    }[type(law).__name__]
+
+    def fall(_, s):
+        return -np.fft.irfft2(C * np.fft.rfft2(formula(s.reshape(4, 4))), (4, 4)).ravel()
+
+    start = asp.press(SITES, solid, load=32.0)
+    assert start.area == 16
+    times = np.array([0.003, 0.1, 3.0])
+    data = asp.age(start, times, rtol=1e-5, fields_at=times).dataset
+    stretch = np.fft.rfft2(start.u - start.u0)
+    s0 = np.fft.irfft2(np.where(C > 0, C, 0) * stretch, (4, 4)) + 2.0
+    found = solve_ivp(fall, (0.0, 3.0), s0.ravel(), t_eval=times, method="LSODA", rtol=1e-10, atol=1e-12)
+    for number, exact in enumerate(found.y.T.reshape(3, 4, 4)):
+        stretch = np.fft.rfft2((data["u"] - data["u0"])[number].values)
+        stress = np.fft.irfft2(C * stretch, (4, 4)) + 2.0
+        assert np.abs(stress - exact).max() < 2e-4 * np.ptp(s0)
 
 
 def test_activation_gives_rate_and_stress():

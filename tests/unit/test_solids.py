@@ -15,8 +15,7 @@ def test_spring_lattice_spectra():
     np.testing.assert_array_equal(spectra.mean_mobility, [0.1])
 
 
-@pytest.mark.parametrize("name", ["k0", "k1", "R", "R_viscous"])
-@pytest.mark.parametrize("value", [-1.0, np.nan, np.inf, "3", None, True, [1.0]])
+@pytest.mark.parametrize(("name", "value"), [("k0", -1.0), ("k1", np.nan), ("R", "3"), ("R_viscous", True)])
 def test_parameters_are_checked_when_the_solid_is_built(name, value):
     parameters = {"k0": 1.0, "k1": 3.0, name: value}
     with refuses(name):

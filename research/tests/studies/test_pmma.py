@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity.solids.creep_laws import BOLTZMANN
+from asperity.creep.eyring import BOLTZMANN
 from asperity_research.studies import pmma
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Verdict

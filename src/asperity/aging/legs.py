@@ -18,9 +18,8 @@ from asperity.contact.controls import Control, control_from
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact, control_of
-from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
-from asperity.protocols import Change, Hold, Leg, Ramp, Schedule, Slide, Step, sites_along
+from asperity.protocols import Leg, Schedule, Shifts
 from asperity.solids import Solid
 
 
@@ -52,71 +51,12 @@ class LegMidway:
     pace: Pace | None = None
 
 
-@dataclass(frozen=True)
-class _Shifts:
-    """The shifts of one leg that slides.
-
-    Attributes
-    ----------
-    count
-        How many they are.
-    sites
-        By how many sites along each axis.
-    length
-        By which length.
-    """
-
-    count: int
-    sites: tuple[Fraction, ...]
-    length: float
-
-    def made(self, place: Frame, count: int) -> Frame:
-        """Where a number of them leads from a place."""
-        shift = tuple(old + count * new for old, new in zip(place.shift, self.sites, strict=True))
-        return replace(place, displacement=place.displacement + count * self.length, shift=shift)
-
-
-_MOST_SHIFTS = 10**7
-
 _AT_ONCE = 1e-3
 """Part of the time to the first state of a ramp from no load, at the end of which the load of then is put on.
 
 Without a load there is no deformation that errors could be relative to. What creeps in the meantime is left
 out: half the square of this part of what has crept at the first state.
 """
-
-
-def check_edges(lattice: Lattice) -> None:
-    """Refuse to slide a surface that does not go around."""
-    if lattice.reflecting:
-        raise InputError(
-            "slide",
-            expected="a surface with periodic edges",
-            got="one whose edges reflect, which has no other side to come from",
-            advice="a surface that is made periodic",
-        )
-
-
-def shifts_of(leg: Slide, lattice: Lattice) -> _Shifts:
-    """Shifts that make up a leg.
-
-    Raises
-    ------
-    InputError
-        The surface does not go around, has no such direction, or the distance is too short.
-    """
-    check_edges(lattice)
-    sites = sites_along(leg.direction, lattice.dimension)
-    length = lattice.length_of(sites) / leg.substeps
-    count = round(leg.distance / length)
-    if not 1 <= count <= _MOST_SHIFTS:
-        raise InputError(
-            "distance",
-            expected=f"from {length:g}, which is one shift, to {_MOST_SHIFTS:g} of them",
-            got=f"{leg.distance:g}",
-            advice="" if count else "more substeps",
-        )
-    return _Shifts(count, tuple(Fraction(n, leg.substeps) for n in sites), length)
 
 
 def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
@@ -128,10 +68,14 @@ def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
         Some leg slides so.
     """
     for leg in legs:
-        if isinstance(leg, Slide):
-            shifts = shifts_of(leg, lattice)
-            if solid.yields:
-                check_whole(shifts.sites)
+        if (shifts := leg.shifts(lattice)) is not None and solid.yields:
+            check_whole(shifts.sites)
+
+
+def _moved(place: Frame, shifts: Shifts, count: int) -> Frame:
+    """Where a number of shifts leads from a place."""
+    shift = tuple(old + count * new for old, new in zip(place.shift, shifts.sites, strict=True))
+    return replace(place, displacement=place.displacement + count * shifts.length, shift=shift)
 
 
 def follow(
@@ -170,11 +114,12 @@ def follow(
     for number, leg in enumerate(schedule.legs):
         span = schedule.switches[number], schedule.switches[number + 1]
         here = resume if resume is not None and number == resume.leg else None
+        shifts = leg.shifts(contact.lattice)
         if resume is not None and number < resume.leg:
-            way.skip(leg)
-        elif isinstance(leg, Slide):
-            yield from way.slide(leg, number, span, here)
-        elif isinstance(leg, Step):
+            way.skip(shifts)
+        elif shifts is not None:
+            yield from way.slide(leg, shifts, number, span, here)
+        elif leg.jumps:
             pressed = pressed_anew(way.now.contact, _target(way.now, leg), solver)
             yield way.at_once(pressed, replace(way.now, time=span[1], leg=number, velocity=0.0))
         else:
@@ -206,11 +151,10 @@ class _Way:
         at_rest = (Fraction(0),) * self.lattice.dimension
         self.now = Frame(0.0, contact, 0.0, 0, 0, contact.iterations, shift=at_rest)
 
-    def skip(self, leg: Hold | Ramp | Step | Slide) -> None:
-        """Pass a leg that was followed before."""
-        if isinstance(leg, Slide):
-            shifts = shifts_of(leg, self.lattice)
-            self.now = shifts.made(self.now, shifts.count)
+    def skip(self, shifts: Shifts | None) -> None:
+        """Pass a leg that was followed before, with its shifts if it has any."""
+        if shifts is not None:
+            self.now = _moved(self.now, shifts, shifts.count)
 
     def resume(self) -> None:
         """Have a contact above the heights where they are; any will do to go on from a place."""
@@ -239,14 +183,14 @@ class _Way:
         return self.now
 
     def slide(
-        self, leg: Slide, number: int, span: tuple[float, float], here: LegMidway | None
+        self, leg: Leg, shifts: Shifts, number: int, span: tuple[float, float], here: LegMidway | None
     ) -> Iterator[Frame]:
         """Shift, creep until the next shift, and so on."""
-        (begun, end), shifts = span, shifts_of(leg, self.lattice)
-        lasting, start, pace = shifts.length / leg.velocity, self.now, None
+        begun, end = span
+        lasting, start, pace = shifts.length / leg.speed, self.now, None
         for n in range(0 if here is None else here.shifts - 1, shifts.count):
             last, since = n + 1 == shifts.count, begun + n * lasting
-            moved = replace(shifts.made(start, n + 1), leg=number, velocity=leg.velocity)
+            moved = replace(_moved(start, shifts, n + 1), leg=number, velocity=leg.speed)
             if here is None:
                 told = n % leg.every == 0 or (last and lasting == 0)
                 place = replace(moved, time=since, at_a_shift=told, passing=lasting == 0 and not last)
@@ -261,7 +205,7 @@ class _Way:
 
     def creep(
         self,
-        leg: Hold | Ramp | Slide,
+        leg: Leg,
         number: int,
         span: tuple[float, float],
         here: LegMidway | None,
@@ -293,7 +237,7 @@ class _Way:
             self.now.contact,
             (stops - begun) * leg.mobility,
             control=loading,
-            keep_area=isinstance(leg, Hold) and leg.hold == "area",
+            keep_area=leg.hold == "area",
             rtol=self.rtol,
             solver=self.solver,
             exact=self.exact,
@@ -310,18 +254,18 @@ class _Way:
                 approach=approach + frame.approach,
                 leg=number,
                 displacement=now.displacement,
-                velocity=leg.velocity if isinstance(leg, Slide) else 0.0,
+                velocity=leg.speed,
                 shift=now.shift,
-                at_a_shift=isinstance(leg, Slide) and time == end and shifts % leg.every == 0,
+                at_a_shift=shifts > 0 and time == end and shifts % leg.every == 0,
             )
             yield self.now
         return told
 
 
-def _control(now: Frame, leg: Hold | Ramp | Slide, lasting: float) -> Control:
+def _control(now: Frame, leg: Leg, lasting: float) -> Control:
     """What a leg prescribes, in times since its beginning and as fast as its mobility lets time pass."""
-    if not isinstance(leg, Ramp):
-        return control_of(now.contact, leg.hold if isinstance(leg, Hold) else None)
+    if not leg.target:
+        return control_of(now.contact, leg.hold)
     target = _target(now, leg)
     start, control = now.contact.separation, now.contact.control
     if target.load_controlled:
@@ -329,13 +273,9 @@ def _control(now: Frame, leg: Hold | Ramp | Slide, lasting: float) -> Control:
     return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))
 
 
-def load_of(leg: Change, contact: Contact) -> float | None:
-    """The load to which a leg leads, if it is given."""
-    return leg.load if leg.pressure is None else leg.pressure * contact.nominal_area
-
-
-def _target(now: Frame, leg: Ramp | Step) -> Control:
-    load = load_of(leg, now.contact)
-    if leg.approach is not None:  # under viscous creep the mean of u0 is not where the body was put
-        return control_from(None, now.contact.separation + now.approach - leg.approach)
-    return control_from(load, leg.separation)
+def _target(now: Frame, leg: Leg) -> Control:
+    if leg.target == "approach":  # under viscous creep the mean of u0 is not where the body was put
+        return control_from(None, now.contact.separation + now.approach - leg.end)
+    if leg.target == "separation":
+        return control_from(None, leg.end)
+    return control_from(leg.load_on(now.contact.nominal_area), None)

@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from asperity.lattice import Field
-from asperity.protocols import Hold, Leg, Ramp, Schedule, Slide, Step, leg_of, legs_of
+from asperity.protocols import Hold, Leg, Schedule, leg_of, legs_of
 from asperity.results.history import check_dataset
 
 
@@ -37,7 +37,7 @@ class LegRow:
     """
 
     number: int
-    leg: Hold | Ramp | Step | Slide
+    leg: Leg
     begin: float
     end: float
     load: tuple[float, float]
@@ -87,7 +87,7 @@ def numbers_of(dataset: xr.Dataset) -> NDArray[np.int_]:
     return dataset["leg"].values if "leg" in dataset.coords else alone
 
 
-def _legs(dataset: xr.Dataset) -> Iterator[Hold | Ramp | Step | Slide]:
+def _legs(dataset: xr.Dataset) -> Iterator[Leg]:
     protocol, lasted = protocol_of(dataset), float(dataset["time"].values[-1])
     if protocol:
         yield from legs_of(protocol)
@@ -95,9 +95,7 @@ def _legs(dataset: xr.Dataset) -> Iterator[Hold | Ramp | Step | Slide]:
         yield Hold(lasted)
 
 
-def _row(
-    dataset: xr.Dataset, number: int, leg: Hold | Ramp | Step | Slide, begin: float, end: float
-) -> LegRow:
+def _row(dataset: xr.Dataset, number: int, leg: Leg, begin: float, end: float) -> LegRow:
     time, numbers = dataset["time"].values, numbers_of(dataset)
     own = np.flatnonzero(numbers == number)
     # The entry at a switch belongs to the leg that ends there, and that of time 0 to the first leg.

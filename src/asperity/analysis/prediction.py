@@ -29,12 +29,13 @@ from asperity.analysis.scan import written
 from asperity.base import views
 from asperity.base.checks import Floats
 from asperity.base.words import counted
+from asperity.creep import PARAMETERS_OF_LAWS, Eyring
 from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.patches import patches
 from asperity.relaxation import Fit, PronySeries
 from asperity.relaxation.series import Branches
-from asperity.solids import Eyring, Norton, Solid
+from asperity.solids import Solid
 from asperity.surfaces import statistics
 from asperity.theory import flowing_area, persson_area, static_friction
 
@@ -213,14 +214,12 @@ class Prediction(views.InNotebooks):
         known, law = self.solid.parameters, self.solid.creep
         said = [f"half-space, E* = {written(self.modulus, 'Pa')} at once"]
         if law is not None:
-            names = (("creep_rate", "v0", "m/s"), ("creep_stress", "s0", "Pa"), ("creep_exponent", "n", "1"))
-            forms = {Eyring: "by v0 sinh(s/s0)", Norton: "by v0 (s/s0)^n"}
             numbers = [
-                f"{short} = {written(value, unit).removesuffix(' 1')}"
-                for name, short, unit in names
-                if (value := law.parameters.get(name)) is not None
+                f"{what.symbol} = {written(law.parameters[name], what.unit or '1').removesuffix(' 1')}"
+                for name, what in PARAMETERS_OF_LAWS.items()
+                if name in law.parameters
             ]
-            said.append(", ".join([f"creeps {forms.get(type(law), 'by a law of its own')}", *numbers]))
+            said.append(", ".join([f"creeps by {law.formula or 'a law of its own'}", *numbers]))
         if "permanent" in known:
             said.append(f"a share of {known['permanent']:g} does not creep")
         if "flow" in known:

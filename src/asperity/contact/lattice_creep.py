@@ -25,10 +25,10 @@ from asperity.contact.multigrid.loops import ByLaw, Sites, Springs, Surface, Tan
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.stencils import balanced, lattice_force
+from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
 from asperity.solids import SpringConstants
-from asperity.solids.creep_laws import LocalCreep
 
 _UNNOTICED = 0.3
 """Error of the tangent of the law, in units of the error allowed, which need not be made up for."""

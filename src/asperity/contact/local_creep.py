@@ -7,8 +7,8 @@ from typing import Protocol
 
 import numpy as np
 
+from asperity.creep import LocalCreep
 from asperity.lattice import Field, Mask
-from asperity.solids.creep_laws import LocalCreep
 
 _EXACTLY = 1e-5
 """Last change of a stress, relative to how far the law bends: Newton's method squares it."""

@@ -35,9 +35,9 @@ from numpy.typing import NDArray
 from asperity.contact.arrays import inner, largest
 from asperity.contact.local_creep import LocalState, Stage, stretches_of
 from asperity.contact.stencils import bounded
+from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask, Spectrum
-from asperity.solids.creep_laws import LocalCreep
 
 Fields = NDArray[Any]
 """Forces p and s, or displacements that go with them; where nothing is permanent, one field."""

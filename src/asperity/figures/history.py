@@ -15,10 +15,9 @@ from asperity.analysis.legs import LegRow, leg_table, protocol_of
 from asperity.analysis.scan import readable
 from asperity.errors import InputError
 from asperity.figures import style
-from asperity.figures.leg_words import Say, jump, listed, said
 from asperity.figures.time_axis import BESIDE, GAP, Column, Entries, columns_of, entries_of, label_times
 from asperity.lattice import Field
-from asperity.protocols import Hold, Ramp, Step
+from asperity.protocols import Say
 
 _MANY = 100
 """More entries have smaller markers."""
@@ -76,7 +75,7 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     style.finish(grid[-1], lines_along="y")
     title = ["Contact area in a history of " + (" and ".join(names[-2::-1]))]
     if not columns and (protocol := protocol_of(dataset)):
-        title.append(style.verbatim(style.fitted(listed(protocol, say), figure.room)))
+        title.append(style.verbatim(style.fitted(", ".join(leg.words(say) for leg in protocol), figure.room)))
     style.entitle(figure, dataset, "\n".join(title))
     return figure
 
@@ -115,11 +114,7 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
 
 def _only_load(dataset: xr.Dataset, table: list[LegRow]) -> bool:
     """Whether no leg prescribes a separation."""
-    holds = [row.leg.hold for row in table if isinstance(row.leg, Hold)]
-    others = [row.leg for row in table if isinstance(row.leg, Ramp | Step)]
-    return dataset.attrs["held"] == "load" and not (
-        "separation" in holds or any(leg.target in ("separation", "approach") for leg in others)
-    )
+    return dataset.attrs["held"] == "load" and not any(row.leg.moves_the_body for row in table)
 
 
 def _width(columns: int) -> float:
@@ -165,7 +160,7 @@ def _head(axes: Axes, table: list[LegRow], columns: list[Column], say: Say, per_
     for number, column in enumerate(columns):
         earlier = columns[number - 1].row.number if number else -1
         parts = [jump(row, say) for row in table[earlier + 1 : column.row.number]]
-        parts.append(said(column.row.leg, say))
+        parts.append(column.row.leg.words(say))
         if _sinks(table, column.row):
             before, lowest = (per_site * area for area in (column.row.area[0], column.row.lowest_area))
             parts.append(
@@ -187,8 +182,8 @@ def _head(axes: Axes, table: list[LegRow], columns: list[Column], say: Say, per_
 
 def _sinks(table: list[LegRow], row: LegRow) -> bool:
     """Whether the area first falls in a hold after a jump, and then grows."""
-    jumped = row.number > 0 and isinstance(table[row.number - 1].leg, Step)
-    return jumped and isinstance(row.leg, Hold) and row.lowest_area < min(row.area)
+    jumped = row.number > 0 and table[row.number - 1].leg.jumps
+    return jumped and row.leg.rests and row.lowest_area < min(row.area)
 
 
 def _mark_lowest(axes: Axes, table: list[LegRow], columns: list[Column], per_site: float) -> None:
@@ -204,3 +199,13 @@ def _mark_lowest(axes: Axes, table: list[LegRow], columns: list[Column], per_sit
                 textcoords="offset points",
                 arrowprops={"arrowstyle": "->", "color": style.VERMILION, "shrinkA": 0, "shrinkB": 4},
             )
+
+
+def jump(row: LegRow, say: Say) -> str:
+    """Say what changes at once, from what to what."""
+    if row.leg.speed:
+        return row.leg.words(say)
+    by_load = row.leg.jumps and row.leg.target in ("load", "pressure")
+    name, ends = ("load", row.load) if by_load else ("separation", row.separation)
+    before, after = (say(name, value).replace("-", "\u2212") for value in ends)
+    return f"{name} {before}\u00a0→\u00a0{after}"

@@ -11,7 +11,6 @@ from asperity.analysis.scan import readable
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.figures.history import shown_series
-from asperity.protocols import Slide
 from asperity.results.history import check_dataset
 
 _COLORS = (style.BLUE, style.VERMILION, style.GRAY)
@@ -60,11 +59,11 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     for row in leg_table(dataset):
         own = np.flatnonzero(numbers == row.number)
         own = np.insert(own, 0, own[:1] - 1) if own.size and own[0] > 0 else own
-        if not isinstance(row.leg, Slide):
+        if not row.leg.speed:
             axes.plot(factor * way[own], values[own], "o-", color=style.INK, markersize=3, label=resting)
             resting = None
             continue
-        speed = row.leg.velocity
+        speed = row.leg.speed
         said = f"slides at {style.said(dataset, 'velocity', speed)}" if row.leg.duration else "slides at once"
         color = speeds.setdefault(speed, _COLORS[len(speeds) % len(_COLORS)])
         place, first = np.unique(way[own], return_index=True)

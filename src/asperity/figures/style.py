@@ -21,6 +21,7 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import ArrayLike
 
 from asperity.analysis.scan import written
+from asperity.creep import PARAMETERS_OF_LAWS
 from asperity.lattice import Field
 
 INK = "#000000"
@@ -106,12 +107,11 @@ def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
     parts += [f"{name} = {float(attrs[name]):g}" for name in ("k0", "k1", "R") if name in attrs]
     if float(attrs.get("R_viscous", 0)) > 0:
         parts.append(f"R_viscous = {float(attrs['R_viscous']):g}")
-    if "creep_rate" in attrs:
-        names = (("creep_rate", "v0", "m/s"), ("creep_stress", "s0", "Pa"), ("creep_exponent", "n", "1"))
-        units = {name: unit if attrs.get("si") else "1" for name, _, unit in names}
-        parts += [
-            f"{short} = {written(attrs[name], units[name])}" for name, short, _ in names if name in attrs
-        ]
+    parts += [
+        f"{what.symbol} = {written(attrs[name], (attrs.get('si') and what.unit) or '1')}"
+        for name, what in PARAMETERS_OF_LAWS.items()
+        if name in attrs
+    ]
     if "permanent" in attrs:
         parts.append(f"permanent share {float(attrs['permanent']):g}")
     if "hardness" in attrs:

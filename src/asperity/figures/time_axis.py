@@ -20,7 +20,6 @@ from matplotlib.ticker import MaxNLocator
 from asperity.analysis.legs import LegRow, numbers_of
 from asperity.figures import style
 from asperity.lattice import Field, Mask
-from asperity.protocols import Ramp, Slide
 
 _MOST_COLUMNS = 6
 """More legs that last share one axis."""
@@ -86,7 +85,7 @@ def columns_of(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], 
     for row in lasting:
         since = time[(numbers == row.number) & (time > row.begin)] - row.begin
         first = float(since[0]) if since.size > 1 else row.end - row.begin
-        is_ramp = isinstance(row.leg, Ramp | Slide)
+        is_ramp = not row.leg.rests
         decades.append(_RAMP_DECADES if is_ramp else math.log10((row.end - row.begin) / first))
         firsts.append(None if is_ramp else min(first, (row.end - row.begin) / _WIDEST_LINEAR))
     recorded = [wide for wide, first in zip(decades, firsts, strict=True) if first is not None]

@@ -137,9 +137,9 @@ def synthetic_record(
     noise = checks.number("noise", noise, least=0.0)
     time, velocity = [np.zeros(1)], []
     for leg in legs_of(protocol):
-        if not isinstance(leg, Slide | Hold):
+        if leg.target:
             raise InputError("protocol", expected="slides and holds", got=repr(leg))
-        velocity.append(np.full(per_leg, leg.velocity if isinstance(leg, Slide) else 0.0))
+        velocity.append(np.full(per_leg, leg.speed))
         time.append(time[-1][-1] + leg.duration * np.arange(1, per_leg + 1) / per_leg)
     times, velocities = np.concatenate(time), np.concatenate([velocity[0][:1], *velocity])
     rng = np.random.default_rng(checks.seed(seed))

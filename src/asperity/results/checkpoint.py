@@ -28,7 +28,6 @@ from asperity.lattice import Field
 from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
 from asperity.results.store import remove_parts, whole_file
-from asperity.solids.creep_laws import fingerprint_of_law
 
 
 @dataclass(frozen=True)
@@ -140,7 +139,7 @@ def fingerprint_of(
         exact,
     )
     if solid.creep is not None:
-        facts = (*facts, fingerprint_of_law(solid.creep))
+        facts = (*facts, solid.creep.fingerprint())
     if solid.yields:
         facts = (*facts, solid.hardness, start.permanent_indentation.sum())
     digest = hashlib.sha256(repr(facts).encode())

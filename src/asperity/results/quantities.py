@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 
 from asperity.contact.state import Contact
+from asperity.creep import PARAMETERS_OF_LAWS
 
 SERIES: dict[str, tuple[str, str]] = {
     "area": ("real contact area", "sites"),
@@ -139,9 +140,13 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "R": ("mobility of conserving creep", "R unit"),
     "R_viscous": ("mobility of viscous creep", "R unit"),
     "creep": ("local law of creep", ""),
-    "creep_rate": ("velocity of the local law of creep", "velocity"),
-    "creep_stress": ("stress of the local law of creep", "stress"),
-    "creep_exponent": ("exponent of the local law of creep", "1"),
+    **{
+        name: (
+            f"{what.meaning} of the local law of creep",
+            {"m/s": "velocity", "Pa": "stress"}.get(what.unit, what.unit or "1"),
+        )
+        for name, what in PARAMETERS_OF_LAWS.items()
+    },
     "creep_energy": ("energy of activation", "J"),
     "creep_volume": ("volume of activation", "m^3"),
     "creep_prefactor": ("velocity of creep at infinite temperature", "velocity"),

@@ -1,8 +1,8 @@
 """Solids whose surface is elastic and creeps."""
 
+from asperity.creep import CreepLaw, Eyring, Garofalo, LocalCreep, Norton
 from asperity.solids.coating import coated_half_space
 from asperity.solids.continua import contact_modulus, half_space, layer
-from asperity.solids.creep_laws import CreepLaw, Eyring, LocalCreep, Norton
 from asperity.solids.laws import (
     FixedRate,
     LaplacianSpectrum,
@@ -19,6 +19,7 @@ __all__ = [
     "CreepLaw",
     "Eyring",
     "FixedRate",
+    "Garofalo",
     "LaplacianSpectrum",
     "LayerSpectrum",
     "LocalCreep",

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 
 from asperity.base import checks, units
+from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
 from asperity.relaxation import check_branches
-from asperity.solids.creep_laws import LocalCreep, checked_law
 from asperity.solids.laws import (
     FixedRate,
     LaplacianSpectrum,

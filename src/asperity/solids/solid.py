@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.base import checks, units, views
+from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
-from asperity.solids.creep_laws import LocalCreep
 from asperity.solids.laws import FixedRate, LaplacianSpectrum, Numbers, Scaled, SpectrumOf, WithApparatus
 
 Parameters = Mapping[str, float | tuple[float, ...] | tuple[tuple[float, float], ...]]
@@ -97,7 +97,7 @@ class Solid(views.InNotebooks):
         Whether the spectra depend on the spacing of the sites: a continuum, which takes surfaces with units
         in metres. Else the solid is defined on sites, whose spacing is 1.
     creep
-        A local law of creep of the only branch, beside its mobility; see `asperity.solids.creep_laws`.
+        A local law of creep of the only branch, beside its mobility; see `asperity.creep.law`.
     hardness
         Pressure that contacts do not exceed, for they yield under it; on a solid that is defined on sites,
         the force of a site. See `Solid.with_hardness`.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from asperity.base import checks
+from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
-from asperity.solids.creep_laws import LocalCreep, checked_law
 from asperity.solids.laws import LaplacianSpectrum
 from asperity.solids.solid import CreepBranch, Solid
 

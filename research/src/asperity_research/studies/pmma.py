@@ -19,9 +19,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.base.checks import Floats
+from asperity.creep.eyring import BOLTZMANN
 from asperity.figures import style
 from asperity.fits.resampling import jackknife
-from asperity.solids.creep_laws import BOLTZMANN
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding

@@ -170,7 +170,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
     from asperity.app.config.models import Aging, Contact, Friction, Output, Scan
-    from asperity.app.config.solids import POISSON, PREDICTED, HalfSpace
+    from asperity.app.config.solids import FORMULAS, POISSON, PREDICTED, HalfSpace
 
     words = {
         "--young": "Young's modulus at once, such as 3GPa, in place of a table; of two bodies both.",
@@ -178,7 +178,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         f"[default: {POISSON}]",
         "--branches-per-decade": "Relaxation times in each decade of the table: more of them for data with "
         "few distinct times, fewer for noisy data. [default: free times, where few suffice, else 1]",
-        "--creep": "Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure.",
+        "--creep": f"Local law of creep: {FORMULAS}; s is the pressure.",
         "--temperature": "Temperature of the contact, such as 40degC: for activated creep, or to shift a "
         "relaxation table from --reference.",
         "--hardness": "Pressure under which the rough surface yields, such as 0.5GPa.",

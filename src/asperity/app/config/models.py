@@ -11,31 +11,34 @@ import math
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
 from asperity.app.config.sections import (
     Duration,
     FirstForce,
-    Force,
     Position,
     Positive,
     Pressure,
     Real,
     Section,
     Size,
-    Speed,
     Time,
     Velocity,
+    any_of,
     by_kind,
+    field_of,
     listed,
 )
 from asperity.app.config.solids import SOLIDS, AnySolid, SpringLattice
+from asperity.base.parameters import parameters_of
+from asperity.errors import InputError
+from asperity.protocols import KINDS as LEGS_OF_PROTOCOLS
+from asperity.protocols import Leg, leg_of
 
-if TYPE_CHECKING:  # these need numpy, for which the help does not wait
+if TYPE_CHECKING:  # these need scipy, for which the help does not wait
     from asperity.lattice import Field as Heights
-    from asperity.protocols import Leg
     from asperity.surfaces import Surface
     from asperity.theory.heights import HeightLaw
 
@@ -68,7 +71,6 @@ def _micro(value: object) -> object:
 
 
 Length = Literal["m", "mm", "um", "nm", "pm"]
-Factor = Annotated[float, Field(gt=0, le=1e30)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 Shape = Annotated[
     list[Annotated[int, Field(ge=1, le=_LONGEST)]],
@@ -80,8 +82,6 @@ _SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
 _RMS = "Rms height."
 _SEED = "Seed of the random heights."
 _TABLE = "Table of the wave number q and the power spectrum C; columns with units need `unit`."
-_DURATION = "How long it lasts."
-_MOBILITY = "Factor on the mobility of creep meanwhile."
 
 
 class SurfaceSection(Section):
@@ -436,75 +436,28 @@ class Aging(Section):
         return self
 
 
-class HoldLeg(Section):
-    """Nothing changes for a while; see `asperity.protocols.Hold`."""
+class LegSection(Section):
+    """A leg of `asperity.protocols`, of one kind or another; its keys are the parameters of that class."""
 
-    kind: Literal["hold"] = "hold"
-    duration: Duration = Field(description=_DURATION)
-    hold: Literal["load", "separation", "area"] | None = Field(
-        default=None, description="What is held. By default what was prescribed last."
-    )
-    mobility: Factor = Field(default=1.0, description=_MOBILITY)
+    kind: str
 
-
-class Target(Section):
-    """A load, a pressure, a separation or an approach to get to."""
-
-    load: Force | None = Field(default=None, description="Load at the end.")
-    separation: Position | None = Field(
-        default=None, description="Separation at the end; instead of the load."
-    )
-    pressure: Pressure | None = Field(
-        default=None, description="Load over nominal area at the end; instead of the load."
-    )
-    approach: Position | None = Field(
-        default=None,
-        description="How far the rigid body has moved at the end since time 0; instead of the load.",
-    )
+    @property
+    def leg(self) -> Leg:
+        """The leg itself."""
+        return leg_of(self.model_dump(exclude_none=True))
 
     @model_validator(mode="after")
-    def _one_of_four(self) -> Self:
-        names = ("load", "pressure", "separation", "approach")
-        given = [name for name in names if getattr(self, name) is not None]
-        if len(given) != 1:
-            got = " and ".join(given) or "none"
-            raise ValueError(f"expected load, pressure, separation or approach, got {got}")
+    def _possible(self) -> Self:
+        try:
+            _ = self.leg
+        except InputError as error:
+            names = error.name.replace(" and ", ", ").split(", ")
+            said = f"expected {any_of(names)}" if names[1:] else f"{error.name}: expected {error.expected}"
+            raise ValueError(f"{said}, got {error.got}") from None
         return self
 
 
-class RampLeg(Target):
-    """A change linear in time; see `asperity.protocols.Ramp`."""
-
-    kind: Literal["ramp"] = "ramp"
-    duration: Duration = Field(description=_DURATION)
-    mobility: Factor = Field(default=1.0, description=_MOBILITY)
-
-
-class StepLeg(Target):
-    """A change at once; see `asperity.protocols.Step`."""
-
-    kind: Literal["step"] = "step"
-
-
-class SlideLeg(Section):
-    """The rough surface slides under the body; see `asperity.protocols.Slide`."""
-
-    kind: Literal["slide"] = "slide"
-    distance: Size = Field(description="How far it slides; on the lattice of springs, in sites.")
-    velocity: Speed = Field(description="How fast it slides; inf for at once.")
-    direction: Literal["x", "-x", "y", "-y"] = Field(
-        default="x", description="Where the rough surface goes: x along the rows."
-    )
-    substeps: Annotated[int, Field(ge=1, le=1000)] = Field(
-        default=1, description="Shifts from site to site; heights between sites are interpolated."
-    )
-    every: Annotated[int, Field(ge=1)] = Field(
-        default=1, description="Record before and after one in so many shifts."
-    )
-    mobility: Factor = Field(default=1.0, description=_MOBILITY)
-
-
-class RepeatLeg(Section):
+class RepeatLeg(LegSection):
     """Legs repeated; see `asperity.protocols.Repeat`."""
 
     kind: Literal["repeat"] = "repeat"
@@ -512,8 +465,19 @@ class RepeatLeg(Section):
     count: Annotated[int, Field(ge=1, le=100_000)] = Field(description="How often in all.")
 
 
-LEGS = by_kind(HoldLeg, RampLeg, StepLeg, SlideLeg, RepeatLeg)
-AnyLeg = Annotated[HoldLeg | RampLeg | StepLeg | SlideLeg | RepeatLeg, Field(discriminator="kind")]
+def _section_of(kind: str, leg: type[Leg]) -> type[LegSection]:
+    keys: dict[str, Any] = {"kind": (Literal[kind], kind)}
+    keys |= {name: field_of(parameter) for name, parameter in parameters_of(leg).items()}
+    return create_model(f"{leg.__name__}Leg", __base__=LegSection, **keys)
+
+
+LEGS: dict[str, type[LegSection]] = {
+    kind: RepeatLeg if kind == "repeat" else _section_of(kind, leg) for kind, leg in LEGS_OF_PROTOCOLS.items()
+}
+if TYPE_CHECKING:
+    AnyLeg = LegSection
+else:
+    AnyLeg = Annotated[Union[tuple(LEGS.values())], Field(discriminator="kind")]  # noqa: UP007
 
 
 class Friction(Section):
@@ -592,7 +556,7 @@ class RunConfig(Section):
             raise ValueError("[aging] expected first < last, got {:g} and {:g}".format(*self.span))
         if self.protocol and self.aging.hold is not None:
             raise ValueError("[aging] hold: expected none beside a protocol, whose legs say what they hold")
-        if self.contact.load == 0 and not isinstance(next(iter(self.protocol), None), RampLeg | StepLeg):
+        if self.contact.load == 0 and not (self.protocol and self.written_out[0].target):
             expected = "a protocol that begins with a ramp beside 0"
             raise ValueError(f"[contact] load: expected {expected}, got none; try --leg 'ramp 1 load=...'")
         if (known := self.solid.known) is not None:
@@ -612,9 +576,12 @@ class RunConfig(Section):
     @property
     def legs(self) -> tuple[Leg, ...]:
         """The legs of the protocol; none where nothing changes."""
-        from asperity.protocols import leg_of
+        return tuple(leg.leg for leg in self.protocol)
 
-        return tuple(leg_of(leg.model_dump(exclude_none=True)) for leg in self.protocol)
+    @property
+    def written_out(self) -> list[Leg]:
+        """The legs one by one, without repetitions."""
+        return [one for leg in self.legs for one in leg.written_out()]
 
     @property
     def span(self) -> tuple[float, float]:
@@ -628,6 +595,4 @@ class RunConfig(Section):
         """The last time."""
         if not self.protocol:
             return self.span[1] if self.aging.times is None else self.aging.times[-1]
-        from asperity.protocols import legs_of
-
-        return math.fsum(leg.duration for leg in legs_of(self.legs))
+        return math.fsum(leg.duration for leg in self.written_out)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from typing import Any
 
 from asperity.app.config.models import MeasuredSurface, RunConfig, Spectrum, Waves
 from asperity.base.version import __version__
+from asperity.creep import LocalCreep
 from asperity.errors import InputError
-from asperity.protocols import Leg, Repeat, described
-from asperity.solids import LocalCreep
+from asperity.protocols import Leg
 
 _LONG = 96
 """Characters of a line."""
@@ -113,9 +114,7 @@ def _written(value: object) -> str:
     if isinstance(value, LocalCreep):
         return _call(f"asp.solids.{type(value).__name__}", **vars(value))
     if isinstance(value, Leg):
-        facts = described(value)
-        del facts["kind"]
-        if isinstance(value, Repeat):
-            facts["legs"] = list(value.legs)
+        facts = {name: list(one) if name == "legs" else one for name, one in value.arguments.items()}
+        facts |= {name: "inf" for name, one in facts.items() if one == math.inf}
         return _call(f"asp.protocols.{type(value).__name__}", **facts)
     return repr(value)

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from asperity.app.config.mistakes import Sections, is_unknown, spelled, unknown_names
 from asperity.app.config.models import KINDS, MeasuredSurface, RunConfig
-from asperity.app.config.solids import ACTIVATION, OF_LAWS
+from asperity.app.config.solids import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
 from asperity.base.words import number, tables_to_toml
 from asperity.errors import ConfigError
 
@@ -29,9 +29,10 @@ _RIVALS: dict[tuple[str, ...], tuple[str, ...]] = {
     ("solid", "flow"): ("branches", "relaxation"),
     **{("solid", key): ("creep_rate", "creep_stress") for key in ACTIVATION},
     **{("solid", key): tuple(ACTIVATION) for key in ("creep_rate", "creep_stress")},
-    ("solid", "creep", "eyring"): ("creep_exponent",),
-    ("solid", "creep", "norton"): tuple(ACTIVATION),
-    ("solid", "creep", "none"): tuple(OF_LAWS),
+    **{
+        ("solid", "creep", law): tuple(OF_LAWS - {key for way in KEYS_OF_LAWS.get(law, []) for key in way})
+        for law in (*KEYS_OF_LAWS, "none")
+    },
     ("surface", "rms_height"): ("rms_slope", "rms_curvature"),
     ("surface", "rms_slope"): ("rms_height", "rms_curvature"),
     ("surface", "rms_curvature"): ("rms_height", "rms_slope"),

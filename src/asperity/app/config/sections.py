@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Annotated
+from collections.abc import Callable, Iterable
+from dataclasses import MISSING, dataclass
+from types import NoneType
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidator
 
+from asperity.base.parameters import Parameter
 from asperity.base.words import InUnits, has_unit
 from asperity.errors import LARGEST, InputError
 
@@ -53,7 +55,7 @@ class Activation(InUnit):
         """Read a number, in joules."""
         if not (has_unit(value) and "mol" in str(value)):
             return super().__call__(value, check)
-        from asperity.solids.creep_laws import joules
+        from asperity.creep.eyring import joules
 
         try:
             return InUnits.of(check(joules(str(value))), str(value), self.unit)
@@ -76,6 +78,12 @@ def _paired(value: object) -> object:
     return tuple(value)
 
 
+def any_of(words: Iterable[str]) -> str:
+    """Words of which one is meant: ``one, two or three``."""
+    *some, last = words
+    return f"{', '.join(some)} or {last}" if some else last
+
+
 def _infinite(value: object) -> object:
     return math.inf if value == "inf" else value
 
@@ -86,7 +94,6 @@ Constant = Annotated[float, Field(ge=0, le=1e30)]
 """A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
 Time = Annotated[float, Field(ge=0, le=1e30), _in("s")]
 Duration = Annotated[float, Field(gt=0, le=1e30), _in("s")]
-Force = Annotated[float, Field(gt=0, le=LARGEST), _in("N")]
 FirstForce = Annotated[float, Field(ge=0, le=LARGEST), _in("N")]
 """A load at the beginning, from which a ramp may go up."""
 Pressure = Annotated[float, Field(gt=0, le=LARGEST), _in("Pa")]
@@ -94,12 +101,43 @@ Modulus = Annotated[float, Field(gt=0, le=1e30), _in("Pa")]
 Size = Annotated[float, Field(gt=0, le=LARGEST), _in("m")]
 Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("m")]
 Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
-Speed = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("m/s"), BeforeValidator(_infinite)]
-"""A velocity that may be infinite; where text alone can be written, as "inf"."""
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("N/m")]
 Energy = Annotated[float, Field(gt=0, le=LARGEST), WrapValidator(Activation())]
 Volume = Annotated[float, Field(gt=0, le=LARGEST), _in("m^3")]
 Temperature = Annotated[float, Field(gt=0, le=LARGEST), _in("K")]
+
+
+def annotation_of(parameter: Parameter) -> Any:
+    """How a key is checked that is a parameter of a class of the library."""
+    kinds, unit = parameter.kinds, parameter.quantity.unit
+    words = tuple(kind for kind in kinds if isinstance(kind, str))
+    if float in kinds and words:
+        key: Any = Annotated[
+            (float, *parameter.facts, Field(allow_inf_nan=True), _in(unit), BeforeValidator(_infinite))
+        ]
+    elif float in kinds:
+        key = Annotated[(Real, *parameter.facts, *([_in(unit)] if unit else []))]
+    else:
+        key = Literal[words] if words else Annotated[(int, *parameter.facts)]
+    return key | None if NoneType in kinds else key
+
+
+def field_of(parameter: Parameter) -> Any:
+    """The same with its default and what it is."""
+    said, default = f"{parameter.quantity.meaning}.", parameter.default
+    said = said[0].upper() + said[1:]
+    if default is MISSING:
+        return annotation_of(parameter), Field(description=said)
+    return annotation_of(parameter), Field(default=default, description=said)
+
+
+def optional(parameter: Parameter) -> Any:
+    """A key that need not be given, and its description."""
+    what = parameter.quantity
+    said = f"Its {what.meaning} {what.symbol}."
+    return annotation_of(parameter) | None, Field(default=None, description=said)
+
+
 Branch = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], Duration], BeforeValidator(_paired)]
 """A share of the modulus, and a relaxation time."""
 Power = Annotated[tuple[Positive, Annotated[float, Field(ge=-2, le=4)]], BeforeValidator(_paired)]

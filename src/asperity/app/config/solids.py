@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
 from asperity.app.config.sections import (
     Branch,
@@ -22,14 +22,18 @@ from asperity.app.config.sections import (
     Temperature,
     Velocity,
     Volume,
+    any_of,
     by_kind,
     listed,
+    optional,
 )
+from asperity.base.parameters import parameters_of
+from asperity.creep import LAWS, Eyring, LocalCreep
 from asperity.errors import InputError
 
-if TYPE_CHECKING:  # these need numpy, for which the help does not wait
+if TYPE_CHECKING:  # these need scipy, for which the help does not wait
     from asperity.relaxation import Fit, PronySeries
-    from asperity.solids import LocalCreep, Solid
+    from asperity.solids import Solid
 
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
 OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
@@ -40,15 +44,6 @@ _APPARATUS = "Stiffness of the apparatus that holds it, which may be inf; with i
 _HARDNESS = "Pressure under which the rough surface yields; on the lattice of springs, force of a site."
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
-
-ACTIVATION = {"creep_energy", "creep_volume", "creep_prefactor", "temperature"}
-OF_LAWS = {"creep_rate", "creep_stress", "creep_exponent"} | ACTIVATION
-"""Keys of local laws of creep."""
-
-PREDICTED = OF_LAWS | {
-    *("young", "poisson", "branches", "per_decade", "extrapolate", "creep", "permanent", "hardness")
-}
-"""Keys of a half-space that a prediction takes as flags."""
 
 _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
@@ -121,52 +116,74 @@ def _listed(keys: set[str]) -> str:
     return ", ".join(f"`{key}`" for key in sorted(keys))
 
 
-class Creeping(SolidSection):
-    """A solid that may creep by a local law."""
+FORMULAS = any_of(f"{name}, {law.formula}" for name, law in LAWS.items())
+"""Laws of creep in words."""
 
-    creep: Annotated[Literal["eyring", "norton", "none"] | None, AfterValidator(_given)] = Field(
-        default=None,
-        description="Local law of creep: eyring, v0 sinh(s/s0), or norton, v0 (s/s0)^n; s is the pressure, "
-        "or on the lattice of springs the force of a spring to the bulk.",
+KEYS_OF_LAWS: dict[str, list[set[str]]] = {
+    name: [{f"creep_{of}" for of in parameters_of(law)}] for name, law in LAWS.items()
+}
+KEYS_OF_LAWS["eyring"].append({"creep_energy", "creep_volume", "creep_prefactor", "temperature"})
+"""Keys that state each law of creep, in one way or another."""
+
+ACTIVATION = KEYS_OF_LAWS["eyring"][-1]
+OF_LAWS = {key for ways in KEYS_OF_LAWS.values() for way in ways for key in way}
+"""Keys of local laws of creep."""
+
+PREDICTED = OF_LAWS | {
+    *("young", "poisson", "branches", "per_decade", "extrapolate", "creep", "permanent", "hardness")
+}
+"""Keys of a half-space that a prediction takes as flags."""
+
+if TYPE_CHECKING:
+
+    class _OfLaws(SolidSection):
+        creep: str | None = None
+
+else:  # keys of all laws
+    _OfLaws = create_model(
+        "_OfLaws",
+        __base__=SolidSection,
+        creep=(
+            Annotated[Literal[(*LAWS, "none")] | None, AfterValidator(_given)],
+            Field(
+                default=None,
+                description=f"Local law of creep: {FORMULAS}; s is the pressure, "
+                "or on the lattice of springs the force of a spring to the bulk.",
+            ),
+        ),
+        **{
+            f"creep_{name}": optional(parameter)
+            for law in LAWS.values()
+            for name, parameter in parameters_of(law).items()
+        },
     )
-    creep_rate: Velocity | None = Field(default=None, description="Its velocity v0.")
-    creep_stress: Pressure | None = Field(default=None, description="Its stress s0.")
-    creep_exponent: Annotated[float, Field(ge=1, le=100)] | None = Field(
-        default=None, description="Norton's exponent n."
-    )
+
+
+class Creeping(_OfLaws):
+    """A solid that may creep by a local law."""
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
         given = {name for name in OF_LAWS if getattr(self, name, None) is not None}
-        needed = [{"creep_rate", "creep_stress"}]
-        if isinstance(self, HalfSpace):
-            needed.append(ACTIVATION)
-        if self.creep == "norton":
-            needed = [{"creep_rate", "creep_stress", "creep_exponent"}]
         told = _listed(given) or "none"
         if self.creep is None and given:
-            laws = "eyring" if given & ACTIVATION else "eyring or norton"
-            if "creep_exponent" in given:
-                laws = "norton"
+            laws = [name for name, ways in KEYS_OF_LAWS.items() if given <= set().union(*ways)]
             drop = told if getattr(self, "permanent", None) is None else f"{told}, `permanent`"
             advice = f"; try to drop {drop}" if "creep" in self.model_fields_set else ""
-            raise ValueError(f"creep: expected {laws} beside {told}, got none{advice}")
-        if self.creep is not None and given not in needed:
-            expected = " or ".join(map(_listed, needed))
+            raise ValueError(f"creep: expected {any_of(laws or LAWS)} beside {told}, got none{advice}")
+        ways = [way for way in KEYS_OF_LAWS.get(self.creep or "", []) if way <= set(type(self).model_fields)]
+        if self.creep is not None and given not in ways:
+            expected = " or ".join(map(_listed, ways))
             raise ValueError(f"creep: expected {expected} beside {self.creep}, got {told}")
         return self
 
     @property
     def law(self) -> LocalCreep | None:
         """The local law of creep."""
-        from asperity.solids import Eyring, Norton
-
         if self.creep is None:
             return None
-        rate, stress = self.creep_rate or 0.0, self.creep_stress or 0.0
-        if self.creep_exponent is not None:
-            return Norton(rate, stress, self.creep_exponent)
-        return Eyring(rate, stress)
+        law = LAWS[self.creep]
+        return law(**{name: getattr(self, f"creep_{name}") for name in parameters_of(law)})
 
 
 class SpringLattice(Creeping):
@@ -354,8 +371,6 @@ class HalfSpace(Creeping, Continuum):
     @property
     def law(self) -> LocalCreep | None:
         """The local law of creep, from numbers or from its activation."""
-        from asperity.solids import Eyring
-
         if self.temperature is None:
             return super().law
         numbers = (self.creep_energy, self.creep_volume, self.creep_prefactor)

@@ -28,7 +28,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
-from asperity.protocols import Slide, legs_of
+from asperity.protocols import legs_of
 from asperity.results.dataset import Row, dataset_of, row_of
 from asperity.results.quantities import OF_MAPS
 
@@ -284,7 +284,7 @@ def started(frame: Frame, config: RunConfig) -> xr.Dataset:
 
 
 def _slides(config: RunConfig) -> bool:
-    return bool(config.legs) and any(isinstance(leg, Slide) for leg in legs_of(config.legs))
+    return bool(config.legs) and any(leg.speed for leg in legs_of(config.legs))
 
 
 def of_frame(frame: Frame) -> tuple[Row, Map]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from asperity.aging.legs import check_slides
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
-from asperity.app.config.models import Aging, AnyLeg, Independent, RepeatLeg, SlideLeg
+from asperity.app.config.models import Aging, Independent
 from asperity.app.config.models import Contact as ContactSection
 from asperity.app.config.solids import Continuum
 from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load, modest_pressure
@@ -25,7 +25,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
 from asperity.progress import Progress
-from asperity.protocols import Hold, Ramp, Schedule, Slide, legs_of
+from asperity.protocols import Schedule
 from asperity.results import Checkpoint, History
 from asperity.simulate import age, press, relax
 from asperity.solids import Solid
@@ -108,7 +108,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     _shear_strength(config)  # refuses before hours have passed, as does the next
     bodies = bodies_of(rough, solid)  # refuses before anything is compiled
     if config.protocol:
-        check_slides(legs_of(config.legs), bodies.lattice, solid)
+        check_slides(config.written_out, bodies.lattice, solid)
     config, remarks = completed(config, rough)
     progress.completed(config)
     for remark in remarks:
@@ -178,7 +178,8 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
         ("load", config.contact.load, "N", _LIGHT * load, load),
     ]
     told += [
-        ("distance", far, "m", min(spacing) / 1000, 1000 * max(sides)) for far in _distances(config.protocol)
+        ("distance", getattr(leg, "distance", None), "m", min(spacing) / 1000, 1000 * max(sides))
+        for leg in config.written_out
     ]
     return tuple(
         f"{name} {value:g} has no unit and was taken in {unit}; here it would usually be "
@@ -186,15 +187,6 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
         for name, value, unit, low, high in dict.fromkeys(told)
         if value is not None and not isinstance(value, InUnits) and not low <= value <= high
     )
-
-
-def _distances(legs: Iterable[AnyLeg]) -> Iterator[float]:
-    """How far legs slide, as it was written."""
-    for leg in legs:
-        if isinstance(leg, RepeatLeg):
-            yield from _distances(leg.legs)
-        elif isinstance(leg, SlideLeg):
-            yield leg.distance
 
 
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
@@ -283,12 +275,12 @@ def recorded_times(config: RunConfig) -> Field:
         return np.asarray(aging.times, dtype=np.float64)
     if not config.protocol:
         return hold_times(first=first, last=last, per_decade=aging.per_decade)
-    schedule = Schedule.of(legs_of(config.legs), np.empty(0))
+    schedule = Schedule.of(config.written_out, np.empty(0))
     times = list(schedule.switches[1:])
     for leg, begun in zip(schedule.legs, schedule.switches, strict=False):
-        if isinstance(leg, Ramp):
+        if leg.target and leg.duration:
             times += (begun + leg.duration * np.arange(1, _IN_RAMP) / _IN_RAMP).tolist()
-        elif isinstance(leg, Hold) and leg.duration > first:
+        elif leg.rests and leg.duration > first:
             since = hold_times(first=first, last=leg.duration, per_decade=aging.per_decade)
             times += (begun + since[:-1]).tolist()
     return np.unique(times)
@@ -298,7 +290,7 @@ def _map_times(config: RunConfig) -> list[float]:
     """Times of the maps where none are given: under a protocol, the switches."""
     if not config.protocol:
         return list(map_times(recorded_times(config).tolist()))
-    switches = list(dict.fromkeys(Schedule.of(legs_of(config.legs), np.empty(0)).switches))
+    switches = list(dict.fromkeys(Schedule.of(config.written_out, np.empty(0)).switches))
     chosen = np.unique(np.linspace(0, len(switches) - 1, min(len(switches), USUAL_MAPS)).round().astype(int))
     return [switches[index] for index in chosen]
 
@@ -342,7 +334,7 @@ def _shear_strength(config: RunConfig) -> ShearStrength | None:
     if told.shear_strength is None:
         return None
     law = ShearStrength(told.shear_strength, told.rate_coefficient or 0.0, told.reference_velocity)
-    law.at([leg.velocity for leg in legs_of(config.legs or [Hold(1.0)]) if isinstance(leg, Slide)] or [0.0])
+    law.at([leg.speed for leg in config.written_out if leg.speed] or [0.0])
     return law
 
 

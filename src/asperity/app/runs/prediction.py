@@ -21,7 +21,6 @@ from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.models import Contact as ContactSection
-from asperity.app.config.models import HoldLeg, RampLeg
 from asperity.app.config.solids import POISSON, HalfSpace
 from asperity.app.runs.defaults import USUAL_MAPS, hold_times
 from asperity.app.runs.pipeline import bytes_a_site, check_units, completed, recorded_times
@@ -302,10 +301,10 @@ def predict_config(
 
 def _loading(config: RunConfig, ramp: float) -> tuple[RunConfig, float]:
     """A load with the ramp that puts it on, where a protocol says them; any other protocol is refused."""
-    match config.protocol:
-        case []:
+    match config.legs:
+        case ():
             return config, ramp
-        case [RampLeg(separation=None, approach=None) as up, HoldLeg(hold=None | "load") as held] if (
+        case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held) if (
             config.contact.load == 0 and not ramp and up.mobility == held.mobility == 1
         ):
             asked = {

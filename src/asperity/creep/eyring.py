@@ -1,0 +1,134 @@
+"""Thermally activated creep."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asperity.base import units
+from asperity.base.checks import Floats
+from asperity.creep.law import LARGEST_EXPONENT, LocalCreep, Rate, Stress
+from asperity.errors import InputError
+
+BOLTZMANN = 1.380649e-23
+"""Boltzmann's constant, J/K (exact in the SI)."""
+
+_AVOGADRO = 6.02214076e23
+"""Avogadro's constant, 1/mol (exact in the SI)."""
+
+_BLOCK = 2**13
+"""Stresses taken at a time, which stay in the cache."""
+
+_SMALLEST_RATE = 1e-290
+"""Rate below which double precision loses digits."""
+
+
+@dataclass(frozen=True)
+class Eyring(LocalCreep):
+    r"""Thermally activated creep: v(s) = v0 sinh(s/s0).
+
+    Parameters
+    ----------
+    rate
+        v0, velocity > 0; on a continuum in m/s, or a text with a unit.
+    stress
+        s0 > 0: a force on the lattice of springs; on a continuum a pressure, in Pa or a text with a unit.
+
+    Raises
+    ------
+    InputError
+        A number is not positive and finite.
+
+    Notes
+    -----
+    Small stresses s << s0 creep with the mobility v0/s0, as with ``R_viscous=v0/s0``.
+
+    References
+    ----------
+    H. Eyring, J. Chem. Phys. 4, 283 (1936), DOI 10.1063/1.1749836.
+    """
+
+    rate: Rate
+    stress: Stress
+
+    formula = "v0 sinh(s/s0)"
+    smooth = True
+
+    if TYPE_CHECKING:
+
+        def __init__(self, rate: float | str, stress: float | str) -> None: ...
+
+    @classmethod
+    def activated(
+        cls,
+        *,
+        energy: float | str,
+        volume: float | str,
+        temperature: float | str,
+        prefactor: float | str,
+    ) -> Eyring:
+        r"""From activation energy Q and volume Omega: v0 = prefactor exp(-Q/kT), s0 = kT/Omega.
+
+        Parameters
+        ----------
+        energy
+            Q without stress, J; a text may have another unit: ``"1 eV"``, ``"96 kJ/mol"``.
+        volume
+            Omega, m^3, or a text: ``"0.1 nm^3"``. s0 = kT/Omega, so the stress s does the work s Omega.
+        temperature
+            T, K, or a text: ``"20 degC"``.
+        prefactor
+            v0 where kT is far above Q, m/s: twice an attempt frequency times the length of a jump.
+
+        Raises
+        ------
+        InputError
+            A number is out of its range, or v0 is too small for a number in double precision.
+        """
+        thermal = BOLTZMANN * units.number("temperature", temperature, "K", above=0)
+        omega = units.number("volume", volume, "m^3", above=0)
+        before = units.number("prefactor", prefactor, "m/s", above=0)
+        barrier = joules(energy)
+        rate = before * math.exp(-barrier / thermal)
+        if rate < _SMALLEST_RATE:
+            raise InputError(
+                "energy",
+                expected="an activation energy of at most some hundred kT",
+                got=f"{barrier / thermal:.0f} kT",
+                advice="a higher temperature",
+            )
+        return cls(rate, thermal / omega)
+
+    @property
+    def greatest_stress(self) -> float:  # type: ignore[override]
+        """See `LocalCreep`."""
+        return LARGEST_EXPONENT * self.stress
+
+    def bend(self, stress: Floats) -> float:
+        """See `LocalCreep`."""
+        del stress
+        return self.stress
+
+    def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
+        """See `LocalCreep`. Beyond `LARGEST_EXPONENT`, which is refused, it is that at it."""
+        stress = np.ascontiguousarray(stress)
+        rate, slope = np.empty_like(stress), np.empty_like(stress)
+        flat = [field.reshape(-1) for field in (stress, rate, slope)]
+        for start in range(0, stress.size, _BLOCK):
+            s, v, dv = (field[start : start + _BLOCK] for field in flat)
+            x = np.clip(s / self.stress, -LARGEST_EXPONENT, LARGEST_EXPONENT)
+            np.sinh(x, out=v)
+            np.cosh(x, out=dv)
+            v *= self.rate
+            dv *= self.rate / self.stress
+        return rate, slope
+
+
+def joules(energy: float | str) -> float:
+    """An energy of activation in joules, from one for each mole where the text says so."""
+    if isinstance(energy, str) and "mol" in energy:
+        return units.number("energy", energy, "J/mol", above=0) / _AVOGADRO
+    return units.number("energy", energy, "J", above=0)
