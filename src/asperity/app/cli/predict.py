@@ -21,8 +21,8 @@ from asperity.app.cli.output import check_free, save_within
 from asperity.app.cli.report import Row, aligned
 from asperity.app.cli.resuming import place_beside, tell_results
 from asperity.app.config import MeasuredSurface
-from asperity.app.config.mistakes import SECTIONS, Sections, flag_of
-from asperity.app.config.models import Scan
+from asperity.app.config.mistakes import Sections, flag_of
+from asperity.app.config.models import SECTIONS, Scan
 from asperity.app.config.reading import file_surface, read_config, section_from
 from asperity.app.config.solids import POISSON, BesideTable
 from asperity.app.runs.prediction import predict as predict_it

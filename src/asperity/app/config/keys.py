@@ -5,17 +5,13 @@ It is read from the models, so that a key that is added there has its flag, its 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, cast
 
-from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-from pydantic.functional_validators import WrapValidator
 
-from asperity.app.config.models import KINDS, LEGS, Aging, Contact, Friction, Output
-from asperity.app.config.sections import InUnit
+from asperity.app.config.models import KINDS, LEGS, SECTIONS
 
 What = Literal[
     "number",
@@ -93,11 +89,8 @@ def sections() -> dict[str, dict[str, Keys]]:
     """
     known: dict[str, Mapping[str, type[BaseModel]]] = {
         **KINDS,
-        "contact": {"": Contact},
-        "aging": {"": Aging},
+        **{name: {"": model} for name, model in SECTIONS.items()},
         "protocol": LEGS,
-        "friction": {"": Friction},
-        "output": {"": Output},
     }
     return {
         section: {kind: keys_of(model) for kind, model in kinds.items()} for section, kinds in known.items()
@@ -106,69 +99,40 @@ def sections() -> dict[str, dict[str, Keys]]:
 
 def keys_of(model: type[BaseModel]) -> Keys:
     """Keys of one model, but for its kind."""
-    return {name: _key(name, field) for name, field in model.model_fields.items() if name != "kind"}
+    schema = model.model_json_schema()
+    schema = schema["$defs"][model.__name__] | schema if "$ref" in schema else schema
+    needed = schema.get("required", [])
+    return {
+        name: _key(name, facts, required=name in needed)
+        for name, facts in schema["properties"].items()
+        if name != "kind"
+    }
 
 
-def _key(name: str, field: FieldInfo) -> Key:
-    kinds = list(_kinds(field.annotation))
-    facts = [*field.metadata, *_facts(field.annotation)]
-    choices = tuple(kind for kind in kinds if isinstance(kind, str))
-    bounds: dict[str, Any] = {}
-    for fact in facts if tuple not in kinds else ():
-        if isinstance(fact, Ge | Gt):
-            bounds |= {"least": fact.ge if isinstance(fact, Ge) else fact.gt, "above": isinstance(fact, Gt)}
-        elif isinstance(fact, Le | Lt):
-            bounds |= {"most": fact.le if isinstance(fact, Le) else fact.lt, "below": isinstance(fact, Lt)}
-    units = [
-        fact.func.unit for fact in facts if isinstance(fact, WrapValidator) and isinstance(fact.func, InUnit)
-    ]
+def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
+    """A key as its JSON schema has it."""
+    kinds = [kind for kind in facts.get("anyOf", [facts]) if kind.get("type") != "null"]
+    several = "items" in kinds[0]
+    one = kinds[0]["items"] if several else kinds[0]
+    choices = tuple(one.get("enum", [one["const"]] if "const" in one else []))
+    plain = {"number": "number", "integer": "whole", "boolean": "switch", "string": "text"}
+    what = "choice" if choices else plain.get(one.get("type"), "legs")
+    if "prefixItems" in one:
+        what = "pair"
+    elif len(kinds) > 1:
+        what = "text or whole"
+    elif what == "text" and name in _PATHS:
+        what = "path"
     return Key(
         name=name,
-        what=_what(name, kinds, choices),
-        unit=units[0] if units and tuple not in kinds else "",
+        what=cast(What, f"{what}s" if several and what != "legs" else what),
+        unit=one.get("unit", ""),
         choices=choices,
-        default=None if field.is_required() else field.default,
-        required=field.is_required(),
-        description=field.description or "",
-        **bounds,
+        default=facts.get("default"),
+        required=required,
+        least=one.get("exclusiveMinimum", one.get("minimum")),
+        most=one.get("exclusiveMaximum", one.get("maximum")),
+        above="exclusiveMinimum" in one,
+        below="exclusiveMaximum" in one,
+        description=facts.get("description", ""),
     )
-
-
-def _what(name: str, kinds: list[object], choices: tuple[str, ...]) -> What:
-    several = list in kinds
-    if bool in kinds:
-        return "switch"
-    if choices:
-        return "choices" if several else "choice"
-    if tuple in kinds:
-        return "pairs" if several else "pair"
-    if float in kinds:
-        return "numbers" if several else "number"
-    if str in kinds:
-        return "path" if name in _PATHS else "text or whole" if int in kinds else "text"
-    if int in kinds:
-        return "wholes" if several else "whole"
-    return "legs"
-
-
-def _kinds(annotation: Any) -> Iterator[object]:
-    """All that a key may be: the types and the words in its annotation, and ``list`` where it may be one."""
-    parts = get_args(annotation)
-    if not parts:
-        yield annotation
-    elif hasattr(annotation, "__metadata__"):
-        yield from _kinds(parts[0])
-    else:
-        if (origin := getattr(annotation, "__origin__", None)) in (list, tuple):
-            yield origin
-        for part in parts:
-            yield from _kinds(part)
-
-
-def _facts(annotation: Any) -> Iterator[object]:
-    """What stands beside the types within an annotation: bounds, validators."""
-    for fact in getattr(annotation, "__metadata__", ()):
-        yield from fact.metadata if isinstance(fact, FieldInfo) else (fact,)
-    for part in get_args(annotation):
-        if not isinstance(part, FieldInfo | WrapValidator):
-            yield from _facts(part)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterable, Mapping, Sequence, Sized
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,18 +12,12 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from asperity.app.config.models import KINDS, LEGS, Aging, Contact, Friction, Output
+from asperity.app.config.models import KINDS, LEGS, SECTIONS
 from asperity.base.words import closest, has_decimal_comma, shortened
 from asperity.errors import SHOWN_PROBLEMS
 
 Sections = dict[str, dict[str, object]]
 
-SECTIONS: dict[str, type[BaseModel]] = {
-    "contact": Contact,
-    "aging": Aging,
-    "friction": Friction,
-    "output": Output,
-}
 ORDER = [*KINDS, *SECTIONS]
 """All sections, in the order in which they are written and shown."""
 
@@ -50,39 +44,49 @@ def flag_of(section: str, key: str) -> str:
 
 
 def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) -> list[str]:
-    """Find sections and keys that do not exist, and suggest those that do."""
-    problems: list[str] = []
+    """Find sections and keys that do not exist, and suggest those that do; in lines not shown nothing."""
+    return [
+        said + (_suggestion(word, known) if known and number < SHOWN_PROBLEMS else "")
+        for number, (said, word, known) in enumerate(_unknown(merged, flags, path))
+    ]
+
+
+Unknown = tuple[str, str, list[str]]
+"""What is wrong with a name, the name, and those that may have been meant."""
+
+
+def _unknown(merged: dict[str, Any], flags: Sections, path: Path | None) -> Iterator[Unknown]:
     for section, table in merged.items():
         if section == "protocol":
-            _unknown_legs(table, flags, path, problems)
+            yield from _unknown_in_legs(table, flags, path)
         elif section not in ORDER:
-            problems.append(_where(path, _no_section(section, table, path, problems)))
+            yield _no_section(section, table, path)
         elif not isinstance(table, dict):
-            problems.append(_where(path, f"{section}: expected a section [{section}], got {_shown(table)}"))
+            yield _where(path, f"{section}: expected a section [{section}], got {_shown(table)}"), "", []
         else:
-            _unknown_keys(section, table, flags, path, problems)
-    return problems
+            yield from _unknown_keys(section, table, flags, path)
 
 
-def _no_section(name: str, content: object, path: Path | None, before: Sized) -> str:
+def _no_section(name: str, content: object, path: Path | None) -> Unknown:
     """Say what is wrong with a name at the top of the file."""
     if name == "sweep":
         command = f"asperity sweep {shlex.quote(str(path or 'campaign.toml'))} --out FOLDER"
-        return f"[sweep]: makes this the file of a campaign, not of a run; try {command}"
+        reason = f"makes this the file of a campaign, not of a run; try {command}"
+        return _where(path, f"[sweep]: {reason}"), "", []
     if isinstance(content, dict):
-        return f"[{name}]: no such section{_suggestion(name, ORDER, before)}"
+        return _where(path, f"[{name}]: no such section"), name, ORDER
     homes = [
         section
         for section in (*SECTIONS, *KINDS)
         if any(name in model.model_fields for model in models_of(section))
     ]
     where = f"; it belongs below [{homes[0]}]" if homes else ""
-    return f"{name}: stands outside any section{where}"
+    return _where(path, f"{name}: stands outside any section{where}"), "", []
 
 
 def _unknown_keys(
-    section: str, table: dict[str, Any], flags: Sections, path: Path | None, problems: list[str]
-) -> None:
+    section: str, table: dict[str, Any], flags: Sections, path: Path | None
+) -> Iterator[Unknown]:
     kind = table.get("kind")
     kinds: Mapping[str, type[BaseModel]] = KINDS.get(section, {})
     model = SECTIONS.get(section) or (kinds.get(kind) if isinstance(kind, str) else None)
@@ -92,39 +96,36 @@ def _unknown_keys(
     for key in table:
         if key in known:
             continue
+        named = _named(section, key, flags, path)
         owners = [name for name, other in kinds.items() if key in other.model_fields]
         if owners:
             reason = f"not a key of a {section} of kind {kind!r}, but of {' and '.join(map(repr, owners))}"
             if key in flags.get(section, {}):
                 reason += f"; try --{section} {owners[0]}"
+            yield f"{named}: {reason}", key, []
+        elif key in _MEANT:
+            yield f"{named}: no such key; try {_MEANT[key]}", key, []
         else:
-            hint = f"; try {_MEANT[key]}" if key in _MEANT else _suggestion(key, known, problems)
-            reason = f"no such key{hint}"
-        problems.append(_named(section, key, flags, path) + f": {reason}")
+            yield f"{named}: no such key", key, known
 
 
-def _unknown_legs(
-    legs: object, flags: Sections, path: Path | None, problems: list[str], where: str = "protocol"
-) -> None:
+def _unknown_in_legs(
+    legs: object, flags: Sections, path: Path | None, where: str = "protocol"
+) -> Iterator[Unknown]:
     """Find keys of legs that do not exist."""
     if not isinstance(legs, list) or not all(isinstance(leg, dict) for leg in legs):
         advice = '[[protocol]] with kind = "hold" and duration = 10.0'
-        problems.append(_where(path, f"{where}: expected a list of legs; try {advice}"))
+        yield _where(path, f"{where}: expected a list of legs; try {advice}"), "", []
         return
     for number, leg in enumerate(legs):
-        model = LEGS.get(str(leg.get("kind")))
-        if model is None:
-            continue
+        known = list(LEGS[str(leg.get("kind"))].model_fields) if str(leg.get("kind")) in LEGS else list(leg)
         here = f"{where}[{number}]"
         for key in leg:
-            if key not in model.model_fields:
-                hint = _suggestion(key, [name for name in model.model_fields if name != "kind"], problems)
-                if "protocol" in flags:
-                    problems.append(f"--leg {key}: no such key{hint}")
-                else:
-                    problems.append(_where(path, f"{here} {key}: no such key{hint}"))
-        if "legs" in leg and "legs" in model.model_fields:
-            _unknown_legs(leg["legs"], flags, path, problems, f"{here} legs")
+            if key not in known:
+                named = f"--leg {key}" if "protocol" in flags else _where(path, f"{here} {key}")
+                yield f"{named}: no such key", key, [name for name in known if name != "kind"]
+        if "legs" in leg and "legs" in known:
+            yield from _unknown_in_legs(leg["legs"], flags, path, f"{here} legs")
 
 
 def is_unknown(detail: ErrorDetails) -> bool:
@@ -249,8 +250,6 @@ def _meant(word: object, known: Iterable[str]) -> str:
     return f"; did you mean {meant!r}?" if meant else ""
 
 
-def _suggestion(word: str, known: list[str], before: Sized) -> str:
-    """Name the one of the known names that was meant, or else all of them; nothing in lines not shown."""
-    if len(before) >= SHOWN_PROBLEMS:
-        return ""
+def _suggestion(word: str, known: list[str]) -> str:
+    """Name the one of the known names that was meant, or else all of them."""
     return _meant(word, known) or f"; there are {', '.join(known)}"

@@ -537,6 +537,15 @@ class Output(Section):
         return self
 
 
+SECTIONS: Mapping[str, type[Section]] = {
+    "contact": Contact,
+    "aging": Aging,
+    "friction": Friction,
+    "output": Output,
+}
+"""Sections of one kind."""
+
+
 class RunConfig(Section):
     """The configuration of a run."""
 

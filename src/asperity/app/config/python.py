@@ -114,7 +114,8 @@ def _written(value: object) -> str:
     if isinstance(value, LocalCreep):
         return _call(f"asp.solids.{type(value).__name__}", **vars(value))
     if isinstance(value, Leg):
-        facts = {name: list(one) if name == "legs" else one for name, one in value.arguments.items()}
-        facts |= {name: "inf" for name, one in facts.items() if one == math.inf}
+        facts = {name: "inf" if one == math.inf else one for name, one in value.arguments.items()}
+        if isinstance(legs := facts.get("legs"), tuple):
+            facts["legs"] = list(legs)
         return _call(f"asp.protocols.{type(value).__name__}", **facts)
     return repr(value)

@@ -8,7 +8,8 @@ from dataclasses import MISSING, dataclass
 from types import NoneType
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WrapValidator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
 from asperity.base.parameters import Parameter
 from asperity.base.words import InUnits, has_unit
@@ -31,6 +32,14 @@ class InUnit:
     """Take a text with a unit for a number in SI; anything else is checked as it is."""
 
     unit: str
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_wrap_validator_function(self, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return handler(schema) | {"unit": self.unit}
 
     def __call__(self, value: object, check: Callable[[object], float]) -> float:
         """Read a number, which remembers how it was written."""
@@ -63,10 +72,6 @@ class Activation(InUnit):
             raise ValueError(f"expected {error.expected}, got {error.got}") from None
 
 
-def _in(unit: str) -> WrapValidator:
-    return WrapValidator(InUnit(unit))
-
-
 def listed(value: object) -> object:
     """Take one number, or one text, for a list of one."""
     return [value] if isinstance(value, float | int | str) and not isinstance(value, bool) else value
@@ -92,19 +97,19 @@ Real = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 Constant = Annotated[float, Field(ge=0, le=1e30)]
 """A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
-Time = Annotated[float, Field(ge=0, le=1e30), _in("s")]
-Duration = Annotated[float, Field(gt=0, le=1e30), _in("s")]
-FirstForce = Annotated[float, Field(ge=0, le=LARGEST), _in("N")]
+Time = Annotated[float, Field(ge=0, le=1e30), InUnit("s")]
+Duration = Annotated[float, Field(gt=0, le=1e30), InUnit("s")]
+FirstForce = Annotated[float, Field(ge=0, le=LARGEST), InUnit("N")]
 """A load at the beginning, from which a ramp may go up."""
-Pressure = Annotated[float, Field(gt=0, le=LARGEST), _in("Pa")]
-Modulus = Annotated[float, Field(gt=0, le=1e30), _in("Pa")]
-Size = Annotated[float, Field(gt=0, le=LARGEST), _in("m")]
-Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("m")]
-Velocity = Annotated[float, Field(gt=0, le=LARGEST), _in("m/s")]
-Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), _in("N/m")]
-Energy = Annotated[float, Field(gt=0, le=LARGEST), WrapValidator(Activation())]
-Volume = Annotated[float, Field(gt=0, le=LARGEST), _in("m^3")]
-Temperature = Annotated[float, Field(gt=0, le=LARGEST), _in("K")]
+Pressure = Annotated[float, Field(gt=0, le=LARGEST), InUnit("Pa")]
+Modulus = Annotated[float, Field(gt=0, le=1e30), InUnit("Pa")]
+Size = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m")]
+Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), InUnit("m")]
+Velocity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m/s")]
+Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), InUnit("N/m")]
+Energy = Annotated[float, Field(gt=0, le=LARGEST), Activation()]
+Volume = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m^3")]
+Temperature = Annotated[float, Field(gt=0, le=LARGEST), InUnit("K")]
 
 
 def annotation_of(parameter: Parameter) -> Any:
@@ -113,10 +118,10 @@ def annotation_of(parameter: Parameter) -> Any:
     words = tuple(kind for kind in kinds if isinstance(kind, str))
     if float in kinds and words:
         key: Any = Annotated[
-            (float, *parameter.facts, Field(allow_inf_nan=True), _in(unit), BeforeValidator(_infinite))
+            (float, *parameter.facts, Field(allow_inf_nan=True), InUnit(unit), BeforeValidator(_infinite))
         ]
     elif float in kinds:
-        key = Annotated[(Real, *parameter.facts, *([_in(unit)] if unit else []))]
+        key = Annotated[(Real, *parameter.facts, *([InUnit(unit)] if unit else []))]
     else:
         key = Literal[words] if words else Annotated[(int, *parameter.facts)]
     return key | None if NoneType in kinds else key
