@@ -137,31 +137,24 @@ class Independent(SurfaceSection):
         """Sites along each axis."""
         return tuple(self.shape)
 
+    @property
+    def law(self) -> HeightLaw:
+        """The law of the heights."""
+        from asperity.theory import ExponentialHeights, GaussianHeights
+
+        return (GaussianHeights if self.kind == "gaussian" else ExponentialHeights)(rms=self.rms)
+
 
 class Gaussian(Independent):
     """Independent Gaussian heights."""
 
     kind: Literal["gaussian"] = "gaussian"
 
-    @property
-    def law(self) -> HeightLaw:
-        """The law of the heights."""
-        from asperity.theory import GaussianHeights
-
-        return GaussianHeights(rms=self.rms)
-
 
 class Exponential(Independent):
     """Independent exponential heights."""
 
     kind: Literal["exponential"] = "exponential"
-
-    @property
-    def law(self) -> HeightLaw:
-        """The law of the heights."""
-        from asperity.theory import ExponentialHeights
-
-        return ExponentialHeights(rms=self.rms)
 
 
 class SelfAffine(SurfaceSection):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
@@ -80,21 +81,27 @@ class SolidSection(Section):
         return self
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What the function of `asperity.solids` that makes it takes; None for what is not given."""
-        raise NotImplementedError
+    def numbers(self) -> dict[str, Any]:
+        """Arguments that are not keys of the same name and value."""
+        return {}
 
     @property
     def given(self) -> dict[str, Any]:
-        """The same without what is not given."""
-        return {name: value for name, value in self.arguments.items() if value is not None}
+        """What the function of `asperity.solids` that makes it takes, without what is not given."""
+        made = self.numbers
+        told = {name: made.get(name, getattr(self, name, None)) for name in signature(self.make).parameters}
+        return {name: value for name, value in told.items() if value is not None}
 
-    def build(self) -> Solid:
-        """Make the solid, by the function that is called like its kind."""
+    @property
+    def make(self) -> Callable[..., Solid]:
+        """The function that makes it, which is called like its kind."""
         import asperity.solids as solids
 
-        make: Callable[..., Solid] = getattr(solids, self.kind)
-        return make(**self.given)
+        return cast(Callable[..., "Solid"], getattr(solids, self.kind))
+
+    def build(self) -> Solid:
+        """Make the solid."""
+        return self.make(**self.given)
 
 
 def _kept(share: float) -> float:
@@ -199,10 +206,9 @@ class SpringLattice(Creeping):
     hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What `asperity.solids.spring_lattice` takes."""
-        springs = {name: getattr(self, name) for name in ("k0", "k1", "R", "R_viscous")}
-        return {**springs, "creep": self.law, "hardness": self.hardness}
+    def numbers(self) -> dict[str, Any]:
+        """See `SolidSection`."""
+        return {"creep": self.law}
 
 
 class Continuum(SolidSection):
@@ -307,9 +313,10 @@ class Continuum(SolidSection):
         return contact_modulus(young, self.poisson or [])
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What all functions of `asperity.solids` that make continua take."""
-        return {"modulus": self.contact_modulus, "branches": self.maxwell or None}
+    def numbers(self) -> dict[str, Any]:
+        """See `SolidSection`; of the solids that have one ratio, that."""
+        poisson = next(iter(self.poisson or []), None)
+        return {"modulus": self.contact_modulus, "branches": self.maxwell or None, "poisson": poisson}
 
     @property
     def span(self) -> tuple[float, float]:
@@ -395,10 +402,9 @@ class HalfSpace(Creeping, Continuum):
         return self
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What `asperity.solids.half_space` takes."""
-        crept = {"flow": self.flow, "permanent": self.permanent or None, "creep": self.law}
-        return {**super().arguments, "apparatus": self.apparatus, **crept, "hardness": self.hardness}
+    def numbers(self) -> dict[str, Any]:
+        """See `SolidSection`."""
+        return {**super().numbers, "permanent": self.permanent or None, "creep": self.law}
 
 
 class BesideTable(Section):
@@ -423,11 +429,9 @@ class Layer(Continuum):
     hardness: Pressure | None = Field(default=None, description=_HARDNESS)
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What `asperity.solids.layer` takes."""
-        shape = {"poisson": self.poisson[0], "thickness": self.thickness}
-        bonded = False if self.frictionless else None
-        return {**super().arguments, **shape, "bonded": bonded, "hardness": self.hardness}
+    def numbers(self) -> dict[str, Any]:
+        """See `SolidSection`."""
+        return {**super().numbers, "bonded": False if self.frictionless else None}
 
 
 class CoatedHalfSpace(Continuum):
@@ -450,11 +454,9 @@ class CoatedHalfSpace(Continuum):
         return [*super().times, *(time for share, time in self.base_branches if share > 0)]
 
     @property
-    def arguments(self) -> dict[str, Any]:
-        """What `asperity.solids.coated_half_space` takes."""
-        names = ("thickness", "apparatus", "base_modulus", "base_poisson", "hardness")
-        shape = {"poisson": self.poisson[0], **{name: getattr(self, name) for name in names}}
-        return {**super().arguments, **shape, "base_branches": self.base_branches or None}
+    def numbers(self) -> dict[str, Any]:
+        """See `SolidSection`."""
+        return {**super().numbers, "base_branches": self.base_branches or None}
 
 
 SOLIDS = by_kind(SpringLattice, HalfSpace, Layer, CoatedHalfSpace)
