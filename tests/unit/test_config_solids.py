@@ -143,68 +143,6 @@ def test_a_table_of_relaxation_gives_branches_and_modulus(tmp_path):
     assert stiffer.solid.maxwell == config.solid.maxwell
 
 
-HALF = "[solid]\nkind = 'half_space'\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        (
-            "[solid]\nkind = 'steel'",
-            "[solid] kind: expected one of 'spring_lattice', 'half_space', 'layer', ",
-        ),
-        ("[solid]\nmodulus = 1.0", "[solid] modulus: not a key of a solid of kind 'spring_lattice', but of "),
-        (HALF, "[solid] expected modulus, young and poisson, or relaxation and poisson, got none"),
-        (f"{HALF}modulus = -1.0", "[solid] modulus: expected a number above 0.0, got -1.0"),
-        (f"{HALF}modulus = '3 um'", "[solid] modulus: expected a pressure, such as 1 MPa, got '3 um'"),
-        (f"{HALF}modulus = 1.0\nyoung = 1.0", "[solid] expected modulus or young, got both"),
-        (f"{HALF}young = 1.0", "[solid] poisson: expected one for each of 1 in young, got 0"),
-        (f"{HALF}modulus = 1.0\npoisson = 0.3", "[solid] poisson: expected none beside the contact modulus"),
-        (
-            f"{HALF}modulus = 1.0\nbranches = [[0.6, 1.0], [0.5, 2.0]]",
-            "[solid] branches: expected shares of at most 1 in sum, got 1.1",
-        ),
-        (
-            f"{HALF}modulus = 1.0\nbranches = [[1.5, 1.0]]",
-            "branches: expected a number of at most 1.0, got 1.5",
-        ),
-        (
-            f"{HALF}modulus = 1.0\nbranches = [0.5]",
-            "branches: expected pairs of numbers, such as [[0.3,",
-        ),
-        (
-            f"{HALF}modulus = 1.0\nbranches = [[0.5, 1.0]]\nflow = [1.0, 2.0]",
-            "[solid] expected branches or flow, got both",
-        ),
-        (f"{HALF}relaxation = 'none.csv'\npoisson = 0.3", "[solid] relaxation: "),
-        (
-            f"{HALF}modulus = 1.0\ncreep_energy = 1.0\ntemperature = 300.0",
-            "[solid] creep: expected eyring beside creep_energy, temperature, got none",
-        ),
-        (
-            "[solid]\ncreep_rate = 1.0",
-            "[solid] creep: expected eyring, norton or garofalo beside creep_rate, got none",
-        ),
-        (f"{HALF}modulus = 1.0\nper_decade = 2.0", "per_decade: expected relaxation beside it, got none"),
-        (
-            "[solid]\nkind = 'layer'\nmodulus = 1.0\npoisson = 0.3",
-            "[solid] thickness: expected a value, got none",
-        ),
-        ("[contact]\nload = '1 MPa'", "[contact] load: expected a force, such as 10 N, got '1 MPa'"),
-        (
-            "[contact]\npressure = 1.0\nload = 1.0\nseparation = 1.0",
-            "expected load, pressure or separation, got all",
-        ),
-    ],
-)
-def test_a_mistake_is_one_line(tmp_path, text, line):
-    with pytest.raises(ConfigError) as caught:
-        configured(tmp_path, text)
-    (problem,) = caught.value.problems
-    assert line in problem
-    assert "\n" not in problem
-
-
 def test_mistakes_in_flags_are_named_as_flags():
     for words, line in (
         ({"kind": "layer", "modulus": "1", "poisson": "0.3"}, "--thickness: expected a value, got none"),
