@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from annotated_types import Ge, Gt
@@ -189,14 +189,16 @@ class Hold(Leg):
 class Change(Leg):
     """A leg that ends at another load or separation."""
 
+    example: ClassVar[str]
+    """One such leg, as one writes it."""
+
     load: float | None
     separation: float | None
     pressure: float | None
     approach: float | None
 
     def __post_init__(self) -> None:
-        example = "Ramp(10.0, load=400.0)" if "duration" in vars(self) else "Step(load=400.0)"
-        checks.one_of(example, **{name: getattr(self, name) for name in _TARGETS})
+        checks.one_of(self.example, **{name: getattr(self, name) for name in _TARGETS})
         super().__post_init__()
 
     @property
@@ -241,6 +243,8 @@ class Ramp(Change):
     """
 
     duration: _Duration
+    example = "Ramp(10.0, load=400.0)"
+
     load: _Load = None
     separation: _Separation = None
     mobility: _Mobility = 1.0
@@ -267,6 +271,8 @@ class Step(Change):
     approach
         The new approach, as in `Ramp`.
     """
+
+    example = "Step(load=400.0)"
 
     load: _Load = None
     separation: _Separation = None
