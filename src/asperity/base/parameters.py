@@ -66,6 +66,11 @@ class Parameter:
             if isinstance(fact, kind)
         }
 
+    @property
+    def optional(self) -> Parameter:
+        """The same that need not be given."""
+        return Parameter((*self.kinds, NoneType), self.facts, None)
+
     def checked(self, name: str, value: object) -> object:
         """The value as a number of Python within the bounds, or one of the words; `InputError` otherwise."""
         if value is None and NoneType in self.kinds:

@@ -11,7 +11,7 @@ from typing import Any, Literal, cast
 
 from pydantic import BaseModel
 
-from asperity.app.config.models import KINDS, LEGS, SECTIONS
+from asperity.app.config.models import KINDS, LEGS, SECTIONS, RunConfig
 
 What = Literal[
     "number",
@@ -87,13 +87,12 @@ def sections() -> dict[str, dict[str, Keys]]:
 
     The first kind is the usual one. ``"protocol"`` has the kinds of legs.
     """
-    known: dict[str, Mapping[str, type[BaseModel]]] = {
-        **KINDS,
-        **{name: {"": model} for name, model in SECTIONS.items()},
-        "protocol": LEGS,
-    }
+    kinds: dict[str, Mapping[str, type[BaseModel]]] = {**KINDS, "protocol": LEGS}
     return {
-        section: {kind: keys_of(model) for kind, model in kinds.items()} for section, kinds in known.items()
+        section: {
+            kind: keys_of(model) for kind, model in (kinds.get(section) or {"": SECTIONS[section]}).items()
+        }
+        for section in RunConfig.model_fields
     }
 
 

@@ -13,6 +13,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from asperity.base.parameters import Parameter
 from asperity.base.words import InUnits, has_unit
+from asperity.creep.eyring import joules
 from asperity.errors import LARGEST, InputError
 
 
@@ -29,7 +30,10 @@ def by_kind(*models: type[Section]) -> dict[str, type[Section]]:
 
 @dataclass(frozen=True)
 class InUnit:
-    """Take a text with a unit for a number in SI; anything else is checked as it is."""
+    """Take a text with a unit for a number in SI; anything else is checked as it is.
+
+    An energy may be one for each mole.
+    """
 
     unit: str
 
@@ -48,28 +52,10 @@ class InUnit:
         from asperity.base.units import quantity
 
         try:
-            number = quantity(value, self.unit)
+            number = joules(str(value)) if self.unit == "J" else quantity(value, self.unit)
         except InputError as error:
             raise ValueError(f"expected {error.expected}, got {error.got}") from None
         return InUnits.of(check(number), str(value), self.unit)
-
-
-@dataclass(frozen=True)
-class Activation(InUnit):
-    """The same of an energy of activation, which may be one for each mole."""
-
-    unit: str = "J"
-
-    def __call__(self, value: object, check: Callable[[object], float]) -> float:
-        """Read a number, in joules."""
-        if not (has_unit(value) and "mol" in str(value)):
-            return super().__call__(value, check)
-        from asperity.creep.eyring import joules
-
-        try:
-            return InUnits.of(check(joules(str(value))), str(value), self.unit)
-        except InputError as error:
-            raise ValueError(f"expected {error.expected}, got {error.got}") from None
 
 
 def listed(value: object) -> object:
@@ -107,7 +93,7 @@ Size = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m")]
 Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), InUnit("m")]
 Velocity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m/s")]
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), InUnit("N/m")]
-Energy = Annotated[float, Field(gt=0, le=LARGEST), Activation()]
+Energy = Annotated[float, Field(gt=0, le=LARGEST), InUnit("J")]
 Volume = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m^3")]
 Temperature = Annotated[float, Field(gt=0, le=LARGEST), InUnit("K")]
 
@@ -129,18 +115,12 @@ def annotation_of(parameter: Parameter) -> Any:
 
 def field_of(parameter: Parameter) -> Any:
     """The same with its default and what it is."""
-    said, default = f"{parameter.quantity.meaning}.", parameter.default
+    what, default = parameter.quantity, parameter.default
+    said = f"Its {what.meaning} {what.symbol}." if what.symbol else f"{what.meaning}."
     said = said[0].upper() + said[1:]
     if default is MISSING:
         return annotation_of(parameter), Field(description=said)
     return annotation_of(parameter), Field(default=default, description=said)
-
-
-def optional(parameter: Parameter) -> Any:
-    """A key that need not be given, and its description."""
-    what = parameter.quantity
-    said = f"Its {what.meaning} {what.symbol}."
-    return annotation_of(parameter) | None, Field(default=None, description=said)
 
 
 Branch = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], Duration], BeforeValidator(_paired)]

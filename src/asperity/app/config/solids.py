@@ -25,8 +25,8 @@ from asperity.app.config.sections import (
     Volume,
     any_of,
     by_kind,
+    field_of,
     listed,
-    optional,
 )
 from asperity.base.parameters import parameters_of
 from asperity.creep import LAWS, Eyring, LocalCreep
@@ -159,7 +159,7 @@ else:  # keys of all laws
             ),
         ),
         **{
-            f"creep_{name}": optional(parameter)
+            f"creep_{name}": field_of(parameter.optional)
             for law in LAWS.values()
             for name, parameter in parameters_of(law).items()
         },
