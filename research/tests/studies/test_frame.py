@@ -87,7 +87,7 @@ def test_the_list_and_what_a_study_takes(done, asperity):
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        (["unloadin"], "study: expected unloading"),
+        (["unloadin"], "study: expected one of unloading"),
         (["unloading", "--seed", "-1"], "seed: expected 0 or more, got -1"),
         (["unloading", "--out", "file"], "which is a file"),
         (["unloading", "--out", "full"], "expected a new folder, or that of the study unloading"),

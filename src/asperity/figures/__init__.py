@@ -18,9 +18,11 @@ from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, pl
 from asperity.figures.rate_and_state import rate_and_state_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.sliding import sliding_figure
+from asperity.figures.style import Drawing
 from asperity.figures.surface import surface_figure
 
 __all__ = [
+    "Drawing",
     "Film",
     "aging_curve",
     "animate_history",

@@ -1,9 +1,19 @@
 """Results: frozen states in, one self-describing Dataset out, and back from disk."""
 
+from asperity.base.tables import read_table
 from asperity.results.checkpoint import Checkpoint
 from asperity.results.contacts import load_contact
 from asperity.results.history import History
-from asperity.results.store import load, save
+from asperity.results.store import load, save, whole_file, whole_folder
 
-__all__ = ["Checkpoint", "History", "load", "load_contact", "save"]
+__all__ = [
+    "Checkpoint",
+    "History",
+    "load",
+    "load_contact",
+    "read_table",
+    "save",
+    "whole_file",
+    "whole_folder",
+]
 __dir__ = __all__.copy  # dir() lists the public names alone

@@ -6,10 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.base import checks
-from asperity.figures import style
-from asperity.lattice import Field
+from asperity.figures import Drawing
+from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.challenge.scoring import QuantityScore, Score
+from asperity_research.doors import instance
 
 
 def score_figure(score: Score) -> Figure:
@@ -20,17 +21,22 @@ def score_figure(score: Score) -> Figure:
     score
         From `asperity_research.challenge.score`.
     """
-    checks.instance("score", score, Score, "asperity_research.challenge.score(result)")
+    instance("score", score, Score, "asperity.challenge.score(result)")
     count = len(score.quantities)
-    figure = style.Drawing(figsize=(4.2 * count + 0.6, 5.2), layout="constrained")
+    figure = Drawing(figsize=(4.2 * count + 0.6, 5.2), layout="constrained")
     panels = figure.subplots(2, count, sharex=True, squeeze=False, height_ratios=[2.2, 1])
     for (upper, lower), one in zip(panels.T, score.quantities, strict=True):
         _draw(upper, lower, one)
         label = score.problem.abscissa.heading
-        lower.set_xlabel(style.verbatim(label))
+        lower.set_xlabel(_verbatim(label))
         _logarithmic(lower, one.abscissa)
-    figure.suptitle(style.verbatim(f"{score.problem.name}: {score.problem.title}"), fontsize=10)
+    figure.suptitle(_verbatim(f"{score.problem.name}: {score.problem.title}"), fontsize=10)
     return figure
+
+
+def _verbatim(text: str) -> str:
+    """Write a text so that nothing in it is read as mathematics."""
+    return text.replace("$", r"\$")
 
 
 def _draw(upper: Axes, lower: Axes, one: QuantityScore) -> None:
@@ -53,7 +59,7 @@ def _draw(upper: Axes, lower: Axes, one: QuantityScore) -> None:
         markersize=5,
         label=f"given: {one.verdict}",
     )
-    upper.set_ylabel(style.verbatim(one.column.heading))
+    upper.set_ylabel(_verbatim(one.column.heading))
     upper.legend(fontsize=8)
     tolerance, bar = 100 * one.column.tolerance, 100 * one.bar / np.abs(one.certified + (one.certified == 0))
     lower.axhspan(-tolerance, tolerance, color="0.92", label="tolerance")

@@ -19,20 +19,24 @@ from typing import Any
 
 import numpy as np
 
-from asperity.app.config import MeasuredSurface, RunConfig, config_from
-from asperity.base import checks
-from asperity.base.tables import read_table, with_unit
-from asperity.base.words import closest
+from asperity.app.config import RunConfig, config_from
 from asperity.errors import InputError
-from asperity.lattice import Field
-from asperity.protocols import Leg, leg_of
+from asperity.protocols import Leg
+from asperity.results import read_table
 from asperity.surfaces import Surface
+from asperity_research.arrays import Field
 from asperity_research.challenge.heights import independent, waves
+from asperity_research.doors import named
 
 _DATA = files("asperity_research.challenge") / "data"
 
 Table = Mapping[str, Any]
 """A table of a TOML file."""
+
+
+def _with_unit(name: str, unit: str) -> str:
+    """Head a column: ``load_N``, ``contact_area_m2``, and a count or a pure number by its name alone."""
+    return name if unit in ("1", "sites") else f"{name}_{unit.replace('^', '').replace('/', '_per_')}"
 
 
 @dataclass(frozen=True)
@@ -60,13 +64,13 @@ class Column:
     @property
     def heading(self) -> str:
         """Its name in tables: ``load_N``."""
-        return with_unit(self.name, self.unit if self.unit != "sites" else "1")
+        return _with_unit(self.name, self.unit)
 
     @property
     def headings(self) -> tuple[str, ...]:
         """Names under which a result may have it, the best first."""
         own = (self.heading,) if self.heading == self.name else (self.heading, self.name)
-        return (with_unit(self.reading, self.unit), *own) if self.reading else own
+        return (_with_unit(self.reading, self.unit), *own) if self.reading else own
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,14 +136,13 @@ class Problem:
 
     @property
     def config(self) -> RunConfig:
-        """The run that solves it, but for surface and history."""
-        tables = {key: table for key, table in self.run.items() if key not in ("surface", "protocol")}
-        return config_from(tables, {}, None)
+        """The run that solves it, but for the surface."""
+        return config_from({key: table for key, table in self.run.items() if key != "surface"}, {}, None)
 
     @property
     def legs(self) -> tuple[Leg, ...]:
         """The history of the load; none where it is constant."""
-        return tuple(map(leg_of, self.run.get("protocol", ())))
+        return tuple(self.config.legs)
 
     def surface(self, *, halvings: int = 0, scan: str | Path | None = None) -> Surface:
         """Make the surface, or read the scan.
@@ -158,13 +161,14 @@ class Problem:
         """
         rule = dict(self.heights)
         kind = rule.pop("rule")
-        halvings = checks.integer("halvings", halvings, least=0)
+        if not isinstance(halvings, int | np.integer) or isinstance(halvings, bool) or halvings < 0:
+            raise InputError("halvings", expected="a whole number >= 0", got=repr(halvings))
         if halvings and not self.continuous:
-            raise InputError(
-                "halvings", expected=f"0 for {self.name}, whose sites are the problem", got=halvings
-            )
+            expected = f"0 for {self.name}, whose sites are the problem"
+            raise InputError("halvings", expected=expected, got=halvings)
         if kind == "scan":
-            return MeasuredSurface(path=str(self._scan(scan)), **self.run["surface"]).build()
+            table = {"kind": "file", "path": str(self._scan(scan)), **self.run["surface"]}
+            return config_from({**self.run, "surface": table}, {}, None).surface.build()
         if kind == "independent":
             return Surface(independent(rule["sites"], seed=rule["seed"]))
         spline = {key: rule[key] for key in ("octaves", "ratio", "seed")}
@@ -230,11 +234,7 @@ def problem(name: str) -> Problem:
     InputError
         There is none of this name.
     """
-    if not isinstance(name, str) or name not in NAMES:
-        meant = closest(str(name), NAMES)
-        expected = f"one of {', '.join(NAMES)}"
-        raise InputError("problem", expected=expected, got=checks.shown(name), advice=meant or "")
-    return _read(name)
+    return _read(named("problem", name, {one: one for one in NAMES}))
 
 
 @functools.cache

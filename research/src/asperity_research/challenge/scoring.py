@@ -11,10 +11,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.base import checks
-from asperity.base.tables import read_table
 from asperity.errors import InputError
-from asperity.lattice import Field
+from asperity.results import read_table
+from asperity_research.arrays import Field
 from asperity_research.challenge.posing import Column, Problem, problem
 
 Verdict = Literal["within the error bars", "within the tolerance", "off"]
@@ -116,7 +115,7 @@ def score(result: str | Path | Mapping[str, ArrayLike], name: str | None = None)
     """
     asked = None if name is None else problem(name)
     if isinstance(result, Mapping):
-        where, columns = "result", {key: checks.line(key, value) for key, value in result.items()}
+        where, columns = "result", {key: _column(key, value) for key, value in result.items()}
         if not columns:
             raise InputError("result", expected="columns", got="none", advice=_EXAMPLE)
         lengths = {len(values) for values in columns.values()}
@@ -126,7 +125,7 @@ def score(result: str | Path | Mapping[str, ArrayLike], name: str | None = None)
         try:
             path = Path(result)
         except TypeError as error:
-            expected, got = "a file, or columns by their headings", checks.kind_of(result)
+            expected, got = "a file, or columns by their headings", type(result).__name__
             raise InputError("result", expected=expected, got=got, advice=_EXAMPLE) from error
         where = str(path)
         table = read_table(path)
@@ -138,6 +137,18 @@ def score(result: str | Path | Mapping[str, ArrayLike], name: str | None = None)
         expected = "the name of the problem, in a line '# problem: NAME' of the file"
         raise InputError(where, expected=expected, got="none", advice="--problem NAME")
     return _compared(asked, columns, where)
+
+
+def _column(name: str, values: ArrayLike) -> Field:
+    """Numbers of a column, of which some may be missing further on; `InputError` for anything else."""
+    try:
+        array = np.asarray(values)
+        array = array.astype(np.float64) if array.dtype.kind in "iufO" else np.empty(())
+    except (TypeError, ValueError):
+        array = np.empty(())
+    if array.ndim != 1:
+        raise InputError(name, expected="real numbers in a row", got=type(values).__name__)
+    return array
 
 
 def _compared(asked: Problem, columns: Mapping[str, Field], where: str) -> Score:

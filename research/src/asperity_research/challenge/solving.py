@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from asperity.contact.problem import ContactSolver
-from asperity.lattice import Field
-from asperity.simulate import age, press
+import asperity as asp
+from asperity_research.arrays import Field
 from asperity_research.challenge.posing import Problem, problem
 
 
@@ -17,7 +16,7 @@ def solve(
     name: str | Problem,
     *,
     rtol: float | None = None,
-    solver: ContactSolver | None = None,
+    solver: asp.ActiveSet | asp.Multigrid | None = None,
     halvings: int = 0,
     scan: str | Path | None = None,
     exact: bool = True,
@@ -54,7 +53,7 @@ def solve(
     """
     asked = name if isinstance(name, Problem) else problem(name)
     config = asked.config
-    contact = press(
+    contact = asp.press(
         asked.surface(halvings=halvings, scan=scan),
         config.solid.build(),
         **config.contact.model_dump(),
@@ -62,7 +61,7 @@ def solve(
     )
     times = np.asarray(config.aging.times, dtype=np.float64)
     tolerance = config.aging.rtol if rtol is None else rtol
-    dataset = age(
+    dataset = asp.age(
         contact, times, protocol=asked.legs or None, rtol=tolerance, solver=solver, exact=exact
     ).dataset
     recorded = dataset["time"].values

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import tomli_w
 
-from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
-from asperity.results.store import whole_folder
+from asperity.results import whole_folder
 from asperity.surfaces import Surface
 from asperity_research.challenge.posing import NAMES, Column, Problem, problem
 
@@ -101,7 +101,7 @@ def _write(asked: Problem, surface: Surface | None, folder: Path) -> None:
             tables |= {"file_unit": surface.unit, "length_unit": surface.length_unit}
             tables["pixel_size"] = list(surface.pixel_size)
     run = {"surface": tables} | {key: table for key, table in asked.run.items() if key != "surface"}
-    text = f"# problem: {asked.name}\n{tables_to_toml(run)}"
+    text = f"# problem: {asked.name}\n{tomli_w.dumps(run)}"
     (folder / "run.toml").write_text(text, encoding="utf-8")
 
 

@@ -10,8 +10,7 @@ from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
 
-import asperity.app.campaign as campaign
-from asperity.app.campaign import Estimate, Tally
+from asperity import campaign
 from asperity.app.cli.campaign import tally_shown
 from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
@@ -116,7 +115,7 @@ class Voice:
         self._announced = False
 
     @contextmanager
-    def watch(self, one: Prepared) -> Iterator[Callable[[Tally], None]]:
+    def watch(self, one: Prepared) -> Iterator[Callable[[campaign.Tally], None]]:
         """Tell of one campaign while it runs."""
         if not self._announced and not self._quiet:
             self._announced = True
@@ -134,7 +133,7 @@ class Voice:
             print(text, file=sys.stderr, flush=True)
 
 
-def _total(judged: Sequence[Estimate], workers: int) -> tuple[str, str, str]:
+def _total(judged: Sequence[campaign.Estimate], workers: int) -> tuple[str, str, str]:
     seconds = sum(one.wall(workers) for one in judged)
     return (
         f"{sum(one.runs for one in judged)} runs",

@@ -11,7 +11,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from asperity.lattice import Field
 from asperity.theory import (
     LATE_INTERCEPT,
     LATE_SLOPE,
@@ -28,6 +27,7 @@ from asperity.theory import (
     site_stiffness,
     torus_compliance,
 )
+from asperity_research.arrays import Field
 from asperity_research.paper.wording import sentences, spelled
 
 

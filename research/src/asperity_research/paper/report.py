@@ -15,10 +15,10 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup
 
-from asperity.app.config.models import RunConfig
+from asperity.app.config import RunConfig
 from asperity.base.words import duration
 from asperity.errors import InputError
-from asperity.results.store import whole_file
+from asperity.results import whole_file
 from asperity_research.paper.corrections import corrections
 from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure
 from asperity_research.paper.places import SECTIONS, numbered, section_of

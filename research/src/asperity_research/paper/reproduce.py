@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import asperity_research.studies.campaigns as campaigns
-from asperity.base.version import __version__
+from asperity import __version__
 from asperity_research.paper.claims import ledger
 from asperity_research.paper.figures import draw
 from asperity_research.paper.report import About, write_report

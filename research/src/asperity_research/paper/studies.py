@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.lattice import Field
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign
 
 HURST = 0.5

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from asperity.base import checks
-from asperity.base.words import closest
-from asperity.errors import InputError
+from asperity_research import doors
 from asperity_research.studies.activated_creep import ACTIVATED_CREEP
 from asperity_research.studies.campaigns import run_campaigns
 from asperity_research.studies.growth_rate import GROWTH_RATE
@@ -33,10 +31,7 @@ def named(name: str) -> Study:
     InputError
         There is none of that name.
     """
-    if not isinstance(name, str) or name not in STUDIES:
-        meant = closest(str(name), STUDIES) or "asperity study, which lists them"
-        raise InputError("study", expected=" or ".join(STUDIES), got=checks.shown(name), advice=meant)
-    return STUDIES[name]
+    return doors.named("study", name, STUDIES, "asperity study, which lists them")
 
 
 def run(

@@ -10,15 +10,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tomli_w
 from filelock import FileLock, Timeout
 
-import asperity.app.campaign as campaign
-from asperity.app.campaign import Plan, Tally, read_plan
-from asperity.base import checks
-from asperity.base.words import tables_to_toml
+import asperity as asp
 from asperity.errors import AsperityError, InputError, OutputError
-from asperity.lattice import Field
-from asperity.results.store import whole_file
+from asperity.results import whole_file
+from asperity_research.arrays import Field
 from asperity_research.studies.evidence import Evidence
 
 Tables = Mapping[str, Any]
@@ -45,7 +43,7 @@ class Campaign:
     tables: Tables
     heights: Mapping[str, Field] = field(default_factory=dict)
 
-    def write(self, folder: Path) -> Plan:
+    def write(self, folder: Path) -> asp.campaign.Plan:
         """Write the campaign file, and its surfaces if it has any, and read the plan back.
 
         `OutputError` if the disk refused.
@@ -57,10 +55,10 @@ class Campaign:
                     np.save(stream, heights)
             path = folder / "campaign.toml"
             with whole_file(path) as part:
-                part.write_text(f"# {self.purpose}\n\n{tables_to_toml(self.tables)}", encoding="utf-8")
+                part.write_text(f"# {self.purpose}\n\n{tomli_w.dumps(self.tables)}", encoding="utf-8")
         except OSError as error:
             raise OutputError(f"cannot write {folder}: {error.strerror or error}") from error
-        return read_plan(path)
+        return asp.campaign.read_plan(path)
 
     def seeded(self, first: int) -> Campaign:
         """Return the same campaign with as many surfaces, whose seeds go on from a first one.
@@ -73,9 +71,7 @@ class Campaign:
             return self
         count = self.tables["sweep"]["seeds"]
         if not isinstance(count, int):
-            raise InputError(
-                f"seeds of {self.name}", expected="a number of surfaces", got=checks.shown(count)
-            )
+            raise InputError(f"seeds of {self.name}", expected="a number of surfaces", got=count)
         sweep = {**self.tables["sweep"], "seeds": list(range(first, first + count))}
         return replace(self, tables={**self.tables, "sweep": sweep})
 
@@ -189,7 +185,7 @@ class Prepared:
     """
 
     campaign: Campaign
-    plan: Plan
+    plan: asp.campaign.Plan
     folder: Path
 
 
@@ -296,7 +292,8 @@ def run_campaigns(
     workers: int | None = None,
     scheduler: str | None = None,
     retry_failed: bool = False,
-    watch: Callable[[Prepared], AbstractContextManager[Callable[[Tally], None] | None]] | None = None,
+    watch: Callable[[Prepared], AbstractContextManager[Callable[[asp.campaign.Tally], None] | None]]
+    | None = None,
 ) -> None:
     """Do what is missing of every campaign.
 
@@ -317,11 +314,11 @@ def run_campaigns(
     """
     failed = []
     for one in prepared:
-        before = campaign.tally(one.plan, one.folder)
+        before = asp.campaign.tally(one.plan, one.folder)
         # A finished campaign is swept too, which takes no time: its folder may hold another plan.
         silent = watch is None or before.done == before.total
         with nullcontext() if silent or watch is None else watch(one) as progress:
-            now = campaign.sweep(
+            now = asp.campaign.sweep(
                 one.plan,
                 one.folder,
                 workers=workers,

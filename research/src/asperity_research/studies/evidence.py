@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-import asperity.app.campaign as campaign
-from asperity.base.checks import Floats
-from asperity.lattice import Field
+from asperity import campaign
+from asperity_research.arrays import Field
 
 
 @dataclass(frozen=True)
@@ -67,10 +66,10 @@ class Around:
         After it, shape (surfaces, n).
     """
 
-    time: Floats
-    first: Floats
-    before: Floats
-    after: Floats
+    time: Field
+    first: Field
+    before: Field
+    after: Field
 
     @classmethod
     def step(cls, runs: xr.Dataset, name: str = "area") -> Around:

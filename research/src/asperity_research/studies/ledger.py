@@ -14,8 +14,8 @@ from enum import StrEnum
 import numpy as np
 from scipy.stats import binomtest
 
-from asperity.fits.resampling import Estimate
-from asperity.lattice import Field
+from asperity.fits import Estimate
+from asperity_research.arrays import Field
 
 MOST_SEEDS = 1000
 """Seeds beyond which more seeds are no advice: the number lies on the edge of its range."""

@@ -23,16 +23,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.base.checks import Floats
-from asperity.figures import style
-from asperity.fits.resampling import Estimate, jackknife
-from asperity.lattice import Field
+from asperity.figures import Drawing
+from asperity.fits import Estimate, jackknife
 from asperity.relaxation import PronySeries, from_retardation
+from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import columns, power, slope
-from asperity_research.studies.panels import points
 from asperity_research.studies.study import Outcome, Study
 
 SIDE = 128
@@ -133,18 +132,18 @@ def _campaigns(seeds: int, side: int = SIDE) -> Iterator[Campaign]:
     yield campaign("elastic", "Area against load, before anything has relaxed", one, 1.0, load=loads)
 
 
-def rate(time: Floats, growth: Floats, first: float = _FIRST, last: float = _LAST) -> float:
+def rate(time: Field, growth: Field, first: float = _FIRST, last: float = _LAST) -> float:
     """B between two times: of the mean growth A/A(0), shape (runs, times)."""
     return slope(time, growth.mean(axis=0), first, last)
 
 
-def straightness(time: Floats, growth: Floats) -> float:
+def straightness(time: Field, growth: Field) -> float:
     """B in the last two of the decades over that in the first two; 1 for a logarithm."""
     decades = 10.0**_END_DECADES
     return rate(time, growth, _LAST / decades) / rate(time, growth, last=_FIRST * decades)
 
 
-def share_for(shares: Floats, slopes: Floats, wanted: float = WANTED) -> float:
+def share_for(shares: Field, slopes: Field, wanted: float = WANTED) -> float:
     """Share a decade at which B has a value: ln B linear in ln share between its neighbors.
 
     Parameters
@@ -159,7 +158,7 @@ def share_for(shares: Floats, slopes: Floats, wanted: float = WANTED) -> float:
     return float(np.exp(np.interp(math.log(wanted), np.log(slopes), np.log(shares))))
 
 
-def predicted(loads: Floats, areas: Floats, series: PronySeries, time: Floats) -> Field:
+def predicted(loads: Field, areas: Field, series: PronySeries, time: Field) -> Field:
     """A/A(0) from the curve of the elastic area against load, by ln A linear in ln F between its points.
 
     Parameters
@@ -183,7 +182,7 @@ def predicted(loads: Floats, areas: Floats, series: PronySeries, time: Floats) -
     return np.exp([np.interp(at, np.log(loads), one) for one in ratios])
 
 
-def _growth(evidence: Evidence, name: str, **where: float) -> tuple[Floats, Field]:
+def _growth(evidence: Evidence, name: str, **where: float) -> tuple[Field, Field]:
     """Times and A/A(0), one row a seed."""
     folder = name.replace(".", "_")
     area = evidence.samples(folder, "area", **where)
@@ -232,11 +231,11 @@ def analyse(evidence: Evidence) -> Outcome:
     return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(curves, ignore_index=True)})
 
 
-def _over(time: Floats, one: Floats, other: Floats) -> float:
+def _over(time: Field, one: Field, other: Field) -> float:
     return rate(time, one) / rate(time, other)
 
 
-def _share_wanted(time: Floats, shares: Floats, *grown: Floats) -> float:
+def _share_wanted(time: Field, shares: Field, *grown: Field) -> float:
     return share_for(shares, np.array([rate(time, one) for one in grown]))
 
 
@@ -283,7 +282,7 @@ _LOOKS = {
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw growth against time, and B against the share of a decade."""
-    figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
+    figure = Drawing(figsize=(7.2, 3.3), layout="constrained")
     left, right = figure.subplots(1, 2)
     curves, numbers = tables["curves"], tables["numbers"]
     for name, (words, mark, color) in _LOOKS.items():
@@ -294,7 +293,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     left.legend(fontsize=7, loc="upper left")
     for kind, mark, color in (("compliance", "o", style.INK), ("modulus", "s", style.BLUE)):
         own = numbers[(numbers["number"] == "B") & numbers["relaxation"].str.startswith(kind)]
-        points(right, own, "at", "value", mark, color, label=kind, linewidth=None)
+        style.points(right, own, "at", "value", mark, color, label=kind, linewidth=None)
     shares = np.geomspace(0.008, 0.12, 20)
     right.plot(shares, shares / math.log(10), ":", color="0.5", label=r"share$\,/\ln 10$")
     right.axhline(WANTED, color="0.7", linewidth=0.8)

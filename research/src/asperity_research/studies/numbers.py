@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from asperity.base.checks import Floats
-from asperity.fits.resampling import Estimate, jackknife
+from asperity.fits import Estimate, jackknife
+from asperity_research.arrays import Field
 
 
-def mean(sample: Floats) -> Estimate:
+def mean(sample: Field) -> Estimate:
     """Return the mean over surfaces, the first axis of a sample."""
     return jackknife(lambda some: some.mean(axis=0), sample)
 
@@ -40,7 +40,7 @@ def columns(name: str, found: Estimate | None, *, shared: bool = False) -> dict[
     return dict(zip((name, f"{head}low", f"{head}high"), ends, strict=True))
 
 
-def slope(time: Floats, values: Floats, first: float = 0.0, last: float = math.inf) -> float:
+def slope(time: Field, values: Field, first: float = 0.0, last: float = math.inf) -> float:
     """Slope against ln t between two times, which are both included in spite of rounding.
 
     Parameters
@@ -54,12 +54,12 @@ def slope(time: Floats, values: Floats, first: float = 0.0, last: float = math.i
     return float(np.polyfit(np.log(time[chosen]), values[chosen], 1)[0])
 
 
-def power(at: Floats, values: Floats) -> float:
+def power(at: Field, values: Field) -> float:
     """Slope of ln(values) against ln(at), shape (n,)."""
     return slope(at, np.log(values))
 
 
-def vertex(time: Floats, values: Floats, at: int) -> float:
+def vertex(time: Field, values: Field, at: int) -> float:
     """Time of the vertex of the parabola in ln t through a value, greatest or smallest, and its neighbors."""
     near = slice(at - 1, at + 2)
     scaled = (values[near] - values[at]) / np.ptp(values[near])
@@ -67,7 +67,7 @@ def vertex(time: Floats, values: Floats, at: int) -> float:
     return float(time[at] * math.exp(-linear / (2 * square)))
 
 
-def crossing(time: Floats, values: Floats, at: int, level: float) -> tuple[float, float]:
+def crossing(time: Field, values: Field, at: int, level: float) -> tuple[float, float]:
     """Time, by ln t, at which values cross a level in the step that ends at an index; part of the step."""
     part = (level - values[at - 1]) / (values[at] - values[at - 1])
     return float(time[at - 1] * (time[at] / time[at - 1]) ** part), float(part)

@@ -36,15 +36,15 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 import asperity_research.studies.unloading as unloading
-from asperity.base.checks import Floats
-from asperity.figures import style
-from asperity.fits.resampling import Estimate, jackknife
-from asperity.patches import link_patches, patches
+from asperity.analysis import link_patches, patches
+from asperity.figures import Drawing
+from asperity.fits import Estimate, jackknife
+from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement
 from asperity_research.studies.numbers import columns, part
-from asperity_research.studies.panels import points
 from asperity_research.studies.study import Outcome, Study
 
 SMALLEST = 16
@@ -123,7 +123,7 @@ class Law:
     likelihood: float
 
 
-def fit(means: Floats, support: Floats) -> Law:
+def fit(means: Field, support: Field) -> Law:
     r"""Fit p ~ exp(-sum theta_i T_i) by maximum likelihood, with theta_2 not below 0.
 
     Parameters
@@ -144,9 +144,9 @@ def fit(means: Floats, support: Floats) -> Law:
     """
     unit = support[:, -1][:, None]  # of order 1
     scaled, wanted = support / unit, means / unit[:, 0]
-    theta: Floats = np.zeros(len(means))
+    theta: Field = np.zeros(len(means))
     value = -math.inf
-    step: Floats = np.zeros_like(theta)
+    step: Field = np.zeros_like(theta)
     for _ in range(200):
         tried = theta + step
         exponent = -tried @ scaled
@@ -186,19 +186,19 @@ class Laws:
     lognormal: Law
 
     @classmethod
-    def of(cls, sums: Floats, largest: int) -> Laws:
+    def of(cls, sums: Field, largest: int) -> Laws:
         """Fit them to rows of `sums_of`, for sizes from SMALLEST to a largest that can be."""
         count, *moments = sums.sum(axis=0)[:4]
         means, support = np.array(moments) / count, _moments(np.arange(SMALLEST, largest + 1.0))
         return cls(*(fit(means[use], support[use]) for use in ([0], [0, 1], [0, 2])))
 
 
-def _moments(sizes: Floats) -> Floats:
+def _moments(sizes: Field) -> Field:
     logs = np.log(sizes)
     return np.stack([logs, sizes, logs**2])
 
 
-def sums_of(sizes: NDArray[np.int64]) -> Floats:
+def sums_of(sizes: NDArray[np.int64]) -> Field:
     """Sums over the patches of one surface.
 
     Returns
@@ -211,12 +211,12 @@ def sums_of(sizes: NDArray[np.int64]) -> Floats:
     return np.array([fitted.size, *_moments(fitted).sum(axis=1), sizes.sum(), (sizes**2).sum()], dtype=float)
 
 
-def overlap(heights: Floats, sites: int) -> NDArray[np.bool_]:
+def overlap(heights: Field, sites: int) -> NDArray[np.bool_]:
     """Where the heights reach through a plane that leaves so many sites above it."""
     return np.asarray(heights >= np.partition(heights, -sites, axis=None)[-sites])
 
 
-def growth(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[NDArray[np.int64], Floats, int]:
+def growth(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[NDArray[np.int64], Field, int]:
     """By how much each patch has grown from one map to another.
 
     Returns
@@ -234,7 +234,7 @@ def growth(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[NDArray
     whole = np.bincount(other, links.shared, links.after.size)
     part = links.after[other] * links.shared / whole[other]
     born = int(links.after[whole == 0].sum())
-    grown: Floats = np.bincount(one, part, links.before.size) - links.before.astype(float)
+    grown: Field = np.bincount(one, part, links.before.size) - links.before.astype(float)
     return links.before, grown, born
 
 
@@ -298,7 +298,7 @@ def _sizes(evidence: Evidence, kind: str, **where: float) -> NDArray[np.int64]:
 _COLUMNS = ("exponent", "mean_size", "over_lognormal", "over_power", "inverse_limit")
 
 
-def _numbers(samples: Floats, loads: Floats, largest: int) -> Floats:
+def _numbers(samples: Field, loads: Field, largest: int) -> Field:
     """Numbers of `_COLUMNS` under each load, the size as a logarithm; then their slopes against ln load."""
     rows = []
     for at in range(len(loads)):
@@ -328,7 +328,7 @@ def _grown(evidence: Evidence) -> tuple[pd.DataFrame, tuple[Finding, ...]]:
     tables, findings = [], []
     for name, solid in SOLIDS.items():
         table, counts = [], []
-        ends: dict[str, list[Floats]] = {"small": [], "large": []}
+        ends: dict[str, list[Field]] = {"small": [], "large": []}
         for seed in evidence[name]["seed"].values:
             maps = evidence.fields(name, seed=int(seed))["in_contact"].values
             before, net, born = growth(maps[0], maps[-1])
@@ -363,7 +363,7 @@ _NOTES = {
 }
 
 
-def _ratio(sample: Floats) -> Floats:
+def _ratio(sample: Field) -> Field:
     """Sum over surfaces of the first row over that of the second; NaN where that is 0."""
     gained, sites = sample.sum(axis=0)
     return np.asarray(np.divide(gained, sites, out=np.full_like(gained, np.nan), where=sites > 0))
@@ -375,7 +375,7 @@ _LOOKS = {"half_space": ("D", style.SKY), "conserved": ("^", style.VERMILION), "
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the sizes, their exponent, and the growth at constant area."""
-    figure = style.Drawing(figsize=(8.6, 3.1), layout="constrained")
+    figure = Drawing(figsize=(8.6, 3.1), layout="constrained")
     sizes, exponent, held = figure.subplots(1, 3)
     shares = tables["sizes"]
     shown = shares[(shares["of"] == "contact") & (shares["hurst"] == HURST[-1])]
@@ -388,7 +388,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     sizes.legend(title="load a site", fontsize=7, title_fontsize=7)
     for (kind, hurst), own in tables["exponents"].groupby(["of", "hurst"], sort=False):
         color = style.INK if hurst == HURST[-1] else style.VERMILION
-        points(exponent, own, "pressure", "exponent", _KINDS[str(kind)], color, label=f"{kind}, {hurst:g}")
+        style.points(
+            exponent, own, "pressure", "exponent", _KINDS[str(kind)], color, label=f"{kind}, {hurst:g}"
+        )
     exponent.set(xscale="log", xlabel="load a site", ylabel=r"exponent $\tau$")
     exponent.set_xticks(PRESSURES, [f"{p:g}" for p in PRESSURES])
     exponent.tick_params(axis="x", which="minor", labelbottom=False)
@@ -396,7 +398,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     for name, own in tables["growth"].groupby("solid", sort=False):
         mark, color = _LOOKS[str(name)]
         label = str(name).replace("_", "-")
-        points(held, own[own["from"] > 0], "from", "growth", f"{mark}-", color, label=label)
+        style.points(held, own[own["from"] > 0], "from", "growth", f"{mark}-", color, label=label)
     held.axhline(0.0, color="0.7", linewidth=0.8)
     held.set(xscale="log", xlabel="size at first, from (sites)", ylabel="growth at constant area")
     held.set_yscale("symlog", linthresh=0.5)

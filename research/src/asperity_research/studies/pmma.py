@@ -17,16 +17,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from scipy.constants import Boltzmann
 
-from asperity.base.checks import Floats
-from asperity.creep.eyring import BOLTZMANN
-from asperity.figures import style
-from asperity.fits.resampling import jackknife
+from asperity.figures import Drawing
+from asperity.fits import jackknife
+from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import columns, part, power, slope
-from asperity_research.studies.panels import points
 from asperity_research.studies.study import Outcome, Study
 
 SHEAR_VOLUME = 8.2e-27 * 0.078**0.6
@@ -68,7 +68,7 @@ WANTED = (0.01, 0.02)
 
 def energy(hardness: float) -> float:
     """Energy of activation with which the surface sinks by 1 nm/s under a hardness, J."""
-    thermal = BOLTZMANN * ROOM
+    thermal = Boltzmann * ROOM
     return float(f"{thermal * math.log(PREFACTOR / (2 * _INDENTED)) + hardness * VOLUME:.4g}")
 
 
@@ -110,31 +110,31 @@ def _campaigns(surfaces: int) -> Iterator[Campaign]:
         yield Campaign(name, f"Half-spaces with the numbers of PMMA, by {name}", tables)
 
 
-def rate(time: Floats, area: Floats) -> float:
+def rate(time: Field, area: Field) -> float:
     """B: slope of ln of the mean area, shape (runs, times), against ln t."""
     return slope(time, np.log(area.mean(axis=0)), _FIRST, _LAST)
 
 
-def pressure(time: Floats, area: Floats) -> float:
+def pressure(time: Field, area: Field) -> float:
     """Mean contact pressure, geometric mean over the times in which B is measured, GPa."""
     inside = (time >= _FIRST * (1 - 1e-9)) & (time <= _LAST * (1 + 1e-9))
     logarithms = np.log(area.mean(axis=0)[inside])
     return 1e-9 * PRESSURE * _SIDE**2 / math.exp(float(logarithms.mean()))
 
 
-def share(time: Floats, stress: float, area: Floats) -> float:
+def share(time: Field, stress: float, area: Field) -> float:
     """B over s0/s, for s0 in GPa."""
     return rate(time, area) * pressure(time, area) / stress
 
 
-def rate_at(time: Floats, wanted: float, *areas: Floats) -> tuple[float, float]:
+def rate_at(time: Field, wanted: float, *areas: Field) -> tuple[float, float]:
     """B at a mean contact pressure, GPa, and the pressure of B = 0.02, by ln B linear in ln s."""
     s, b = (np.log([one(time, area) for area in areas]) for one in (pressure, rate))
     power, shift = np.polyfit(s, b, 1)
     return math.exp(power * math.log(wanted) + shift), math.exp((math.log(WANTED[1]) - shift) / power)
 
 
-def _power(time: Floats, temperatures: Floats, *areas: Floats) -> float:
+def _power(time: Field, temperatures: Field, *areas: Field) -> float:
     return power(temperatures, np.array([rate(time, area) for area in areas]))
 
 
@@ -148,7 +148,7 @@ def analyse(evidence: Evidence) -> Outcome:
         grown[family] = tuple(evidence.samples(family, "area", **{parameter: value}) for value in values)
         for value, area in zip(values, grown[family], strict=True):
             kelvin = value if parameter == "temperature" else ROOM
-            stress = 1e-9 * BOLTZMANN * kelvin / VOLUME
+            stress = 1e-9 * Boltzmann * kelvin / VOLUME
             found = {
                 "B": jackknife(partial(rate, time), area),
                 "pressure": jackknife(partial(pressure, time), area),
@@ -205,7 +205,7 @@ _LOOKS = {"hardness": ("o", style.INK), "temperature": ("s", style.VERMILION), "
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw areas against time, and B against s0/s."""
-    figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
+    figure = Drawing(figsize=(7.2, 3.3), layout="constrained")
     left, right = figure.subplots(1, 2)
     curves, numbers = tables["curves"], tables["numbers"]
     own = curves[(curves["family"] == "hardness") & (curves["time"] > 0)]
@@ -220,7 +220,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     numbers = numbers.assign(x=numbers["s0"] / numbers["pressure"])
     for family, (mark, color) in _LOOKS.items():
         rows = numbers[numbers["family"] == family]
-        points(right, rows, "x", "B", mark, color, label=f"{family} varied", linewidth=None)
+        style.points(right, rows, "x", "B", mark, color, label=f"{family} varied", linewidth=None)
     ends = np.array([0.0, 1.1 * numbers["x"].max()])
     right.plot(ends, ends, ":", color="0.5", label=r"$B = s_0/s$")
     right.axhspan(*WANTED, color="0.9", zorder=0, label="friction of PMMA")

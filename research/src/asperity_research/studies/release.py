@@ -25,15 +25,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.base.checks import Floats
-from asperity.figures import style
-from asperity.fits.resampling import jackknife
+from asperity.figures import Drawing
+from asperity.fits import jackknife
 from asperity.relaxation import PronySeries
+from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
 from asperity_research.studies.evidence import Around, Evidence
 from asperity_research.studies.ledger import Finding, Measurement, proportion
 from asperity_research.studies.numbers import columns, mean, slope, vertex
-from asperity_research.studies.panels import points
 from asperity_research.studies.study import Outcome, Study
 
 PROPORTIONAL = (0.95, 1.05)
@@ -107,7 +107,7 @@ def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
         )
 
 
-def maximum(time: Floats, force: Floats) -> float:
+def maximum(time: Field, force: Field) -> float:
     """Time at which a force is greatest: that of the parabola in ln t through the greatest and its neighbors.
 
     Parameters
@@ -217,7 +217,7 @@ def analyse(evidence: Evidence) -> Outcome:
     return Outcome(findings, tables)
 
 
-def _measured(waiting: Floats, logs: Floats, solid: str) -> Measurement:
+def _measured(waiting: Field, logs: Field, solid: str) -> Measurement:
     """Slope of the mean of ln t_max, shape (runs, waiting times), where each run has one; or their share."""
     shared = np.isfinite(logs).all(axis=0)
     if shared.sum() > 2:
@@ -255,7 +255,7 @@ _LOOKS = {
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the force after the release, and the times of its maxima."""
-    figure = style.Drawing(figsize=(7.2, 3.3), layout="constrained")
+    figure = Drawing(figsize=(7.2, 3.3), layout="constrained")
     left, right = figure.subplots(1, 2)
     forces, ratios = tables["forces"], tables["ratios"]
     for _, part in forces.groupby("waiting"):
@@ -276,7 +276,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         mark, color = _LOOKS[str(name)]
         look = {"label": f"{str(name).replace('_', ', ')}, {move:g}"}
         look["markerfacecolor"] = color if move == _SOLIDS[str(name)].steps[0] else "white"
-        points(right, part, "waiting", "ratio", f"{mark}-", color, **look)
+        style.points(right, part, "waiting", "ratio", f"{mark}-", color, **look)
         if not part["superposed_ratio"].isna().any():
             right.plot(part["waiting"], part["superposed_ratio"], ":", color=color, linewidth=1.2)
     right.set(xscale="log", yscale="log", xlabel=r"waiting time $t_\mathrm{w}$")

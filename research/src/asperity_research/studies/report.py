@@ -14,7 +14,7 @@ from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
 from asperity.errors import OutputError
-from asperity.results.store import whole_file
+from asperity.results import whole_file
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.ledger import Finding
 from asperity_research.studies.typeset import number, plain

@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -29,15 +29,14 @@ from matplotlib.figure import Figure
 
 import asperity.friction as friction
 import asperity_research.studies.slip_on_lines as lines
-from asperity.base.checks import Floats
-from asperity.figures import style
-from asperity.fits.resampling import Estimate, jackknife
-from asperity.friction.fitting import Events
+from asperity.figures import Drawing
+from asperity.fits import Estimate, jackknife
+from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, hold, slide, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import columns, mean, power
-from asperity_research.studies.panels import points
 from asperity_research.studies.sliding import (
     HALF_SPACE,
     LATTICE,
@@ -121,7 +120,7 @@ def campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
     return (*found, *lines.campaigns(2 * surfaces))
 
 
-def slip_of_memory(excess: Floats) -> float:
+def slip_of_memory(excess: Field) -> float:
     """Slip over which an excess that falls exponentially loses a factor e, from its sum.
 
     Parameters
@@ -153,7 +152,7 @@ class Records:
     solid: str
     load: float
     records: list[friction.Record]
-    steady: Floats
+    steady: Field
 
     @classmethod
     def of(cls, data: xr.Dataset, solid: str, load: float) -> Records:
@@ -184,7 +183,7 @@ class Records:
         return f"{SOLIDS[self.solid].what}, load {self.load:g}"
 
     @property
-    def rest(self) -> Floats:
+    def rest(self) -> Field:
         """1 and the growth of friction in each of `HOLDS`, shape (surfaces, holds)."""
         peaks = [friction.hold_peaks(record) for record in self.records]
         return np.array([1 + one.peak - one.before for one in peaks])
@@ -243,10 +242,10 @@ class Records:
         return pd.concat(parts).assign(runs=len(self.records))
 
 
-Slips = tuple[Floats, tuple[Floats, ...]]
+Slips = tuple[Field, tuple[Field, ...]]
 """Correlation lengths, shape (n,), and for each the excesses of area after a rest, (surfaces, shifts)."""
 
-_EVENTS: tuple[Events, ...] = ("holds", "steps", "all")
+_EVENTS: tuple[Literal["holds", "steps", "all"], ...] = ("holds", "steps", "all")
 FAMILIES = {
     "waves_lattice": "all waves longer, lattice of springs",
     "longest": "only the longest waves longer, lattice of springs",
@@ -299,7 +298,7 @@ def _findings(every: list[Records], slips: Mapping[str, Slips]) -> Iterator[Find
     yield Finding.within((0.8, 1.2), "length", aging, claim, numbers)
 
 
-def _bend(rest: Floats) -> float:
+def _bend(rest: Field) -> float:
     """Growth in the last decade of hold time over that in the first."""
     mean = rest.mean(axis=0)
     return float((mean[-1] - mean[-2]) / (mean[1] - mean[0]))
@@ -321,15 +320,15 @@ def _slips(data: xr.Dataset) -> Slips:
     return np.array(lengths), tuple(excesses)
 
 
-def _memory(*excesses: Floats) -> Floats:
+def _memory(*excesses: Field) -> Field:
     return np.array([slip_of_memory(excess.mean(axis=0)) for excess in excesses])
 
 
-def _exponent(lengths: Floats, excesses: tuple[Floats, ...]) -> Estimate:
+def _exponent(lengths: Field, excesses: tuple[Field, ...]) -> Estimate:
     return jackknife(lambda *some: power(lengths, _memory(*some)), excesses)
 
 
-def _slip_rows(name: str, lengths: Floats, excesses: tuple[Floats, ...]) -> pd.DataFrame:
+def _slip_rows(name: str, lengths: Field, excesses: tuple[Field, ...]) -> pd.DataFrame:
     found = jackknife(_memory, excesses)
     return pd.DataFrame({"family": name, "length": lengths, **columns("slip", found), "runs": found.runs})
 
@@ -339,7 +338,7 @@ _MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw static and steady friction, and the slip that forgets a rest."""
-    figure = style.Drawing(figsize=(7.6, 6.0), layout="constrained")
+    figure = Drawing(figsize=(7.6, 6.0), layout="constrained")
     (rest, steady), (memory, resolved) = figure.subplots(2, 2)
     values, slips = tables["points"], tables["slips"]
     for axis, what, label in (
@@ -349,7 +348,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         shown = values[values["what"] == what].sort_values("at", kind="stable")
         for (solid, load), part in shown.groupby(["solid", "load"], sort=False):
             heavy = part["load"].iloc[0] > LOADS[str(solid)][0]
-            points(
+            style.points(
                 axis,
                 part,
                 "at",
@@ -364,7 +363,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     for name, part in slips.groupby("family", sort=False):
         color = style.BLUE if name == "waves_half_space" else style.INK
         label = FAMILIES[str(name)]
-        points(memory, part, "length", "slip", f"{_MARKS[str(name)]}-", color, label=label)
+        style.points(memory, part, "length", "slip", f"{_MARKS[str(name)]}-", color, label=label)
     memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
     memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
     memory.legend(fontsize=6)

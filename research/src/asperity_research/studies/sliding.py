@@ -7,8 +7,8 @@ import math
 import numpy as np
 import xarray as xr
 
-from asperity.base.checks import Floats
 from asperity.surfaces import spectral
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Solid
 
 STEADY = 8
@@ -22,7 +22,7 @@ HALF_SPACE = Solid(
 )
 
 
-def before_shifts(one: xr.Dataset, leg: int) -> Floats:
+def before_shifts(one: xr.Dataset, leg: int) -> Field:
     """Area in a slide at the end of each time between shifts, shape (shifts,)."""
     chosen = one["leg"].values == leg
     place, area = one["displacement"].values[chosen], one["area"].values[chosen]

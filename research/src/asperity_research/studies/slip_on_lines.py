@@ -17,15 +17,14 @@ import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 
-from asperity.base.checks import Floats
-from asperity.figures import style
-from asperity.fits.resampling import Estimate, jackknife
-from asperity.patches import patches
+from asperity.analysis import patches
+from asperity.fits import Estimate, jackknife
+from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, hold, slide
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import columns, power
-from asperity_research.studies.panels import points
 from asperity_research.studies.sliding import (
     HALF_SPACE,
     LATTICE,
@@ -83,7 +82,7 @@ def _folder(solid: str, roll_off: float, cutoff: float) -> str:
     return f"line_{solid}_{roll_off:g}_{cutoff:g}"
 
 
-def slip_to_one_over_e(excess: Floats) -> float:
+def slip_to_one_over_e(excess: Field) -> float:
     """Slip at which an excess first falls to 1/e; NaN if it does not.
 
     Parameters
@@ -115,9 +114,9 @@ class Lines:
     """
 
     name: str
-    length: Floats
-    patch: tuple[Floats, ...]
-    excess: tuple[Floats, ...]
+    length: Field
+    patch: tuple[Field, ...]
+    excess: tuple[Field, ...]
 
     @classmethod
     def of(cls, evidence: Evidence, name: str, every: Waves | None = None) -> Lines:
@@ -139,7 +138,7 @@ class Lines:
         lengths = np.array([correlation_length(*waves, shape=(2**16,)) for waves in every])
         return cls(name, lengths, tuple(sizes), tuple(excesses))
 
-    def slips(self, *excess: Floats) -> Floats:
+    def slips(self, *excess: Field) -> Field:
         """D_c for each length, of samples of `excess`."""
         return np.array([slip_to_one_over_e(one.mean(axis=0)) for one in excess])
 
@@ -151,7 +150,7 @@ class Lines:
         """Power of the mean length of a contact in D_c."""
         several = len(self.patch)
 
-        def statistic(*some: Floats) -> float:
+        def statistic(*some: Field) -> float:
             return power(np.array([one.mean() for one in some[:several]]), self.slips(*some[several:]))
 
         return jackknife(statistic, (*self.patch, *self.excess))
@@ -163,7 +162,7 @@ class Lines:
         return pd.DataFrame(head | columns("slip", found) | {"runs": found.runs})
 
 
-def _after_rest(one: xr.Dataset) -> Floats:
+def _after_rest(one: xr.Dataset) -> Field:
     """Area at the end of a rest, and before each shift of the slide that follows."""
     return np.append(area_at_rest(one, 1), before_shifts(one, 2))
 
@@ -184,7 +183,7 @@ def draw(ax: Axes, table: pd.DataFrame) -> None:
     """Draw D_c against the correlation length."""
     for name, own in table.groupby("family", sort=False):
         words, solid, _, mark = FAMILIES[str(name)]
-        points(ax, own, "length", "slip", mark, SOLIDS[solid][2], label=words)
+        style.points(ax, own, "length", "slip", mark, SOLIDS[solid][2], label=words)
     ax.set(xscale="log", yscale="log", xlim=(10, 70), ylim=(2, 20))
     for axis, marks in ((ax.xaxis, (10, 20, 50)), (ax.yaxis, (2, 5, 10, 20))):
         axis.set_ticks(marks, [f"{mark}" for mark in marks])

@@ -15,13 +15,14 @@ from pathlib import Path
 
 import jinja2
 import pandas as pd
+import tomli_w
 from matplotlib.figure import Figure
 
 import asperity_research.studies.campaigns as campaigns
-from asperity.base import checks
-from asperity.base.version import __version__
-from asperity.base.words import duration, tables_to_toml
-from asperity.results.store import whole_file
+from asperity import __version__
+from asperity.base.words import duration
+from asperity.results import whole_file
+from asperity_research.doors import instance
 from asperity_research.studies.campaigns import Campaign, Home, Prepared
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
@@ -139,7 +140,7 @@ def conclude(
     AsperityError
         A campaign is not finished; or the disk refused. An earlier report stays.
     """
-    checks.instance("study", study, Study, 'asperity_research.studies.named("unloading")')
+    instance("study", study, Study, 'asperity.studies.named("unloading")')
     folder = Path(directory)
     evidence = Evidence(folder / study.home.inside)
     runs = campaigns.finished(evidence, prepared)
@@ -164,7 +165,7 @@ def conclude(
         "cpu_seconds": round(sum(float(evidence[name]["seconds"].sum()) for name in runs)),
     }
     pages = {
-        "origin.toml": tables_to_toml({"origin": origin}),
+        "origin.toml": tomli_w.dumps({"origin": origin}),
         "report.md": _page().render(
             study=study, origin=origin, findings=outcome.findings, tables=outcome.tables, simulated=simulated
         ),

@@ -11,7 +11,7 @@ import re
 from markupsafe import Markup, escape
 
 from asperity.errors import InputError
-from asperity.fits.resampling import Estimate
+from asperity.fits import Estimate
 
 UNKNOWN = "not determined"
 

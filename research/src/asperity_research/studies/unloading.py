@@ -15,8 +15,8 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.fits.resampling import Estimate
-from asperity.lattice import Field
+from asperity.fits import Estimate
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Around, Evidence
 from asperity_research.studies.ledger import Finding, proportion

@@ -7,8 +7,7 @@ from math import inf
 import numpy as np
 import xarray as xr
 
-from asperity.fits.resampling import jackknife
-from asperity.lattice import Field
+from asperity.fits import jackknife
 from asperity.surfaces import gaussian
 from asperity.theory import (
     GaussianHeights,
@@ -18,6 +17,7 @@ from asperity.theory import (
     site_stiffness,
     winkler_area,
 )
+from asperity_research.arrays import Field
 from asperity_research.paper.claims.claim import Claim, Number, Numbers
 from asperity_research.paper.claims.measures import between, crossing, exponent, mean_of
 from asperity_research.studies.evidence import Evidence

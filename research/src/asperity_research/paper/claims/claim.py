@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
-from asperity.fits.resampling import Estimate
+from asperity.fits import Estimate
 from asperity_research.paper.claims import measures
 from asperity_research.paper.wording import sentences, spelled
 from asperity_research.studies.evidence import Evidence

@@ -6,9 +6,9 @@ from math import inf, nan, pi
 
 import numpy as np
 
-from asperity.fits.resampling import jackknife
-from asperity.lattice import Field
+from asperity.fits import jackknife
 from asperity.theory import compliance, displacement, site_stiffness
+from asperity_research.arrays import Field
 from asperity_research.paper.claims.claim import Claim, Number, Numbers
 from asperity_research.paper.claims.measures import (
     LOGARITHMIC,

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 
-from asperity.fits.resampling import Estimate
-from asperity.lattice import Field
+from asperity.fits import Estimate
 from asperity.theory import (
     LATE_INTERCEPT,
     LATE_SLOPE,
@@ -22,6 +21,7 @@ from asperity.theory import (
     late_slope_paper,
     torus_compliance,
 )
+from asperity_research.arrays import Field
 from asperity_research.paper.claims.claim import Claim, Number, Numbers
 from asperity_research.paper.claims.measures import between, growth_slope, mean_of, slope
 from asperity_research.studies.evidence import Evidence

@@ -7,8 +7,8 @@ from math import inf
 import numpy as np
 
 from asperity.fits import saturation
-from asperity.lattice import Field
 from asperity.theory import GaussianHeights, compliance, dilute_area, late_slope
+from asperity_research.arrays import Field
 from asperity_research.paper.claims.claim import Claim, Number, Numbers
 from asperity_research.paper.claims.measures import EVEN, between, evenness, exponent, growth_slope, mean_of
 from asperity_research.studies.evidence import Evidence

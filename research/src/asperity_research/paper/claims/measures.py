@@ -9,9 +9,8 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtri
 
-from asperity.fits import growth_rate
-from asperity.fits.resampling import Estimate, jackknife
-from asperity.lattice import Field, Mask
+from asperity.fits import Estimate, growth_rate, jackknife
+from asperity_research.arrays import Field, Mask
 
 LOGARITHMIC = (1.0, 1e3)
 """Reduced times between which growth at light load is nearly that of a logarithm."""

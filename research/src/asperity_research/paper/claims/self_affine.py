@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.lattice import Field
 from asperity.theory import site_stiffness
+from asperity_research.arrays import Field
 from asperity_research.paper.claims.claim import Claim, Number, Numbers
 from asperity_research.paper.claims.measures import (
     EVEN,

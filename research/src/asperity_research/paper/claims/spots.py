@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from asperity.analysis import clustering, turnover
-from asperity.lattice import Field, Mask
+from asperity_research.arrays import Field, Mask
 from asperity_research.paper.claims.claim import Claim, Number, Numbers
 from asperity_research.paper.claims.measures import mean_of
 from asperity_research.paper.studies import MAP_BOXES

@@ -16,9 +16,9 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
-from asperity.figures import style
 from asperity.fits import jackknife
-from asperity.lattice import Field
+from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.studies.evidence import Evidence
 
 LABEL = 8.0

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.figures import style
 from asperity.theory import GaussianHeights, compliance, dilute_area
+from asperity_research import style
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence

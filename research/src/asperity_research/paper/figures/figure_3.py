@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.errors import ConvergenceError, InputError
-from asperity.figures import style
 from asperity.fits import EnsembleFit, SaturationFit, ensemble, saturation
+from asperity_research import style
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence

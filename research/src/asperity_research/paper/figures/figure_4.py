@@ -11,9 +11,8 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from asperity.analysis import SiteState
-from asperity.base.words import thousands
-from asperity.figures import style
-from asperity.figures.marks import SMALLEST, draw_marks, site_side, width_in_words
+from asperity_research import style
+from asperity_research.paper.figures.marks import SMALLEST, draw_marks, site_side, width_in_words
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 
@@ -81,7 +80,7 @@ def _drawn(tables: dict[str, pd.DataFrame]) -> tuple[Figure, str]:
 
 def _title(number: int, row: pd.Series[float]) -> str:
     letter = chr(ord("a") + number)
-    load, size = style.power(row["load"]), thousands(int(row["area"]))
+    load, size = style.power(row["load"]), style.thousands(int(row["area"]))
     return f"({letter}) $F_N/k_0 = {load}$:  $A$ = {size} ({100 * row['contact_fraction']:.2g} %)"
 
 

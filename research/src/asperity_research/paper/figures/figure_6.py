@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from asperity.errors import ConvergenceError, InputError
-from asperity.figures import style
 from asperity.fits import logarithm
+from asperity_research import style
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence

@@ -11,13 +11,12 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 from asperity.analysis import ContactMaps, SiteState, clustering, contact_maps, patches, turnover
-from asperity.base.words import thousands
-from asperity.figures import style
-from asperity.figures.marks import COLORS, draw_marks, show_lattice, site_side, width_in_words
-from asperity.fits.result import student
-from asperity.lattice import Field
+from asperity_research import style
+from asperity_research.arrays import Field
+from asperity_research.paper.figures.marks import COLORS, draw_marks, show_lattice, site_side, width_in_words
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.paper.studies import MAP_BOXES
 from asperity_research.studies.evidence import Evidence
@@ -100,7 +99,7 @@ def _ensemble(samples: pd.DataFrame) -> pd.DataFrame:
     long = samples.melt(id_vars=["seed", "time"], var_name="quantity")
     grouped = long.groupby(["quantity", "time"], sort=True)["value"]
     table = grouped.agg(mean="mean", stderr="sem", seeds="count").reset_index()
-    return table.assign(half_interval=table["stderr"] * (table["seeds"] - 1).map(student))
+    return table.assign(half_interval=table["stderr"] * stdtrit(table["seeds"] - 1, 0.975))
 
 
 def _drawn(maps: ContactMaps, tables: dict[str, pd.DataFrame]) -> tuple[Figure, str]:
@@ -144,8 +143,10 @@ def _moment(time: float) -> str:
 def _counted(marked: pd.DataFrame) -> str:
     """The number of sites in contact, and of those gained and lost since t = 0."""
     kept, new, lost = (int((marked["state"] == state).sum()) for state in ("kept", "new", "lost"))
-    changes = ", ".join(f"{sign}{thousands(sites)}" for sign, sites in (("+", new), ("−", lost)) if sites)
-    return f"$A$ = {thousands(kept + new)}" + (f"  ({changes})" if changes else "")
+    changes = ", ".join(
+        f"{sign}{style.thousands(sites)}" for sign, sites in (("+", new), ("−", lost)) if sites
+    )
+    return f"$A$ = {style.thousands(kept + new)}" + (f"  ({changes})" if changes else "")
 
 
 def _add_legend(figure: SubFigure) -> None:

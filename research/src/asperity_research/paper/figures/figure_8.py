@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.figures import style
 from asperity.theory import compliance, compliance_asymptote, compliance_asymptote_paper, torus_compliance
+from asperity_research import style
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity_research.paper.studies import PEAK

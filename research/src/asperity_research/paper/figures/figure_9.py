@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.figures import style
 from asperity.theory import LATE_SLOPE, compliance
+from asperity_research import style
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.figure_8 import LARGE_LATTICE, indentation
 from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned

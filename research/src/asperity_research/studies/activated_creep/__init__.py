@@ -9,7 +9,8 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
-from asperity.figures import style
+from asperity.figures import Drawing
+from asperity_research import style
 from asperity_research.studies.activated_creep import steps as stepping
 from asperity_research.studies.activated_creep.rests import TEMPERATURES, Rests, sliding
 from asperity_research.studies.activated_creep.steps import (
@@ -21,7 +22,6 @@ from asperity_research.studies.activated_creep.steps import (
 )
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.panels import points
 from asperity_research.studies.study import Outcome, Study
 
 __all__ = ["ACTIVATED_CREEP", "RISE", "Rests", "Steps", "time_of_growth", "time_of_minimum"]
@@ -69,11 +69,11 @@ _LINES = {"0.2": ("-", True), "0.5": ("--", False), "0.8": (":", False)}
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the area after the step, the times of minimum and growth, and the growth at rest."""
-    figure = style.Drawing(figsize=(9.6, 6.0), layout="constrained")
+    figure = Drawing(figsize=(9.6, 6.0), layout="constrained")
     (curve, minimum), (growth, rest) = figure.subplots(2, 2)
     curves, steps, rests = tables["curves"], tables["steps"], tables["rests"]
     shown = curves[(curves["solid"] == "lattice") & (curves["time"] > 0)].groupby("waiting_time")
-    shades = colormaps[style.PRESSURE_MAP](np.linspace(0.9, 0, len(shown)))
+    shades = colormaps["viridis"](np.linspace(0.9, 0, len(shown)))
     for shade, (wait, part) in zip(shades, shown, strict=True):
         curve.plot(
             part["time"], part["area"], color=shade, label=f"${style.power(float(str(wait)))}$", linewidth=1
@@ -90,7 +90,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             line, filled = _LINES[str(ratio)]
             look = {"label": f"{str(solid).replace('_', '-')}, × {ratio}"}
             look["markerfacecolor"] = color if filled or mark in "x+*" else "white"
-            points(axis, part, "waiting_time", name, mark + line, color, **look)
+            style.points(axis, part, "waiting_time", name, mark + line, color, **look)
         axis.set(xscale="log", yscale="log", xlabel=r"waiting time $t_\mathrm{w}$")
         axis.set_ylabel(rf"time of {words} over $t_\mathrm{{w}}$")
         axis.set_ylim(top=axis.get_ylim()[1] * (1e3 if name == "growth" else 1))
@@ -99,7 +99,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         ("rest", "o", style.INK, "at rest, B"),
         ("steady", "s", style.BLUE, "in steady sliding, b"),
     ):
-        points(rest, rests, "kT", name, mark, color, label=label, linewidth=None)
+        style.points(rest, rests, "kT", name, mark, color, label=label, linewidth=None)
     rest.plot(rests["kT"], rests["s0_over_s"], "--", color="0.5", label="$s_0/s$")
     rest.set(xlabel="$kT$ over the activation volume", ylabel="friction per e-fold")
     rest.set(xlim=(0, None), ylim=(0, None))

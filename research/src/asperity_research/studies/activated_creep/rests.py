@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from asperity.base.checks import Floats
-from asperity.fits.resampling import jackknife
+from asperity.fits import jackknife
+from asperity_research.arrays import Field
 from asperity_research.studies.activated_creep.steps import LOAD, PROPORTIONAL, ROUGH, SIDE, eyring_lattice
 from asperity_research.studies.campaigns import Campaign, hold, slide, zipped
 from asperity_research.studies.evidence import Evidence
@@ -59,10 +59,10 @@ class Rests:
         Area in steady sliding at each of `_VELOCITIES` but the first, shape (surfaces, temperatures, 3).
     """
 
-    temperature: Floats
-    time: Floats
-    rest: Floats
-    steady: Floats
+    temperature: Field
+    time: Field
+    rest: Field
+    steady: Field
 
     @classmethod
     def of(cls, evidence: Evidence) -> Rests:
@@ -81,23 +81,23 @@ class Rests:
         return cls(temperature, time, np.array(rest), np.array(steady))
 
     @property
-    def late(self) -> Floats:
+    def late(self) -> Field:
         """Which times at rest count for B: those in which a slide would have passed several contacts."""
         return np.asarray(self.time >= 10)
 
-    def growth(self, rest: Floats) -> Floats:
+    def growth(self, rest: Field) -> Field:
         """B, the growth at rest for every e-fold of time over the area before, at each temperature."""
-        slopes: Floats = np.polyfit(np.log(self.time[self.late]), rest.mean(axis=0)[:, self.late].T, 1)[0]
+        slopes: Field = np.polyfit(np.log(self.time[self.late]), rest.mean(axis=0)[:, self.late].T, 1)[0]
         return slopes
 
-    def fall(self, steady: Floats) -> Floats:
+    def fall(self, steady: Field) -> Field:
         """Fall of the area in steady sliding for every e-fold of the velocity, over that at 1."""
         mean = steady.mean(axis=0)
         order = np.log(_VELOCITIES[1:])
-        slopes: Floats = np.polyfit(order, (mean / mean[:, :1]).T, 1)[0]
+        slopes: Field = np.polyfit(order, (mean / mean[:, :1]).T, 1)[0]
         return -slopes
 
-    def force(self, steady: Floats, rest: Floats) -> Floats:
+    def force(self, steady: Field, rest: Field) -> Field:
         """Mean force of a contact at rest, in the middle of the times that count."""
         area = steady[:, :, :1] * rest[:, :, self.late]
         return np.asarray(LOAD * SIDE**2 / np.exp(np.log(area.mean(axis=0)).mean(axis=1)))

@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from asperity.base.checks import Floats
-from asperity.fits.resampling import Estimate, jackknife
+from asperity.fits import Estimate, jackknife
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
 from asperity_research.studies.evidence import Around, Evidence
 from asperity_research.studies.ledger import Finding
@@ -113,11 +113,11 @@ PROPORTIONAL = (0.8, 1.2)
 """Powers of the waiting time that bear out that a time is proportional to it."""
 
 
-Reading = Callable[[Floats, Floats], float]
+Reading = Callable[[Field, Field], float]
 """What is read off times and areas, shapes (n,)."""
 
 
-def time_of_minimum(time: Floats, area: Floats) -> float:
+def time_of_minimum(time: Field, area: Field) -> float:
     """Time at which an area is smallest: that of the parabola in ln t through it and its neighbors.
 
     Parameters
@@ -138,7 +138,7 @@ def time_of_minimum(time: Floats, area: Floats) -> float:
     return float(time[1]) if at == 1 else vertex(time, area, at)
 
 
-def time_of_growth(time: Floats, area: Floats) -> float:
+def time_of_growth(time: Field, area: Field) -> float:
     """Time at which an area first exceeds the smallest one so far by 3 %; times and areas as above."""
     over = area / np.minimum.accumulate(area)
     at = int(np.argmax(over > RISE))
@@ -169,11 +169,11 @@ class Steps:
 
     name: str
     ratio: float
-    wait: Floats
+    wait: Field
     load: float
-    time: Floats
-    before: Floats
-    area: Floats
+    time: Field
+    before: Field
+    area: Field
 
     @classmethod
     def of(cls, evidence: Evidence, name: str, ratio: float) -> Steps:
@@ -202,21 +202,21 @@ class Steps:
         return {"solid": self.name, "load_ratio": self.ratio}
 
     @property
-    def depth(self) -> Floats:
+    def depth(self) -> Field:
         """Lost area over that just after the step, shape (surfaces, waits)."""
         return np.asarray(1 - self.area.min(axis=2) / self.area[:, :, 0])
 
-    def times(self, of: Reading, area: Floats) -> Floats:
+    def times(self, of: Reading, area: Field) -> Field:
         """Return ln(time / waiting time) at each wait, for a sample of areas after the step."""
         return np.log([of(self.time, one) for one in area.mean(axis=0)])
 
-    def estimated(self, before: Floats, area: Floats) -> Floats:
+    def estimated(self, before: Field, area: Field) -> Field:
         """Return ln(t_r/t_w) = (s_1 - s_2)/s0 from mean forces before and after the step; NaN without s0."""
         first = self.load / before.mean(axis=0)
         then = self.ratio * self.load / area[:, :, 0].mean(axis=0)
         return np.asarray((first - then) / (self.creep_stress or math.nan))
 
-    def _slope(self, of: Reading, statistic: Callable[[Floats, Floats], Floats]) -> Estimate | None:
+    def _slope(self, of: Reading, statistic: Callable[[Field, Field], Field]) -> Estimate | None:
         """Slope against ln t_w, where every sample has that time; None for fewer than three waits."""
         shared = np.isfinite(jackknife(partial(self.times, of), self.area).high)
         if shared.sum() < 3 or np.isnan(statistic(self.before, self.area)[shared]).any():

@@ -29,7 +29,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.figures import style
+from asperity.figures import Drawing
+from asperity_research import style
 from asperity_research.studies.growth_rate.analysis import analyse
 from asperity_research.studies.growth_rate.grown import (
     CUTOFFS,
@@ -49,7 +50,6 @@ from asperity_research.studies.growth_rate.grown import (
     relative_rate,
     straightness,
 )
-from asperity_research.studies.panels import points
 from asperity_research.studies.study import Study
 
 __all__ = ["GROWTH_RATE", "analyse", "draw", "end", "rate", "relative_rate", "straightness"]
@@ -60,14 +60,14 @@ _TICKS = (0.1, 0.2, 0.5, 1.0, 2.0)
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw B against everything, with the closed forms, and where they end."""
-    figure = style.Drawing(figsize=(8.6, 5.6), layout="constrained")
+    figure = Drawing(figsize=(8.6, 5.6), layout="constrained")
     (viscous, ratio, load), (wave, side, over) = figure.subplots(2, 3)
     rows, lines = tables["points"], tables["lines"]
     rows = rows.assign(at=rows["at"].where(rows["at"] > 0, ZERO))
 
     def dots(ax: Axes, of: str, look: str, color: str, label: str, surfaces: str = GAUSSIAN) -> None:
         own = rows[(rows["of"] == of) & (rows["surfaces"] == surfaces)]
-        points(ax, own, "at", "B", look, color, label=label)
+        style.points(ax, own, "at", "B", look, color, label=label)
 
     def line(ax: Axes, of: str, name: str, look: str, color: str, label: str) -> None:
         own = lines[(lines["of"] == of) & (lines["line"] == name)]

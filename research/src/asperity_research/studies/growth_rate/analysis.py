@@ -11,9 +11,8 @@ import pandas as pd
 
 import asperity.theory as theory
 import asperity_research.studies.growth_rate.grown as grown
-from asperity.base.checks import Floats
-from asperity.fits.resampling import Estimate, jackknife
-from asperity.lattice import Field
+from asperity.fits import Estimate, jackknife
+from asperity_research.arrays import Field
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.growth_rate.grown import Grown, Key, Number, rate
 from asperity_research.studies.ledger import Finding
@@ -30,7 +29,7 @@ FLAT = (-0.05, 0.05)
 """Exponents that bear out that one quantity does not depend on another."""
 
 
-def _estimate(combine: Callable[[Floats], float], *sets: Grown, of: Number = rate) -> Estimate:
+def _estimate(combine: Callable[[Field], float], *sets: Grown, of: Number = rate) -> Estimate:
     """Combine a number of some sets, of as many surfaces each; with its interval."""
 
     def statistic(*arrays: Field) -> float:
@@ -40,7 +39,7 @@ def _estimate(combine: Callable[[Floats], float], *sets: Grown, of: Number = rat
     return jackknife(statistic, tuple(array for one in sets for array in (one.area, one.closed)))
 
 
-def _only(numbers: Floats) -> float:
+def _only(numbers: Field) -> float:
     return float(numbers[0])
 
 

@@ -11,9 +11,8 @@ from itertools import product
 import numpy as np
 
 import asperity.theory as theory
-from asperity.base.checks import Floats
-from asperity.lattice import Field
 from asperity.surfaces import exponential, gaussian
+from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import crossing, slope
@@ -59,7 +58,7 @@ END = 0.9
 """Area over that of the closed form at which this has come to its end."""
 
 
-Number = Callable[[Floats, Field], float]
+Number = Callable[[Field, Field], float]
 """What is computed from times and areas, shapes (n,) and (runs, n)."""
 
 Key = tuple[str, str, float]
@@ -114,25 +113,25 @@ def _campaigns(seeds: int, light: int) -> Iterator[Campaign]:
         yield campaign(f"waves_{side}", words, side=side, load=SIZE_LOAD, surface=rough)
 
 
-def rate(time: Floats, area: Field) -> float:
+def rate(time: Field, area: Field) -> float:
     """B in the window, of the mean over surfaces; times (n,), the first of them 0, and areas (runs, n)."""
     mean = area.mean(axis=0)
     return slope(time, mean, *WINDOW) / float(mean[0])
 
 
-def relative_rate(time: Floats, area: Field) -> float:
+def relative_rate(time: Field, area: Field) -> float:
     """Return d ln A/d ln t in the window; arguments as for `rate`."""
     return slope(time, np.log(area.mean(axis=0)), *WINDOW)
 
 
-def straightness(time: Floats, area: Field) -> float:
+def straightness(time: Field, area: Field) -> float:
     """B in the second half of the window over that in the first half; 1 for a logarithm."""
     mean = area.mean(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):  # an area that does not grow at first: no number
         return float(np.divide(slope(time, mean, _MIDDLE, WINDOW[1]), slope(time, mean, WINDOW[0], _MIDDLE)))
 
 
-def end(time: Floats, area: Field, closed: Field) -> tuple[float, float]:
+def end(time: Field, area: Field, closed: Field) -> tuple[float, float]:
     """Time at which the mean area falls to `END` of that of the closed form for good, and the area then.
 
     Times (n,) and areas (runs, n); NaN where it does not fall so far.
@@ -146,7 +145,7 @@ def end(time: Floats, area: Field, closed: Field) -> tuple[float, float]:
     return at, float(mean[last] + part * (mean[last + 1] - mean[last]))
 
 
-def closed_area(heights: theory.HeightLaw, load: float, time: Floats, x1: float, viscous: float) -> Floats:
+def closed_area(heights: theory.HeightLaw, load: float, time: Field, x1: float, viscous: float) -> Field:
     """Part of the sites in contact by the dilute theory, with k0 = 1: load a site, k1/k0, R_viscous/R."""
     return theory.dilute_area(load, theory.compliance(x1, time, viscous), heights)
 
@@ -173,10 +172,10 @@ class Grown:
 
     load: float
     sites: int
-    time: Floats
+    time: Field
     area: Field
     closed: Field
-    endless: Floats
+    endless: Field
 
     @property
     def limit(self) -> float:

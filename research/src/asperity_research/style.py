@@ -1,0 +1,55 @@
+"""What all figures share: colors, numbers on labels, and points with their intervals.
+
+The hues are of the set of M. Okabe and K. Ito, "Color Universal Design" (2008), as in Asperity.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+
+INK, BLUE, VERMILION, SKY, GRAY = "#000000", "#0072B2", "#D55E00", "#56B4E9", "#8C8C8C"
+
+
+def power(value: float) -> str:
+    """Write a number for a label: 0.25, 1000, or with a power of ten."""
+    if value == 0:
+        return "0"
+    if math.isinf(value):
+        return r"\infty"
+    exponent = math.floor(math.log10(abs(value)) + 1e-9)
+    if -3 < exponent < 4:
+        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+    digits = f"{value / 10.0**exponent:.2g}"
+    head = "" if digits == "1" else rf"{digits} \times "
+    return rf"{head}10^{{{exponent}}}"
+
+
+def thousands(value: int) -> str:
+    """Write a whole number with thin spaces between thousands."""
+    return f"{value:,}".replace(",", "\u202f")
+
+
+def points(ax: Axes, rows: pd.DataFrame, x: str, y: str, look: str, color: str, **more: Any) -> None:
+    """Draw a column of a table against another, with 95 % intervals as bars.
+
+    Parameters
+    ----------
+    ax
+        Where.
+    rows
+        The table; see `asperity_research.studies.numbers.columns`.
+    x, y
+        The columns. The ends of the intervals are Y_low and Y_high, or low and high.
+    look, color
+        Marks and line, as matplotlib has them.
+    more
+        As `matplotlib.axes.Axes.errorbar`, such as a label.
+    """
+    head = f"{y}_" if f"{y}_low" in rows else ""
+    bars = (rows[y] - rows[f"{head}low"], rows[f"{head}high"] - rows[y])
+    shared = {"markersize": 4, "linewidth": 0.8}
+    ax.errorbar(rows[x], rows[y], yerr=bars, fmt=look, color=color, **{**shared, **more})
