@@ -1,10 +1,11 @@
-"""Build the package, and try it as its users will: installed in empty environments.
+"""Build both packages, and try them as their users will: installed in empty environments.
 
     python .ci/packages.py [STEP ...]
 
 Steps: contents, 3.11, 3.12, 3.13, 3.14, oldest, tool; without arguments all, and before them the build.
-Each environment holds the wheel, its dependencies and nothing else; its packages cannot be written to, and
-there is no home. In it run the ten lines of the README and the command line. ``oldest`` takes the oldest
+Each environment holds the wheel of the library, its dependencies and nothing else; its packages cannot be
+written to, and there is no home. In it run the ten lines of the README and the command line; then, with the
+wheel of asperity-research beside it, the commands of that. ``oldest`` takes the oldest
 release of each dependency that the stated bounds allow. A step that cannot be done here, as for want of an
 interpreter, says why. uv installs, and keeps what it fetched.
 """
@@ -28,6 +29,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 DIST = ROOT / "dist"
+PACKAGES = {"asperity": ".", "asperity_research": "research"}
+"""What is built, and the folder of each."""
+
 PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 UV = [sys.executable, "-m", "uv", "--quiet"]
 UNPRIVILEGED = ["setpriv", "--bounding-set=-all", "--inh-caps=-all"]
@@ -39,6 +43,8 @@ IMPORTS = (
 )
 
 
+RESEARCH = "comes with asperity-research; try pip install asperity-research"
+CHALLENGE = "import asperity\ntry: asperity.challenge\nexcept AttributeError as error: print(error)"
 LOAD = "import asperity; asperity.results.load('run/history.zarr')['area'].values"
 
 
@@ -47,39 +53,53 @@ class SkippedError(Exception):
 
 
 def build() -> str:
-    """Make the source distribution, the wheel from it, and check what the index will show."""
+    """Make the source distributions, the wheels from them, and check what the index will show."""
     shutil.rmtree(DIST, ignore_errors=True)
-    run([*UV, "build", "--out-dir", DIST, ROOT])
+    for folder in PACKAGES.values():
+        run([*UV, "build", "--out-dir", DIST, ROOT / folder])
     run([sys.executable, "-m", "twine", "check", "--strict", *archives()])
     return ", ".join(f"{path.name} {path.stat().st_size / 1e6:.1f} MB" for path in archives())
 
 
 def contents() -> str:
-    """Compare both archives with the files of the repository."""
+    """Compare the archives of both packages with the files of the repository."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         cwd=ROOT, capture_output=True, text=True, check=False,
     )  # fmt: skip
     if listed.returncode != 0:
         raise SkippedError("this is no git repository")
-    files = {name for name in listed.stdout.split("\0") if name and (ROOT / name).exists()}
-    package = {name.removeprefix("src/") for name in files if name.startswith("src/asperity/")}
-    with zipfile.ZipFile(wheel()) as archive:
-        packed = {name for name in archive.namelist() if ".dist-info/" not in name}
+    every = {name for name in listed.stdout.split("\0") if name and (ROOT / name).exists()}
+    return "; ".join(packed(name, folder, every) for name, folder in PACKAGES.items())
+
+
+def packed(package: str, folder: str, every: set[str]) -> str:
+    """Compare the archives of one package with the files in its folder."""
+    files = {str(Path(name).relative_to(folder)) for name in every if Path(name).is_relative_to(folder)}
+    with zipfile.ZipFile(wheel(package)) as archive:
+        inside = {name for name in archive.namelist() if ".dist-info/" not in name}
         metadata = next(name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
         page = archive.read(metadata).decode()
-    same("the wheel", packed, package)
-    (source,) = DIST.glob("*.tar.gz")
+    same(
+        f"the wheel of {package}",
+        inside,
+        {name.removeprefix("src/") for name in files if name.startswith(f"src/{package}/")},
+    )
+    (source,) = DIST.glob(f"{package}-*.tar.gz")
     with tarfile.open(source) as archive:
         unpacked = {member.name.partition("/")[2] for member in archive.getmembers() if member.isfile()}
-    tables = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads((ROOT / folder / "pyproject.toml").read_text(encoding="utf-8"))
     tops = tables["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]
     wanted = {name for name in files if any(name == top or name.startswith(f"{top}/") for top in tops)}
-    same("the source distribution", unpacked, wanted | {"PKG-INFO", "pyproject.toml", ".gitignore"})
+    same(
+        f"the source distribution of {package}",
+        unpacked,
+        wanted | {"PKG-INFO", "pyproject.toml", ".gitignore"},
+    )
     pictures = set(re.findall(r"!\[[^]]*\]\(([^)]+)\)", page))
     if missing := pictures - unpacked:
         raise RuntimeError(f"the source distribution lacks pictures of the README: {sorted(missing)}")
-    return f"{len(packed)} files in the wheel, {len(unpacked)} in the source distribution"
+    return f"{package}: {len(inside)} files in the wheel, {len(unpacked)} in the source distribution"
 
 
 def python(version: str, *, extras: tuple[str, ...] = (), oldest: bool = False) -> str:
@@ -104,16 +124,16 @@ def python(version: str, *, extras: tuple[str, ...] = (), oldest: bool = False) 
             seconds = use(chosen, work, campaign="campaign" in extras)
         finally:
             lock(packages, again=True)
+        if not oldest:
+            run([*UV, "pip", "install", "--python", chosen, wheel(), wheel("asperity_research")])
+            use_research(chosen, work)
     return f"{len(listed.split())} packages, {size / 1e6:.0f} MB, {seconds} s to import press and age"
 
 
 def use(python: Path, work: Path, *, campaign: bool) -> str:
     """Run the README's lines and the command line in an environment; return how long the imports took."""
     prefix = UNPRIVILEGED if hasattr(os, "geteuid") and os.geteuid() == 0 and shutil.which("setpriv") else []
-    environment = {
-        "PATH": os.defpath, "HOME": "/nonexistent", "TMPDIR": str(work), "PYTHONDONTWRITEBYTECODE": "1",
-        **{name: os.environ[name] for name in ("SYSTEMROOT", "TEMP", "TMP") if name in os.environ},
-    }  # fmt: skip
+    environment = bare(work)
 
     def here(*arguments: str | Path) -> str:
         return run([*prefix, python, *arguments], cwd=work, env=environment)
@@ -131,11 +151,37 @@ def use(python: Path, work: Path, *, campaign: bool) -> str:
     here("-m", "asperity", "run", "--shape", "64", "64", "--out", "run", "--quiet")
     expect("files of a run", sorted(path.name for path in (work / "run").iterdir()), sorted(RUN))
     here("-W", "ignore", "-c", LOAD)
+    absent = subprocess.run(
+        [*prefix, python, "-m", "asperity", "reproduce", "--out", "paper"],
+        cwd=work, env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    lines = absent.stderr.splitlines()
+    expect("reproduce without research", (absent.returncode, len(lines), RESEARCH in lines[0]), (2, 1, True))
+    expect("asp.challenge without research", RESEARCH in here("-c", CHALLENGE), True)
     if campaign:
         (work / "campaign.toml").write_text("[surface]\nshape = [16, 16]\n[sweep]\nseeds = 2\n")
         here("-m", "asperity", "sweep", "campaign.toml", "--out", "study", "--workers", "1", "--quiet")
         here("-m", "asperity", "gather", "study")
     return here("-W", "ignore", "-c", IMPORTS).strip()
+
+
+def use_research(python: Path, work: Path) -> None:
+    """Run what asperity-research adds, in an environment that has both packages."""
+    for words, said in (
+        (("challenge", "list"), "dilute"),
+        (("study",), "unloading"),
+        (("--version",), version()),
+    ):
+        expect(
+            " ".join(words), said in run([python, "-m", "asperity", *words], cwd=work, env=bare(work)), True
+        )
+
+
+def bare(work: Path) -> dict[str, str]:
+    """Variables of a process that knows neither a home nor what is installed elsewhere."""
+    kept = {name: os.environ[name] for name in ("SYSTEMROOT", "TEMP", "TMP") if name in os.environ}
+    own = {"HOME": "/nonexistent", "TMPDIR": str(work), "PYTHONDONTWRITEBYTECODE": "1"}
+    return {"PATH": os.defpath, **own, **kept}
 
 
 def tool() -> str:
@@ -205,8 +251,8 @@ def archives() -> list[Path]:
     return sorted([*DIST.glob("*.whl"), *DIST.glob("*.tar.gz")])
 
 
-def wheel() -> Path:
-    (found,) = DIST.glob("*.whl")
+def wheel(package: str = "asperity") -> Path:
+    (found,) = DIST.glob(f"{package}-*.whl")
     return found
 
 

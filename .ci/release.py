@@ -20,6 +20,8 @@ PLACES = [
     ("src/asperity/base/version.py", rf'(?<=__version__ = "){VERSION}'),
     ("CITATION.cff", rf"(?<=\nversion: ){VERSION}"),
     ("CITATION.cff", rf"(?<=\ndate-released: ){DATE}"),
+    ("research/pyproject.toml", rf'(?<=\nversion = "){VERSION}'),
+    ("research/pyproject.toml", rf"(?<=asperity\[campaign\]==){VERSION}"),
     ("recipe.yaml", rf"(?<=\n  version: ){VERSION}"),
     ("README.md", rf"(?<=\nVersion ){VERSION}(?=:)"),
     ("CHANGELOG.md", rf"(?<=\n## )(?:{VERSION}, {DATE}|Unreleased)(?=\n)"),
@@ -48,9 +50,9 @@ def set_version(version: str, date: str) -> None:
 
 def ready() -> list[str]:
     """What keeps this commit from being released."""
-    version, cited, date, recipe, readme, heading = stated()
+    version, cited, date, *others, heading = stated()
     reasons = []
-    if {version, cited, recipe, readme} != {version} or heading != f"{version}, {date}":
+    if {version, cited, *others} != {version} or heading != f"{version}, {date}":
         reasons.append(f"the versions differ: {stated()}; try python .ci/release.py set {version}")
     if git("status", "--porcelain"):
         reasons.append("there are changes that are not committed")
@@ -62,11 +64,10 @@ def ready() -> list[str]:
 def upload() -> str:
     """The commands that publish the archives in dist, and their checksums."""
     version = stated()[0]
-    archives = sorted((ROOT / "dist").glob(f"asperity-{version}*"))
-    if len(archives) != 2:
-        raise SystemExit(
-            f"dist: expected a wheel and a source distribution of {version}, got {len(archives)} files"
-        )
+    archives = sorted((ROOT / "dist").glob(f"asperity*-{version}*"))
+    if len(archives) != 4:
+        expected = f"wheels and source distributions of asperity and asperity-research {version}"
+        raise SystemExit(f"dist: expected {expected}, got {len(archives)} files")
     sums = "\n".join(f"  {hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}" for path in archives)
     names = " ".join(f"dist/{path.name}" for path in archives)
     return (

@@ -20,8 +20,8 @@ def rooms():
     """The public rooms by name."""
     return {
         name: thing
-        for name in (*asperity.__all__, "challenge")  # which asperity-research adds
-        if isinstance(thing := getattr(asperity, name), ModuleType)
+        for name in (*asperity.__all__, "challenge")  # asperity-research adds the last, where it is installed
+        if isinstance(thing := getattr(asperity, name, None), ModuleType)
     }
 
 

@@ -48,7 +48,6 @@ def complaint(asperity: Asperity, *words: str | Path, status: int = 2) -> str:
         (("run", "--E", "3"), "unknown option --E; the elastic constants are --k0 and --k1"),
         (("run", "--half-space"), "unknown option --half-space; try --solid half_space --modulus 3.8GPa"),
         (("run", "--colour", "3"), "unknown option --colour (see"),
-        (("reproduce", "--out", "a", "--seed", "1.5"), "--seed: expected a whole number, got 1.5"),
         (("sweep", "a", "--out", "b", "--workers", "1,5"), "--workers: expected a whole number, got 1,5"),
         (("fit", "a.csv", "--window", "0,5", "3"), 'unable to convert "0,5" into float; try 0.5'),
         (("run", "--load"), "requires an argument"),
@@ -177,7 +176,7 @@ def test_help_and_version(asperity: Asperity) -> None:
     assert asperity("--version") == asperity("-V") == (0, f"{__version__}\n", "")
 
 
-@pytest.mark.parametrize("command", ["run", "surface", "fit", "sweep", "status", "gather", "reproduce"])
+@pytest.mark.parametrize("command", ["run", "surface", "fit", "sweep", "status", "gather"])
 def test_help_fills_its_lines(asperity: Asperity, command: str) -> None:
     _, text, _ = asperity(command, "--help")
     lines = [line.strip("│ ") for line in text.splitlines()]

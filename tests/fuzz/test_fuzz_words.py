@@ -1,5 +1,6 @@
 """Random configurations, campaigns and command lines: done, or refused in clear lines with status 1 or 2."""
 
+import importlib.util
 import shutil
 from pathlib import Path
 from typing import Any
@@ -203,8 +204,9 @@ def test_command_lines(
         """In place of what takes hours."""
 
     monkeypatch.setattr("asperity.app.cli.campaign.sweep", nothing)
-    monkeypatch.setattr("asperity_research.commands.reproduce.reproduce", nothing)
-    monkeypatch.setattr("asperity_research.commands.reproduce.say_what_it_takes", nothing)
+    if importlib.util.find_spec("asperity_research"):
+        monkeypatch.setattr("asperity_research.commands.reproduce.reproduce", nothing)
+        monkeypatch.setattr("asperity_research.commands.reproduce.say_what_it_takes", nothing)
     flags = [flag_of(section, key) for section, keys in KEYS.items() for key in keys]
 
     def attempt(draw: Draw) -> None:

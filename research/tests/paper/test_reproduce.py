@@ -139,6 +139,7 @@ def test_mistakes(tmp_path, asperity):
         (("--out", tmp_path / "file"), "expected a folder, got .*, which is a file"),
         (("--out", tmp_path / "full"), "expected a new folder, or that of a reproduction"),
         (("--out", tmp_path / "new", "--seed", "-1"), "seed: expected 0 or more, got -1"),
+        (("--out", tmp_path / "new", "--seed", "1.5"), "--seed: expected a whole number, got 1.5"),
         (("--out", tmp_path / "new", "--workers", "0"), "--workers: expected 1 or more, got 0"),
     ]:
         status, out, err = asperity(*words)
