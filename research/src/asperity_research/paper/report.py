@@ -6,56 +6,31 @@ The page is written last: where it stands, all that it links to is there.
 from __future__ import annotations
 
 import base64
-import datetime
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import jinja2
 from markupsafe import Markup
 
 from asperity.app.config import RunConfig
-from asperity.base.words import duration
 from asperity.errors import InputError
-from asperity.results import whole_file
 from asperity_research.paper.corrections import corrections
 from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure
 from asperity_research.paper.places import SECTIONS, numbered, section_of
-from asperity_research.studies.ledger import Finding, Measurement, Verdict
-from asperity_research.studies.report import Simulated, file_name, ledger_table, write_drawing, write_table
-from asperity_research.studies.typeset import bounds, interval, number, plain, rich
+from asperity_research.studies.ledger import Finding, Measurement
+from asperity_research.studies.report import (
+    About,
+    file_name,
+    ledger_table,
+    templates,
+    write_drawing,
+    write_table,
+    write_text,
+)
+from asperity_research.studies.typeset import interval, plain, rich
 
 _LARGEST_SVG = 1_500_000
-
-
-@dataclass(frozen=True)
-class About:
-    """Where a report comes from.
-
-    Attributes
-    ----------
-    effort
-        ``"quick"`` or ``"full"``.
-    version
-        Of Asperity.
-    date
-        Of the report.
-    command
-        The command line that made it.
-    wall_seconds, run_seconds
-        From the last start of the command to its end, and summed over all runs; NaN where unknown.
-    studies
-        What was simulated.
-    """
-
-    effort: str
-    version: str
-    date: datetime.date
-    command: str
-    wall_seconds: float
-    run_seconds: float
-    studies: tuple[Simulated, ...]
 
 
 @dataclass(frozen=True)
@@ -88,19 +63,21 @@ def write_report(
     pictures = [_write_figure(folder, figure) for figure in sorted(figures, key=lambda one: one.number)]
     ordered = sorted(findings, key=lambda finding: list(SECTIONS).index(section_of(finding.place)))
     write_table(folder, "ledger", ledger_table(ordered))
-    templates = _templates()
+    pages = templates(
+        "asperity_research.paper",
+        about=about,
+        pictures=pictures,
+        findings=ordered,
+        ledger={name: [f for f in ordered if section_of(f.place) == name] for name in SECTIONS},
+        tally=Counter(finding.verdict for finding in ordered),
+        corrections=corrections(),
+        usual=RunConfig(),
+        numbers=_numbers,
+        SECTIONS=SECTIONS,
+    )
+    pages.filters["rich"] = rich_numbered
     for name in ("ledger.md", "report.html"):
-        page = templates.get_template(name).render(
-            about=about,
-            pictures=pictures,
-            findings=ordered,
-            ledger={name: [f for f in ordered if section_of(f.place) == name] for name in SECTIONS},
-            tally=Counter(finding.verdict for finding in ordered),
-            corrections=corrections(),
-            usual=RunConfig(),
-        )
-        with whole_file(folder / name) as part:
-            part.write_text(page, encoding="utf-8")
+        write_text(folder / name, pages.get_template(name).render())
     return folder / "report.html"
 
 
@@ -136,27 +113,6 @@ def _write_figure(folder: Path, figure: PaperFigure) -> _Picture:
     drawings = tuple(f"figures/{path.name}" for path in written.values())
     numbers = tuple(f"data/{path.name}" for path in tables)
     return _Picture(figure, f"data:{kind};base64,{encoded}", drawings + numbers)
-
-
-def _templates() -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("asperity_research.paper", "templates"),
-        autoescape=jinja2.select_autoescape(),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {
-        "rich": rich_numbered,
-        "plain": plain,
-        "number": number,
-        "interval": interval,
-        "duration": duration,
-        "file_name": lambda path: Path(path).name,
-    }
-    environment.globals |= {"bounds": bounds, "numbers": _numbers, "Verdict": Verdict, "SECTIONS": SECTIONS}
-    return environment
 
 
 def rich_numbered(text: str) -> Markup:

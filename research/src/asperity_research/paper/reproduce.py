@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 
 import asperity_research.studies.campaigns as campaigns
-from asperity import __version__
 from asperity_research.paper.claims import ledger
 from asperity_research.paper.figures import draw
-from asperity_research.paper.report import About, write_report
+from asperity_research.paper.report import write_report
 from asperity_research.paper.studies import Effort, studies
 from asperity_research.studies.campaigns import Home, Prepared
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.report import Simulated
+from asperity_research.studies.report import About
 
 STUDIES = "studies"
 """Folder of the campaigns, in that of the reproduction."""
@@ -78,18 +76,6 @@ def conclude(
     """
     folder = Path(directory)
     evidence = Evidence(folder / STUDIES)
-    runs = campaigns.finished(evidence, prepared)
+    about = About.of(evidence, prepared, effort.name, command, wall_seconds=seconds)
     findings = ledger(evidence)
-    about = About(
-        effort=effort.name,
-        version=__version__,
-        date=datetime.now(UTC).date(),
-        command=command,
-        wall_seconds=seconds,
-        run_seconds=sum(float(evidence[one.campaign.name]["seconds"].sum()) for one in prepared),
-        studies=tuple(
-            Simulated(one.campaign, runs[one.campaign.name], f"{STUDIES}/{one.campaign.name}")
-            for one in prepared
-        ),
-    )
     return Reproduction(write_report(folder, draw(evidence), findings, about), findings)

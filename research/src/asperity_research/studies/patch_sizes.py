@@ -33,6 +33,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 from scipy.special import logsumexp
 
 import asperity_research.studies.unloading as unloading
@@ -139,36 +140,21 @@ def fit(means: Field, support: Field) -> Law:
 
     Notes
     -----
-    The logarithm of the likelihood is concave in theta: Newton's method with halved steps finds its maximum.
-    If theta_2 is below 0 there, the maximum under the bound has theta_2 = 0.
+    The logarithm of the likelihood is concave in theta, so that a search downhill from 0 finds its maximum.
     """
-    unit = support[:, -1][:, None]  # of order 1
-    scaled, wanted = support / unit, means / unit[:, 0]
-    theta: Field = np.zeros(len(means))
-    value = -math.inf
-    step: Field = np.zeros_like(theta)
-    for _ in range(200):
-        tried = theta + step
-        exponent = -tried @ scaled
+    unit = support[:, -1]  # of order 1
+    scaled, wanted = support / unit[:, None], means / unit
+
+    def lack(theta: Field) -> tuple[float, Field]:
+        exponent = -theta @ scaled
         norm = float(logsumexp(exponent))
-        now = float(-tried @ wanted) - norm
-        if now < value:
-            step = step / 2
-            if np.abs(step).max() <= 1e-12 * (1 + np.abs(theta).max()):
-                break
-            continue
-        gained, theta, value = now - value, tried, now
-        share = np.exp(exponent - norm)
-        mean = scaled @ share
-        centered = scaled - mean[:, None]
-        step = np.asarray(np.linalg.solve((centered * share) @ centered.T, mean - wanted), dtype=np.float64)
-        if gained < 1e-13:
-            break
-    theta = theta / unit[:, 0]
-    if len(theta) == 2 and theta[1] < 0:
-        bound = fit(means[:1], support[:1])
-        return Law(bound.exponent, 0.0, bound.likelihood)
-    return Law(float(theta[0]), float(theta[1]) if len(theta) == 2 else 0.0, value)
+        return float(theta @ wanted) + norm, wanted - scaled @ np.exp(exponent - norm)
+
+    bounds = [(None, None), (0.0, None)][: len(means)]
+    options = {"ftol": 1e-15, "gtol": 1e-11}
+    found = minimize(lack, np.zeros(len(means)), jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    exponent, second = [*(found.x / unit), 0.0][:2]
+    return Law(float(exponent), float(second), -float(found.fun))
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,29 @@
-"""What reports are made of: drawings, tables, ledgers, and what was simulated."""
+"""Reports of studies and of the reproduction: pages from templates, drawings, tables and ledgers."""
 
 from __future__ import annotations
 
+import datetime
+import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import jinja2
 import matplotlib as mpl
 import pandas as pd
 from markupsafe import Markup, escape
 from matplotlib.figure import Figure
 
+import asperity as asp
+from asperity.base.words import duration
 from asperity.errors import OutputError
 from asperity.results import whole_file
-from asperity_research.studies.campaigns import Campaign
-from asperity_research.studies.ledger import Finding
-from asperity_research.studies.typeset import number, plain
+from asperity_research.studies.campaigns import Campaign, Prepared, finished
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Finding, Verdict
+from asperity_research.studies.typeset import bounds, interval, number, plain, rich
 
 _RESOLUTION = 250
 
@@ -56,6 +62,89 @@ class Simulated:
     def seeds(self) -> Markup:
         """Its seeds, or a dash for a surface that has none."""
         return _brief("seeds", self.campaign.tables["sweep"].get("seeds", "–"))
+
+
+@dataclass(frozen=True)
+class About:
+    """Where a report comes from.
+
+    Attributes
+    ----------
+    effort
+        ``"quick"`` or ``"full"``.
+    command
+        The command line that made it.
+    studies
+        What was simulated.
+    run_seconds, wall_seconds
+        Summed over all runs, and from the last start of the command to its end; NaN where unknown.
+    version
+        Of Asperity.
+    date
+        Of the report.
+    """
+
+    effort: str
+    command: str
+    studies: tuple[Simulated, ...]
+    run_seconds: float
+    wall_seconds: float = math.nan
+    version: str = asp.__version__
+    date: datetime.date = field(default_factory=lambda: datetime.datetime.now(datetime.UTC).date())
+
+    @classmethod
+    def of(
+        cls, evidence: Evidence, prepared: Sequence[Prepared], effort: str, command: str, **more: Any
+    ) -> About:
+        """Say it of campaigns that are finished; `AsperityError` if one is not."""
+        runs = finished(evidence, prepared)
+        simulated = tuple(
+            Simulated(one.campaign, runs[one.campaign.name], f"{evidence.folder.name}/{one.campaign.name}")
+            for one in prepared
+        )
+        seconds = sum(float(evidence[name]["seconds"].sum()) for name in runs)
+        return cls(effort, command, simulated, seconds, **more)
+
+    @property
+    def runs(self) -> int:
+        """Number of all runs."""
+        return sum(one.runs for one in self.studies)
+
+
+def templates(package: str, **more: Any) -> jinja2.Environment:
+    """Return the pages of a package, in whose words numbers and texts are set by the filters of `typeset`.
+
+    Parameters
+    ----------
+    package
+        The package, with a folder ``templates``.
+    more
+        What the pages know besides.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(package, "templates"),
+        autoescape=jinja2.select_autoescape(),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {
+        "rich": rich,
+        "plain": plain,
+        "number": number,
+        "interval": interval,
+        "duration": duration,
+        "file_name": lambda path: Path(path).name,
+    }
+    environment.globals |= {"bounds": bounds, "Verdict": Verdict, **more}
+    return environment
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file that is whole or not there; `OutputError` if the disk refused."""
+    with whole_file(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def write_drawing(folder: Path, name: str, figure: Figure) -> dict[str, Path]:

@@ -10,24 +10,25 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 
-import jinja2
 import pandas as pd
 import tomli_w
 from matplotlib.figure import Figure
 
 import asperity_research.studies.campaigns as campaigns
-from asperity import __version__
-from asperity.base.words import duration
-from asperity.results import whole_file
 from asperity_research.doors import instance
 from asperity_research.studies.campaigns import Campaign, Home, Prepared
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.report import Simulated, ledger_table, write_drawing, write_table
-from asperity_research.studies.typeset import bounds, interval, plain
+from asperity_research.studies.report import (
+    About,
+    ledger_table,
+    templates,
+    write_drawing,
+    write_table,
+    write_text,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,48 +144,23 @@ def conclude(
     instance("study", study, Study, 'asperity.studies.named("unloading")')
     folder = Path(directory)
     evidence = Evidence(folder / study.home.inside)
-    runs = campaigns.finished(evidence, prepared)
+    about = About.of(evidence, prepared, "quick" if quick else "full", command)
     outcome = study.analyse(evidence)
-    figure = study.draw(outcome.tables)
-    write_drawing(folder, "figure", figure)
+    write_drawing(folder, "figure", study.draw(outcome.tables))
     write_table(folder, "ledger", ledger_table(outcome.findings))
     for name, table in outcome.tables.items():
         write_table(folder / "data", name, table)
-    simulated = [
-        Simulated(one.campaign, runs[one.campaign.name], f"{study.home.inside}/{one.campaign.name}")
-        for one in prepared
-    ]
     origin = {
         "study": study.name,
-        "effort": "quick" if quick else "full",
+        "effort": about.effort,
         "command": command,
-        "version": __version__,
-        "date": datetime.now(UTC).date().isoformat(),
+        "version": about.version,
+        "date": about.date.isoformat(),
         "first_seed": seed,
-        "runs": sum(runs.values()),
-        "cpu_seconds": round(sum(float(evidence[name]["seconds"].sum()) for name in runs)),
+        "runs": about.runs,
+        "cpu_seconds": round(about.run_seconds),
     }
-    pages = {
-        "origin.toml": tomli_w.dumps({"origin": origin}),
-        "report.md": _page().render(
-            study=study, origin=origin, findings=outcome.findings, tables=outcome.tables, simulated=simulated
-        ),
-    }
-    for name, text in pages.items():
-        with whole_file(folder / name) as part:
-            part.write_text(text, encoding="utf-8")
+    write_text(folder / "origin.toml", tomli_w.dumps({"origin": origin}))
+    page = templates("asperity_research.studies", study=study, origin=origin, outcome=outcome, about=about)
+    write_text(folder / "report.md", page.get_template("report.md").render())
     return Concluded(folder / "report.md", outcome)
-
-
-def _page() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("asperity_research.studies", "templates"),
-        autoescape=False,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"plain": plain, "interval": interval, "duration": duration}
-    environment.globals |= {"bounds": bounds}
-    return environment.get_template("report.md")
