@@ -34,20 +34,9 @@ def thousands(value: int) -> str:
 
 
 def points(ax: Axes, rows: pd.DataFrame, x: str, y: str, look: str, color: str, **more: Any) -> None:
-    """Draw a column of a table against another, with 95 % intervals as bars.
+    """Draw column y of a table against x, with 95 % intervals as bars.
 
-    Parameters
-    ----------
-    ax
-        Where.
-    rows
-        The table; see `asperity_research.studies.numbers.columns`.
-    x, y
-        The columns. The ends of the intervals are Y_low and Y_high, or low and high.
-    look, color
-        Marks and line, as matplotlib has them.
-    more
-        As `matplotlib.axes.Axes.errorbar`, such as a label.
+    These end at Y_low and Y_high, or low and high. Look and more: as of `Axes.errorbar`.
     """
     head = f"{y}_" if f"{y}_low" in rows else ""
     bars = (rows[y] - rows[f"{head}low"], rows[f"{head}high"] - rows[y])

@@ -41,22 +41,10 @@ class Number:
 
 @dataclass(frozen=True)
 class Correction:
-    """One misprint or inexactness.
+    """One misprint or inexactness: its place, what is printed, what should be, why, and numbers that show it.
 
-    Attributes
-    ----------
-    key
-        A short name, words joined by hyphens; the heading of the proof in docs/paper.md.
-    place
-        Where it stands. Equations are named by their labels in the paper's source.
-    printed
-        What the paper has.
-    correct
-        What it should be.
-    why
-        The proof in a few sentences. Like all texts here, plain with the tags i, sub and sup of HTML.
-    numbers
-        What shows it; empty where words suffice.
+    The key, words joined by hyphens, is the heading of the proof in docs/paper.md. Equations are named by
+    their labels in the paper's source. Texts are plain with the tags i, sub and sup of HTML.
     """
 
     key: str

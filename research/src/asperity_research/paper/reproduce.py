@@ -27,15 +27,7 @@ HOME = Home("a reproduction", STUDIES)
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What came out.
-
-    Attributes
-    ----------
-    report
-        The page to read.
-    findings
-        The lines of its ledger.
-    """
+    """What came out: the page to read, and the lines of its ledger."""
 
     report: Path
     findings: tuple[Finding, ...]
@@ -56,23 +48,8 @@ def conclude(
 ) -> Reproduction:
     """Draw the figures, judge the claims and write the report, from studies that are finished.
 
-    Parameters
-    ----------
-    directory
-        The folder of the reproduction.
-    prepared
-        From `prepared_in`.
-    effort
-        How much was computed.
-    command
-        The command that did it, for the report.
-    seconds
-        How long it took.
-
-    Raises
-    ------
-    AsperityError
-        A study is not finished; or the disk refused. An earlier report stays.
+    The command and the seconds that it took are for the report. `AsperityError` if a study is not finished,
+    or the disk refused; an earlier report stays.
     """
     folder = Path(directory)
     evidence = Evidence(folder / STUDIES)

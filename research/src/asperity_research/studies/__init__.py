@@ -24,13 +24,7 @@ __all__ = ["STUDIES", "Concluded", "Outcome", "Study", "conclude", "named", "run
 
 
 def named(name: str) -> Study:
-    """Return a study by its name.
-
-    Raises
-    ------
-    InputError
-        There is none of that name.
-    """
+    """Return a study by its name; `InputError` if there is none."""
     return doors.named("study", name, STUDIES, "asperity study, which lists them")
 
 

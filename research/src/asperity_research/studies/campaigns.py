@@ -24,18 +24,10 @@ Tables = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Campaign:
-    """One campaign.
+    """One campaign: the name of its folder, what it is for, and its file, section by section.
 
-    Attributes
-    ----------
-    name
-        Its folder.
-    purpose
-        What it is for, in a few words.
-    tables
-        The campaign file, section by section; ``protocol`` is a list of legs.
-    heights
-        Surfaces that it reads, by the names of their files (.npy); none for surfaces that are made.
+    Of the sections ``protocol`` is a list of legs; ``heights`` are surfaces that it reads, by the names of
+    their files (.npy), none for surfaces that are made.
     """
 
     name: str
@@ -78,20 +70,10 @@ class Campaign:
 
 @dataclass(frozen=True)
 class Solid:
-    """A solid of a study, and what is done to it.
+    """A solid of a study, in words and as a section of the campaign file, and what is done to it.
 
-    Attributes
-    ----------
-    what
-        In words.
-    table
-        Its section of the campaign file.
-    load
-        Load a site at first, or the separation where that is prescribed.
-    waits
-        Waiting times before a step.
-    steps
-        Loads after the step over that before, or by how much the bodies are brought apart.
+    ``load`` is that of a site at first, or the separation where that is prescribed; ``waits`` are waiting
+    times before a step; ``steps`` loads after it over that before, or by how much the bodies move apart.
     """
 
     what: str
@@ -108,16 +90,7 @@ class Solid:
     def campaign(self, name: str, purpose: str, surface: Tables, **tables: Any) -> Campaign:
         """Return one on this solid, under its load unless the tables have another contact; without maps.
 
-        Parameters
-        ----------
-        name
-            Its folder, in which a point is written as an underscore.
-        purpose
-            What it is for; the words of the solid follow.
-        surface
-            That section of the campaign file.
-        tables
-            The others.
+        A point in the name of its folder becomes an underscore; the words of the solid follow the purpose.
         """
         contact = {"load": self.load * math.prod(surface["shape"])}
         shared = {"surface": surface, "solid": self.table, "contact": contact, "output": {"maps_at": []}}
@@ -148,20 +121,10 @@ def zipped(seeds: int, **values: Sequence[float]) -> dict[str, Any]:
 def after_waits(
     step: Mapping[str, float], waits: Sequence[float], duration: float, surfaces: int
 ) -> dict[str, Any]:
-    """Return the tables of a hold for each waiting time, a step and a hold; times over the waiting time.
+    """Return the tables of a hold for each waiting time, a step as in a leg, and a hold; times over waits.
 
-    Creep t_w times as fast for a time of 1 is creep for t_w: waiting times are factors on creep.
-
-    Parameters
-    ----------
-    step
-        What the step changes, as in a leg of the campaign file.
-    waits
-        Waiting times, swept.
-    duration
-        Of the second hold, over the waiting time.
-    surfaces
-        Number of seeds.
+    Creep t_w times as fast for a time of 1 is creep for t_w: waiting times are factors on creep. The duration
+    of the second hold is over the waiting time.
     """
     factors = {f"protocol.{leg}.mobility": waits for leg in (0, 2)}
     return {
@@ -172,17 +135,7 @@ def after_waits(
 
 @dataclass(frozen=True)
 class Prepared:
-    """A campaign that is ready to run.
-
-    Attributes
-    ----------
-    campaign
-        What it is.
-    plan
-        Its runs.
-    folder
-        Where they go.
-    """
+    """A campaign that is ready to run, with its runs and the folder that they go to."""
 
     campaign: Campaign
     plan: asp.campaign.Plan
@@ -191,15 +144,7 @@ class Prepared:
 
 @dataclass(frozen=True)
 class Home:
-    """Whose folder it is that campaigns are written to.
-
-    Attributes
-    ----------
-    owner
-        Such as ``"a reproduction"``.
-    inside
-        Folder of the campaigns, in that of the owner.
-    """
+    """Whose folder it is, such as ``"a reproduction"``, and the folder of the campaigns inside of it."""
 
     owner: str
     inside: str
@@ -256,26 +201,10 @@ class Home:
 def prepared_in(
     directory: str | Path, campaigns: Sequence[Campaign], home: Home, *, seed: int = 0
 ) -> Iterator[tuple[Prepared, ...]]:
-    """Write the campaign files, and keep others out of the folder.
+    """Write the campaign files, of ensembles from a first seed on, and keep others out of the folder.
 
-    Parameters
-    ----------
-    directory
-        The folder; made, or gone on with.
-    campaigns
-        What to run.
-    home
-        Whose folder it is.
-    seed
-        First seed of every ensemble.
-
-    Raises
-    ------
-    InputError
-        The folder holds something else, or is of another seed, or something is at work there; or the seed is
-        negative.
-    OutputError
-        The disk refused.
+    `InputError` if the folder holds something else, or is of another seed, or something is at work there, or
+    the seed is negative; `OutputError` if the disk refused.
     """
     folder = Path(directory)
     wanted = [one.seeded(seed) for one in campaigns]
@@ -295,22 +224,11 @@ def run_campaigns(
     watch: Callable[[Prepared], AbstractContextManager[Callable[[asp.campaign.Tally], None] | None]]
     | None = None,
 ) -> None:
-    """Do what is missing of every campaign.
+    """Do what is missing of every campaign; workers, scheduler and retrying are those of a sweep.
 
-    Parameters
-    ----------
-    prepared
-        From `prepared_in`.
-    workers, scheduler, retry_failed
-        As `asperity.app.campaign.sweep`.
-    watch
-        Entered for each campaign that has runs to do, until they are done; gives what is told the tally
-        after every run.
-
-    Raises
-    ------
-    AsperityError
-        The disk or the scheduler refused; or some runs failed, after all others were done.
+    ``watch`` is entered for each campaign that has runs to do, until they are done, and gives what is told
+    the tally after every run. `AsperityError` if the disk or the scheduler refused, or if some runs failed,
+    after all others were done.
     """
     failed = []
     for one in prepared:

@@ -15,7 +15,6 @@ import numpy as np
 from scipy.stats import binomtest
 
 from asperity.fits import Estimate
-from asperity_research.arrays import Field
 
 MOST_SEEDS = 1000
 """Seeds beyond which more seeds are no advice: the number lies on the edge of its range."""
@@ -155,19 +154,14 @@ def together(measured: Sequence[Measurement]) -> Verdict:
 
 def exact(value: float) -> Estimate:
     """Return a number in which nothing is random, as an estimate."""
-    number: Field = np.asarray(value, dtype=np.float64)[()]
-    return Estimate(value=number, stderr=np.zeros_like(number), low=number, high=number, runs=1)
+    number, none = (np.asarray(one, dtype=np.float64)[()] for one in (value, 0.0))
+    return Estimate(number, none, number, number, runs=1)
 
 
 def proportion(count: int, runs: int) -> Estimate:
     """Return the share of runs that have a property, with its exact 95 % interval (Clopper and Pearson)."""
     found = binomtest(count, runs)
     ends = found.proportion_ci(0.95, method="exact")
-    share, low, high = (np.float64(x) for x in (found.statistic, ends.low, ends.high))
-    return Estimate(
-        value=np.asarray(share)[()],
-        stderr=np.asarray(np.sqrt(share * (1 - share) / runs))[()],
-        low=np.asarray(low)[()],
-        high=np.asarray(high)[()],
-        runs=runs,
-    )
+    share = found.statistic
+    numbers = (share, math.sqrt(share * (1 - share) / runs), ends.low, ends.high)
+    return Estimate(*(np.asarray(one, dtype=np.float64)[()] for one in numbers), runs=runs)

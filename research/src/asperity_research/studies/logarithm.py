@@ -59,17 +59,7 @@ STRAIGHT = (0.9, 1.1)
 
 @dataclass(frozen=True)
 class Relaxing:
-    """A relaxation.
-
-    Attributes
-    ----------
-    what
-        In words.
-    series
-        Its branches.
-    share
-        Share of a decade of time; NaN if that is no one number.
-    """
+    """A relaxation in words, its branches, and the share of a decade of time; NaN if there is none."""
 
     what: str
     series: PronySeries
@@ -144,38 +134,18 @@ def straightness(time: Field, growth: Field) -> float:
 
 
 def share_for(shares: Field, slopes: Field, wanted: float = WANTED) -> float:
-    """Share a decade at which B has a value: ln B linear in ln share between its neighbors.
+    """Share a decade at which B has a value: ln B linear in ln share between neighbors.
 
-    Parameters
-    ----------
-    shares
-        Increasing, shape (n,).
-    slopes
-        B at them, shape (n,); increasing.
-    wanted
-        The value of B.
+    Shares, increasing, and B at them, increasing too, of shape (n,).
     """
     return float(np.exp(np.interp(math.log(wanted), np.log(slopes), np.log(shares))))
 
 
 def predicted(loads: Field, areas: Field, series: PronySeries, time: Field) -> Field:
-    """A/A(0) from the curve of the elastic area against load, by ln A linear in ln F between its points.
+    """A/A(0), shape (runs, times), from the curve of the elastic area against load.
 
-    Parameters
-    ----------
-    loads
-        Over the load that is kept, increasing from 1, shape (n,).
-    areas
-        Elastic areas at them, shape (runs, n).
-    series
-        The relaxation.
-    time
-        Times, shape (m,).
-
-    Returns
-    -------
-    ndarray
-        Shape (runs, m).
+    Loads over that which is kept, increasing from 1, shape (n,), and elastic areas at them, shape (runs, n);
+    ln A is linear in ln F between them.
     """
     at = np.log(series.compliance_at(time))
     ratios = np.log(areas / areas[:, :1])

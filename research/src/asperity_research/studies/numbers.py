@@ -16,24 +16,10 @@ def mean(sample: Field) -> Estimate:
     return jackknife(lambda some: some.mean(axis=0), sample)
 
 
-def part(found: Estimate, *index: int | slice) -> Estimate:
-    """Return one of several numbers that were estimated together, or some of them."""
-    several: Any = (found.value, found.stderr, found.low, found.high)
-    value, stderr, low, high = (one[index] for one in several)
-    return Estimate(value, stderr, low, high, found.runs)
-
-
 def columns(name: str, found: Estimate | None, *, shared: bool = False) -> dict[str, Any]:
-    """Return the columns of a number and the ends of its interval: NAME, NAME_low and NAME_high.
+    """Return the columns of a number and the ends of its interval: NAME, NAME_low, NAME_high; NaN for none.
 
-    Parameters
-    ----------
-    name
-        Of the number.
-    found
-        The number, or one a row; NaN for none.
-    shared
-        Call the ends low and high: there is no other interval in the table.
+    The ends are low and high where they are shared: no other number of the table has an interval.
     """
     head = "" if shared else f"{name}_"
     ends = (found.value, found.low, found.high) if found is not None else (math.nan,) * 3
@@ -41,15 +27,7 @@ def columns(name: str, found: Estimate | None, *, shared: bool = False) -> dict[
 
 
 def slope(time: Field, values: Field, first: float = 0.0, last: float = math.inf) -> float:
-    """Slope against ln t between two times, which are both included in spite of rounding.
-
-    Parameters
-    ----------
-    time, values
-        Shape (n,).
-    first, last
-        The window.
-    """
+    """Slope against ln t, shape (n,), between two times, which both count in spite of rounding."""
     chosen = (time >= first * (1 - 1e-9)) & (time <= last * (1 + 1e-9))
     return float(np.polyfit(np.log(time[chosen]), values[chosen], 1)[0])
 

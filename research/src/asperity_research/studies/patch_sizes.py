@@ -45,7 +45,7 @@ from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement
-from asperity_research.studies.numbers import columns, part
+from asperity_research.studies.numbers import columns
 from asperity_research.studies.study import Outcome, Study
 
 SMALLEST = 16
@@ -125,22 +125,10 @@ class Law:
 
 
 def fit(means: Field, support: Field) -> Law:
-    r"""Fit p ~ exp(-sum theta_i T_i) by maximum likelihood, with theta_2 not below 0.
+    r"""Fit p ~ exp(-sum theta_i T_i) by maximum likelihood; of two theta, the second is not below 0.
 
-    Parameters
-    ----------
-    means
-        Means of T over the data, shape (n,), n of 1 or 2.
-    support
-        T of all sizes that can be, shape (n, sizes).
-
-    Returns
-    -------
-    Law
-
-    Notes
-    -----
-    The logarithm of the likelihood is concave in theta, so that a search downhill from 0 finds its maximum.
+    ``means`` are those of T over the data, shape (n,), and ``support`` is T of all sizes that can be, shape
+    (n, sizes). The logarithm of the likelihood is concave: a search downhill from 0 finds its maximum.
     """
     unit = support[:, -1]  # of order 1
     scaled, wanted = support / unit[:, None], means / unit
@@ -159,13 +147,7 @@ def fit(means: Field, support: Field) -> Law:
 
 @dataclass(frozen=True)
 class Laws:
-    """The three laws, fitted to sums over the patches of several surfaces.
-
-    Attributes
-    ----------
-    power, cut, lognormal
-        The fits.
-    """
+    """The three laws, fitted to sums over the patches of several surfaces."""
 
     power: Law
     cut: Law
@@ -257,8 +239,8 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
             continue
         about = f"half-space, Hurst exponent {hurst:g}"
         words = f"ln likelihood a patch, power law with a limit less lognormal: {about}, load a site"
-        laws |= {f"{words} {load / sites:g}": part(numbers, at, 2) for at, load in enumerate(loads)}
-        exponent, size = (part(numbers, len(loads), column) for column in (0, 1))
+        laws |= {f"{words} {load / sites:g}": numbers.part(at).part(2) for at, load in enumerate(loads)}
+        exponent, size = (numbers.part(len(loads)).part(column) for column in (0, 1))
         load_free += [
             Measurement(f"d tau / d ln load: {about}", exponent, *SAME_EXPONENT),
             Measurement(f"d ln (mean size by area) / d ln load: {about}", size, *SAME_SIZE),
@@ -298,7 +280,7 @@ def _numbers(samples: Field, loads: Field, largest: int) -> Field:
 def _columns(found: Estimate, at: int) -> dict[str, float]:
     row: dict[str, float] = {}
     for column, name in enumerate(_COLUMNS):
-        row |= columns(name, part(found, at, column))
+        row |= columns(name, found.part(at).part(column))
     return {name: math.exp(value) if name.startswith("mean_size") else value for name, value in row.items()}
 
 

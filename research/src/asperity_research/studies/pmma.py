@@ -26,7 +26,7 @@ from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import columns, part, power, slope
+from asperity_research.studies.numbers import columns, power, slope
 from asperity_research.studies.study import Outcome, Study
 
 SHEAR_VOLUME = 8.2e-27 * 0.078**0.6
@@ -160,7 +160,7 @@ def analyse(evidence: Evidence) -> Outcome:
             course = {"family": family, "at": value, "time": time, "area": area.mean(axis=0) / _SIDE**2}
             courses.append(pd.DataFrame(course))
     both = jackknife(partial(rate_at, time, HARDNESS), grown["hardness"])
-    at_hardness, softest = part(both, 0), part(both, 1)
+    at_hardness, softest = both.part(0), both.part(1)
     rows.append({"family": "B = 0.02", "at": WANTED[1], **columns("pressure", softest), "runs": both.runs})
     growing = jackknife(partial(_power, time, np.array(_TEMPERATURES)), grown["temperature"])
     rough = jackknife(lambda one, other: rate(time, one) / rate(time, other), grown["roughness"][::-1][:2])

@@ -110,17 +110,8 @@ def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
 def maximum(time: Field, force: Field) -> float:
     """Time at which a force is greatest: that of the parabola in ln t through the greatest and its neighbors.
 
-    Parameters
-    ----------
-    time
-        Increasing times above 0, shape (n,).
-    force
-        Forces at them.
-
-    Returns
-    -------
-    float
-        NaN where the force does not rise to it and fall after it by more than a part `PROMINENT`.
+    Times above 0 and forces, shape (n,). NaN where the force does not rise to it and fall after it by more
+    than a part `PROMINENT`.
     """
     at = int(np.argmax(force))
     if not force[at] - max(force[0], force[-1]) > PROMINENT * abs(force[at]):
@@ -129,16 +120,9 @@ def maximum(time: Field, force: Field) -> float:
 
 
 def superposed(series: PronySeries, waiting: float, fall: float) -> float:
-    """Time of the maximum of E(t + t_w) - fall E(t): that of a linear solid; NaN where there is none.
+    """Time of the maximum of E(t + t_w) - fall E(t), that of a linear solid; NaN where there is none.
 
-    Parameters
-    ----------
-    series
-        Relaxation of the modulus.
-    waiting
-        t_w.
-    fall
-        Fall of the force at the release, over the force at first.
+    ``fall`` is that of the force at the release, over the force at first.
     """
     time = np.geomspace(1e-2, 30.0, 241) * waiting
     return maximum(time, series.modulus_at(time + waiting) - fall * series.modulus_at(time))

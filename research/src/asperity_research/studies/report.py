@@ -30,17 +30,7 @@ _RESOLUTION = 250
 
 @dataclass(frozen=True)
 class Simulated:
-    """A campaign as it was run.
-
-    Attributes
-    ----------
-    campaign
-        Its conditions.
-    runs
-        Finished runs.
-    folder
-        Where it lies, relative to the report; holds ``campaign.toml``.
-    """
+    """A campaign as it was run: its finished runs, and its folder, relative to the report."""
 
     campaign: Campaign
     runs: int
@@ -66,22 +56,10 @@ class Simulated:
 
 @dataclass(frozen=True)
 class About:
-    """Where a report comes from.
+    """Where a report comes from: effort, command, what was simulated, version and date.
 
-    Attributes
-    ----------
-    effort
-        ``"quick"`` or ``"full"``.
-    command
-        The command line that made it.
-    studies
-        What was simulated.
-    run_seconds, wall_seconds
-        Summed over all runs, and from the last start of the command to its end; NaN where unknown.
-    version
-        Of Asperity.
-    date
-        Of the report.
+    Seconds are those of all runs together, and from the last start of the command to its end; NaN where
+    unknown.
     """
 
     effort: str
@@ -112,15 +90,7 @@ class About:
 
 
 def templates(package: str, **more: Any) -> jinja2.Environment:
-    """Return the pages of a package, in whose words numbers and texts are set by the filters of `typeset`.
-
-    Parameters
-    ----------
-    package
-        The package, with a folder ``templates``.
-    more
-        What the pages know besides.
-    """
+    """Return the pages of a package, with the filters of `typeset`, and what more they know."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader(package, "templates"),
         autoescape=jinja2.select_autoescape(),

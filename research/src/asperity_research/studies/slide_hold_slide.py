@@ -121,12 +121,9 @@ def campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
 
 
 def slip_of_memory(excess: Field) -> float:
-    """Slip over which an excess that falls exponentially loses a factor e, from its sum.
+    """Slip over which an excess, at slips of 0, 1, 2 and so on, loses a factor e if it falls exponentially.
 
-    Parameters
-    ----------
-    excess
-        At slips of 0, 1, 2 and so on, shape (n,); the sum 1 + e^(-1/D) + ... is 1/(1 - e^(-1/D)).
+    Its sum tells: 1 + e^(-1/D) + ... is 1/(1 - e^(-1/D)).
     """
     total = float(np.sum(excess) / excess[0])
     return 1 / math.log(total / (total - 1)) if total > 1 else 0.0
@@ -134,19 +131,10 @@ def slip_of_memory(excess: Field) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Records:
-    """Friction of all surfaces of one solid under one load.
+    """Friction of all surfaces of one solid under one load, over its steady friction at the velocity 1.
 
-    Attributes
-    ----------
-    solid
-        Name of the solid.
-    load
-        A site.
-    records
-        Of each surface, over its steady friction at the velocity 1.
-    steady
-        Friction at the end of the slide at each of the velocities 1, then `VELOCITIES`, over that at 1;
-        shape (surfaces, 4).
+    The load is that of a site. ``steady`` is friction at the end of the slide at each of the velocities 1,
+    then `VELOCITIES`, over that at 1, shape (surfaces, 4).
     """
 
     solid: str

@@ -83,13 +83,7 @@ def _folder(solid: str, roll_off: float, cutoff: float) -> str:
 
 
 def slip_to_one_over_e(excess: Field) -> float:
-    """Slip at which an excess first falls to 1/e; NaN if it does not.
-
-    Parameters
-    ----------
-    excess
-        At slips of 0, 1, 2 and so on, shape (n,).
-    """
+    """Slip at which an excess, at slips of 0, 1, 2 and so on, first falls to 1/e; NaN if it does not."""
     below = excess < excess[0] / math.e
     at = int(np.argmax(below))
     if not below[at]:

@@ -33,15 +33,7 @@ from asperity_research.studies.report import (
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a study found.
-
-    Attributes
-    ----------
-    findings
-        What was claimed, measured, and follows.
-    tables
-        The numbers behind the figure, by name; one row a point.
-    """
+    """What a study found; and the numbers behind the figure, by name, one row a point."""
 
     findings: tuple[Finding, ...]
     tables: Mapping[str, pd.DataFrame]
@@ -49,14 +41,10 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Study:
-    """A question and what answers it.
+    """A question, one sentence, and what answers it.
 
     Attributes
     ----------
-    name
-        One word.
-    question
-        One sentence.
     quick, full
         The campaigns; the full ones hold the runs of the quick ones where that can be.
     analyse
@@ -96,15 +84,7 @@ class Study:
 
 @dataclass(frozen=True, eq=False)
 class Concluded:
-    """What came out.
-
-    Attributes
-    ----------
-    report
-        The page to read.
-    outcome
-        What was found.
-    """
+    """What came out: the page to read, and what was found."""
 
     report: Path
     outcome: Outcome
@@ -121,25 +101,8 @@ def conclude(
 ) -> Concluded:
     """Compute the numbers, judge, draw, and write the report, from campaigns that are finished.
 
-    Parameters
-    ----------
-    study
-        The study.
-    directory
-        Its folder.
-    prepared
-        From `Study.prepared_in`.
-    quick
-        Whether they are the quick ones.
-    command
-        The command that ran them, for the report.
-    seed
-        First seed of every ensemble.
-
-    Raises
-    ------
-    AsperityError
-        A campaign is not finished; or the disk refused. An earlier report stays.
+    The command and the first seed are for the report. `InputError` for anything but a study; `AsperityError`
+    if a campaign is not finished, or the disk refused. An earlier report stays.
     """
     instance("study", study, Study, 'asperity.studies.named("unloading")')
     folder = Path(directory)

@@ -21,9 +21,7 @@ _LARGE, _SMALL, _NARROW = 1e5, 1e-3, 1e-6
 
 
 def rich(text: str) -> Markup:
-    """Return a text as HTML: the tags i, sub and sup are kept, all else is escaped.
-
-    2e-05 is written with a power of ten.
+    """Return a text as HTML: tags i, sub and sup are kept, all else is escaped, 2e-05 has a power of ten.
 
     `InputError` for a tag that is not closed, or not in its turn: it would reach into what follows.
     """

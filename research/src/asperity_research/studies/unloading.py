@@ -83,16 +83,9 @@ def _campaign(name: str, solid: Solid, surfaces: int, side: int) -> Campaign:
 
 @dataclass(frozen=True, eq=False)
 class After:
-    """The areas of all surfaces after the step, for one solid, one waiting time and one load ratio.
+    """Areas after the step for one solid, one waiting time and one load ratio.
 
-    Attributes
-    ----------
-    solid, wait, ratio
-        Its name; the waiting time; load after the step over that before.
-    time
-        Since the step; 0 is just after it.
-    area
-        Shape (surfaces, times), sites.
+    Time since the step, 0 just after it; areas in sites, shape (surfaces, times).
     """
 
     solid: str

@@ -22,18 +22,9 @@ from asperity_research.studies.ledger import Finding, Measurement
 
 @dataclass(frozen=True)
 class Number:
-    """A number that decides a claim.
+    """A number that decides a claim, by name: several may share a range and a sentence, which may need facts.
 
-    Attributes
-    ----------
-    name
-        Which of the claim's numbers it is; several may share a range and a sentence.
-    estimate
-        The number with its interval.
-    facts
-        What the sentences need to know.
-    of
-        The ends of the range are multiples of this.
+    The ends of the range are multiples of ``of``.
     """
 
     name: str
@@ -47,19 +38,10 @@ Numbers = Iterator[Number]
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the paper.
+    """A claim of the paper: a statistic that gives its numbers, and the range of each name of a number.
 
-    Attributes
-    ----------
-    name
-        A short name.
-    statistic
-        Gives the numbers that decide the claim, from the evidence.
-    ranges
-        The range of each name of a number; infinite where it has one side only.
-    each
-        A swept parameter, as ``"aging.k1"``: the statistic is then called for each of its values, its second
-        argument, which is a fact of its numbers.
+    With a swept parameter ``each``, as ``"aging.k1"``, the statistic is called for each of its values, its
+    second argument, which is a fact of its numbers.
     """
 
     name: str

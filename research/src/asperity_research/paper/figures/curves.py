@@ -39,15 +39,7 @@ _DASHES = ((6, 1.5), (4, 1.5, 1, 1.5), (3, 1), (1.5, 1))
 
 @dataclass(frozen=True)
 class Look:
-    """Color and marker of one curve; either alone tells it from its neighbors.
-
-    Attributes
-    ----------
-    color
-        As ``#rrggbb``.
-    marker
-        As Matplotlib names them.
-    """
+    """Color, as ``#rrggbb``, and marker of one curve; either alone tells it from its neighbors."""
 
     color: str
     marker: str = "o"

@@ -20,20 +20,10 @@ PAGE = 7.0
 
 @dataclass(frozen=True, eq=False)
 class PaperFigure:
-    """One figure of the paper, reproduced.
+    """One figure of the paper, reproduced: its number there, the drawing, and the words under it.
 
-    Attributes
-    ----------
-    number
-        Its number in the paper.
-    title
-        What it shows, in a few words.
-    caption
-        What one sees and under which conditions; plain text with the tags i, sub and sup of HTML.
-    figure
-        The drawing.
-    tables
-        The numbers behind every curve, by name; one row a point.
+    The caption is plain text with the tags i, sub and sup of HTML. Tables hold the numbers behind every
+    curve, one row a point.
     """
 
     number: int

@@ -120,17 +120,8 @@ Reading = Callable[[Field, Field], float]
 def time_of_minimum(time: Field, area: Field) -> float:
     """Time at which an area is smallest: that of the parabola in ln t through it and its neighbors.
 
-    Parameters
-    ----------
-    time
-        Since the step, the first 0 and all others above it, shape (n,).
-    area
-        Areas at them, the first just after the step.
-
-    Returns
-    -------
-    float
-        NaN where the area does not fall by a part `FELL`, or is smallest at the end.
+    Times since the step, the first 0, and areas, shape (n,). NaN where the area does not fall by a part
+    `FELL`, or is smallest at the end.
     """
     at = int(np.argmin(area))
     if area[at] > (1 - FELL) * area[0] or at == area.size - 1:
