@@ -81,7 +81,7 @@ def test_on_lines_the_slip_is_that_at_which_the_mean_excess_is_1_over_e():
     length, lines = np.array([10.0, 20.0, 40.0]), np.arange(1.0, 5.0)[:, np.newaxis]
     excess = tuple(lines * np.maximum(1 - slips / (3 * one**0.5), 0) for one in length)
     patch = tuple(one**2 * np.ones(4) for one in length)
-    found = slip_on_lines.Lines("line_lattice", length, patch, excess)
+    found = slip_on_lines.Lines("line_lattice", length, excess, patch=patch)
     assert found.of_length().value == pytest.approx(0.5, abs=0.01)
     assert found.of_patch().value == pytest.approx(0.25, abs=0.01)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -50,6 +51,13 @@ class Evidence:
         """
         chosen = self[study][name].sel(where)
         return np.asarray(chosen.transpose("seed", ...), dtype=np.float64)
+
+    def waits(self, study: str, name: str = "area") -> Iterator[tuple[float, Around]]:
+        """Give each waiting time of a campaign of `campaigns.after_waits`, and a quantity around the step."""
+        data = self[study.replace(".", "_")]
+        for point in range(data.sizes["point"]):
+            runs = data.isel(point=point)
+            yield float(runs["protocol.0.mobility"]), Around.step(runs, name)
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,7 @@ from asperity.relaxation import PronySeries
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
-from asperity_research.studies.evidence import Around, Evidence
+from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement, proportion
 from asperity_research.studies.numbers import columns, mean, slope, vertex
 from asperity_research.studies.study import Outcome, Study
@@ -134,10 +134,11 @@ def _runs(evidence: Evidence) -> pd.DataFrame:
     for name, solid, move in _CASES:
         branches = solid.table.get("branches", ())
         series = PronySeries(1.0, tuple((share, time) for share, time in branches))
-        for waiting, seeds, forces in _after_releases(evidence, name, move):
-            for seed, force, before, first in zip(
-                seeds, forces.after, forces.before, forces.first, strict=True
-            ):
+        folder = f"{name}_{move:g}"
+        for waiting, forces in evidence.waits(folder, "load"):
+            seeds = evidence[folder.replace(".", "_")]["seed"].values.tolist()
+            each = zip(seeds, forces.after, forces.before, forces.first, strict=True)
+            for seed, force, before, first in each:
                 fall = float(before - force[0]) / float(first)
                 rows.append(
                     {
@@ -150,14 +151,6 @@ def _runs(evidence: Evidence) -> pd.DataFrame:
                     }
                 )
     return pd.DataFrame(rows)
-
-
-def _after_releases(evidence: Evidence, name: str, move: float) -> Iterator[tuple[float, list[int], Around]]:
-    """Give each waiting time, the seeds, and the forces around the release at times over it."""
-    data = evidence[f"{name}_{move:g}".replace(".", "_")]
-    for point in range(data.sizes["point"]):
-        runs = data.isel(point=point)
-        yield float(runs["protocol.0.mobility"]), data["seed"].values.tolist(), Around.step(runs, "load")
 
 
 def analyse(evidence: Evidence) -> Outcome:
@@ -221,9 +214,9 @@ _NOTES = {
 
 def _forces(evidence: Evidence) -> pd.DataFrame:
     """Return force over that at first against the time since the release, of the first surface."""
-    first = next(iter(_CASES))
+    name, _, move = _CASES[0]
     parts = []
-    for waiting, _, forces in _after_releases(evidence, first[0], first[2]):
+    for waiting, forces in evidence.waits(f"{name}_{move:g}", "load"):
         course = {"time": forces.time[1:] * waiting, "force": forces.after[0, 1:] / forces.first[0]}
         parts.append(pd.DataFrame({"waiting": waiting, **course}))
     return pd.concat(parts, ignore_index=True)

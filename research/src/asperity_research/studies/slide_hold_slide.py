@@ -36,11 +36,12 @@ from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, hold, slide, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import columns, mean, power
+from asperity_research.studies.numbers import columns, mean
 from asperity_research.studies.sliding import (
     HALF_SPACE,
     LATTICE,
     STEADY,
+    Slips,
     area_at_rest,
     before_shifts,
     correlation_length,
@@ -230,9 +231,6 @@ class Records:
         return pd.concat(parts).assign(runs=len(self.records))
 
 
-Slips = tuple[Field, tuple[Field, ...]]
-"""Correlation lengths, shape (n,), and for each the excesses of area after a rest, (surfaces, shifts)."""
-
 _EVENTS: tuple[Literal["holds", "steps", "all"], ...] = ("holds", "steps", "all")
 FAMILIES = {
     "waves_lattice": "all waves longer, lattice of springs",
@@ -250,13 +248,13 @@ def analyse(evidence: Evidence) -> Outcome:
         for data in [evidence[name]]
         for load in data["load"].values
     ]
-    slips = {name: _slips(evidence[name]) for name in FAMILIES}
+    slips = {name: _slips(name, evidence[name]) for name in FAMILIES}
     on_lines = [lines.Lines.of(evidence, name) for name in lines.FAMILIES]
     tables = {
         "points": pd.concat([one.points() for one in every], ignore_index=True),
         "laws": pd.DataFrame([row for one in every for row in one.laws()]),
-        "slips": pd.concat([_slip_rows(name, *one) for name, one in slips.items()], ignore_index=True),
-        "lines": pd.concat([one.table() for one in on_lines], ignore_index=True),
+        "slips": pd.concat([one.table() for one in slips.values()], ignore_index=True),
+        "lines": pd.concat([one.contacts() for one in on_lines], ignore_index=True),
     }
     return Outcome((*_findings(every, slips), *lines.findings(on_lines)), tables)
 
@@ -282,7 +280,7 @@ def _findings(every: list[Records], slips: Mapping[str, Slips]) -> Iterator[Find
     yield Finding.within((-math.inf, 0.0), "law", "Ruina 1983", claim, numbers)
     claim = "The slip D_c that forgets a rest is in proportion to the correlation length"
     what = "d ln <i>D</i><sub>c</sub> / d ln (correlation length)"
-    numbers = {f"{what}: {words}": _exponent(*slips[name]) for name, words in FAMILIES.items()}
+    numbers = {f"{what}: {words}": slips[name].of_length() for name, words in FAMILIES.items()}
     yield Finding.within((0.8, 1.2), "length", aging, claim, numbers)
 
 
@@ -292,7 +290,7 @@ def _bend(rest: Field) -> float:
     return float((mean[-1] - mean[-2]) / (mean[1] - mean[0]))
 
 
-def _slips(data: xr.Dataset) -> Slips:
+def _slips(name: str, data: xr.Dataset) -> Slips:
     along = "point" if "point" in data.dims else "roll_off"
     lengths, excesses = [], []
     for at in range(data.sizes[along]):
@@ -305,20 +303,7 @@ def _slips(data: xr.Dataset) -> Slips:
             again = before_shifts(one, 2)
             rows.append(np.append(area_at_rest(one, 1), again[:-STEADY]) / again[-STEADY:].mean() - 1)
         excesses.append(np.array(rows))
-    return np.array(lengths), tuple(excesses)
-
-
-def _memory(*excesses: Field) -> Field:
-    return np.array([slip_of_memory(excess.mean(axis=0)) for excess in excesses])
-
-
-def _exponent(lengths: Field, excesses: tuple[Field, ...]) -> Estimate:
-    return jackknife(lambda *some: power(lengths, _memory(*some)), excesses)
-
-
-def _slip_rows(name: str, lengths: Field, excesses: tuple[Field, ...]) -> pd.DataFrame:
-    found = jackknife(_memory, excesses)
-    return pd.DataFrame({"family": name, "length": lengths, **columns("slip", found), "runs": found.runs})
+    return Slips(name, np.array(lengths), tuple(excesses), slip_of_memory)
 
 
 _MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^", "waves_half_space": "s"}

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
+from asperity.fits import Estimate, jackknife
 from asperity.surfaces import spectral
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Solid
+from asperity_research.studies.numbers import columns, power
 
 STEADY = 8
 """Shifts at the end of a slide that count as steady."""
@@ -48,3 +53,39 @@ def correlation_length(roll_off: float, cutoff: float, shape: tuple[int, ...] = 
     falls = int(np.argmax(row < row[0] / math.e))
     high, low = row[falls - 1] / row[0], row[falls] / row[0]
     return float(falls - 1 + (high - 1 / math.e) / (high - low))
+
+
+@dataclass(frozen=True, eq=False)
+class Slips:
+    """What a rest adds to the area of surfaces of several correlation lengths, and the slip that forgets it.
+
+    Attributes
+    ----------
+    name
+        Of the family.
+    length
+        Correlation lengths, sites, shape (n,).
+    excess
+        At slips of 0, 1, 2 and so on; for each length, shape (surfaces, slips).
+    slip
+        Reads the slip off the mean excess.
+    """
+
+    name: str
+    length: Field
+    excess: tuple[Field, ...]
+    slip: Callable[[Field], float]
+
+    def slips(self, *excess: Field) -> Field:
+        """D_c for each length, of samples of `excess`."""
+        return np.array([self.slip(one.mean(axis=0)) for one in excess])
+
+    def of_length(self) -> Estimate:
+        """Power of the correlation length in D_c."""
+        return jackknife(lambda *some: power(self.length, self.slips(*some)), self.excess)
+
+    def table(self, **more: object) -> pd.DataFrame:
+        """Return D_c, a row each length, beside more columns."""
+        found = jackknife(self.slips, self.excess)
+        head = {"family": self.name, "length": self.length, **more}
+        return pd.DataFrame(head | columns("slip", found) | {"runs": found.runs})

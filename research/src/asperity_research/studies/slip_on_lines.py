@@ -9,7 +9,7 @@ to 1/e of that at the end of the rest.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,10 +24,11 @@ from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, hold, slide
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import columns, power
+from asperity_research.studies.numbers import power
 from asperity_research.studies.sliding import (
     HALF_SPACE,
     LATTICE,
+    Slips,
     area_at_rest,
     before_shifts,
     correlation_length,
@@ -92,25 +93,17 @@ def slip_to_one_over_e(excess: Field) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Lines:
+class Lines(Slips):
     """All lines of one family.
 
     Attributes
     ----------
-    name
-        Of the family.
-    length
-        Correlation lengths, sites, shape (n,).
     patch
         Mean length of a contact by site, before the rest, one array for each length, shape (lines,).
-    excess
-        What a rest adds to the area, at slips of 0, 1, 2 and so on; for each length, shape (lines, slips).
     """
 
-    name: str
-    length: Field
-    patch: tuple[Field, ...]
-    excess: tuple[Field, ...]
+    slip: Callable[[Field], float] = slip_to_one_over_e
+    patch: tuple[Field, ...] = ()
 
     @classmethod
     def of(cls, evidence: Evidence, name: str, every: Waves | None = None) -> Lines:
@@ -130,15 +123,7 @@ class Lines:
             sizes.append(np.array(longer))
             excesses.append(np.array(rows))
         lengths = np.array([correlation_length(*waves, shape=(2**16,)) for waves in every])
-        return cls(name, lengths, tuple(sizes), tuple(excesses))
-
-    def slips(self, *excess: Field) -> Field:
-        """D_c for each length, of samples of `excess`."""
-        return np.array([slip_to_one_over_e(one.mean(axis=0)) for one in excess])
-
-    def of_length(self) -> Estimate:
-        """Power of the correlation length in D_c."""
-        return jackknife(lambda *some: power(self.length, self.slips(*some)), self.excess)
+        return cls(name, lengths, tuple(excesses), patch=tuple(sizes))
 
     def of_patch(self) -> Estimate:
         """Power of the mean length of a contact in D_c."""
@@ -149,11 +134,9 @@ class Lines:
 
         return jackknife(statistic, (*self.patch, *self.excess))
 
-    def table(self) -> pd.DataFrame:
+    def contacts(self) -> pd.DataFrame:
         """Return the contacts and D_c, a row each length."""
-        found, patch = jackknife(self.slips, self.excess), [one.mean() for one in self.patch]
-        head = {"family": self.name, "length": self.length, "patch": patch}
-        return pd.DataFrame(head | columns("slip", found) | {"runs": found.runs})
+        return self.table(patch=[one.mean() for one in self.patch])
 
 
 def _after_rest(one: xr.Dataset) -> Field:

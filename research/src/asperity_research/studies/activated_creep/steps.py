@@ -28,7 +28,7 @@ import pandas as pd
 from asperity.fits import Estimate, jackknife
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
-from asperity_research.studies.evidence import Around, Evidence
+from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import columns, crossing, mean, slope, vertex
 
@@ -169,13 +169,11 @@ class Steps:
     @classmethod
     def of(cls, evidence: Evidence, name: str, ratio: float) -> Steps:
         """Read them from a campaign."""
-        data = evidence[f"{name}_{ratio:g}".replace(".", "_")]
-        some = [Around.step(data.isel(point=point)) for point in range(data.sizes["point"])]
-        wait = data["protocol.0.mobility"].values.astype(np.float64)
+        wait, some = zip(*evidence.waits(f"{name}_{ratio:g}"), strict=True)
         before, area = (
             np.stack(one, axis=1) for one in zip(*((a.before, a.after) for a in some), strict=True)
         )
-        return cls(name, ratio, wait, LOAD * SIDE**2, some[0].time, before, area)
+        return cls(name, ratio, np.array(wait), LOAD * SIDE**2, some[0].time, before, area)
 
     @property
     def words(self) -> str:
