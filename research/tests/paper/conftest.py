@@ -1,16 +1,11 @@
 """A whole reproduction on tiny lattices, computed once."""
 
-import json
-
 import pytest
 
-from asperity.app.campaign.store import Store
-from asperity.app.campaign.sweeping import plan_to_json
-from asperity.app.campaign.worker import run_task
-from asperity.app.config import to_tables
 from asperity_research.paper.reproduce import STUDIES, prepared_in
 from asperity_research.paper.studies import Effort
 from asperity_research.studies.evidence import Evidence
+from research.tests.conftest import do_here
 
 TINY = Effort(
     "tiny",
@@ -25,17 +20,6 @@ TINY = Effort(
     maps_size=64,
     side=40,
 )
-
-
-def do_here(prepared):
-    """Do studies in this process."""
-    for one in prepared:
-        Store(one.folder).prepare()
-        (one.folder / "plan.json").write_text(plan_to_json(one.plan), encoding="utf-8")
-        for run in one.plan.runs:
-            config = json.dumps(to_tables(run.config))
-            report = run_task(str(one.folder), run.identity, config, run.content)
-            assert report[1] == "done", (one.campaign.name, report)
 
 
 @pytest.fixture(scope="session")

@@ -19,7 +19,8 @@ from asperity_research.paper.studies import FULL, QUICK, studies
 from asperity_research.studies import STUDIES as OTHERS
 from asperity_research.studies.campaigns import run_campaigns
 from asperity_research.studies.evidence import Evidence
-from research.tests.paper.conftest import TINY, do_here
+from research.tests.conftest import do_here
+from research.tests.paper.conftest import TINY
 
 pytestmark = pytest.mark.xdist_group("reproduction")  # one process computes it
 

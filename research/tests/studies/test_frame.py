@@ -1,7 +1,6 @@
 """The frame of studies: from campaign files to a report, resumed, and refused."""
 
 import dataclasses
-import json
 from types import SimpleNamespace
 
 import pytest
@@ -9,25 +8,13 @@ from tests.refusals import refuses
 
 import asperity_research.studies as studies
 from asperity.app.campaign import read_plan
-from asperity.app.campaign.store import Store
-from asperity.app.campaign.sweeping import Tally, plan_to_json
-from asperity.app.campaign.worker import run_task
+from asperity.app.campaign.sweeping import Tally
 from asperity.app.cli import main
 from asperity.app.cli.campaign import tally_shown
-from asperity.app.config import to_tables
 from asperity_research.studies import unloading
+from research.tests.conftest import do_here
 
 TINY = dataclasses.replace(studies.STUDIES["unloading"], quick=unloading.campaigns(surfaces=2, side=8))
-
-
-def do_here(prepared):
-    """Do campaigns in this process."""
-    for one in prepared:
-        Store(one.folder).prepare()
-        (one.folder / "plan.json").write_text(plan_to_json(one.plan), encoding="utf-8")
-        for run in one.plan.runs:
-            report = run_task(str(one.folder), run.identity, json.dumps(to_tables(run.config)), run.content)
-            assert report[1] == "done", (one.campaign.name, report)
 
 
 @pytest.fixture

@@ -4,15 +4,13 @@ import math
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity.fits.resampling import Estimate
 from asperity_research.studies import logarithm
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Measurement, Verdict
+from asperity_research.studies.ledger import Verdict
 
 EXPONENT = 0.9
 TIMES = np.concatenate([[0.0], np.geomspace(1.0, 1e7, 29)])
@@ -102,20 +100,3 @@ def test_steps_in_time_give_the_elastic_contact_under_the_compliance():
     found = marched.dataset["area"].values[1:]
     assert pressed[-1] > pressed[0] * 1.1
     np.testing.assert_allclose(found, pressed, atol=2)
-
-
-def test_every_number_of_the_ledger_stands_on_the_page():
-    docs = Path(__file__).parents[3] / "docs"
-    page = (docs / "studies" / "logarithm.md").read_text(encoding="utf-8")
-    rows = pd.read_csv(docs / "data" / "studies" / "logarithm" / "ledger.csv").to_dict("records")
-    assert len(rows) == 19
-    for row in rows:
-        value, low, high = (round(row[name], 4) + 0.0 for name in ("value", "low", "high"))
-        numbers = (np.asarray(number) for number in (row["value"], 0.0, row["low"], row["high"]))
-        estimate = Estimate(*(*numbers, row["runs"]))
-        verdict = Measurement("", estimate, row["range_low"], row["range_high"]).verdict
-        start, end = (
-            f"| {row['what']} | {value:.4f} [{low:.4f}, {high:.4f}] |",
-            f"| {row['runs']} | {verdict} |",
-        )
-        assert [line for line in page.splitlines() if line.startswith(start) and line.endswith(end)]

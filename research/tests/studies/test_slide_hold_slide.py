@@ -11,7 +11,7 @@ from asperity_research.studies.campaigns import Prepared
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.slide_hold_slide import HOLDS, VELOCITIES, Records, slip_of_memory
 from asperity_research.studies.sliding import before_shifts, correlation_length
-from research.tests.studies.test_frame import do_here
+from research.tests.conftest import do_here
 
 P = asp.protocols
 
