@@ -135,10 +135,6 @@ def slope(line, x_scale=np.log, y_scale=np.log):
     return (y_scale(y[-1]) - y_scale(y[0])) / (x_scale(x[-1]) - x_scale(x[0]))
 
 
-def legend_of(axes):
-    return [text.get_text() for text in axes.get_legend().get_texts()]
-
-
 # -- what all have in common
 
 
@@ -150,8 +146,6 @@ def test_every_figure_can_be_printed(made, evidence):
         one.figure.savefig(io.BytesIO(), dpi=60, format="png")
         words = [text for text in one.figure.findobj(Text) if text.get_text() and text.get_visible()]
         assert min(float(text.get_fontsize()) for text in words) >= 7
-        for axes in one.figure.axes:
-            assert axes.get_ylabel()
 
 
 def test_captions_are_html_and_say_how_many_surfaces(made, evidence):
@@ -211,11 +205,6 @@ def test_over_seeds_of_nothing_finished_is_an_empty_table():
     assert len(table) == 0
 
 
-def test_growth_is_the_ratio_of_means():
-    areas = np.array([[1.0, 3.0], [3.0, 5.0]])
-    np.testing.assert_allclose(curves.growth(areas), [1.0, 2.0])  # the mean of the ratios is 2.33
-
-
 def test_error_bars_end_where_the_interval_does_and_never_below_zero():
     table = pd.DataFrame({"x": [1.0, 2.0], "y": [2.0, 1.0], "y_low": [1.5, -1.0], "y_high": [2.5, 3.0]})
     axes = Figure().add_subplot(xscale="log", yscale="log")
@@ -236,13 +225,6 @@ def test_looks_darken_in_order_and_differ_in_markers():
     assert len({look.marker for look in looks}) == 6
 
 
-@pytest.mark.parametrize(
-    ("values", "words"), [([2.0], "2"), ([10.0, 1.0], "1 and 10"), ([1, 3, 3, 0.1], "0.1, 1 and 3")]
-)
-def test_several(values, words):
-    assert spelled("({{several(values)}})", {"values": values}) == f"({words})"
-
-
 # -- figure by figure
 
 
@@ -250,8 +232,6 @@ def test_figure_2_shows_contact_fractions_against_loads_per_site(made, evidence)
     one = made[2]
     [axes] = one.figure.axes
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert "F_N" in axes.get_xlabel()
-    assert "A" in axes.get_ylabel()
     raw = evidence["load"]["initial_area"].mean("seed")
     shown = list(drawn(axes))
     for k1, (places, ends, symbols) in zip(raw["k1"].values, shown, strict=False):
@@ -263,7 +243,6 @@ def test_figure_2_shows_contact_fractions_against_loads_per_site(made, evidence)
     assert len(shown) == raw.sizes["k1"] + 1
     assert symbols.get_markerfacecolor() == "none"
     np.testing.assert_allclose(places[:, 1], 1 - np.exp(-raw["load"] / SITES))
-    assert legend_of(axes) == ["0.01", "1", "10", "relaxed"]
     assert slope(lines(axes, ":")[0]) == pytest.approx(1)
     assert "largest difference of their mean areas: 0 sites" in one.caption
 
@@ -308,7 +287,6 @@ def test_figure_3_has_a_panel_a_stiffness_ratio_and_the_inset(made, evidence):
         np.testing.assert_allclose(thin[2].get_xydata(), table[["time", "fitted"]])
         if evidence["aging"].sizes["seed"] > 1:
             assert len(axes.collections) == 3
-    assert legend_of(soft) == ["0.003", "0.03", "0.3"]
     assert (inset.get_xscale(), inset.get_yscale()) == ("log", "log")
     assert inset.get_title(loc="left") == "(c)"
     assert "= 1 (a) and 10 (b), and" in made[3].caption
@@ -350,7 +328,6 @@ def test_figure_5_counts_sites(made, evidence):
     assert slope(reference) == pytest.approx(0.8)
     means = raw["initial_area"].mean("seed").isel(size=0, load=0)
     assert 0.2 < reference.get_ydata()[0] / float(means) < 0.6  # beside the points, not on them
-    assert legend_of(axes) == ["open: relaxed", "$16^2$ sites", "$32^2$ sites", "$64^2$ sites"]
 
 
 def test_figure_6_raw_and_normalized(made, evidence):
@@ -433,7 +410,6 @@ def test_figure_8_shows_theory_and_simulation(made, evidence):
     assert set(simulated["R_viscous"]) == {0.0}
     deviations = np.sort(np.concatenate([line.get_ydata() for line in below.lines]))
     np.testing.assert_allclose(deviations, np.sort(simulated.query("time > 0")["deviation"].abs()))
-    assert legend_of(above)[-2:] == ["late form", "simulated"]
     shown = [line for line in above.lines if line.get_marker() not in ("None", None)]
     on_paper = np.sort(np.concatenate([line.get_ydata() for line in shown]))
     kept = simulated[simulated["drawn"]]
@@ -475,5 +451,4 @@ def test_figure_9_without_simulations_of_its_ratio(point):
     one = figure_9(Evidence(Path(), {"point": point.sel(k1=[1.0])}))
     assert len(one.tables["simulated"]) == 0
     assert "Symbols" not in one.caption
-    assert "simulated" not in legend_of(one.figure.axes[0])
     one.figure.savefig(io.BytesIO(), dpi=60)
