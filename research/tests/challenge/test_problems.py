@@ -9,6 +9,7 @@ import tomllib
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -105,9 +106,17 @@ def test_any_type_of_number_gives_the_same_answer():
     small = dataclasses.replace(made, heights=rule | {"unit": "um", "side": 8.0})
     usual = challenge.solve(small, rtol=2.0**-5, halvings=1)
     for real, whole in ((np.float32, np.int64), (Decimal, np.uint8), (Fraction, np.int32)):
-        found = challenge.solve(small, rtol=real(2.0**-5), halvings=whole(1))
+        numbers: dict[str, Any] = {"rtol": real(2.0**-5), "halvings": whole(1)}
+        found = challenge.solve(small, **numbers)
         assert all(np.array_equal(found[name], usual[name]) for name in usual)
-    for wrong in ({"rtol": "0.01"}, {"rtol": True}, {"halvings": 1.0}, {"halvings": True}, {"halvings": -1}):
+    wrongs: list[dict[str, Any]] = [
+        {"rtol": "0.01"},
+        {"rtol": True},
+        {"halvings": 1.0},
+        {"halvings": True},
+        {"halvings": -1},
+    ]
+    for wrong in wrongs:
         with refuses(next(iter(wrong))):
             challenge.solve(small, **wrong)
 

@@ -164,4 +164,5 @@ def proportion(count: int, runs: int) -> Estimate:
     ends = found.proportion_ci(0.95, method="exact")
     share = found.statistic
     numbers = (share, math.sqrt(share * (1 - share) / runs), ends.low, ends.high)
-    return Estimate(*(np.asarray(one, dtype=np.float64)[()] for one in numbers), runs=runs)
+    value, stderr, low, high = (np.asarray(one, dtype=np.float64)[()] for one in numbers)
+    return Estimate(value, stderr, low, high, runs)

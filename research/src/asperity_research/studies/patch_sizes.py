@@ -139,8 +139,14 @@ def fit(means: Field, support: Field) -> Law:
         return float(theta @ wanted) + norm, wanted - scaled @ np.exp(exponent - norm)
 
     bounds = [(None, None), (0.0, None)][: len(means)]
-    options = {"ftol": 1e-15, "gtol": 1e-11}
-    found = minimize(lack, np.zeros(len(means)), jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    found = minimize(
+        lack,
+        np.zeros(len(means)),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=bounds,
+        options={"ftol": 1e-15, "gtol": 1e-11},
+    )
     exponent, second = [*(found.x / unit), 0.0][:2]
     return Law(float(exponent), float(second), -float(found.fun))
 
