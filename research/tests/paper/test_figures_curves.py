@@ -20,12 +20,10 @@ from scipy import stats
 
 import asperity as asp
 from asperity_research.paper.figures import curves
-from asperity_research.paper.figures.figure_2 import figure_2
+from asperity_research.paper.figures.area import figure_2, figure_5
 from asperity_research.paper.figures.figure_3 import figure_3
-from asperity_research.paper.figures.figure_5 import figure_5
 from asperity_research.paper.figures.figure_6 import figure_6
-from asperity_research.paper.figures.figure_8 import figure_8, indentation
-from asperity_research.paper.figures.figure_9 import figure_9
+from asperity_research.paper.figures.indentation import figure_8, figure_9, indentation
 from asperity_research.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
 from asperity_research.paper.studies import PEAK
 from asperity_research.paper.wording import spelled

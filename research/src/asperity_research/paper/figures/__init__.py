@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from asperity_research.paper.figures.area import figure_2, figure_5
 from asperity_research.paper.figures.figure_1 import figure_1
-from asperity_research.paper.figures.figure_2 import figure_2
 from asperity_research.paper.figures.figure_3 import figure_3
 from asperity_research.paper.figures.figure_4 import figure_4
-from asperity_research.paper.figures.figure_5 import figure_5
 from asperity_research.paper.figures.figure_6 import figure_6
 from asperity_research.paper.figures.figure_7 import figure_7
-from asperity_research.paper.figures.figure_8 import figure_8
-from asperity_research.paper.figures.figure_9 import figure_9
+from asperity_research.paper.figures.indentation import figure_8, figure_9
 from asperity_research.paper.figures.paper_figure import PaperFigure
 from asperity_research.studies.evidence import Evidence
 

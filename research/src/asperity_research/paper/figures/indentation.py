@@ -1,23 +1,35 @@
-"""Figure 8: the compliance G of one site, closed form and simulation."""
+"""Figures 8 and 9: the compliance G of one site, also with viscous creep, closed form and simulation."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import product
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from asperity.theory import compliance, compliance_asymptote, compliance_asymptote_paper, torus_compliance
+from asperity.theory import (
+    LATE_SLOPE,
+    compliance,
+    compliance_asymptote,
+    compliance_asymptote_paper,
+    torus_compliance,
+)
 from asperity_research import style
+from asperity_research.arrays import Field
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity_research.paper.studies import PEAK
 from asperity_research.studies.evidence import Evidence
 
 _STIFFNESS_RATIOS = (0.1, 1.0, 3.0, 10.0, 100.0)
+
+_STIFFNESS_RATIO, _MOBILITY_RATIOS = 3.0, (0.0, 0.01, 0.1, 1.0, 10.0)
+"""Of Figure 9."""
 
 _TIMES = np.geomspace(1e-3, 1e8, 177)
 
@@ -34,13 +46,8 @@ def figure_8(evidence: Evidence) -> PaperFigure:
     Tables ``theory``, ``asymptotes`` and ``simulated``, of the study ``point``.
     """
     simulated = indentation(evidence).query("R_viscous == 0")
-    theory = pd.concat(
-        [
-            pd.DataFrame({"x1": x1, "x2": _TIMES, "G": compliance(x1, _TIMES)})
-            for x1 in sorted({*_STIFFNESS_RATIOS, *simulated["k1"]})
-        ],
-        ignore_index=True,
-    )
+    ratios = (*_STIFFNESS_RATIOS, *simulated["k1"])
+    theory = _closed("x1", ratios, lambda x1: compliance(x1, _TIMES), "G")
     late = _TIMES[_TIMES >= _LATE]
     tables = {
         "theory": theory,
@@ -50,7 +57,7 @@ def figure_8(evidence: Evidence) -> PaperFigure:
         "simulated": simulated.reset_index(drop=True),
     }
     rounding = (tables["asymptotes"]["paper"] - tables["asymptotes"]["G"]).abs().max()
-    return captioned(8, _draw(tables), tables, {"rounding": rounding, "large": LARGE_LATTICE})
+    return captioned(8, _draw_8(tables), tables, {"rounding": rounding, "large": LARGE_LATTICE})
 
 
 def indentation(evidence: Evidence) -> pd.DataFrame:
@@ -90,24 +97,73 @@ def indentation(evidence: Evidence) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+def _closed(name: str, values: Iterable[float], depth: Callable[[float], Field], of: str) -> pd.DataFrame:
+    """Curves of the closed form at `_TIMES`, one for each value of what is named."""
+    every = [pd.DataFrame({name: value, "x2": _TIMES, of: depth(value)}) for value in sorted({*values})]
+    return pd.concat(every, ignore_index=True)
+
+
+def _family(
+    axes: Axes, theory: pd.DataFrame, simulated: pd.DataFrame, names: tuple[str, str], of: str
+) -> list[Line2D]:
+    """Draw the closed form and, beside it, what was simulated; what varies has a name in either table."""
+    marks, values = [], theory[names[0]].unique()
+    for at, (value, look) in enumerate(zip(values, curves.looks(len(values)), strict=True)):
+        part, run = theory[theory[names[0]] == value], simulated[simulated[names[1]] == value]
+        curves.line(axes, part["x2"], part[of], look, at, label=f"{value:g}")
+        if len(run):
+            marks.append(curves.symbols(axes, run["time"], run["depth"], look))
+    return marks
+
+
+def _draw_8(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure = Figure(figsize=(COLUMN, 4.2), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     above.set_xscale("log")
     below.set_yscale("log")
     theory, simulated, late = tables["theory"], tables["simulated"].query("time > 0"), tables["asymptotes"]
+    marks = _family(above, theory, simulated.query("drawn"), ("x1", "k1"), "G")
     ratios = theory["x1"].unique()
-    marks = []
-    for at, (x1, look) in enumerate(zip(ratios, curves.looks(len(ratios)), strict=True)):
-        part, run = theory.query("x1 == @x1"), simulated.query("k1 == @x1")
-        curves.line(above, part["x2"], part["G"], look, at, label=f"{x1:g}")
-        shown = run.query("drawn")
-        if len(shown):
-            marks.append(curves.symbols(above, shown["time"], shown["depth"], look))
+    for x1, look in zip(ratios, curves.looks(len(ratios)), strict=True):
+        run = simulated[simulated["k1"] == x1]
         curves.symbols(below, run["time"], run["deviation"].abs(), look)
     above.plot(late["x2"], late["G"], ":", color=style.INK, linewidth=1.2, label="late form")
     above.set_ylim(bottom=0)
     curves.dress(above, "", r"$G(x_1, x_2)$")
     curves.dress(below, r"reduced time  $x_2 = k_0 R\,t$", "deviation")
     curves.legend(above, "upper left", "$x_1 = k_1/k_0$", together={"simulated": marks})
+    return figure
+
+
+def figure_9(evidence: Evidence) -> PaperFigure:
+    """Draw the depth under a constant force for several ratios of the mobilities.
+
+    Tables ``theory`` and ``simulated``, of the study ``point``; the latter has all times, also those at
+    which the lattice is too small to be ``drawn``.
+    """
+    simulated = indentation(evidence).query("k1 == @_STIFFNESS_RATIO").reset_index(drop=True)
+    ratios = (*_MOBILITY_RATIOS, *simulated["R_viscous"])
+    theory = _closed("R_viscous", ratios, lambda r: compliance(_STIFFNESS_RATIO, _TIMES, r), "depth")
+    tables = {"theory": theory, "simulated": simulated}
+    return captioned(9, _draw_9(tables), tables, {"k1": _STIFFNESS_RATIO, "large": LARGE_LATTICE})
+
+
+def _draw_9(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    axes = figure.add_subplot(xscale="log")
+    theory, simulated = tables["theory"], tables["simulated"].query("drawn")
+    marks = _family(axes, theory, simulated, ("R_viscous", "R_viscous"), "depth")
+    mobilities = theory["R_viscous"]
+    for family, shift, slope, text in (
+        (theory[mobilities == mobilities.max()], 0.12, 2 * LATE_SLOPE, r"slope $1/(4\pi)$"),
+        (theory[mobilities == mobilities.min()], -0.12, LATE_SLOPE, r"slope $1/(8\pi)$"),
+    ):
+        ends = np.array([1e4, 1e7])
+        level = float(np.interp(math.log(ends[0]), np.log(family["x2"]), family["depth"])) + shift
+        axes.plot(ends, level + slope * np.log(ends / ends[0]), ":", color=style.INK, linewidth=1.2)
+        where = (ends[0] / 2, level + 0.03) if shift > 0 else (ends[0] * 3, level - 0.05)
+        curves.note(axes, text, where, where="right" if shift > 0 else "left")
+    axes.set_ylim(bottom=0)
+    curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
+    curves.legend(axes, "upper left", r"$\tilde{R}/R$", together={"simulated": marks})
     return figure

@@ -1,4 +1,4 @@
-"""Figure 2: the area against the load, before creep and fully relaxed, on independent Gaussian heights."""
+"""Figures 2 and 5: the area against the load, before creep and relaxed, on white and self-affine surfaces."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.theory import GaussianHeights, compliance, dilute_area
@@ -19,6 +20,13 @@ _FAR_APART = 3.0
 
 _DILUTE = 0.1
 """Largest contact fraction at which the dilute theory is drawn."""
+
+
+_EXPONENT = 0.8
+"""The paper's, of the area against the load on self-affine surfaces."""
+
+_PARTIAL = 0.1
+"""Contact fraction up to which a contact counts as far from full."""
 
 
 def figure_2(evidence: Evidence) -> PaperFigure:
@@ -35,7 +43,7 @@ def figure_2(evidence: Evidence) -> PaperFigure:
     tables["dilute"] = _dilute(tables["instantaneous"])
     spread = float(tables["relaxed"].groupby("load")["area"].agg(np.ptp).max())
     facts = {"sites": sites, "spread": spread, "far_apart": _FAR_APART, "dilute_fraction": _DILUTE}
-    return captioned(2, _draw(tables), tables, facts)
+    return captioned(2, _draw_2(tables), tables, facts)
 
 
 def _fractions(evidence: Evidence, area: str, sites: float) -> pd.DataFrame:
@@ -60,7 +68,7 @@ def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
     return curves.stacked(frames, ["k1", "load_per_site", "contact_fraction"])
 
 
-def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
+def _draw_2(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
     axes = figure.add_subplot(xscale="log", yscale="log")
     areas, relaxed = tables["instantaneous"], tables["relaxed"]
@@ -82,3 +90,48 @@ def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
     curves.legend(axes, "lower right", r"$k_1/k_0$")
     return figure
+
+
+def figure_5(evidence: Evidence) -> PaperFigure:
+    """Draw A(F_N) of self-affine surfaces, in sites.
+
+    Tables ``instantaneous`` and ``relaxed``, of the study ``self_affine_load``.
+    """
+    tables = {
+        state: curves.over_seeds(evidence, "self_affine_load", area, called="area")
+        for state, area in (("instantaneous", "initial_area"), ("relaxed", "relaxed_area"))
+    }
+    return captioned(5, _draw_5(tables), tables, {"exponent": _EXPONENT})
+
+
+def _draw_5(tables: Mapping[str, pd.DataFrame]) -> Figure:
+    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    axes = figure.add_subplot(xscale="log", yscale="log")
+    areas, relaxed = tables["instantaneous"], tables["relaxed"]
+    sizes = areas["size"].unique()
+    shrinking = np.linspace(5, 3, len(sizes))  # what lies on each other shows as rings
+    for size, look, points in zip(sizes, curves.looks(len(sizes)), shrinking, strict=True):
+        for state, filled in ((areas, True), (relaxed, False)):
+            label = f"${size:g}^2$ sites" if filled else None
+            here = state.query("size == @size")
+            curves.points(axes, here, "load", "area", look, filled=filled, label=label, size=float(points))
+        axes.axhline(size**2, color=look.color, linewidth=0.6, linestyle=(0, (6, 3)), zorder=0)
+    axes.plot([], [], "o", color=style.INK, markerfacecolor="none", markersize=4.5, label="open: relaxed")
+    curves.note(axes, "full contact", (float(areas["load"].min()), 1.5 * float(sizes.max()) ** 2))
+    part = areas[areas["area"] < _PARTIAL * areas["size"] ** 2]
+    if len(part):
+        _power_law(axes, part)
+    axes.set_ylim(areas["area"].min() / 3, 3 * sizes.max() ** 2)
+    curves.dress(axes, r"normal load  $F_N\,/\,k_0$", r"contact area  $A$  (sites)")
+    curves.legend(axes, "lower right")
+    return figure
+
+
+def _power_law(axes: Axes, areas: pd.DataFrame) -> None:
+    """Draw the reference below the points of light loads, for comparison by eye."""
+    loads, level = areas["load"].to_numpy(np.float64), areas["area"].to_numpy(np.float64)
+    prefactor = 0.35 * float(np.exp(np.mean(np.log(level / loads**_EXPONENT))))
+    ends = np.array([loads.min(), loads.max()])
+    axes.plot(ends, prefactor * ends**_EXPONENT, ":", color=style.INK, linewidth=1.2)
+    middle = float(np.sqrt(ends.prod()))
+    curves.note(axes, f"$F_N^{{{_EXPONENT:g}}}$", (1.5 * middle, 0.7 * prefactor * middle**_EXPONENT))
