@@ -37,7 +37,7 @@ ROOMS = [
     {"app.cli"},
     {"__main__"},
 ]
-ROOMS_OF_RESEARCH = [{"challenge"}, {"studies"}, {"paper"}, {"commands"}]
+ROOMS_OF_RESEARCH = [{"arrays", "doors", "style"}, {"challenge"}, {"studies"}, {"paper"}, {"commands"}]
 
 
 def levels(rooms):

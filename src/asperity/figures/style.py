@@ -52,7 +52,7 @@ class Drawing(Figure):
     matplotlib embeds by default. In SVG it stays outlines: it looks the same where the font is missing.
     """
 
-    def savefig(self, fname: Any, *, transparent: bool | None = None, **kwargs: Any) -> None:
+    def savefig(self, fname: object, *, transparent: bool | None = None, **kwargs: object) -> None:
         """Write the figure, as matplotlib does."""
         with rc_context({"pdf.fonttype": 42, "ps.fonttype": 42}):
             super().savefig(fname, transparent=transparent, **{"dpi": RESOLUTION, **kwargs})
