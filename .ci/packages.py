@@ -5,9 +5,9 @@
 Steps: contents, 3.11, 3.12, 3.13, 3.14, oldest, tool; without arguments all, and before them the build.
 Each environment holds the wheel of the library, its dependencies and nothing else; its packages cannot be
 written to, and there is no home. In it run the ten lines of the README and the command line; then, with the
-wheel of asperity-research beside it, the commands of that. ``oldest`` takes the oldest
-release of each dependency that the stated bounds allow. A step that cannot be done here, as for want of an
-interpreter, says why. uv installs, and keeps what it fetched.
+wheel of asperity-research beside it, the commands of that. ``oldest`` takes the oldest release of each
+dependency that the stated bounds allow, of the library alone. A step that cannot be done here, as for want of
+an interpreter, says why. uv installs, and keeps what it fetched.
 """
 
 from __future__ import annotations

@@ -15,7 +15,6 @@ WHATEVER = {
     ("Contact.__init__", "_"): "refuses whatever it is given",
     ("Contact.__init__", "__"): "refuses whatever it is given",
     ("errors.InputError.__init__", "got"): "whatever came instead",
-    ("figures.Drawing.savefig", "fname"): "what matplotlib takes",
     ("figures.Drawing.savefig", "kwargs"): "what matplotlib takes",
     ("figures.html_of", "thing"): "any result, and refuses others",
 }

@@ -9,7 +9,8 @@ from __future__ import annotations
 import json
 import math
 import re
-from typing import Any, Literal
+from os import PathLike
+from typing import IO, Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -52,7 +53,9 @@ class Drawing(Figure):
     matplotlib embeds by default. In SVG it stays outlines: it looks the same where the font is missing.
     """
 
-    def savefig(self, fname: object, *, transparent: bool | None = None, **kwargs: object) -> None:
+    def savefig(
+        self, fname: str | PathLike[str] | IO[bytes], *, transparent: bool | None = None, **kwargs: object
+    ) -> None:
         """Write the figure, as matplotlib does."""
         with rc_context({"pdf.fonttype": 42, "ps.fonttype": 42}):
             super().savefig(fname, transparent=transparent, **{"dpi": RESOLUTION, **kwargs})
