@@ -100,7 +100,7 @@ def unloading_rows(data):
         shown = plain(str(typeset.interval(Estimate(value, value, low, high, row["runs"]))))
         yield f"| {row['what']} | {shown} | {row['runs']} | {row['verdict']} |"
     origin = tomllib.loads((data / "origin.toml").read_text(encoding="utf-8"))["origin"]
-    yield f"{origin['runs']} runs, Asperity {origin['version']}, {origin['date']}"
+    yield f"{origin['runs']} runs (Asperity {origin['version']}, {origin['date']})"
 
 
 def patch_sizes_rows(data):

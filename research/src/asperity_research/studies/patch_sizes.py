@@ -382,7 +382,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 PATCH_SIZES = Study(
     name="patch-sizes",
-    question="Are sizes of patches a power law that load leaves alone, and which grow at constant area?",
+    question="Are the sizes of patches a power law independent of load, "
+    "and which patches grow at constant area?",
     quick=campaigns(seeds=3),
     full=campaigns(seeds=8),
     analyse=analyse,

@@ -231,7 +231,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 PMMA = Study(
     name="pmma",
-    question="Does the contact of PMMA grow by 1 to 2 % an e-fold, by its activation volume and hardness?",
+    question="Do the activation volume and hardness of PMMA give a growth of 1 to 2 % an e-fold?",
     quick=tuple(_campaigns(2)),
     full=tuple(_campaigns(8)),
     analyse=analyse,

@@ -265,7 +265,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 RELEASE = Study(
     name="release",
-    question="After a partial release, is the force greatest at a time in proportion to the waiting time?",
+    question="After a partial release, is the time of the greatest force proportional to the waiting time?",
     quick=tuple(_campaigns(_QUICK_WAITING, seeds=16)),
     full=tuple(_campaigns(_WAITING, seeds=32)),
     analyse=analyse,
