@@ -12,8 +12,10 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
+import pytest
 import zarr
 
+from asperity.app.campaign.plan import Plan
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.sweeping import plan_to_json
 from asperity.app.campaign.worker import run_task
@@ -37,6 +39,22 @@ def written(folder: Path, text: str = SMALL) -> Path:
     path = folder / "campaign.toml"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+@pytest.fixture(scope="session")
+def done(tmp_path_factory):
+    """The finished small campaign on two workers, not to be changed."""
+    folder = tmp_path_factory.mktemp("campaign")
+    status, out, error = finish("sweep", written(folder), "--out", folder / "out", "--workers", "2")
+    assert (status, "Traceback" in error) == (0, False), error
+    assert out.split() == ["runs", "12", "done", "12", "running", "0", "failed", "0", "left", "0"]
+    assert error.startswith("runs: 0 of 12")
+    return folder
+
+
+def some_of(plan, count):
+    """The plan of its first runs alone."""
+    return Plan(plan.axes, plan.seeds, plan.zipped, plan.runs[:count])
 
 
 def do_here(plan, directory):

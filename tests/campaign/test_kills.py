@@ -11,7 +11,7 @@ import pytest
 
 import asperity.app.campaign as campaign
 from asperity.app.campaign.store import Store
-from tests.campaign.conftest import finish, numbers, start, written
+from tests.campaign.conftest import do_here, finish, numbers, start, written
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals"),
@@ -94,9 +94,7 @@ def kill_until_done(folder, seed, seeds, kills, rng):
 
 
 def undisturbed(folder, seed, seeds):
-    path = written(folder, TEXT.format(seed=seed, seeds=seeds))
-    status, _, error = finish("sweep", path, "--out", folder / "out", "--workers", "1", "--quiet")
-    assert status == 0, error
+    do_here(campaign.read_plan(written(folder, TEXT.format(seed=seed, seeds=seeds))), folder / "out")
     return numbers(folder / "out")
 
 

@@ -6,7 +6,6 @@ import pytest
 from asperity.app.campaign import load_plan, read_plan
 from asperity.app.campaign.plan import name_of
 from asperity.app.campaign.sweeping import plan_to_json
-from asperity.app.config import read_config
 from asperity.errors import ConfigError
 
 BASE = """
@@ -53,12 +52,6 @@ def test_zipped_lists_go_pairwise_and_still_cross_the_seeds(tmp_path):
     assert described == [(1.0, 1.0, 5), (1.0, 1.0, 9), (2.0, 3.0, 5), (2.0, 3.0, 9)]
 
 
-def test_without_lists_there_is_one_run(tmp_path):
-    plan = read_plan(written(tmp_path, BASE))
-    assert len(plan.runs) == 1
-    assert plan.seeds == (3,)
-
-
 def test_a_section_may_be_named_and_values_may_be_lists(tmp_path):
     plan = plan_of(tmp_path, "surface.shape = [[4, 4], [8, 6]]")
     assert plan.axes[0].values == ("4x4", "8x6")
@@ -72,17 +65,17 @@ def test_adding_values_keeps_the_identities_of_the_rest(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "change", ["[solid]\nR = 2.0", "[solid]\nk0 = 1.5", "[contact]\nload = 3.0", "[output]\nmaps_at = [1.0]"]
+    ("change", "same"),
+    [
+        ("[solid]\nR = 2.0", False),
+        ("[contact]\nload = 3.0", False),
+        ("[output]\nmaps_at = [1.0]", False),
+        ("[output]\nfigures = ['pdf']", True),
+    ],
 )
-def test_any_parameter_changes_the_identity(tmp_path, change):
+def test_any_parameter_changes_the_identity_and_the_format_of_figures_does_not(tmp_path, change, same):
     before = plan_of(tmp_path, "k1 = [1.0]").runs[0].identity
-    assert plan_of(tmp_path, "k1 = [1.0]", base=f"{BASE}\n{change}").runs[0].identity != before
-
-
-def test_the_format_of_figures_does_not(tmp_path):
-    before = plan_of(tmp_path, "k1 = [1.0]").runs[0].identity
-    other = f"{BASE}\n[output]\nfigures = ['pdf']"
-    assert plan_of(tmp_path, "k1 = [1.0]", base=other).runs[0].identity == before
+    assert (plan_of(tmp_path, "k1 = [1.0]", base=f"{BASE}\n{change}").runs[0].identity == before) == same
 
 
 def test_a_measured_surface_counts_by_its_content(tmp_path):
@@ -96,15 +89,6 @@ def test_a_measured_surface_counts_by_its_content(tmp_path):
     assert read_plan(written(tmp_path / "elsewhere", text)).runs[0].identity == first.identity
     np.save(tmp_path / "rough.npy", 2 * heights)
     assert read_plan(written(tmp_path, text)).runs[0].identity != first.identity
-
-
-def test_a_spectrum_counts_by_its_content(tmp_path):
-    text = "[surface]\nkind = 'spectrum'\npath = 'psd.csv'\nshape = [8, 8]\n[sweep]\nseeds = 2"
-    (tmp_path / "psd.csv").write_text("q,C\n0.5,1\n5,0.1\n")
-    first = read_plan(written(tmp_path, text))
-    (tmp_path / "psd.csv").write_text("q,C\n0.5,1\n5,0.2\n")
-    second = read_plan(written(tmp_path, text))
-    assert {run.identity for run in first.runs}.isdisjoint(run.identity for run in second.runs)
 
 
 def test_a_key_given_twice_is_refused(tmp_path):
@@ -159,18 +143,15 @@ def test_mistakes_in_any_run_are_named_once(tmp_path):
             "[sweep]\ncombine='zip'\nload=[1.0,2.0]\nk1=[1.0]",
             "lists of one length for combine = 'zip', got load 2, k1 1",
         ),
-        ("[sweep]\nseeds = [1, 1]", "expected a number of seeds or a list of different ones, got [1, 1]"),
         ("[surface]\npath='x.npy'\n[sweep]\nseeds = 3", "[sweep] seeds: a measured surface has no seed"),
         ("[surface]\npath='none.npy'", "none.npy: No such file"),
         ("[contact]\nseparation=1.0\n[sweep]\nload=[1.0]", "expected load or separation, got both"),
         ("[sweep]\nseeds = [1, -1]", "[surface] seed: expected a number of at least 0, got -1"),
-        ("[sweep]\nload=[1.0]\nseeds = [1, 2.5]", "[surface] seed: expected a whole number, got 2.5"),
         (
             "[sweep]\nseeds = 20241121",
             "[sweep] seeds: expected how many surfaces, at most 100,000, got 20,241,121; for one surface of "
             "your choice, try seed in [surface]",
         ),
-        ("[sweep]\nseeds = 18446744073709551616", "at most 100,000, got 18,446,744,073,709,551,616"),
         (
             "[sweep]\nload = [1.0, 2.0]\nk1 = [1.0, 2.0]\nseeds = 25001",
             "[sweep]: expected at most 100,000 runs, got 100,004 (load 2 x k1 2 x seeds 25001); "
@@ -189,12 +170,6 @@ def test_a_large_campaign_is_planned(tmp_path):
     assert (last.config.contact.load, last.seed, last.config.surface.seed) == (2.0, 5002, 5002)
     (tmp_path / "plan.json").write_text(plan_to_json(plan), encoding="utf-8")
     assert load_plan(tmp_path) == plan
-
-
-def test_the_name_of_the_file_may_be_text(tmp_path):
-    path = written(tmp_path, BASE)
-    assert read_plan(str(path)) == read_plan(path)
-    assert read_config(str(path), {}) == read_config(path, {})
 
 
 def test_a_run_is_named_by_what_distinguishes_it(tmp_path):

@@ -17,10 +17,10 @@ from asperity_research.paper.studies import FULL, QUICK
 from asperity_research.studies.ledger import Finding, Verdict
 
 
-def say_what_it_takes(out: Path, ensembles: Ensembles, work: Work) -> None:
-    """Say how many runs, how long, and how much disk, without leaving anything behind."""
+def say_what_it_takes(out: Path, ensembles: Ensembles, _: Work) -> None:
+    """Say how many runs and how much disk, without leaving anything behind."""
     effort = QUICK if ensembles.quick else FULL
-    say_estimate(HOME, out, lambda folder: prepared_in(folder, effort, seed=ensembles.seed), work)
+    say_estimate(HOME, out, lambda folder: prepared_in(folder, effort, seed=ensembles.seed))
 
 
 def reproduce(out: Path, ensembles: Ensembles, work: Work) -> None:

@@ -14,7 +14,7 @@ from asperity import campaign
 from asperity.app.cli.campaign import tally_shown
 from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
-from asperity.base.words import data_size, duration
+from asperity.base.words import data_size
 from asperity_research.commands.ensembles import Ensembles
 from asperity_research.studies import STUDIES, Study, conclude, named
 from asperity_research.studies.campaigns import Home, Prepared, run_campaigns
@@ -30,27 +30,22 @@ def say_studies() -> None:
     sys.stdout.write(f"{aligned(rows)}\n\nasperity study NAME --quick answers one in minutes\n")
 
 
-def say_what_it_takes(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
-    """Say how many runs, how long, and how much disk, without leaving anything behind."""
+def say_what_it_takes(name: str, out: Path, ensembles: Ensembles, _: Work) -> None:
+    """Say how many runs and how much disk, without leaving anything behind."""
     one = named(name)
-    say_estimate(one.home, out, partial(_prepared, one, ensembles), work)
+    say_estimate(one.home, out, partial(_prepared, one, ensembles))
 
 
-def say_estimate(home: Home, out: Path, prepare: Prepare, work: Work) -> None:
+def say_estimate(home: Home, out: Path, prepare: Prepare) -> None:
     """Say what each campaign would take, and all, where some of them may be done in a folder."""
     home.check(out)
     with tempfile.TemporaryDirectory() as nowhere, prepare(Path(nowhere)) as prepared:
         judged = [campaign.estimate(one.plan, out / home.inside / one.campaign.name) for one in prepared]
         rows = [
-            (
-                one.campaign.name,
-                f"{it.runs} runs",
-                f"about {duration(it.wall(work.hands))}",
-                one.campaign.purpose,
-            )
+            (one.campaign.name, f"{it.runs} runs", f"about {data_size(it.bytes)}", one.campaign.purpose)
             for one, it in zip(prepared, judged, strict=True)
         ]
-        rows.append(("all", *_total(judged, work.hands)))
+        rows.append(("all", *_total(judged)))
         sys.stdout.write(f"{aligned(rows)}\n")
 
 
@@ -89,7 +84,7 @@ def worked_through(
     """Do what is missing of some campaigns; who interrupts that, or what follows, is told what is kept."""
     try:
         with preparing as prepared:
-            voice = Voice(what, prepared, workers=work.hands, quiet=work.quiet)
+            voice = Voice(what, prepared, quiet=work.quiet)
             run_campaigns(
                 prepared,
                 workers=work.workers,
@@ -105,12 +100,11 @@ def worked_through(
 
 
 class Voice:
-    """Says which campaign begins, and at first how long it all will take."""
+    """Says which campaign begins, and at first how many runs and how much disk it all takes."""
 
-    def __init__(self, what: str, prepared: Sequence[Prepared], *, workers: int, quiet: bool) -> None:
+    def __init__(self, what: str, prepared: Sequence[Prepared], *, quiet: bool) -> None:
         self._what = what
         self._prepared = prepared
-        self._workers = workers
         self._quiet = quiet
         self._announced = False
 
@@ -119,9 +113,8 @@ class Voice:
         """Tell of one campaign while it runs."""
         if not self._announced and not self._quiet:
             self._announced = True
-            self.say("judging how long it will take")
             judged = [campaign.estimate(each.plan, each.folder) for each in self._prepared]
-            self.say(", ".join(_total(judged, self._workers)))
+            self.say(", ".join(_total(judged)))
         number = 1 + [each.folder for each in self._prepared].index(one.folder)
         self.say(f"{self._what} {number} of {len(self._prepared)}: {one.campaign.purpose}")
         with tally_shown(quiet=self._quiet) as show:
@@ -133,10 +126,5 @@ class Voice:
             print(text, file=sys.stderr, flush=True)
 
 
-def _total(judged: Sequence[campaign.Estimate], workers: int) -> tuple[str, str, str]:
-    seconds = sum(one.wall(workers) for one in judged)
-    return (
-        f"{sum(one.runs for one in judged)} runs",
-        f"about {duration(seconds)} on {workers} workers",
-        f"about {data_size(sum(one.bytes for one in judged))}",
-    )
+def _total(judged: Sequence[campaign.Estimate]) -> tuple[str, str]:
+    return f"{sum(one.runs for one in judged)} runs", f"about {data_size(sum(one.bytes for one in judged))}"

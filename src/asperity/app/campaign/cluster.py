@@ -7,17 +7,18 @@ import logging
 import multiprocessing
 import signal
 import threading
+import time as clock
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING
+from contextlib import ExitStack, contextmanager, suppress
+from typing import TYPE_CHECKING, Any
 
 from asperity.base.machine import cores
 from asperity.errors import AsperityError, InputError, Remark
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, Future
 
 ATTEMPTS = 3
 """How many deaths of its worker a run survives before it counts as failed."""
@@ -25,7 +26,10 @@ ATTEMPTS = 3
 _THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 _ANSWER, _TELL, _PATIENCE = 30.0, 5.0, 300.0
-"""Seconds that a scheduler has to answer; to wait for its first worker before that is said, and in all."""
+"""Seconds that a scheduler has to answer; to wait without any worker before that is said, and in all."""
+
+_LOOK, _COUNT = 0.02, 1.0
+"""Seconds between two looks for runs that have ended, and between two counts of the workers."""
 
 
 @contextmanager
@@ -74,34 +78,59 @@ def leave_if_imported_by_worker() -> None:
         raise SystemExit(1)
 
 
+def ended(client: Client, futures: Sequence[Future]) -> Iterator[tuple[Future, Any]]:
+    """Yield futures as they end, with what they returned; say it when no worker is there to end one.
+
+    `AsperityError` after minutes without any worker.
+    """
+    from distributed import as_completed
+
+    ending = as_completed(futures)
+    there = looked = clock.monotonic()  # when workers were there last, and when they were counted
+    told = False
+    while not ending.is_empty():
+        if not ending.has_ready():
+            clock.sleep(_LOOK)
+        else:
+            future, returned = next(ending), None
+            with suppress(TimeoutError):
+                if future.status == "finished":
+                    returned = future.result(timeout=_COUNT)
+            if returned is not None or future.status not in ("finished", "lost"):
+                yield future, returned
+                continue
+            ending.add(future)  # what it returned is lost with its worker: another one says it again
+        now = clock.monotonic()
+        if now - looked < _COUNT:
+            continue
+        looked = now
+        if client.nthreads():
+            there, told = now, False
+        elif now - there >= _PATIENCE:
+            raise AsperityError(
+                f"scheduler: expected workers at {client.scheduler.address}, got none for {_PATIENCE:.0f} "
+                "seconds; finished runs are kept; start some, and the same command does the rest"
+            )
+        elif now - there >= _TELL and not told:
+            told = True
+            warnings.warn("waiting for workers: 0 connected", Remark, stacklevel=2)
+
+
 def _connected(scheduler: str) -> Client:
-    """Connect to a scheduler, and wait for its first worker."""
+    """Connect to a scheduler that answers."""
     from distributed import Client, rpc
 
     async def asked() -> None:  # a client would wait forever for what takes connections and is no scheduler
         async with rpc(scheduler) as there:
-            await asyncio.wait_for(there.identity(), _ANSWER)
+            await there.identity()
 
     try:
         with ThreadPoolExecutor(1) as aside:  # a notebook has a loop of its own
             aside.submit(asyncio.run, asyncio.wait_for(asked(), _ANSWER)).result()
-        client = Client(scheduler, timeout="10s")
+        return Client(scheduler, timeout=_ANSWER)
     except (OSError, TimeoutError, ValueError) as error:
         got = f"{scheduler}: {error or f'no answer in {_ANSWER:.0f} seconds'}"
         raise InputError("scheduler", expected="the address of a Dask scheduler", got=got) from error
-    for wait, last in ((_TELL, False), (_PATIENCE - _TELL, True)):
-        try:
-            client.wait_for_workers(1, timeout=wait)
-            break
-        except TimeoutError:
-            if last:
-                client.close()
-                raise AsperityError(
-                    f"scheduler: expected a Dask scheduler with workers, got {scheduler}, which had none for "
-                    f"{_PATIENCE:.0f} seconds; try starting some"
-                ) from None
-            warnings.warn("waiting for workers: 0 connected", Remark, stacklevel=2)
-    return client
 
 
 @contextmanager

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -84,32 +85,25 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     finished = {name: store.read(run) for name, run in runs.items() if name in done}
     if not finished:
         raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
-    shape = _shape(plan)
-    described = _described(finished.values())
+    dims, described = tuple(plan.dimensions), _described(finished.values())
     entries = max(run.series.shape[1] for run in finished.values())
-    series = np.full((len(QUANTITIES), *shape, entries), np.nan)
+    series = dict(zip(QUANTITIES, _at_places(plan, finished, partial(_padded, entries=entries)), strict=True))
     names = sorted({name for run in finished.values() for name in run.scalars})
-    scalars = np.full((len(names), *shape), np.nan)
-    for run in plan.runs:
-        if run.identity in finished:
-            one, place = finished[run.identity], _place(plan, run)
-            everything: tuple[Any, ...] = (slice(None), *place)
-            series[(*everything, slice(one.series.shape[1]))] = one.series
-            for row, name in enumerate(names):
-                scalars[row, *place] = one.scalars.get(name, np.nan)
-    dims = _dims(plan)
+    scalars = _at_places(
+        plan, finished, lambda run: np.array([run.scalars.get(name, np.nan) for name in names])
+    )
     coordinates = _coordinates(plan)
-    along, times = _times(plan, finished, dict(zip(QUANTITIES, series, strict=True)))
+    along, times = _times(plan, finished, series)
     dataset = xr.Dataset(coords=coordinates | times)
-    for name, values in zip(QUANTITIES, series, strict=True):
+    for name, values in series.items():
         if name in described and name not in ("time", "leg"):
             # A swept load is a coordinate; the load as it developed needs another name then.
             free = f"{name}_history" if name in coordinates else name
             long_name, unit = described[name]
             dataset[free] = ((*dims, along), values, {"long_name": long_name, "units": unit})
-    dataset = dataset.assign(_of_maps(plan, finished, dims, shape))
+    dataset = dataset.assign(_of_maps(plan, finished))
     units = quantities.units_named({name: unit for name, (_, unit) in described.items()})
-    for row, name in enumerate(names):
+    for name, values in zip(names, scalars, strict=True):
         when, _, of_what = name.partition("_")
         long_name, unit = _SCALARS.get(name.removesuffix("_uncertainty"), (name.replace("_", " "), "1"))
         if when in _WHEN and of_what in described:
@@ -120,7 +114,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             )
         if name.endswith("_uncertainty"):
             long_name = f"{long_name}, standard error of the fit"
-        dataset[name] = (dims, scalars[row], {"long_name": long_name, "units": units.get(unit, unit)})
+        dataset[name] = (dims, values, {"long_name": long_name, "units": units.get(unit, unit)})
     for name in set(map(str, dataset.coords)) - {"field_time", "quantile"}:
         long_name, unit = quantities.of_parameter(name) or described.get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
@@ -157,16 +151,14 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
         No run, or more than one, is meant; it is not finished; it kept no fields.
     """
     plan = load_plan(directory)
-    chosen = [run for run in plan.runs if _matches(plan, run, where)]
-    unknown = (
-        set(where) - {axis.name for axis in plan.axes} - {"seed"} - ({"point"} if plan.zipped else set())
-    )
-    if len(chosen) != 1 or unknown:
+    known = [(run, plan.labels(run)) for run in plan.runs]
+    chosen = [run for run, here in known if all(name in here and here[name] == where[name] for name in where)]
+    if len(chosen) != 1:
         names = [axis.name for axis in plan.axes] + (["seed"] if plan.seeds else [])
         raise InputError(
             "campaign",
             expected=f"values of {', '.join(names) or 'nothing'} that name one run",
-            got=f"{where}, which names {0 if unknown else len(chosen)}",
+            got=f"{where}, which names {len(chosen)}",
         )
     return Store(Path(directory)).fields(chosen[0])
 
@@ -253,6 +245,21 @@ def load_plan(directory: str | Path) -> Plan:
         ) from error
 
 
+def _at_places(plan: Plan, finished: Mapping[str, Finished], numbers: Callable[[Finished], Field]) -> Field:
+    """Numbers of each run: their first axis, then the dimensions; NaN where it is not finished."""
+    found = {name: numbers(run) for name, run in finished.items()}
+    first, *rest = next(iter(found.values())).shape
+    values = np.full((first, *map(len, plan.dimensions.values()), *rest), np.nan)
+    for run in plan.runs:
+        if run.identity in found:
+            values[:, *plan.place(run)] = found[run.identity]
+    return values
+
+
+def _padded(run: Finished, entries: int) -> Field:
+    return np.pad(run.series, ((0, 0), (0, entries - run.series.shape[1])), constant_values=np.nan)
+
+
 def _times(
     plan: Plan, finished: Mapping[str, Finished], series: Mapping[str, Field]
 ) -> tuple[str, dict[str, object]]:
@@ -262,36 +269,33 @@ def _times(
     if all(np.array_equal(one.series[0], first.series[0]) for one in others):
         legs = {"leg": ("time", first.series[-1].astype(int))} if protocol else {}
         return "time", {"time": first.series[0], **legs}
-    dims, kept = _dims(plan), {}
+    dims, kept = tuple(plan.dimensions), {}
     for name in ("time", "leg"):
         values = series[name]
         if plan.seeds:  # the seeds of a point share its times
-            values, dims = np.nanmax(values, axis=-2, initial=-1.0), _dims(plan)[:-1]
+            values = np.nanmax(values, axis=-2, initial=-1.0)
             values = np.where(values < 0, np.nan, values)
-        kept[name] = ((*dims, "entry"), values)
+        kept[name] = ((*(dim for dim in dims if dim != "seed"), "entry"), values)
     return "entry", {**kept, "entry": np.arange(series["time"].shape[-1])}
 
 
-def _of_maps(
-    plan: Plan, finished: Mapping[str, Finished], dims: tuple[str, ...], shape: tuple[int, ...]
-) -> xr.Dataset:
+def _of_maps(plan: Plan, finished: Mapping[str, Finished]) -> xr.Dataset:
     """What maps know of patches, over the runs; nothing where not all kept maps at the same times."""
-    maps = [run.maps for run in finished.values()]
-    first = maps[0]
-    if first is None or not all(
-        one is not None
-        and list(one.data_vars) == list(first.data_vars)
-        and one["field_time"].equals(first["field_time"])
-        for one in maps
+    maps = {name: run.maps for name, run in finished.items() if run.maps is not None}
+    first = next(iter(maps.values()), None)
+    if (
+        first is None
+        or len(maps) < len(finished)
+        or not all(
+            list(one.data_vars) == list(first.data_vars) and one["field_time"].equals(first["field_time"])
+            for one in maps.values()
+        )
     ):
         return xr.Dataset()
     gathered = xr.Dataset(coords=first.coords)
     for name, one in first.data_vars.items():
-        values = np.full((*shape, *one.shape), np.nan)
-        for run in plan.runs:
-            if run.identity in finished and (own := finished[run.identity].maps) is not None:
-                values[tuple(_place(plan, run))] = own[name].values
-        gathered[name] = ((*dims, *one.dims), values, one.attrs)
+        (values,) = _at_places(plan, finished, lambda run, name=name: run.maps[name].values[np.newaxis])
+        gathered[name] = ((*plan.dimensions, *one.dims), values, one.attrs)
     return gathered
 
 
@@ -347,35 +351,9 @@ def _in_common(plan: Plan, units: quantities.Units) -> dict[str, Any]:
     return facts | {"config": config}
 
 
-def _matches(plan: Plan, run: Run, where: dict[str, float | int | str]) -> bool:
-    place = {axis.name: axis.values[at] for axis, at in zip(plan.axes, run.point, strict=True)}
-    here = place | {"seed": run.seed} | ({"point": run.point[0]} if plan.zipped and plan.axes else {})
-    return all(here.get(name) == value for name, value in where.items())
-
-
-def _dims(plan: Plan) -> tuple[str, ...]:
-    swept = ("point",) if plan.zipped and plan.axes else tuple(axis.name for axis in plan.axes)
-    return (*swept, "seed") if plan.seeds else swept
-
-
-def _shape(plan: Plan) -> tuple[int, ...]:
-    swept = tuple(len(axis.values) for axis in plan.axes)
-    swept = swept[:1] if plan.zipped else swept
-    return (*swept, len(plan.seeds)) if plan.seeds else swept
-
-
-def _place(plan: Plan, run: Run) -> list[int]:
-    swept = list(run.point[:1] if plan.zipped else run.point)
-    return swept if run.seed is None else [*swept, plan.seeds.index(run.seed)]
-
-
 def _coordinates(plan: Plan) -> dict[str, object]:
-    if plan.zipped and plan.axes:
-        coordinates: dict[str, object] = {axis.name: ("point", list(axis.values)) for axis in plan.axes}
-        coordinates["point"] = np.arange(len(plan.axes[0].values))
-    else:
-        coordinates = {axis.name: list(axis.values) for axis in plan.axes}
-    return coordinates | ({"seed": list(plan.seeds)} if plan.seeds else {})
+    zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
+    return zipped | {name: list(values) for name, values in plan.dimensions.items()}
 
 
 def _with_ensemble(dataset: xr.Dataset) -> xr.Dataset:

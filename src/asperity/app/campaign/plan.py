@@ -97,6 +97,27 @@ class Plan:
     zipped: bool
     runs: tuple[Run, ...]
 
+    @property
+    def dimensions(self) -> dict[str, tuple[Value, ...]]:
+        """Values along each dimension of the results: swept parameters (or ``point``), and the seed."""
+        swept = {axis.name: axis.values for axis in self.axes}
+        if self.zipped and swept:
+            swept = {"point": tuple(range(len(self.axes[0].values)))}
+        return swept | ({"seed": self.seeds} if self.seeds else {})
+
+    def place(self, run: Run) -> tuple[int, ...]:
+        """Place of a run along the dimensions."""
+        swept = run.point[:1] if self.zipped else run.point
+        return swept if run.seed is None else (*swept, self.seeds.index(run.seed))
+
+    def labels(self, run: Run) -> dict[str, Value]:
+        """Value of each swept parameter, of the dimensions, and the seed of a run."""
+        here = {
+            name: values[at]
+            for (name, values), at in zip(self.dimensions.items(), self.place(run), strict=True)
+        }
+        return {axis.name: axis.values[at] for axis, at in zip(self.axes, run.point, strict=True)} | here
+
 
 def read_plan(path: str | Path) -> Plan:
     """Read and check a campaign.

@@ -14,8 +14,8 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
+import tempfile
 import tomllib
-import uuid
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -113,25 +113,9 @@ class Store:
         """Create the folders, and clear what killed writers left; harmless while others write."""
         for name in ("locks", "failed", "checkpoints", "staging"):
             (self.work / name).mkdir(parents=True, exist_ok=True)
-        with self._alone():  # creating a group is no single act
-            try:
-                zarr.open_group(self.runs, mode="a")
-            except OSError:
-                raise
-            except Exception as error:
-                raise _damage(self.runs / "zarr.json", "that file") from error
-            found = list((self.work / "staging").iterdir())
-            running = self.running()  # after the list: who began to write since then is not in it
-            for left in found:
-                if left.name.partition(".")[0] not in running:  # its writer was killed
-                    shutil.rmtree(left, ignore_errors=True)
-
-    @contextmanager
-    def _alone(self) -> Iterator[None]:
-        """Wait until no other process prepares the folder, and keep others from it."""
-        lock = FileLock(self.work / "prepare.lock", timeout=_PATIENCE)
         try:
-            lock.acquire()
+            with FileLock(self.work / "prepare.lock", timeout=_PATIENCE):  # creating a group is no single act
+                self._create_and_clear()
         except Timeout as error:
             raise InputError(
                 "campaign",
@@ -139,10 +123,19 @@ class Store:
                 got=f"{self.directory}, which another process has been preparing for {_PATIENCE:g} s",
                 advice="ending that process",
             ) from error
+
+    def _create_and_clear(self) -> None:
         try:
-            yield
-        finally:
-            lock.release()
+            zarr.open_group(self.runs, mode="a")
+        except OSError:
+            raise
+        except Exception as error:
+            raise _damage(self.runs / "zarr.json", "that file") from error
+        found = list((self.work / "staging").iterdir())
+        running = self.running()  # after the list: who began to write since then is not in it
+        for left in found:
+            if left.name.partition(".")[0] not in running:  # its writer was killed
+                shutil.rmtree(left, ignore_errors=True)
 
     def is_done(self, identity: str) -> bool:
         """Whether the run is finished."""
@@ -210,19 +203,18 @@ class Store:
 
         `OutputError` if the disk refused; the store is as it was.
         """
-        staging = self.work / "staging" / f"{identity}.{uuid.uuid4().hex}"
-        remains = staging.with_name(f"{staging.name}.remains")
+        there = self.runs / identity
         try:
-            try:
-                _write_group(staging, identity, outcome, seconds)
-                flush(staging)
-                if not self.is_done(identity) and (self.runs / identity).exists():  # remains of a folder
-                    (self.runs / identity).rename(remains)
-                staging.rename(self.runs / identity)
+            with tempfile.TemporaryDirectory(
+                prefix=f"{identity}.", dir=self.work / "staging", ignore_cleanup_errors=True
+            ) as staging:
+                made = Path(staging) / "made"
+                _write_group(made, identity, outcome, seconds)
+                flush(made)
+                if not self.is_done(identity) and there.exists():  # remains of a folder
+                    there.rename(Path(staging) / "remains")
+                made.rename(there)
                 flush_folder(self.runs)
-            finally:
-                shutil.rmtree(staging, ignore_errors=True)
-                shutil.rmtree(remains, ignore_errors=True)
         except OSError as error:
             if self.is_done(identity):  # another process was faster, with the same numbers
                 return
@@ -235,88 +227,74 @@ class Store:
 
         `InputError` if it is not there, damaged, or another run.
         """
-        identity = run.identity
-        group, facts = self._opened(run)
-        try:
+        with self._opened(run) as (group, facts):
             series = np.asarray(group["series"])
             scalars = {name: float(value) for name, value in facts["scalars"].items()}
-            sound = facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS
-            described = {name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()}
-            completed = _completed(series, facts["quantities"])
-            maps = _maps_of(group, facts)
-            finished = Finished(
-                completed, scalars, str(facts["config"]), described, facts.get("lattice", {}), maps
+            _check(facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS)
+            return Finished(
+                series=_completed(series, facts["quantities"]),
+                scalars=scalars,
+                config=str(facts["config"]),
+                described={name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()},
+                lattice=facts.get("lattice", {}),
+                maps=_maps_of(group, facts),
             )
-        except Exception as error:  # a damaged byte of a description leads anywhere
-            raise self._damaged(identity) from error
-        if not sound:
-            raise self._damaged(identity)
-        return finished
 
     def fields(self, run: Run) -> xr.Dataset:
         """Read the fields that a finished run kept, as its history held them.
 
         `InputError` if the run is not there, kept none, is damaged, or another one.
         """
-        identity = run.identity
-        group, facts = self._opened(run)
-        kept, lattice = facts.get("fields_checksum"), facts.get("lattice", {})
-        if kept is None:
-            raise InputError(
-                "campaign",
-                expected="a run that kept fields",
-                got=f"{identity} without",
-                advice="maps_at in [output]",
-            )
-        try:
+        with self._opened(run) as (group, facts):
+            if "fields_checksum" not in facts:
+                raise InputError(
+                    "campaign",
+                    expected="a run that kept fields",
+                    got=f"{run.identity} without",
+                    advice="maps_at in [output]",
+                )
             names = (*KEPT_FIELDS, "field_time", _OF_MAPS)
             arrays = {name: np.asarray(group[name]) for name in names if name in group}
-            of_patches = _maps_of(group, facts)
-        except Exception as error:
-            raise self._damaged(identity) from error
-        if kept != _checksum(*arrays.values()):
-            raise self._damaged(identity)
-        sites = ("y", "x")[2 - arrays["heights"].ndim :]
-        arrays.pop(_OF_MAPS, None)
-        times = arrays.pop("field_time")
-        before = {1: ("field_time",), 2: ("field_time", "branch")}
-        of_maps = {name: ("field_time", arrays.pop(name)) for name in ("area_observed",) if name in arrays}
-        fields = xr.Dataset(
-            {
-                name: ((*before.get(values.ndim - len(sites), ()), *sites), values)
+            _check(facts["fields_checksum"] == _checksum(*arrays.values()))
+            sites = ("y", "x")[2 - arrays["heights"].ndim :]
+            dims = {0: sites, 1: ("field_time", *sites), 2: ("field_time", "branch", *sites)}
+            variables = {
+                name: ("field_time" if name == "area_observed" else dims[values.ndim - len(sites)], values)
                 for name, values in arrays.items()
+                if name not in ("field_time", _OF_MAPS)
             }
-            | of_maps,
-            coords={"field_time": times},
-            attrs=lattice,
-        )
-        return fields if of_patches is None else fields.assign(of_patches)
+            fields = xr.Dataset(
+                variables, coords={"field_time": arrays["field_time"]}, attrs=facts.get("lattice", {})
+            )
+            of_patches = _maps_of(group, facts)
+            return fields if of_patches is None else fields.assign(of_patches)
 
-    def _opened(self, run: Run) -> tuple[zarr.Group, dict[str, Any]]:
-        """The group of a finished run, and its attributes, which are whole and that run's."""
-        identity = run.identity
+    @contextmanager
+    def _opened(self, run: Run) -> Iterator[tuple[zarr.Group, dict[str, Any]]]:
+        """The group of a finished run, and its attributes, which are whole and that run's.
+
+        What fails while they are read is named as damage: a damaged byte leads anywhere.
+        """
+        place = self.runs / run.identity
+        if not self.is_done(run.identity):
+            expected, got = f"a finished run in {self.runs}", f"{run.identity}, which is none"
+            raise InputError("campaign", expected=expected, got=got)
         try:
-            group = zarr.open_group(self.runs / identity, mode="r")
+            group = zarr.open_group(place, mode="r")
             facts = dict(group.attrs)
             whole = facts.pop(_WHOLE, None)
             if whole is None:  # version 0.4.6 and before
                 same = _is_of(from_tables(tomllib.loads(str(facts["config"]))), run.config)
             else:
-                same = facts["identity"] == identity
-            sound = whole in (None, _checksum_of(facts))
-        except FileNotFoundError as error:
-            expected, got = f"a finished run in {self.runs}", f"{identity}: {error}"
-            raise InputError("campaign", expected=expected, got=got) from error
-        except Exception as error:  # a damaged byte of a description leads anywhere
-            raise self._damaged(identity) from error
-        if not sound:
-            raise self._damaged(identity)
-        if not same:
-            raise _damage(self.runs / identity, "that folder", "holds another run")
-        return group, facts
-
-    def _damaged(self, identity: str) -> InputError:
-        return _damage(self.runs / identity, "that folder")
+                _check(whole == _checksum_of(facts))
+                same = facts["identity"] == run.identity
+            if not same:
+                raise _damage(place, "that folder", "holds another run")
+            yield group, facts
+        except Exception as error:
+            if type(error) is InputError:
+                raise
+            raise _damage(place, "that folder") from error
 
     def _lock(self, identity: str) -> Path:
         return self.work / "locks" / f"{identity}.lock"
@@ -330,6 +308,12 @@ def _is_of(completed: RunConfig, asked: RunConfig) -> bool:
         has.get(name, {}).items() >= table.items() if isinstance(table, dict) else has.get(name) == table
         for name, table in gives.items()
     )
+
+
+def _check(sound: object) -> None:
+    """Raise for a run that is not as it was written."""
+    if not sound:
+        raise ValueError
 
 
 def _damage(place: Path, what: str, fault: str = "is damaged") -> InputError:
@@ -442,10 +426,8 @@ def _checksum_of(facts: dict[str, Any]) -> str:
 
 
 def _is_locked(path: Path) -> bool:
-    lock = FileLock(path)
     try:
-        lock.acquire(blocking=False)
+        with FileLock(path, blocking=False):
+            return False
     except Timeout:
         return True
-    lock.release()
-    return False

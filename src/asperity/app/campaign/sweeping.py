@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from asperity.app.campaign.cluster import ATTEMPTS, connect, leave_if_imported_by_worker
+from asperity.app.campaign.cluster import ATTEMPTS, connect, ended, leave_if_imported_by_worker
 from asperity.app.campaign.plan import Plan, Run
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import Report, run_task
@@ -192,8 +192,6 @@ def _open_runs(plan: Plan, store: Store) -> list[Run]:
 
 def _round(client: Client, store: Store, runs: Sequence[Run], counts: _Counts) -> list[Run]:
     """Submit runs, take the reports as they come; return the runs that others are at work on."""
-    from distributed import as_completed
-
     by_key = {f"run-{run.identity}-{clock.monotonic_ns()}": run for run in runs}
     futures = [
         client.submit(
@@ -210,12 +208,11 @@ def _round(client: Client, store: Store, runs: Sequence[Run], counts: _Counts) -
     ]
     busy = []
     try:
-        for future in as_completed(futures):
+        for future, returned in ended(client, futures):
             run = by_key[str(future.key)]
             if future.status not in ("finished", "error"):
                 raise _lost(f"a run came back {future.status}")
-            error = future.exception()
-            report: Report = future.result() if error is None else _crashed(store, run, error)
+            report: Report = returned or _crashed(store, run, future.exception())
             future.release()
             if _is_busy(report):
                 busy.append(run)

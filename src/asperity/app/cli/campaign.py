@@ -33,18 +33,18 @@ _LINE_EVERY = 10.0
 _SHOWN_FAILURES = 10
 
 
-def dry_run(plan: Plan, out: Path, work: Work) -> None:
+def dry_run(plan: Plan, out: Path, _: Work) -> None:
     """Say what a campaign would do."""
-    judged = campaign.estimate(plan, out)
+    left = campaign.estimate(plan, out)
     rows = [
-        ("runs", f"{len({run.identity for run in plan.runs})}, of which {judged.runs} are to do"),
+        ("runs", f"{len({run.identity for run in plan.runs})}, of which {left.runs} are to do"),
         ("dimensions", _dimensions(plan)),
-        (
-            "time",
-            f"about {duration(judged.wall(work.hands))} on {work.hands} workers, judged by {judged.basis}",
-        ),
-        ("disk", f"about {data_size(judged.bytes)}"),
     ]
+    if left.runs:
+        rows += [
+            ("memory", f"about {data_size(left.memory)} for the largest run, one on each worker"),
+            ("disk", f"about {data_size(left.bytes)}"),
+        ]
     sys.stdout.write(f"{aligned(rows)}\n")
 
 

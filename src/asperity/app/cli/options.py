@@ -161,7 +161,7 @@ class Work:
     scheduler
         Address of a Dask scheduler to use instead, such as tcp://10.0.0.1:8786.
     dry_run
-        Only say how many runs, how long, and how much disk.
+        Only say how many runs, and how much memory and disk.
     retry_failed
         Try again what failed earlier.
     quiet
@@ -178,10 +178,3 @@ class Work:
         """Refuse with `InputError` to work with nobody."""
         if self.workers is not None and self.workers < 1:
             raise InputError("--workers", expected="1 or more", got=self.workers)
-
-    @property
-    def hands(self) -> int:
-        """Worker processes."""
-        from asperity.base.machine import cores
-
-        return self.workers or cores()

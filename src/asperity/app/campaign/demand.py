@@ -1,0 +1,86 @@
+"""What a campaign has still to do: runs, memory and disk. How long they take, the first of them tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from asperity.app.campaign.plan import Plan
+from asperity.app.campaign.store import QUANTITIES, Store
+from asperity.app.config import RunConfig
+from asperity.app.config.solids import Continuum
+from asperity.app.runs import recorded_times
+from asperity.app.runs.pipeline import bytes_a_site
+from asperity.base import checks
+from asperity.patches import QUANTILES
+from asperity.results.quantities import OF_MAPS
+
+_BLOCK = 4096
+"""Bytes that files and folders are rounded up to on disk."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a campaign has still to do.
+
+    Attributes
+    ----------
+    runs
+        Runs to do.
+    memory
+        Bytes of memory that the largest of them needs for its arrays; each worker does one run at a time.
+    bytes
+        Space on disk that they take.
+    """
+
+    runs: int
+    memory: int
+    bytes: int
+
+
+def estimate(plan: Plan, directory: str | Path) -> Estimate:
+    """Count what is left of a campaign; nothing is computed but the surfaces that are measured.
+
+    Parameters
+    ----------
+    plan
+        From `read_plan`.
+    directory
+        Its folder, which need not exist.
+
+    Raises
+    ------
+    AsperityError
+        A surface file cannot be read.
+    """
+    checks.instance("plan", plan, Plan, 'asperity.campaign.read_plan("campaign.toml")')
+    done = Store(Path(directory)).done()
+    todo = {run.identity: run for run in plan.runs if run.identity not in done}
+    points = {run.point: run.config for run in todo.values()}
+    measured: dict[str, Sequence[int]] = {}
+    memory: dict[tuple[int, ...], int] = {}
+    space: dict[tuple[int, ...], int] = {}
+    for point, config in points.items():
+        if (shape := config.surface.lattice) is None:
+            name = config.surface.model_dump_json()
+            shape = measured[name] = measured.get(name) or config.surface.build().shape
+        maps, sites = len(config.output.maps_at or ()), math.prod(shape)
+        memory[point] = sites * bytes_a_site(config.solid.build(), shape, maps)
+        space[point] = _space(config, shape)
+    disk = sum(space[run.point] for run in todo.values())
+    return Estimate(len(todo), max(memory.values(), default=0), disk)
+
+
+def _space(config: RunConfig, shape: Sequence[int]) -> int:
+    """Bytes of a run on disk. Numbers hardly compress, but for what is true or false."""
+    times, maps, sites = 1 + len(recorded_times(config)), len(config.output.maps_at or ()), math.prod(shape)
+    arrays = [8 * len(QUANTITIES) * times]
+    if maps:
+        fields = 2 + max(1, len(config.solid.maxwell)) if isinstance(config.solid, Continuum) else 2
+        of_maps = 8 * maps * (len(OF_MAPS) + 2 * (len(QUANTILES) - 1))
+        arrays += [of_maps, 8 * maps, 8 * sites, 8 * sites, sites // 8]
+        arrays += [8 * sites * maps] * fields + [sites * maps // 8]
+    # An array is a description, and a file some folders deep.
+    return _BLOCK * (2 + sum(5 + math.ceil(size / _BLOCK) for size in arrays))

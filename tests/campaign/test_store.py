@@ -1,0 +1,181 @@
+"""The folder of a campaign: what is damaged is named, and what is there is never lost."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from filelock import FileLock
+
+import asperity.app.campaign as campaign
+import asperity.app.campaign.store
+from asperity.app.campaign.store import QUANTITIES, Store
+from asperity.app.campaign.worker import run_task
+from asperity.app.cli import main
+from asperity.errors import InputError
+from tests.campaign.conftest import SMALL, do_here, numbers, some_of, written
+from tests.refusals import refuses
+
+
+@pytest.fixture(scope="module", name="kept")
+def two_runs(tmp_path_factory):
+    """A campaign of which two runs are done, which differ by their seed; not to be changed."""
+    folder = tmp_path_factory.mktemp("store")
+    plan = some_of(campaign.read_plan(written(folder)), 2)
+    do_here(plan, folder / "out")
+    return plan, folder / "out"
+
+
+@pytest.fixture
+def two(kept, tmp_path):
+    """A copy of it: the plan, the folder, and the folder of its first run."""
+    plan, folder = kept
+    out = shutil.copytree(folder, tmp_path / "out")
+    return plan, out, out / "runs.zarr" / plan.runs[0].identity
+
+
+def changed(file, change):
+    facts = json.loads(file.read_text())
+    file.write_text(json.dumps(change(facts) or facts))
+
+
+DAMAGE = {
+    "a chunk is gone": lambda run: (run / "series" / "c" / "0" / "0").unlink(),
+    "no table": lambda run: (run / "zarr.json").write_text("3"),
+    "a shape": lambda run: changed(run / "series" / "zarr.json", lambda facts: facts.update(shape=[[0], 8])),
+    "a number": lambda run: changed(
+        run / "zarr.json", lambda facts: facts["attributes"]["scalars"].update(initial_area=99999.0)
+    ),
+    "no numbers, in the oldest form": lambda run: changed(
+        run / "zarr.json",
+        lambda facts: (
+            facts["attributes"].update(scalars={}),
+            facts["attributes"].pop("attributes_checksum"),
+            facts,
+        )[2],
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_a_damaged_run_is_named_and_not_used(two, kind):
+    plan, out, run = two
+    DAMAGE[kind](run)
+    with pytest.raises(
+        InputError, match=rf"{plan.runs[0].identity}, which is damaged; try removing that folder"
+    ):
+        campaign.open(out)
+
+
+OPEN = "[surface]\nshape = [16, 16]\n[aging]\nper_decade = 2\n[sweep]\nk1 = [1.0, 3.0]\nseeds = 2\n"
+"""Loads and times are left open, and decided when a run begins."""
+
+
+@pytest.mark.parametrize(("text", "old"), [(SMALL, False), (OPEN, True)], ids=["now", "as 0.4.6 wrote them"])
+def test_runs_in_the_place_of_another_are_named(tmp_path, text, old):
+    plan, out = some_of(campaign.read_plan(written(tmp_path, text)), 2), tmp_path / "out"
+    do_here(plan, out)
+    first, second = (out / "runs.zarr" / run.identity for run in plan.runs)
+    if old:
+        for run in (first, second):
+            changed(
+                run / "zarr.json",
+                lambda facts: (
+                    [facts["attributes"].pop(key) for key in ("identity", "attributes_checksum")] and facts
+                ),
+            )
+    assert campaign.open(out).attrs["finished"] == 2
+    first.rename(tmp_path / "aside")
+    second.rename(first)
+    (tmp_path / "aside").rename(second)
+    for read in (campaign.open, lambda _: Store(out).fields(plan.runs[0])):
+        with pytest.raises(
+            InputError, match="which holds another run; try removing that folder, and the same"
+        ):
+            read(out)
+
+
+def test_remains_of_a_run_are_named_and_done_again(two, capsys):
+    plan, out, run = two
+    whole = numbers(out)
+    (run / "zarr.json").unlink()
+    for command in ("status", "gather"):
+        assert main([command, str(out)]) == 0
+        assert f"{run.name} without zarr.json: damaged, and not used" in capsys.readouterr().err
+    assert do_here(plan, out)[0] == (run.name, "done", "")
+    assert numbers(out) == whole
+    assert list((out / "state" / "staging").iterdir()) == []
+    assert main(["status", str(out)]) == 0
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("damage", ['{"zarr_format": "3"}', "[3]", ""])
+def test_a_damaged_store_is_named(two, damage):
+    plan, out, run = two
+    (run.parent / "zarr.json").write_text(damage)
+    with pytest.raises(InputError, match=r"zarr.json, which is damaged; try removing that file"):
+        campaign.sweep(plan, out)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda facts: facts["runs"][0].__setitem__(1, [0, 99]),
+        lambda facts: facts["runs"][0].__setitem__(2, 99),
+        lambda facts: [facts],
+    ],
+    ids=["point", "seed", "list"],
+)
+def test_a_damaged_plan_is_no_campaign(two, damage):
+    _, out, _ = two
+    changed(out / "plan.json", damage)
+    with pytest.raises(InputError, match="expected a folder that asperity sweep wrote") as raised:
+        campaign.open(out)
+    assert "\n" not in str(raised.value)
+
+
+def test_runs_of_a_version_with_fewer_series_are_read():
+    series = np.arange(6.0).reshape(3, 2)
+    found = asperity.app.campaign.store._completed(series, ["time", "area", "load"])
+    for name, values in zip(QUANTITIES, found, strict=True):
+        wanted = {"time": series[0], "area": series[1], "load": series[2]}.get(name, [np.nan] * 2)
+        np.testing.assert_array_equal(values, wanted)
+
+
+def test_a_folder_that_another_process_prepares_is_not_waited_for_for_ever(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(asperity.app.campaign.store, "_PATIENCE", 0.1)
+    store = Store(Path("out"))
+    store.work.mkdir(parents=True)
+    with FileLock(store.work / "prepare.lock"), refuses("campaign"):
+        store.prepare()
+    store.prepare()
+
+
+def test_a_run_that_another_process_is_at_counts_as_running(two):
+    plan, out, _ = two
+    store, identity = Store(out), plan.runs[1].identity
+    shutil.rmtree(store.runs / identity)
+    with store.claim(identity) as mine:
+        assert mine
+        counted = campaign.tally(plan, out)
+        assert (counted.done, counted.running, counted.failed, counted.left) == (1, 1, 0, 0)
+        assert run_task(str(out), identity, "{}") == (identity, "busy", "")
+    assert campaign.tally(plan, out).running == 0
+
+
+def test_a_bad_checkpoint_costs_time_and_nothing_else(two):
+    plan, out, run = two
+    whole, store = numbers(out), Store(out)
+    shutil.rmtree(run)
+    store.checkpoint(run.name).write_text("junk")
+    assert do_here(plan, out)[0] == (run.name, "done", "")
+    assert numbers(out) == whole
+    assert not store.checkpoint(run.name).exists()
+
+
+def test_another_version_is_refused(tmp_path):
+    report = run_task(str(tmp_path), "name", "{}", "", "0.0.0")
+    assert report[1] == "version"
+    assert "the campaign 0.0.0" in report[2]
