@@ -23,11 +23,12 @@ FOLDER = Path(__file__).parent
 
 
 def pytest_collection_modifyitems(items):
-    """Run all in one process, where they share a browser and a server, and in `make test-all` alone."""
+    """Run all in one process, where they share a browser and a server, and most in `make test-all` alone."""
     for item in items:
         if FOLDER in item.path.parents:
             item.add_marker(pytest.mark.xdist_group("browser"))
-            item.add_marker(pytest.mark.slow)
+            if item.path.name != "test_first_press.py":
+                item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")

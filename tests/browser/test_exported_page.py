@@ -10,7 +10,7 @@ from PIL.GifImagePlugin import GifImageFile
 
 import asperity as asp
 from asperity.app.explore.export import exported_page
-from asperity.app.explore.scene import ending, pack, recorded
+from asperity.app.explore.scene import Recording, ending, map_of, pack, recorded
 from tests.browser.conftest import rows, state, until
 
 KEPT, NEW, LOST = 1, 2, 3
@@ -163,7 +163,7 @@ def test_two_fingers_zoom(tab, exported):
     assert state(page)["zoom"] == 1
 
 
-def test_a_drag_on_the_curve_scrubs(tab, exported):
+def test_a_drag_on_the_curve_scrubs_and_play_runs_through_all_maps(tab, exported):
     page = tab(exported)
     box = page.locator("#curve").bounding_box()
     page.mouse.move(box["x"] + 75, box["y"] + 100)
@@ -172,27 +172,23 @@ def test_a_drag_on_the_curve_scrubs(tab, exported):
     before = pixels(page)
     page.mouse.move(box["x"] + box["width"] - 16, box["y"] + 100)
     page.mouse.up()
-    assert state(page)["map"] == len(state(page)["maps"]) - 1
+    last = len(state(page)["maps"]) - 1
+    assert state(page)["map"] == last
     assert (pixels(page) != before).any()
     assert page.locator("#shown").text_content() == "t = 110"
-
-
-def test_play_runs_through_all_maps(tab, exported):
-    page = tab(exported)
     begun = page.evaluate("() => { document.querySelector('#play').click(); return asperity.state; }")
-    assert begun["playing"]
-    assert begun["map"] == 0
+    assert (begun["playing"], begun["map"]) == (True, 0)
     until(page, "!asperity.state.playing")
-    assert state(page)["map"] == len(state(page)["maps"]) - 1
+    assert state(page)["map"] == last
 
 
-@pytest.mark.parametrize("quantity", ["load", "friction", "residual", "decade_growth", "largest_patch_size"])
-def test_other_quantities_are_drawn(tab, exported, quantity):
+def test_other_quantities_are_drawn(tab, exported):
     page = tab(exported)
     area = pixels(page, "#curve")
-    page.select_option("#quantity", quantity)
-    assert state(page)["quantity"] == quantity
-    assert (pixels(page, "#curve") != area).sum() > 500
+    for quantity in ("residual", "decade_growth", "largest_patch_size"):
+        page.select_option("#quantity", quantity)
+        assert state(page)["quantity"] == quantity
+        assert (pixels(page, "#curve") != area).sum() > 500
 
 
 def test_table_holds_every_digit(tab, exported, outcome):
@@ -283,60 +279,32 @@ def test_picture_and_animation_are_read_by_others(tab, exported, outcome):
         np.testing.assert_allclose(drawn[1:], counts[1:] * scale, rtol=0.1, atol=40)
 
 
-def scene(shape, masks):
-    """Messages of a scene that nobody computed: heights are 0, and each map is known."""
-    columns = ["time", "leg", "area"]
-    times = [0.0, *(10.0 ** np.arange(len(masks) - 1)).tolist()]
-    unit = dict.fromkeys(("time", "area", "load", "pressure", "height", "separation"), "1")
-    header = {
-        "kind": "scene",
-        "job": "made",
-        "title": "made",
-        "config": None,
-        "toml": "",
-        "python": "",
-        "shape": shape,
-    }
-    header |= {
-        "spacing": None,
-        "length_unit": None,
-        "units": unit,
-        "column_units": dict.fromkeys(columns, "1"),
-    }
-    header |= {"names": {}, "columns": columns, "switches": [], "remarks": [], "height_range": [0.0, 1.0]}
-    yield pack(header, {"heights": np.zeros(shape, dtype=np.uint16)})
-    maps, arrays = (
-        [],
-        {"rows": np.array([[time, 0, mask.sum()] for time, mask in zip(times, masks, strict=True)])},
-    )
-    for number, (time, mask) in enumerate(zip(times, masks, strict=True)):
-        maps.append(
-            {
-                "index": number,
-                "time": time,
-                "leg": 0,
-                "side": "",
-                "area": int(mask.sum()),
-                "pressure_scale": 1.0,
-            }
-        )
-        arrays |= {
-            f"bits.{number}": np.packbits(mask),
-            f"pressure.{number}": np.full(mask.sum(), 65535, dtype=np.uint16),
-        }
-    yield pack(
-        {"kind": "rows", "job": "made", "time_now": times[-1], "last_time": times[-1], "maps": maps}, arrays
-    )
-    yield pack({"kind": "done", "job": "made", "limit": None, "fit": None, "effort": {}, "remarks": []})
+def page_of(folder, masks, times=None, campaign=None):
+    """Address of the page of a scene that nobody computed: heights are 0, and each map is known."""
+    times = [0.0, *(10.0 ** np.arange(len(masks) - 1)).tolist()] if times is None else times
+    columns, areas = ["time", "leg", "area"], [float(mask.sum()) for mask in masks]
+    facts = {"title": "made", "config": None, "toml": "", "python": "", "shape": list(masks[0].shape)}
+    facts |= {"spacing": None, "length_unit": None, "column_units": dict.fromkeys(columns, "1")}
+    facts["units"] = dict.fromkeys(("time", "area", "load", "pressure", "height", "separation"), "1")
+    facts |= {"names": {}, "columns": columns, "switches": [], "remarks": [], "height_range": [0.0, 1.0]}
+    recording = Recording("made", facts | {"last_time": times[-1]}, np.zeros(masks[0].shape, np.uint16))
+    recording.rows = [[time, 0.0, area] for time, area in zip(times, areas, strict=True)]
+    if any(areas):
+        recording.maps = [
+            map_of(time, 0, mask, mask.astype(float)) for time, mask in zip(times, masks, strict=True)
+        ]
+    recording.end = {"kind": "done", "limit": None, "fit": None, "effort": {}, "remarks": []}
+    messages = [*([] if campaign is None else [campaign]), *recording.messages()]
+    path = folder / f"made{len(messages)}.html"
+    path.write_text(exported_page(messages, title="made"), encoding="utf-8")
+    return path.as_uri()
 
 
 def test_no_contact_of_a_large_map_is_lost_and_zoom_shows_each(tab, tmp_path):
     draws = np.random.default_rng(0)
     first = draws.random((1024, 1024)) < 2e-4
     later = first | (draws.random((1024, 1024)) < 2e-4)
-    path = tmp_path / "large.html"
-    path.write_text(exported_page(scene([1024, 1024], [first, later]), title="made"), encoding="utf-8")
-    page = tab(path.as_uri())
+    page = tab(page_of(tmp_path, [first, later]))
     whole = state(page)
     assert whole["side"] == 2
     free = colors(page)[0]
@@ -369,33 +337,27 @@ def test_no_contact_of_a_large_map_is_lost_and_zoom_shows_each(tab, tmp_path):
 def test_curves_of_a_campaign_stand_behind_its_run(tab, tmp_path):
     mask = np.zeros((8, 8), dtype=bool)
     mask[2:4, 3:6] = True
-    made = list(scene([8, 8], [mask, mask]))
     runs = [{"id": f"run{number}", "state": "done", "load": 10.0 * number} for number in range(3)]
     arrays = {}
     for number in range(3):
         arrays[f"time.run{number}"] = np.array([0.0, 1.0, 10.0])
         arrays[f"area.run{number}"] = np.array([1.0, 2.0, 3.0]) * (number + 1)
     campaign = pack({"kind": "campaign", "path": "camp", "parameters": ["load"], "runs": runs}, arrays)
-    path = tmp_path / "campaign.html"
-    path.write_text(exported_page([campaign, *made], title="made"), encoding="utf-8")
-    page = tab(path.as_uri())
+    page, alone = (
+        tab(page_of(tmp_path, [mask, mask], campaign=campaign)),
+        tab(page_of(tmp_path, [mask, mask])),
+    )
     assert state(page)["runs"] == 3
     cells = [text.strip() for text in page.locator("#campaign td").all_inner_texts()]
     assert cells == ["run0", "0", "run1", "10", "run2", "20"]
-    path.write_text(exported_page(made, title="made"), encoding="utf-8")
-    ink = [(pixels(one, "#curve").max(axis=-1) < 200)[:, 80:].sum() for one in (page, tab(path.as_uri()))]
+    ink = [(pixels(one, "#curve").max(axis=-1) < 200)[:, 80:].sum() for one in (page, alone)]
     assert ink[0] > ink[1] + 300  # three more lines
 
 
 def test_a_run_without_maps_shows_its_heights(tab, tmp_path):
-    first, _, end = scene([8, 8], [np.zeros((8, 8), dtype=bool)])
-    series = {"rows": np.array([[0.0, 0, 5], [1.0, 0, 6], [10.0, 0, 7]])}
-    path = tmp_path / "bare.html"
-    middle_one = pack({"kind": "rows", "job": "made", "time_now": 10, "last_time": 10, "maps": []}, series)
-    path.write_text(exported_page([first, middle_one, end], title="made"), encoding="utf-8")
-    page = tab(path.as_uri())
+    page = tab(page_of(tmp_path, [np.zeros((8, 8), dtype=bool)] * 3, times=[0.0, 1.0, 10.0]))
     assert len(state(page)["maps"]) == 3
-    assert page.locator("#number-area").text_content() == "7 sites"
+    assert page.locator("#number-area").text_content() == "0 sites"
     assert "kept no maps" in page.locator("#legend").text_content()
 
 
@@ -404,9 +366,7 @@ def test_a_crowded_map_shows_its_area(tab, tmp_path):
     mask = draws.random((1024, 1024)) < 0.25
     mask[100:200, 300:400] = True
     mask[500:600, 700:800] = False
-    path = tmp_path / "crowded.html"
-    path.write_text(exported_page(scene([1024, 1024], [mask]), title="made"), encoding="utf-8")
-    page = tab(path.as_uri())
+    page = tab(page_of(tmp_path, [mask]))
     drawn, marked = state(page)["drawn"], (pixels(page) != colors(page)[0]).any(axis=-1)
     whole = marked[: int(1024 * drawn["down"])]
     assert whole.mean() == pytest.approx(mask.mean(), abs=0.02)
@@ -422,9 +382,7 @@ def test_a_line_contact_is_drawn_against_time(tab, tmp_path):
     masks = [np.zeros((1, 300), dtype=bool) for _ in range(5)]
     for number, mask in enumerate(masks):
         mask[0, 100 : 103 + 10 * number] = True
-    path = tmp_path / "line.html"
-    path.write_text(exported_page(scene([1, 300], masks), title="made"), encoding="utf-8")
-    page = tab(path.as_uri())
+    page = tab(page_of(tmp_path, masks))
     drawn, picture, palette = state(page)["drawn"], pixels(page), colors(page)
     for number in range(len(masks)):
         y = int(drawn["top"] + (number + 0.5) * drawn["down"])
@@ -490,23 +448,14 @@ def test_colors_are_told_apart_in_gray_by_all_eyes_and_read(tab, exported, schem
     assert background == f"rgb({', '.join(map(str, color['page']))})"
 
 
-def test_a_phone_needs_no_sideways_scrolling(tab, exported):
-    page = tab(
-        exported,
-        viewport={"width": 390, "height": 844},
-        has_touch=True,
-        is_mobile=True,
-        device_scale_factor=2,
-    )
+def test_everything_has_a_name_and_a_phone_needs_no_sideways_scrolling(tab, exported):
+    phone = {"has_touch": True, "is_mobile": True, "device_scale_factor": 2}
+    page = tab(exported, viewport={"width": 390, "height": 844}, **phone)
     wide = page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
     assert wide[0] <= wide[1] == 390
     tops = [page.locator(one).bounding_box()["y"] for one in ("#map", "#curve")]
     assert tops[0] + 300 < tops[1]
     assert page.locator("#moment").is_visible()
-
-
-def test_everything_has_a_name(tab, exported):
-    page = tab(exported)
     nameless = page.evaluate(
         """[...document.querySelectorAll("button, input, select, textarea, canvas[tabindex], [role=img]")]
         .filter(one => !(one.getAttribute("aria-label") || one.labels?.length || one.textContent.trim()))

@@ -26,8 +26,9 @@ def opened(page):
     return page
 
 
-@pytest.mark.parametrize("viewport", [WIDE, NARROW], ids=["wide", "narrow"])
-@pytest.mark.parametrize("key", ["contact.load", "surface.rms", "aging.per_decade", "aging.first"])
+@pytest.mark.parametrize(
+    ("viewport", "key"), [(WIDE, "contact.load"), (NARROW, "contact.load"), (WIDE, "aging.first")]
+)
 def test_a_wrong_value_is_seen(live, viewport, key):
     page = opened(live(viewport=viewport))
     field = f"[id='{key}']"
@@ -43,6 +44,11 @@ def test_a_wrong_value_is_seen(live, viewport, key):
     if viewport is WIDE:
         assert seen(page, "#form-mistakes")
         assert seen(page, "#press")
+    assert page.locator(field).get_attribute("aria-invalid") == "true"
+    assert page.evaluate("document.activeElement.id") == key
+    page.fill(field, "20")
+    again(page, lambda: page.click("#press"))
+    assert page.locator("[aria-invalid]").count() == 0
 
 
 def test_a_wrong_change_is_seen(live):
@@ -67,7 +73,7 @@ def test_what_no_field_says_is_seen_by_the_button(live):
     assert seen(page, "#form-mistakes")
 
 
-@pytest.mark.parametrize("kind", ["half_space", "layer", "coated_half_space"])
+@pytest.mark.parametrize("kind", ["half_space", "coated_half_space"])
 def test_another_solid_can_be_pressed_at_once(tab, served, kind):
     page = tab(f"{served}#config={link(SMALL | {'contact': {'load': 46.0}})}")
     finished(page)
@@ -99,18 +105,6 @@ def test_what_was_typed_stays_with_another_solid(live):
     assert config["surface"]["hurst"] == 0.6
 
 
-def test_nothing_plays_by_itself(live):
-    page = live(reduced_motion="no-preference")
-    page.wait_for_timeout(300)
-    after = state(page)
-    assert (after["playing"], after["map"]) == (False, len(after["maps"]) - 1)
-    page.fill("[id='surface.seed']", "4")
-    after = again(page, lambda: page.click("#press"))
-    page.wait_for_timeout(300)
-    after = state(page)
-    assert (after["playing"], after["map"]) == (False, len(after["maps"]) - 1)
-
-
 @pytest.mark.parametrize(("how", "time"), [("step", 0.0), ("ramp", 5.0)])
 def test_a_branch_shows_the_end_of_its_change(live, how, time):
     page = live(reduced_motion="no-preference")
@@ -122,6 +116,7 @@ def test_a_branch_shows_the_end_of_its_change(live, how, time):
     again(page, lambda: page.click("#branch button"))
     page.wait_for_timeout(300)
     after = state(page)
+    assert not after["playing"]  # nothing plays by itself
     assert after["maps"][after["map"]]["leg"] == 1
     assert after["maps"][after["map"]]["time"] == pytest.approx(change + time)
     assert page.locator("#number-load").text_content() == "20"

@@ -46,7 +46,7 @@ def test_what_was_packed_comes_out() -> None:
         assert np.array_equal(arrays[name], array)
 
 
-@pytest.mark.parametrize("length", range(9))
+@pytest.mark.parametrize("length", [0, 3])
 def test_everything_begins_at_multiples_of_eight(length: int) -> None:
     message = pack({"text": "x" * length}, {"a": np.zeros(3, np.uint8), "b": np.ones(2)})
     assert len(message) % 8 == 0
@@ -60,17 +60,6 @@ def test_everything_begins_at_multiples_of_eight(length: int) -> None:
 def test_what_is_not_finite_is_null() -> None:
     header, _ = unpack(pack({"a": math.nan, "b": [math.inf, np.float64(2.5)], "c": {"d": -math.inf}}))
     assert header == {"a": None, "b": [None, 2.5], "c": {"d": None}}
-
-
-def test_a_map_holds_contacts_and_pressures() -> None:
-    mask = np.zeros((3, 5), dtype=bool)
-    mask[0, 1] = mask[2, 4] = True
-    pressure = np.where(mask, 4.0, 0.0)
-    pressure[2, 4] = 1.0
-    found = map_of(2.0, 1, mask, pressure)
-    assert np.array_equal(np.unpackbits(found.bits, count=15).reshape(3, 5), mask)
-    assert found.scale == 4.0
-    assert found.pressure.tolist() == [65535, round(65535 / 4)]
 
 
 def test_which_moments_are_mapped() -> None:
@@ -99,6 +88,10 @@ def test_a_history_becomes_rows_and_maps(aged: Any) -> None:
     for name in ("time", "leg", "area", "load", "separation", "residual"):
         assert np.array_equal(rows[:, columns.index(name)], aged[name].values)
     assert scene.scene["switches"] == [10.0]
+    assert scene.heights is not None
+    low, high = scene.scene["height_range"]
+    back = low + (high - low) * scene.heights / 65535
+    assert np.abs(back - aged["heights"].values).max() <= 0.51 * (high - low) / 65535
     area, load = aged["area"].values, aged["load"].values
     friction = rows[:, columns.index("friction")]
     assert friction == pytest.approx(area / load / (area[0] / load[0]), rel=1e-12)
@@ -167,15 +160,6 @@ def test_growth_per_decade_counts_from_the_last_switch(aged: Any) -> None:
     assert found[1.0, 0] == pytest.approx((area[1.0, 0] - area[0.1, 0]) / first)
     assert found[20.0, 2] == pytest.approx((area[20.0, 2] - area[11.0, 2]) / first)
     assert np.isnan([found[0.0, 0], found[0.1, 0], found[10.0, 1], found[11.0, 2]]).all()
-
-
-def test_heights_are_within_a_step_of_their_range(aged: Any) -> None:
-    scene = recorded(aged, None, job="one", title="two")
-    assert scene.scene is not None
-    assert scene.heights is not None
-    low, high = scene.scene["height_range"]
-    back = low + (high - low) * scene.heights / 65535
-    assert np.abs(back - aged["heights"].values).max() <= 0.51 * (high - low) / 65535
 
 
 def test_a_late_reader_gets_all_in_few_messages_and_an_early_one_the_same() -> None:

@@ -46,20 +46,6 @@ YIELDING = QUICK | {
         "hardness": 2.0,
     },
 }
-ACTIVATED = SI | {
-    "solid": {
-        "kind": "half_space",
-        "modulus": "3 GPa",
-        "creep": "eyring",
-        "creep_energy": "100 kJ/mol",
-        "creep_volume": "1 nm^3",
-        "creep_prefactor": "1 m/s",
-        "temperature": "20 degC",
-        "permanent": 0.4,
-        "hardness": "0.5 GPa",
-    },
-    "aging": {"first": 0.1, "last": 1e3},
-}
 MANY = {"aging": {"first": 1e-3, "last": 1e6, "per_decade": 100}}
 """Times enough to do something meanwhile."""
 
@@ -88,8 +74,8 @@ def test_a_page_is_told_what_there_is(server: Server) -> None:
 
 @pytest.mark.parametrize(
     "config",
-    [QUICK, STEPPED, SI, YIELDING, ACTIVATED],
-    ids=["springs", "protocol", "si", "yielding", "activated"],
+    [QUICK, STEPPED, SI, YIELDING],
+    ids=["springs", "protocol", "si", "yielding"],
 )
 def test_a_run_has_the_numbers_of_the_command_line(server: Server, config: dict[str, Any]) -> None:
     with server.page() as page:
@@ -122,20 +108,15 @@ def test_a_run_has_the_numbers_of_the_command_line(server: Server, config: dict[
         }
         assert column(messages, "contact_area") == dataset["contact_area"].values.tolist()
     assert len(maps(messages)) > 10
+    if config is STEPPED:  # both sides of a step are mapped
+        at = [facts for facts, _, _ in maps(messages).values() if facts["time"] == 10.0]
+        assert [(one["leg"], one["side"]) for one in at] == [(0, ""), (1, "after")]
+        assert at[0]["area"] > at[1]["area"]
+        assert scene["switches"] == [10.0]
 
 
 def _finite(solid: dict[str, Any]) -> dict[str, Any]:
     return {name: float("inf") if value == "inf" else value for name, value in solid.items()}
-
-
-def test_both_sides_of_a_step_are_mapped(server: Server) -> None:
-    with server.page() as page:
-        page.receive()
-        messages = page.ran(STEPPED)
-    at = [facts for facts, _, _ in maps(messages).values() if facts["time"] == 10.0]
-    assert [(one["leg"], one["side"]) for one in at] == [(0, ""), (1, "after")]
-    assert at[0]["area"] > at[1]["area"]
-    assert only(messages, "scene")[0]["switches"] == [10.0]
 
 
 def test_the_same_run_is_not_computed_again(server: Server) -> None:
@@ -152,6 +133,7 @@ def test_the_same_run_is_not_computed_again(server: Server) -> None:
         assert len(again) == 3
 
 
+@pytest.mark.slow
 def test_a_page_that_is_loaded_again_joins_its_run(server: Server) -> None:
     config = MANY | {"surface": {"shape": [64, 64], "seed": 5}}
     with server.page() as page:
@@ -165,15 +147,6 @@ def test_a_page_that_is_loaded_again_joins_its_run(server: Server) -> None:
     assert only(after, "scene")[0]["job"] == only(before, "scene")[0]["job"]
     assert len(column(after, "time")) == 2 + 9 * 100
     assert only(after, "done")[0]["effort"]["seconds"] > 0
-
-
-def test_two_pages_have_runs_of_their_own(server: Server) -> None:
-    with server.page() as one, server.page() as other:
-        one.receive(), other.receive()
-        one.send("run", config=seed(21))
-        other.send("run", config=seed(22))
-        first, second = one.until("done"), other.until("done")
-    assert column(first, "separation") != column(second, "separation")
 
 
 def test_a_slow_page_gets_the_latest_in_one(server: Server) -> None:
@@ -230,21 +203,16 @@ def test_a_killed_process_is_said_and_replaced(server: Server) -> None:
 
 MISTAKES: dict[str, tuple[object, str, str]] = {
     "number": ({"contact": {"load": -1}}, "contact.load", "expected a number of at least 0.0, got -1"),
-    "section": ({"contact": {"load": 1, "pressure": 1}}, "contact", "expected load or pressure, got both"),
-    "leg": ({"protocol": [{"kind": "hold"}]}, "protocol[0].duration", "expected a value, got none"),
     "nested": (
         {"protocol": [{"kind": "repeat", "count": 2, "legs": [{"kind": "step"}]}]},
         "protocol[0].legs[0]",
         "expected load, pressure, separation or approach",
     ),
     "unknown": ({"solid": {"k_0": 1.0}}, "solid.k_0", "no such key; did you mean 'k0'?"),
-    "unit": ({"aging": {"last": "3 K"}}, "aging.last", "expected"),
     "found late": ({"contact": {"separation": 100.0}}, "contact.separation", "at which the solids touch"),
     "memory": ({"surface": {"shape": [10**6, 10**6]}}, "", "fits into the memory"),
     "no table": (3, "", "expected the sections of a configuration"),
     "outside": ({"surface": {"kind": "file", "path": "/etc/passwd"}}, "surface.path", "dropped on the page"),
-    "above": ({"surface": {"kind": "file", "path": "../scan.npy"}}, "surface.path", "in the folder"),
-    "link": ({"surface": {"kind": "file", "path": "link/aging.csv"}}, "surface.path", "in the folder"),
     "table": (
         {"solid": {"kind": "half_space", "modulus": 1.0, "relaxation": "/etc/hosts"}},
         "solid.relaxation",
@@ -298,28 +266,22 @@ def test_a_dropped_file_becomes_a_surface(server: Server, tmp_path: Any) -> None
         assert mistake["text"].startswith("my scan.npy: expected ")
 
 
-@pytest.mark.parametrize("name", ["..", "%2e%2e%2fpage", "a%2Fb", ".hidden", "a%00b", "c:d", "a%5Cb", "%0a"])
+@pytest.mark.parametrize("name", ["..", "a%2Fb", ".hidden", "a%00b", "a%5Cb"])
 def test_names_of_dropped_files_lead_nowhere(server: Server, name: str) -> None:
     status, _ = server.upload(name, b"x")
     assert status in (400, 404, 405)
 
 
-@pytest.mark.parametrize("path", ["a run", "deeper/campaign"])
-def test_results_are_opened(server: Server, path: str) -> None:
+def test_results_are_opened(server: Server) -> None:
     with server.page() as page:
         page.receive()
-        page.send("open", path=path)
-        messages = page.until("done")
-    kinds = [header["kind"] for header, _ in messages]
-    assert kinds == ["campaign"] * path.startswith("deeper") + ["scene", "rows", "done"]
+        page.send("open", path="deeper/campaign")
+        assert [header["kind"] for header, _ in page.until("done")] == ["campaign", "scene", "rows", "done"]
 
 
 @pytest.mark.parametrize(
     "path",
-    [
-        *("..", "../outside", "/etc", "a run/..", "link", "nope", "a\\b", "\0", "a run/history.zarr/../../x"),
-        "\ud800",
-    ],
+    ["../outside", "/etc", "link", "nope", "\0", "\ud800"],
 )
 def test_what_lies_outside_is_not_opened(server: Server, path: str) -> None:
     with server.page() as page:
@@ -330,7 +292,7 @@ def test_what_lies_outside_is_not_opened(server: Server, path: str) -> None:
     assert "expected" in found["mistakes"][0]["text"]
 
 
-@pytest.mark.parametrize("path", ["/", "/shell.html", *(f"/{name}" for name in sorted(page_files()))])
+@pytest.mark.parametrize("path", ["/", "/shell.html", "/style.css", "/main.js"])
 def test_the_page_may_load_nothing_from_elsewhere(server: Server, path: str) -> None:
     status, content, headers = server.request("GET", path)
     assert status == 200
@@ -343,20 +305,18 @@ def test_the_page_may_load_nothing_from_elsewhere(server: Server, path: str) -> 
 
 
 @pytest.mark.parametrize(
-    "path", ["/../server.py", "/%2e%2e/server.py", "/__init__.py", "/..%2fscene.py", "/files/x"]
+    "path", ["/../server.py", "/%2e%2e/server.py", "/..%2fscene.py", "/files/x", "/none.js"]
 )
 def test_other_files_are_not_served(server: Server, path: str) -> None:
     assert server.request("GET", path)[0] in (404, 405)
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1", "127.0.0.1:1", "", "127.1"])
+@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1", "127.0.0.1:1", ""])
 def test_other_hosts_are_refused(server: Server, host: str) -> None:
     assert server.request("GET", "/", Host=host)[0] in (400, 403)
 
 
-@pytest.mark.parametrize(
-    "origin", ["http://evil.example", "null", "https://127.0.0.1", None, "http://127.0.0.1"]
-)
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", None, "http://127.0.0.1"])
 def test_pages_of_others_are_refused(server: Server, origin: str | None) -> None:
     from websockets.exceptions import InvalidStatus
 
@@ -382,7 +342,7 @@ def test_two_origins_are_refused(server: Server) -> None:
             assert raw.recv(100).split()[1] == status
 
 
-@pytest.mark.parametrize(("length", "status"), [(249, 200), (250, 200), (255, 200), (256, 400), (300, 400)])
+@pytest.mark.parametrize(("length", "status"), [(255, 200), (256, 400)])
 def test_a_long_name_is_taken_if_the_disk_has_such(server: Server, length: int, status: int) -> None:
     answer, told = server.upload("x" * length, b"1 2\n3 4\n")
     assert answer == status
@@ -390,19 +350,17 @@ def test_a_long_name_is_taken_if_the_disk_has_such(server: Server, length: int, 
         assert told["mistakes"][0]["text"].endswith("File name too long")
 
 
-def test_an_upload_that_is_cut_off_is_no_fault() -> None:
-    own = Server()
+@pytest.mark.slow
+def test_an_upload_that_is_cut_off_and_a_name_that_is_no_text_are_no_faults(
+    results_folder: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(results_folder / "a run", tmp_path / os.fsdecode(b"bad\xffname"))
+    own = Server(tmp_path)
     with socket.create_connection(("127.0.0.1", own.port), timeout=30) as raw:
         host = f"POST /files/cut.npy HTTP/1.1\r\nHost: 127.0.0.1:{own.port}\r\nOrigin: {own.address}\r\n"
         raw.sendall(f"{host}Content-Length: 100000\r\n\r\nabc".encode())
         clock.sleep(0.3)
     assert own.upload("whole.npy", b"a")[0] == 200
-    assert own.end() == (0, "")
-
-
-def test_a_name_that_is_no_text_is_listed_and_opened(results_folder: Path, tmp_path: Path) -> None:
-    shutil.copytree(results_folder / "a run", tmp_path / os.fsdecode(b"bad\xffname"))
-    own = Server(tmp_path)
     with own.page() as page:
         (found,) = page.receive(timeout=30)[0]["folder"]
         assert found["title"].isprintable()
@@ -432,6 +390,7 @@ def test_it_ends_quietly_with_all_its_processes() -> None:
     assert not alive
 
 
+@pytest.mark.slow
 def test_its_processes_end_when_it_is_killed() -> None:
     own = Server()
     with own.page() as page:
@@ -444,6 +403,7 @@ def test_its_processes_end_when_it_is_killed() -> None:
     assert not alive
 
 
+@pytest.mark.slow
 def test_pages_share_a_run_until_the_last_leaves_it(server: Server) -> None:
     config = MANY | {"surface": {"shape": [64, 64], "seed": 9}}
     with server.page() as one, server.page() as other:

@@ -66,7 +66,7 @@ def test_a_connection_whose_sending_fails_is_closed() -> None:
 
     async def serve() -> list[int]:
         socket: Any = Socket()
-        server: Any = SimpleNamespace(hello=lambda: ({"kind": "hello", "odd": object()}, {}))
+        server: Any = SimpleNamespace(hello=lambda: {"kind": "hello", "odd": object()})
         with pytest.raises(TypeError):  # for the terminal: a fault of ours
             await asyncio.wait_for(Session(socket, server).run(), 5)
         return list(socket.codes)

@@ -103,16 +103,9 @@ def finite(value: Any) -> Any:
 
 def json_tables(config: RunConfig) -> dict[str, Any]:
     """A configuration as JSON can write it: an infinite stiffness or velocity is a word."""
-    tables: dict[str, Any] = _worded(to_tables(config))
+    text = json.dumps(to_tables(config))
+    tables: dict[str, Any] = json.loads(text, parse_constant=lambda _: "inf")
     return tables
-
-
-def _worded(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _worded(one) for key, one in value.items()}
-    if isinstance(value, list):
-        return [_worded(one) for one in value]
-    return "inf" if value == math.inf else value
 
 
 def _padded(raw: bytes) -> bytes:

@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 import json
 import math
+import mimetypes
 import socket
 import tempfile
 import webbrowser
@@ -22,13 +23,14 @@ import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
-from starlette.routing import Route, WebSocketRoute
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from, to_toml
 from asperity.app.config.keys import sections
-from asperity.app.explore.export import exported_page, page_files
+from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, inside, open_entry
 from asperity.app.explore.jobs import Job, Jobs, Shown, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, json_tables, pack
@@ -55,7 +57,6 @@ _LARGEST_FILE, _LARGEST_FILES = 200_000_000, 1_000_000_000
 _LARGEST_REQUEST, _MOST_OPENED = 2**20, 4
 """Bytes of a message of a page; results of the folder that are kept in memory."""
 
-_TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     "media-src blob:; connect-src 'self' ws://{host}; base-uri 'none'; form-action 'none'; "
@@ -173,18 +174,13 @@ class Session:
                 self._acknowledged.set()
         elif kind in ("run", "form"):
             await self._check(message.get("config"), runs=kind == "run")
-        elif kind == "open":
-            self._later(self._open(str(message.get("path"))))
+        elif kind == "open":  # the last one counts, and the page is not kept waiting
+            if self._opening is not None:
+                self._opening.cancel()
+            self._opening = asyncio.create_task(self._open(str(message.get("path"))))
         elif kind == "stop" and self._job is not None:
             job = self._leave(at_once=True)
-            said = [{"where": "", "text": "stopped"}]
-            self._put(({"kind": "failed", "job": job, "mistakes": said}, {}))
-
-    def _later(self, work: Any) -> None:
-        """Do one thing after another without keeping the page waiting: the last one counts."""
-        if self._opening is not None:
-            self._opening.cancel()
-        self._opening = asyncio.create_task(work)
+            self._put({"kind": "failed", "job": job, "mistakes": [{"where": "", "text": "stopped"}]})
 
     async def _check(self, tables: object, *, runs: bool) -> None:
         """Check a configuration, and run it if it shall be."""
@@ -193,18 +189,16 @@ class Session:
                 config, shown = await asyncio.to_thread(read_request, tables, self._server.places)
         except TimeoutError:
             said = f"checking took more than {_LONGEST_CHECK:g} s; try a smaller table, or a shorter history"
-            self._put(({"kind": "mistakes", "job": "", "mistakes": [{"where": "", "text": said}]}, {}))
-            return
+            self._put({"kind": "mistakes", "job": "", "mistakes": [{"where": "", "text": said}]})
         except Exception as error:  # said to the user, in the page
-            self._put(({"kind": "mistakes", "job": "", "mistakes": mistakes_of(error)}, {}))
-            return
-        if runs and self._opening is not None:
-            self._opening.cancel()
-        if not runs:
-            checked = {"kind": "config", "config": json_tables(config), "toml": to_toml(config)}
-            self._put((checked, {}))
-            return
-        self._watch(self._server.jobs.ask(config, shown, _title(config)))
+            self._put({"kind": "mistakes", "job": "", "mistakes": mistakes_of(error)})
+        else:
+            if not runs:
+                self._put({"kind": "config", "config": json_tables(config), "toml": to_toml(config)})
+                return
+            if self._opening is not None:
+                self._opening.cancel()
+            self._watch(self._server.jobs.ask(config, shown, _title(config)))
 
     async def _open(self, path: str) -> None:
         """Open what the folder holds."""
@@ -212,11 +206,11 @@ class Session:
             opened = await self._server.open(path)
         except Exception as error:  # said to the user, in the page
             said = [{"where": "", "text": one["text"]} for one in mistakes_of(error)]
-            self._put(({"kind": "failed", "job": path, "mistakes": said}, {}))
+            self._put({"kind": "failed", "job": path, "mistakes": said})
             return
         self._leave(at_once=True)
         if opened.campaign is not None:
-            self._put(opened.campaign)
+            self._put(*opened.campaign)
         self._recording, self._cursor = opened.recording, Cursor()
         self._news.set()
 
@@ -235,9 +229,9 @@ class Session:
         self._server.jobs.leave(job, self._news.set, at_once=at_once)
         return job.recording.job
 
-    def _put(self, message: tuple[Header, Arrays]) -> None:
+    def _put(self, header: Header, arrays: Arrays | None = None) -> None:
         """Have a message sent; a later one of the same kind takes its place."""
-        self._pending[str(message[0]["kind"])] = message
+        self._pending[str(header["kind"])] = header, arrays or {}
         self._news.set()
 
     def _next(self) -> tuple[Header, Arrays] | None:
@@ -268,6 +262,7 @@ class Server:
     """The application, and what all its pages share."""
 
     def __init__(self, root: Path | None, uploads: Path) -> None:
+        mimetypes.add_type("text/javascript", ".js")  # some systems have another, which browsers refuse
         self.places = Places(root, uploads)
         self.jobs: Jobs
         self._opened: dict[str, Opened] = {}
@@ -276,8 +271,7 @@ class Server:
                 WebSocketRoute("/socket", self._socket),
                 Route("/files/{name}", self._take_file, methods=["POST"]),
                 Route("/shell.html", self._shell),
-                Route("/{name}", self._file),
-                Route("/", self._file),
+                Mount("/", StaticFiles(packages=[("asperity.app.explore", "page")], html=True)),
             ],
             lifespan=self._lifespan,
         )
@@ -290,7 +284,7 @@ class Server:
         finally:
             self.jobs.close()
 
-    def hello(self) -> tuple[Header, Arrays]:
+    def hello(self) -> Header:
         """What a page is told first."""
         form = {
             section: {kind: {name: asdict(key) for name, key in keys.items()} for kind, keys in kinds.items()}
@@ -309,7 +303,7 @@ class Server:
             "defaults": json_tables(usual),
             "folder": None if root is None else entries(root),
             "limits": {"file": _LARGEST_FILE},
-        }, {}
+        }
 
     async def open(self, path: str) -> Opened:
         """Open what the folder holds; what has been opened last is kept."""
@@ -326,13 +320,6 @@ class Server:
 
     async def _socket(self, websocket: WebSocket) -> None:
         await Session(websocket, self).run()
-
-    async def _file(self, request: Request) -> Response:
-        name = request.path_params.get("name", "index.html")
-        files = page_files()
-        if name not in files:
-            return Response("not found", 404)
-        return Response(files[name], media_type=_TYPES.get(Path(name).suffix, "application/octet-stream"))
 
     async def _shell(self, _: Request) -> Response:
         """The page for export, without a recording: the page that asks has it."""

@@ -52,6 +52,11 @@ class Form {
     return Object.values(this.description[section][kind]).filter((key) => !LEFT_OUT[section]?.includes(key.name));
   }
 
+  /** Whether the numbers of a solid are in SI: springs between sites have no modulus. */
+  hasModulus(kind = this.kinds.solid) {
+    return "modulus" in this.description.solid[kind];
+  }
+
   /** Make the fields of a section for its present kind. */
   fill(section) {
     const box = byId(`section-${section}`), opened = box.querySelector("details")?.open;
@@ -81,7 +86,7 @@ class Form {
     const id = `${section}.${key.name}`, children = [];
     input.id = id;
     input.setAttribute("aria-describedby", `help-${id} mistake-${id}`);
-    const unit = key.unit && this.kinds.solid !== "spring_lattice" ? ` [${key.unit}]` : "";
+    const unit = key.unit && this.hasModulus() ? ` [${key.unit}]` : "";
     children.push(element("label", { htmlFor: id }, key.name.replaceAll("_", " ") + unit), input);
     if (key.what === "path") {
       const browse = element("button", { type: "button" }, "Choose a file …");
@@ -162,7 +167,7 @@ class Form {
 
   /** Give a solid of another kind what it needs to be pressed, and a surface and a load that are in its units. */
   suit(before) {
-    const held = this.values.solid, lattice = (kind) => kind === "spring_lattice", blank = (name) => !held[name]?.trim();
+    const held = this.values.solid, lattice = (kind) => !this.hasModulus(kind), blank = (name) => !held[name]?.trim();
     const needed = this.keys("solid").filter((key) => key.required && blank(key.name));
     this.give("solid", Object.fromEntries(needed.map(({ name }) => [name, FILM[name]])));
     if (["modulus", "young", "branches", "relaxation", "flow", "creep"].every(blank)) this.give("solid", POLYMER.solid);
@@ -253,11 +258,8 @@ function withUnits(words) {
   }, []);
 }
 
-function legInWords(leg) {
-  const to = ["load", "pressure", "separation", "approach"].filter((name) => leg[name] !== undefined && leg[name] !== null).map((name) => `to ${name} ${number(leg[name])}`).join(" ");
-  if (leg.kind === "hold") return `hold for ${number(leg.duration)}`;
-  if (leg.kind === "step") return `step ${to}`;
-  if (leg.kind === "ramp") return `ramp ${to} in ${number(leg.duration)}`;
-  if (leg.kind === "slide") return `slide ${number(leg.distance)} ${leg.velocity === "inf" ? "at once" : `at ${number(leg.velocity)}`}`;
-  return `${leg.count} times (${leg.legs.map(legInWords).join(", ")})`;
+/** A leg with all that it was given, whatever legs there are. */
+function legInWords({ kind, legs, ...given }) {
+  const told = Object.entries(given).filter(([, value]) => value !== null && value !== undefined).map(([name, value]) => `${name} ${typed(value)}`);
+  return [kind, ...told].join(" ") + (legs ? ` (${legs.map(legInWords).join(", ")})` : "");
 }
