@@ -2,6 +2,7 @@
 
 import base64
 import io
+from typing import Any
 
 import numpy as np
 import pytest
@@ -283,7 +284,13 @@ def page_of(folder, masks, times=None, campaign=None):
     """Address of the page of a scene that nobody computed: heights are 0, and each map is known."""
     times = [0.0, *(10.0 ** np.arange(len(masks) - 1)).tolist()] if times is None else times
     columns, areas = ["time", "leg", "area"], [float(mask.sum()) for mask in masks]
-    facts = {"title": "made", "config": None, "toml": "", "python": "", "shape": list(masks[0].shape)}
+    facts: dict[str, Any] = {
+        "title": "made",
+        "config": None,
+        "toml": "",
+        "python": "",
+        "shape": list(masks[0].shape),
+    }
     facts |= {"spacing": None, "length_unit": None, "column_units": dict.fromkeys(columns, "1")}
     facts["units"] = dict.fromkeys(("time", "area", "load", "pressure", "height", "separation"), "1")
     facts |= {"names": {}, "columns": columns, "switches": [], "remarks": [], "height_range": [0.0, 1.0]}

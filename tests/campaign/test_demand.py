@@ -46,7 +46,7 @@ def test_what_is_done_counts_no_more_and_memory_is_that_of_the_largest_run(tmp_p
     whole = campaign.estimate(plan, out)
     assert main(["sweep", str(path), "--out", str(out), "--dry-run"]) == 0
     assert not out.exists()
-    large = [run for run in plan.runs if run.config.surface.shape == [32, 32]]
+    large = [run for run in plan.runs if run.config.surface.lattice == (32, 32)]
     do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, tuple(large)), out)
     left = campaign.estimate(plan, out)
     assert (whole.runs, left.runs) == (12, 6)

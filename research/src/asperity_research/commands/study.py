@@ -45,7 +45,7 @@ def say_estimate(home: Home, out: Path, prepare: Prepare) -> None:
             (one.campaign.name, f"{it.runs} runs", f"about {data_size(it.bytes)}", one.campaign.purpose)
             for one, it in zip(prepared, judged, strict=True)
         ]
-        rows.append(("all", *_total(judged)))
+        rows.append(("all", *_total(judged), "every campaign"))
         sys.stdout.write(f"{aligned(rows)}\n")
 
 

@@ -78,7 +78,7 @@ def leave_if_imported_by_worker() -> None:
         raise SystemExit(1)
 
 
-def ended(client: Client, futures: Sequence[Future]) -> Iterator[tuple[Future, Any]]:
+def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Future[Any], Any]]:
     """Yield futures as they end, with what they returned; say it when no worker is there to end one.
 
     `AsperityError` after minutes without any worker.
@@ -108,8 +108,8 @@ def ended(client: Client, futures: Sequence[Future]) -> Iterator[tuple[Future, A
             there, told = now, False
         elif now - there >= _PATIENCE:
             raise AsperityError(
-                f"scheduler: expected workers at {client.scheduler.address}, got none for {_PATIENCE:.0f} "
-                "seconds; finished runs are kept; start some, and the same command does the rest"
+                f"scheduler: expected workers, got none for {_PATIENCE:.0f} seconds; finished runs are kept; "
+                "start some, and the same command does the rest"
             )
         elif now - there >= _TELL and not told:
             told = True

@@ -59,13 +59,13 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
     done = Store(Path(directory)).done()
     todo = {run.identity: run for run in plan.runs if run.identity not in done}
     points = {run.point: run.config for run in todo.values()}
-    measured: dict[str, Sequence[int]] = {}
+    measured: dict[str, tuple[int, ...]] = {}
     memory: dict[tuple[int, ...], int] = {}
     space: dict[tuple[int, ...], int] = {}
     for point, config in points.items():
-        if (shape := config.surface.lattice) is None:
-            name = config.surface.model_dump_json()
-            shape = measured[name] = measured.get(name) or config.surface.build().shape
+        name = config.surface.model_dump_json()
+        shape = config.surface.lattice or measured.get(name) or config.surface.build().shape
+        measured[name] = shape
         maps, sites = len(config.output.maps_at or ()), math.prod(shape)
         memory[point] = sites * bytes_a_site(config.solid.build(), shape, maps)
         space[point] = _space(config, shape)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
-from functools import partial
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 import asperity.results.quantities as quantities
-from asperity.app.campaign.plan import Axis, Plan, Run, name_of, put, seeded, value_at
+from asperity.app.campaign.plan import Axis, Plan, Run, put, seeded, value_at
 from asperity.app.campaign.store import FITTED, QUANTITIES, Finished, Store
 from asperity.app.config import RunConfig, from_tables, to_tables
 from asperity.base import checks
@@ -87,11 +86,17 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
     dims, described = tuple(plan.dimensions), _described(finished.values())
     entries = max(run.series.shape[1] for run in finished.values())
-    series = dict(zip(QUANTITIES, _at_places(plan, finished, partial(_padded, entries=entries)), strict=True))
+    found = {
+        name: np.pad(run.series, ((0, 0), (0, entries - run.series.shape[1])), constant_values=np.nan)
+        for name, run in finished.items()
+    }
+    series = dict(zip(QUANTITIES, _at_places(plan, found), strict=True))
     names = sorted({name for run in finished.values() for name in run.scalars})
-    scalars = _at_places(
-        plan, finished, lambda run: np.array([run.scalars.get(name, np.nan) for name in names])
-    )
+    found = {
+        identity: np.array([run.scalars.get(name, np.nan) for name in names])
+        for identity, run in finished.items()
+    }
+    scalars = _at_places(plan, found)
     coordinates = _coordinates(plan)
     along, times = _times(plan, finished, series)
     dataset = xr.Dataset(coords=coordinates | times)
@@ -236,7 +241,7 @@ def load_plan(directory: str | Path) -> Plan:
             runs.append(Run(identity, point, seed, config, content))
         plan = Plan(axes, tuple(facts["seeds"]), facts["zipped"], tuple(runs))
         for run in plan.runs:
-            name_of(plan, run)  # as long as every run has its place along the axes and among the seeds
+            plan.labels(run)  # as long as every run has its place along the axes and among the seeds
         return plan
     except Exception as error:  # a damaged byte leads anywhere
         reason = "no such campaign" if isinstance(error, FileNotFoundError) else reason_of(error)
@@ -245,19 +250,15 @@ def load_plan(directory: str | Path) -> Plan:
         ) from error
 
 
-def _at_places(plan: Plan, finished: Mapping[str, Finished], numbers: Callable[[Finished], Field]) -> Field:
+def _at_places(plan: Plan, found: Mapping[str, Field]) -> Field:
     """Numbers of each run: their first axis, then the dimensions; NaN where it is not finished."""
-    found = {name: numbers(run) for name, run in finished.items()}
     first, *rest = next(iter(found.values())).shape
     values = np.full((first, *map(len, plan.dimensions.values()), *rest), np.nan)
     for run in plan.runs:
         if run.identity in found:
-            values[:, *plan.place(run)] = found[run.identity]
+            place: tuple[Any, ...] = (slice(None), *plan.place(run))
+            values[place] = found[run.identity]
     return values
-
-
-def _padded(run: Finished, entries: int) -> Field:
-    return np.pad(run.series, ((0, 0), (0, entries - run.series.shape[1])), constant_values=np.nan)
 
 
 def _times(
@@ -294,7 +295,7 @@ def _of_maps(plan: Plan, finished: Mapping[str, Finished]) -> xr.Dataset:
         return xr.Dataset()
     gathered = xr.Dataset(coords=first.coords)
     for name, one in first.data_vars.items():
-        (values,) = _at_places(plan, finished, lambda run, name=name: run.maps[name].values[np.newaxis])
+        (values,) = _at_places(plan, {run: known[name].values[np.newaxis] for run, known in maps.items()})
         gathered[name] = ((*plan.dimensions, *one.dims), values, one.attrs)
     return gathered
 

@@ -139,16 +139,15 @@ def read_plan(path: str | Path) -> Plan:
     if not isinstance(swept, dict):
         raise ConfigError([f"{path}: sweep: expected a section [sweep], got {swept!r}"])
     problems: list[str] = []
-    surface = tables.get("surface", {})
-    kind = ""
-    if isinstance(surface, dict):
-        kind = surface.get("kind", "file" if "path" in surface or "path" in swept else "gaussian")
+    surface, solid = (
+        table if isinstance(table := tables.get(name), dict) else {} for name in ("surface", "solid")
+    )
+    kind = surface.get("kind", "file" if "path" in surface or "path" in swept else "gaussian")
     combine = swept.pop("combine", "grid")
     if combine not in ("grid", "zip"):
         problems.append(f"[sweep] combine: expected 'grid' or 'zip', got {combine!r}")
-    seeds = _seeds(swept.pop("seeds", None), surface, kind, problems)
-    solid = tables.get("solid", {})
-    kinds = {"surface": kind, "solid": solid.get("kind", "spring_lattice") if isinstance(solid, dict) else ""}
+    seeds = _seeds(swept.pop("seeds", None), surface.get("seed", 0), kind, problems)
+    kinds = {"surface": kind, "solid": solid.get("kind", "spring_lattice")}
     lists = dict(_lists(swept, kinds, problems))
     lengths = {name: len(values) for (_, name), values in lists.items()}
     if combine == "zip" and len(set(lengths.values())) > 1:
@@ -185,9 +184,11 @@ def read_plan(path: str | Path) -> Plan:
 
 def name_of(plan: Plan, *runs: Run) -> str:
     """Name runs by what they share and others do not: ``load = 4.0, seed = 2``."""
-    axes = [(axis.name, axis.values, {run.point[n] for run in runs}) for n, axis in enumerate(plan.axes)]
-    axes.append(("seed", plan.seeds, {plan.seeds.index(run.seed) for run in runs if run.seed is not None}))
-    shared = [f"{name} = {values[min(at)]}" for name, values, at in axes if len(values) > 1 and len(at) == 1]
+    swept = [(axis.name, axis.values) for axis in plan.axes] + [("seed", plan.seeds)]
+    several = {name for name, values in swept if len(values) > 1}
+    first, *others = (plan.labels(run) for run in runs)
+    alike = {name: value for name, value in first.items() if all(one[name] == value for one in others)}
+    shared = [f"{name} = {value}" for name, value in alike.items() if name in several]
     return ", ".join(shared) or ("the run" if len(plan.runs) == 1 else "several")
 
 
@@ -268,9 +269,8 @@ def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
     return [name for name in dict.fromkeys(names) if name not in _NOT_SWEPT]
 
 
-def _seeds(given: object, surface: object, kind: str, problems: list[str]) -> tuple[int, ...]:
-    """Seeds from a number or a list; a measured surface has none."""
-    first = surface.get("seed", 0) if isinstance(surface, dict) else 0
+def _seeds(given: object, first: object, kind: str, problems: list[str]) -> tuple[int, ...]:
+    """Seeds from a number, which begin with the first, or a list; a measured surface has none."""
     if kind == "file":
         if given is not None:
             problems.append("[sweep] seeds: a measured surface has no seed")

@@ -9,7 +9,6 @@ import tomllib
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -164,12 +163,10 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
     runs: list[Header] = []
     arrays: Arrays = {}
     for run in {run.identity: run for run in plan.runs}.values():
-        place = zip(plan.axes, run.point, strict=True)
         state = "done" if run.identity in done else "running" if run.identity in running else "left"
         state = "failed" if state == "left" and run.identity in failed else state
-        known: dict[str, Any] = {axis.name: axis.values[at] for axis, at in place}
-        known |= {"seed": run.seed} if plan.seeds else {}
-        runs.append({"id": run.identity, "state": state, "reason": failed.get(run.identity, ""), **known})
+        known = {"id": run.identity, "state": state, "reason": failed.get(run.identity, "")}
+        runs.append(known | plan.labels(run))
         if state == "done" and len(arrays) < 2 * _MOST_CURVES:
             series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])
