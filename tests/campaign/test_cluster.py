@@ -16,6 +16,7 @@ from distributed import Client
 
 import asperity.app.campaign as campaign
 from asperity.app.campaign.cluster import connect
+from asperity.errors import InputError
 from tests.campaign.conftest import SMALL, finish, numbers, start, wait_for_a_run, written
 
 pytestmark = [
@@ -97,15 +98,15 @@ def test_a_scheduler_that_dies(tmp_path):
     assert campaign.tally(campaign.read_plan(path), out).failed == 0
 
 
-def test_what_takes_connections_and_is_no_scheduler_ends_in_words(tmp_path):
+def test_what_takes_connections_and_is_no_scheduler_ends_in_words(monkeypatch):
+    monkeypatch.setattr("asperity.app.campaign.cluster._ANSWER", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:  # the system connects; nobody answers
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        short = "import asperity.app.campaign.cluster as c; c._ANSWER = 1.0"
-        flags = ("--out", tmp_path / "out", "--scheduler", address)
-        status, _, error = finish("sweep", written(tmp_path), *flags, before=short)
-    assert status == 2
-    assert "expected the address of a Dask scheduler" in error.splitlines()[-1]
-    assert "Traceback" not in error
+        with (
+            pytest.raises(InputError, match="expected the address of a Dask scheduler"),
+            connect(None, address, 1),
+        ):
+            pass
 
 
 def test_workers_keep_their_memory():
