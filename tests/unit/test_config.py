@@ -377,3 +377,10 @@ def test_a_mistake_of_any_length_is_a_line(tmp_path):
     assert len(raised.value.problems) == 2
     assert all(len(problem) < 500 for problem in raised.value.problems)
     assert raised.value.problems[0].endswith("hardness")
+
+
+def test_a_ramp_from_no_load_may_be_repeated() -> None:
+    ramps = [{"kind": "ramp", "duration": 1.0, "load": load} for load in (3.0, 1.0)]
+    legs = {"kind": "repeat", "count": 2, "legs": ramps}
+    config = config_from({"contact": {"load": 0.0}, "protocol": [legs]}, {}, None)
+    assert [leg.end for leg in config.written_out] == [3.0, 1.0, 3.0, 1.0]
