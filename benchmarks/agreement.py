@@ -34,7 +34,6 @@ from prepare import write
 from solvers import SolverError, Worker
 
 import asperity as asp
-from asperity.surfaces import Surface
 
 Field = NDArray[np.float64]
 
@@ -105,7 +104,7 @@ class Strict:
         return asp.ActiveSet().solve(problem, guess, min(tolerance, 1e-14))
 
 
-def press(surface: Surface, pressure: float, *, strict: bool = False) -> State:
+def press(surface: asp.surfaces.Surface, pressure: float, *, strict: bool = False) -> State:
     """Press with Asperity, through its public interface."""
     solid = asp.solids.half_space(modulus=MODULUS)
     contact = asp.press(surface, solid, pressure=pressure, solver=Strict() if strict else None)
@@ -113,7 +112,7 @@ def press(surface: Surface, pressure: float, *, strict: bool = False) -> State:
     return State(contact.pressure, contact.gap, float(contact.heights.std()))
 
 
-def problem_of(surface: Surface, pressure: float, law: Law | None = None) -> Problem:
+def problem_of(surface: asp.surfaces.Surface, pressure: float, law: Law | None = None) -> Problem:
     """The same for a peer."""
     heights, spacing = surface.in_meters()
     load = pressure * heights.size * math.prod(spacing)
@@ -161,7 +160,7 @@ def closest(
     return best
 
 
-def scans() -> Iterator[tuple[str, Surface | str]]:
+def scans() -> Iterator[tuple[str, asp.surfaces.Surface | str]]:
     """Name each scan, and read it or say why not."""
     folder = os.environ.get("ASPERITY_DATA")
     for file in ("di-1.di", "mi-1.mi", "opd-1.opd"):
@@ -176,12 +175,15 @@ def scans() -> Iterator[tuple[str, Surface | str]]:
         assert surface.pixel_size
         dy, dx = surface.pixel_size
         pairs = surface.heights.reshape(rows // 2, 2, columns).mean(axis=1)
-        yield f"{file}, pairs of rows", Surface(pairs, surface.unit, (2 * dy, dx), surface.length_unit)
+        yield (
+            f"{file}, pairs of rows",
+            asp.surfaces.Surface(pairs, surface.unit, (2 * dy, dx), surface.length_unit),
+        )
 
 
-def generated(n: int = 256, spacing: tuple[float, float] = (1.0, 1.7)) -> Surface:
+def generated(n: int = 256, spacing: tuple[float, float] = (1.0, 1.7)) -> asp.surfaces.Surface:
     """A self-affine surface of 20 nm rms, on pixels given in um."""
-    return Surface(20 * synthetic.self_affine(n, 3), "nm", spacing, "um")
+    return asp.surfaces.Surface(20 * synthetic.self_affine(n, 3), "nm", spacing, "um")
 
 
 def start(names: Iterable[str], pythons: Sequence[str]) -> dict[str, Worker]:
@@ -251,7 +253,7 @@ def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
     name, scan = next(pair for pair in scans() if pair[0] == "mi-1.mi")
     if isinstance(scan, str):
         name, scan = "self-affine", generated(128)
-    surface = Surface(scan.heights[:128, :128], scan.unit, scan.pixel_size, scan.length_unit)
+    surface = asp.surfaces.Surface(scan.heights[:128, :128], scan.unit, scan.pixel_size, scan.length_unit)
     begin = asp.press(
         surface, asp.solids.half_space(modulus=MODULUS, branches=BRANCHES), pressure=PRESSURES[0]
     )

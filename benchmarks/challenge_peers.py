@@ -26,7 +26,6 @@ from solvers import SolverError, Worker
 
 import asperity as asp
 from asperity.contact.response import RIM, rim_sides
-from asperity.lattice import Lattice
 
 PRESSES = ("tamaas", "contactmechanics")
 TOLERANCE, LIMIT = 1e-10, 900.0
@@ -49,7 +48,7 @@ def state_of(problem: Problem, force, gap: float | None = None) -> State:
     """The contact of forces, and the gap; by default what an elastic half-space makes of them."""
     force = np.asarray(force).reshape(problem.heights.shape)
     touching = force > 0
-    lattice = Lattice(force.shape, tuple(problem.spacing or (1.0, 1.0)))
+    lattice = asp.lattice.Lattice(force.shape, tuple(problem.spacing or (1.0, 1.0)))
     sites = int(np.count_nonzero(touching))
     if gap is None:
         u = np.fft.irfft2(problem.compliance() * np.fft.rfft2(np.where(touching, force, 0.0)), s=force.shape)

@@ -94,10 +94,11 @@ class Transforms:
 
     def __init__(self, sites: int) -> None:
         self.double = self.single = 0.0
-        from asperity.lattice import Lattice
+        import asperity as asp
 
+        lattice = asp.lattice.Lattice
         for name in ("forward", "backward"):
-            setattr(Lattice, name, self.counted(getattr(Lattice, name), sites))
+            setattr(lattice, name, self.counted(getattr(lattice, name), sites))
 
     def counted(self, transform: Any, sites: int) -> Any:
         """The transform, counted; fields of several branches count as so many."""

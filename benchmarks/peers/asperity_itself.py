@@ -9,8 +9,6 @@ import numpy as np
 from problem import Answer, Problem, Watch
 
 import asperity as asp
-from asperity.solids import Solid
-from asperity.surfaces import Surface
 
 VERSION = f"Asperity {asp.__version__}"
 
@@ -58,13 +56,13 @@ def _aged(problem: Problem, until: float) -> asp.Contact:
     return asp.age(_pressed(problem), [until]).final
 
 
-def _surface(problem: Problem) -> np.ndarray | Surface:
+def _surface(problem: Problem) -> np.ndarray | asp.surfaces.Surface:
     if not problem.spacing:
         return problem.heights
-    return Surface(problem.heights, unit="m", pixel_size=problem.spacing, length_unit="m")
+    return asp.surfaces.Surface(problem.heights, unit="m", pixel_size=problem.spacing, length_unit="m")
 
 
-def _solid(problem: Problem) -> Solid:
+def _solid(problem: Problem) -> asp.solids.Solid:
     law = problem.law
     if law.kind != "half-space":
         return asp.solids.spring_lattice(k0=law.k0, k1=law.k1, R=law.R)
