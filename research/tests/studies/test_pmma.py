@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.constants import Boltzmann
 
-from asperity.creep.eyring import BOLTZMANN
 from asperity_research.studies import pmma
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Verdict
@@ -24,9 +24,9 @@ class Flowing(Evidence):
         for value in values:
             kelvin = value if parameter == "temperature" else pmma.ROOM
             joules = value if parameter == "creep_energy" else pmma.energy(4e8)
-            v0 = pmma.PREFACTOR * np.exp(-joules / (BOLTZMANN * kelvin))
+            v0 = pmma.PREFACTOR * np.exp(-joules / (Boltzmann * kelvin))
             flown = v0 * np.maximum(TIMES, 1e-3)
-            s = BOLTZMANN * kelvin / pmma.VOLUME * np.arcsinh(lengths[:, np.newaxis] / flown)
+            s = Boltzmann * kelvin / pmma.VOLUME * np.arcsinh(lengths[:, np.newaxis] / flown)
             areas.append(pmma.PRESSURE * pmma._SIDE**2 / s)
         coordinates = {parameter: list(values), "seed": np.arange(3), "time": TIMES}
         return xr.Dataset({"area": ((parameter, "seed", "time"), np.array(areas))}, coordinates)
@@ -43,7 +43,7 @@ def test_a_contact_that_flows_has_its_closed_form(outcome):
     numbers = numbers.drop("B = 0.02")
     assert np.allclose(numbers["share"], 1.0, rtol=0.02)
     assert np.allclose(numbers["B"], numbers["s0"] / numbers["pressure"], rtol=0.02)
-    at_room = BOLTZMANN * pmma.ROOM / pmma.VOLUME
+    at_room = Boltzmann * pmma.ROOM / pmma.VOLUME
     assert np.isclose(outcome.findings[0].measured[0].estimate.value, at_room / 3e8, rtol=0.02)
     assert np.isclose(softest, 1e-9 * at_room / 0.02, rtol=0.02)
 
@@ -62,6 +62,6 @@ def test_the_verdicts_on_it(outcome):
 
 def test_the_energy_of_activation_is_that_of_the_hardness():
     for hardness in pmma._HARDNESSES:
-        thermal = BOLTZMANN * pmma.ROOM
+        thermal = Boltzmann * pmma.ROOM
         v0 = pmma.PREFACTOR * np.exp(-pmma.energy(hardness) / thermal)
         assert np.isclose(v0 * np.sinh(hardness * pmma.VOLUME / thermal), 1e-9, rtol=0.02)
