@@ -17,7 +17,7 @@ from asperity.app.config.python import to_python
 from asperity.base.parameters import parameters_of
 from asperity.creep import LAWS
 from asperity.errors import CheckpointError, ConvergenceError
-from asperity.results.quantities import PARAMETERS
+from asperity.results.parameters import PARAMETERS
 from asperity.solids import CreepLaw, Eyring, Garofalo, Norton, half_space, spring_lattice
 from tests.refusals import refuses
 

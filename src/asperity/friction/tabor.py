@@ -21,7 +21,7 @@ from asperity.base import checks, units
 from asperity.errors import LARGEST, InputError
 from asperity.friction.laws import coming_velocity
 from asperity.lattice import Field
-from asperity.results.quantities import OF_FRICTION
+from asperity.results.quantities import chosen
 from asperity.theory import static_friction
 
 
@@ -139,8 +139,8 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     coefficient = static_friction(np.maximum(area.values, 0.0), carried, strength)
     units_of = {"force": load.attrs["units"], "1": "1"}
     force, ratio = (
-        {"long_name": long_name, "units": units_of[dimension]}
-        for long_name, dimension in OF_FRICTION.values()
+        {"long_name": one.long_name, "units": units_of[one.dimension]}
+        for one in chosen("series", of=("friction",)).values()
     )
     return dataset.assign(
         friction_force=(load.dims, coefficient * carried, force),

@@ -16,7 +16,7 @@ from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Lattice
 from asperity.results.dataset import attributes_of, coordinates_of, describe, recorded
-from asperity.results.quantities import OF_A_CONTACT, fields_of, series_of
+from asperity.results.quantities import had_by
 from asperity.results.store import load
 from asperity.solids import Solid
 
@@ -25,9 +25,9 @@ from asperity.solids import Solid
 def contact_dataset(contact: Contact) -> xr.Dataset:
     """Gather the maps and numbers of a contact; see `Contact.dataset`."""
     sites = ("y", "x")[2 - contact.heights.ndim :]
-    names = (fields_of(contact) | OF_A_CONTACT | {"heights": ()}).keys() - {"u0"}
+    names = {"heights", *had_by(contact, "field", "contact")} - {"u0"}
     maps = {name: getattr(contact, name) for name in sorted(names)}
-    numbers = {name: getattr(contact, name) for name in series_of(contact) if hasattr(contact, name)}
+    numbers = {name: getattr(contact, name) for name in had_by(contact, "series") if hasattr(contact, name)}
     dataset = xr.Dataset(
         {name: (("branch", *sites)[-field.ndim :], field) for name, field in maps.items()} | numbers,
         dict(zip(sites, coordinates_of(contact), strict=True)),

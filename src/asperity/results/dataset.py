@@ -18,17 +18,8 @@ from asperity.contact.controls import Control
 from asperity.contact.state import Contact
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
-from asperity.results.quantities import (
-    COORDINATES,
-    OF_A_CONTACT,
-    OF_MAPS,
-    Plain,
-    fields_of,
-    plain,
-    series_of,
-    units_of,
-    units_of_parameters,
-)
+from asperity.results.parameters import Plain, plain, units_of_parameters
+from asperity.results.quantities import had_by, units_of
 
 Row = dict[str, float]
 """One entry of the time series: ``time`` and a value for each series."""
@@ -48,14 +39,14 @@ class Snapshot:
 def row_of(frame: Frame, *, slides: bool = False) -> Row:
     """Take the entry of the time series from a frame; of a history that slides or not."""
     return {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
-        name: _value(frame, name) for name in series_of(frame.contact, slides=slides)
+        name: _value(frame, name) for name in had_by(frame.contact, "series", slides=slides)
     }
 
 
 def snapshot_of(frame: Frame) -> Snapshot:
     """Take the fields from a frame."""
     contact = frame.contact
-    fields = {name: getattr(contact, name) for name in fields_of(contact)}
+    fields = {name: getattr(contact, name) for name in had_by(contact, "field")}
     pressure = contact.force[contact.in_contact] / contact.lattice.cell
     shift = [float(sites) for sites in frame.shift]
     return Snapshot(frame.time, fields, quantiles(pressure).tolist(), frame.leg, shift)
@@ -92,7 +83,7 @@ def dataset_of(
     """
     sites = ("y", "x")[2 - start.heights.ndim :]
     slides = bool(rows) and "displacement" in rows[0]
-    series = series_of(start, slides=slides)
+    series = had_by(start, "series", slides=slides)
     dataset = xr.Dataset(
         data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series},
         coords={"time": [row["time"] for row in rows]} | dict(zip(sites, coordinates_of(start), strict=True)),
@@ -104,7 +95,7 @@ def dataset_of(
         dataset = dataset.assign_coords(leg=("time", [int(row["leg"]) for row in rows]))
     if snapshots:
         dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
-        for name in fields_of(start):
+        for name in had_by(start, "field"):
             fields = np.stack([snapshot.fields[name] for snapshot in snapshots])
             branches = ("branch",) if fields.ndim > 1 + len(sites) else ()
             dataset[name] = (("field_time", *branches, *sites), fields)
@@ -162,12 +153,10 @@ def coordinates_of(contact: Contact) -> list[NDArray[Any]]:
 def describe(dataset: xr.Dataset, contact: Contact) -> None:
     """Give every variable its long name and unit."""
     units = units_of(contact)
-    named = series_of(contact, slides=True) | fields_of(contact) | OF_A_CONTACT | OF_MAPS | COORDINATES
-    for name, (long_name, dimension) in named.items():
+    for name, one in had_by(contact, slides=True).items():
         if name in dataset.variables:
-            place = "position" if contact.solid.in_lengths else "site index"
-            described = long_name.replace("site index", place)
-            dataset[name].attrs.update(long_name=described, units=units.get(dimension, dimension))
+            unit = units.get(one.dimension, one.dimension)
+            dataset[name].attrs.update(long_name=one.long_name, units=unit)
 
 
 def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:

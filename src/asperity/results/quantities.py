@@ -1,210 +1,195 @@
-"""What the variables of a history are called, and their units: of sites, of the user's own, or SI."""
+"""Every number that is recorded: its name, symbol and unit, where it stands, of what, and in which tables.
+
+`QUANTITIES` is the only list of them: variables of the Dataset and their attributes, columns of tables, the
+page to explore, campaigns, labels of axes and the reference are read from it.
+"""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from enum import Flag, auto
+from functools import partial
+from typing import Literal
 
 from asperity.contact.state import Contact
-from asperity.creep import PARAMETERS_OF_LAWS
 
-SERIES: dict[str, tuple[str, str]] = {
-    "area": ("real contact area", "sites"),
-    "contact_fraction": ("real contact area over nominal area", "1"),
-    "load": ("normal load, the sum of the contact forces", "force"),
-    "separation": ("separation, the mean of u0", "length"),
-    "approach": ("rigid approach of the bodies since the start", "length"),
-    "energy": ("elastic energy", "energy"),
-    "residual": ("largest force off contact over the residual scale", "1"),
-    "residual_scale": (
-        "mean contact force, or where the load has died out the smallest that the heights resolve",
-        "force",
+Home = Literal["coordinate", "series", "field", "contact", "map"]
+Of = Literal["all", "sites", "continua", "yielding", "sliding", "friction"]
+
+
+class Table(Flag):
+    """Tables in which a number may be a column."""
+
+    RUN = auto()
+    """``aging.csv``, or of maps ``patches.csv``, of a run."""
+    PREDICT = auto()
+    """``history.csv`` of a prediction."""
+    PAGE = auto()
+    """What the page to explore shows and exports."""
+    CAMPAIGN = auto()
+    """The table and the ensembles of a campaign; numbers about the computation stand in its dataset alone."""
+
+
+RUN, PREDICT, PAGE, CAMPAIGN = Table
+_NONE = Table(0)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that is recorded.
+
+    Attributes
+    ----------
+    name
+        Its name in the Dataset, and that of the attribute of `Contact` or `Frame` from which it is read.
+    dimension
+        A key of `units_of`, or the unit itself.
+    long_name
+        What it is.
+    tables
+        Where it is a column.
+    of
+        Which have it: solids that are defined on ``"sites"``, ``"continua"``, those with a hardness
+        (``"yielding"``), histories with ``"sliding"`` or a shear strength (``"friction"``), or ``"all"``.
+    home
+        ``"series"``, over time; ``"field"``, over the sites at the times of the fields; ``"contact"``, a
+        field that one contact has besides; ``"map"``, what is known at the times of the fields;
+        ``"coordinate"``.
+    symbol
+        How the paper writes it, and in which equation.
+    label
+        What axes and the page call it; by default its name.
+    whole
+        Whether it is a whole number.
+    """
+
+    name: str
+    dimension: str
+    long_name: str
+    tables: Table = _NONE
+    of: Of = "all"
+    home: Home = "series"
+    symbol: str = ""
+    label: str = ""
+    whole: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "label", self.label or self.name.replace("_", " "))
+
+
+_RESULT, _SHOWN, _SOLVED, _ALL = RUN | CAMPAIGN, RUN | PAGE | CAMPAIGN, RUN | PREDICT | CAMPAIGN, ~_NONE
+_field, _coordinate = partial(Quantity, home="field"), partial(Quantity, home="coordinate")
+_of_map = partial(Quantity, home="map", tables=_RESULT)
+_MEAN_U0 = "separation, the mean of u0"
+_POSITION = "separation, the position of the body; without an apparatus, the mean of u"
+_AREA = "real contact area"
+_RIM = f"{_AREA} less what counting sites adds at the rim"
+_SCALE = "mean contact force, or where the load has died out the smallest that the heights resolve"
+_REJECTED = "time steps repeated with a smaller length since the previous entry"
+_AT_HARDNESS = "number of sites in contact whose pressure is the hardness"
+_SLID = "length that the rough surface has slid since the start"
+_SHEARED = "friction force, shear strength times real contact area"
+_COEFFICIENT = "friction coefficient, friction force over load"
+_LOWER = "by how much the rough surface is lower where it has yielded"
+_LARGEST = "size of the largest patch"
+_TOUCHED = "time for which the sites in contact have touched without interruption"
+_MOVED = "axis by which heights had moved when fields were kept"
+_SINCE = "since the map before"
+
+QUANTITIES: tuple[Quantity, ...] = (
+    _coordinate("time", "time", "hold time", RUN | PREDICT | PAGE, symbol="t"),
+    Quantity("area", "sites", _AREA, _SHOWN, symbol="A, N(t)", label="contact area", whole=True),
+    Quantity("load", "force", "normal load, the sum of the contact forces", _ALL, symbol="F_N"),
+    Quantity("separation", "length", _MEAN_U0, _SHOWN, "sites", symbol="mean u⁰"),
+    Quantity("separation", "length", _POSITION, _SHOWN, "continua"),
+    Quantity("energy", "energy", "elastic energy", _RESULT, symbol="E, Eq. (1)"),
+    Quantity("approach", "length", "rigid approach of the bodies since the start", _SOLVED),
+    Quantity("contact_fraction", "1", "real contact area over nominal area", _ALL, symbol="A/N0"),
+    Quantity("residual", "1", "largest force off contact over the residual scale", RUN | PREDICT | PAGE),
+    Quantity("residual_scale", "force", _SCALE, CAMPAIGN),
+    Quantity("steps", "1", "time steps since the previous entry", whole=True),
+    Quantity("rejected", "1", _REJECTED, whole=True),
+    Quantity("iterations", "1", "iterations of the contact solver since the previous entry", whole=True),
+    Quantity("contact_area", "area", _AREA, _ALL, "continua"),
+    Quantity("contact_area_corrected", "area", _RIM, _ALL, "continua", label="contact area less rim"),
+    Quantity("mean_gap", "length", "mean gap", _SOLVED, "continua"),
+    Quantity("mean_contact_pressure", "pressure", "load over real contact area", _SOLVED, "continua"),
+    Quantity("largest_pressure", "pressure", "largest contact pressure", _SOLVED, "continua"),
+    Quantity("yielding_area", "sites", _AT_HARDNESS, _SHOWN, "yielding", label="yielding sites", whole=True),
+    Quantity("displacement", "place", _SLID, _SHOWN, "sliding"),
+    Quantity("velocity", "place / time", "sliding velocity", _RESULT, "sliding", symbol="V"),
+    Quantity("friction_force", "force", _SHEARED, _RESULT, "friction", symbol="F"),
+    Quantity("friction", "1", _COEFFICIENT, _RESULT, "friction", symbol="μ"),
+    _coordinate("leg", "1", "leg of the history, from 0", RUN | PAGE, whole=True),
+    _coordinate("heights", "length", "height of the rigid rough surface", symbol="ξ(r)"),
+    _field("u", "length", "height of the elastic surface", symbol="u(r), Eq. (1)"),
+    _field("u0", "length", "creeping shape of the elastic surface", symbol="u⁰(r), Eq. (1)"),
+    _field("in_contact", "1", "whether the site is in contact", symbol="u = ξ"),
+    _field("pressure", "pressure", "contact pressure", of="continua", symbol="p"),
+    _field("permanent_indentation", "length", _LOWER, of="yielding"),
+    Quantity("anchors", "length", "creeping shape of the elastic surface, by branch", home="contact"),
+    Quantity("force", "force", "contact force of a site", home="contact", symbol="r, Eq. (2)"),
+    Quantity("gap", "length", "gap between the surfaces", home="contact"),
+    _of_map("patches", "1", "number of contact patches", tables=_SHOWN, whole=True),
+    _of_map("mean_patch_size", "sites", "mean size of a patch", tables=_SHOWN, label="mean size of a patch"),
+    _of_map(
+        "median_patch_size", "sites", "median size of a patch", tables=_SHOWN, label="median size of a patch"
     ),
-    "steps": ("time steps since the previous entry", "1"),
-    "rejected": ("time steps repeated with a smaller length since the previous entry", "1"),
-    "iterations": ("iterations of the contact solver since the previous entry", "1"),
-}
-"""Long name and dimension of the time series of every history."""
+    _of_map("largest_patch_size", "sites", _LARGEST, tables=_SHOWN, label="largest patch", whole=True),
+    _of_map("perimeter", "rim", "length of the rim of all patches; on a line, their ends"),
+    _of_map("mean_patch_aspect", "1", "aspect ratio of the patch of a site in contact, mean over the sites"),
+    _of_map("clustering", "1", "index of dispersion of contacts in boxes"),
+    _of_map("births", "1", f"patches born {_SINCE}", whole=True),
+    _of_map("deaths", "1", f"patches that died {_SINCE}", whole=True),
+    _of_map("merges", "1", f"merges of patches {_SINCE}", whole=True),
+    _of_map("splits", "1", f"splits of patches {_SINCE}", whole=True),
+    _of_map("gained_by_expansion", "sites", f"sites gained {_SINCE} by patches with one predecessor"),
+    _of_map("gained_by_coalescence", "sites", f"sites gained {_SINCE} by patches with several predecessors"),
+    _of_map("gained_by_births", "sites", f"sites of patches born {_SINCE}"),
+    _of_map("lost_by_shrinkage", "sites", f"sites lost {_SINCE} by patches with successors"),
+    _of_map("lost_by_deaths", "sites", f"sites of patches that died {_SINCE}"),
+    _of_map("mean_contact_age", "time", f"mean {_TOUCHED}"),
+    _of_map("contact_age", "time", _TOUCHED),
+    _of_map("contact_pressure", "pressure", "contact pressure of the sites in contact"),
+    _coordinate("field_time", "time", "hold time at which fields were kept"),
+    _coordinate("field_leg", "1", "leg of the history in which fields were kept, from 0", whole=True),
+    _coordinate("field_shift_x", "sites", f"sites along the last {_MOVED}", of="sliding"),
+    _coordinate("field_shift_y", "sites", f"sites along the first {_MOVED}", of="sliding"),
+    _coordinate("branch", "1", "branch of the solid, from 0", whole=True),
+    _coordinate("quantile", "1", "share of the sites in contact that have at most the value"),
+    _coordinate("x", "place", "site index along the last axis", of="sites"),
+    _coordinate("x", "place", "position along the last axis", of="continua"),
+    _coordinate("y", "place", "site index along the first axis", of="sites"),
+    _coordinate("y", "place", "position along the first axis", of="continua"),
+)
+"""In the order of the columns of tables."""
 
-OF_CONTINUA: dict[str, tuple[str, str]] = {
-    "separation": ("separation, the position of the body; without an apparatus, the mean of u", "length"),
-    "contact_area": ("real contact area", "area"),
-    "contact_area_corrected": ("real contact area less what counting sites adds at the rim", "area"),
-    "mean_gap": ("mean gap", "length"),
-    "mean_contact_pressure": ("load over real contact area", "pressure"),
-    "largest_pressure": ("largest contact pressure", "pressure"),
-}
-"""The same of those that continua, whose sites have an area, have besides or call otherwise."""
 
-OF_YIELDING: dict[str, tuple[str, str]] = {
-    "yielding_area": ("number of sites in contact whose pressure is the hardness", "sites")
-}
-"""The same of those that solids with a hardness have besides."""
+def chosen(*homes: Home, of: Collection[Of] = (), table: Table = _NONE) -> dict[str, Quantity]:
+    """Quantities by name, in order: of all homes or some, of all or of some solids, of all tables or one.
 
-OF_SLIDING: dict[str, tuple[str, str]] = {
-    "displacement": ("length that the rough surface has slid since the start", "place"),
-    "velocity": ("sliding velocity", "place / time"),
-}
-"""The same of those that histories with sliding have besides."""
+    Of two rows of one name, one for solids that are defined on sites and one for continua, the later counts.
+    """
+    return {
+        one.name: one
+        for one in QUANTITIES
+        if one.home in (homes or (one.home,)) and one.of in (of or (one.of,)) and table in one.tables
+    }
 
-OF_FRICTION: dict[str, tuple[str, str]] = {
-    "friction_force": ("friction force, shear strength times real contact area", "force"),
-    "friction": ("friction coefficient, friction force over load", "1"),
-}
-"""The same of those that histories with a shear strength have besides."""
 
-FIELDS: dict[str, tuple[str, str]] = {
-    "u": ("height of the elastic surface", "length"),
-    "u0": ("creeping shape of the elastic surface", "length"),
-    "in_contact": ("whether the site is in contact", "1"),
-}
-FIELDS_OF_YIELDING: dict[str, tuple[str, str]] = {
-    "permanent_indentation": ("by how much the rough surface is lower where it has yielded", "length")
-}
-FIELDS_OF_CONTINUA: dict[str, tuple[str, str]] = {"pressure": ("contact pressure", "pressure")}
-OF_A_CONTACT: dict[str, tuple[str, str]] = {
-    "anchors": ("creeping shape of the elastic surface, by branch", "length"),
-    "force": ("contact force of a site", "force"),
-    "gap": ("gap between the surfaces", "length"),
-}
-"""The same of the maps that a contact has besides, which histories do not keep."""
+def areas_first(quantities: Mapping[str, Quantity]) -> list[str]:
+    """Their names in the order of tables that continua alone have: time and areas, then the others."""
+    return sorted(quantities, key=lambda name: (name != "time", quantities[name].dimension != "area"))
 
-OF_MAPS: dict[str, tuple[str, str]] = {
-    "patches": ("number of contact patches", "1"),
-    "mean_patch_size": ("mean size of a patch", "sites"),
-    "median_patch_size": ("median size of a patch", "sites"),
-    "largest_patch_size": ("size of the largest patch", "sites"),
-    "perimeter": ("length of the rim of all patches; on a line, their ends", "rim"),
-    "mean_patch_aspect": ("aspect ratio of the patch of a site in contact, mean over the sites", "1"),
-    "clustering": ("index of dispersion of contacts in boxes", "1"),
-    "births": ("patches born since the map before", "1"),
-    "deaths": ("patches that died since the map before", "1"),
-    "merges": ("merges of patches since the map before", "1"),
-    "splits": ("splits of patches since the map before", "1"),
-    "gained_by_expansion": ("sites gained since the map before by patches with one predecessor", "sites"),
-    "gained_by_coalescence": (
-        "sites gained since the map before by patches with several predecessors",
-        "sites",
-    ),
-    "gained_by_births": ("sites of patches born since the map before", "sites"),
-    "lost_by_shrinkage": ("sites lost since the map before by patches with successors", "sites"),
-    "lost_by_deaths": ("sites of patches that died since the map before", "sites"),
-    "mean_contact_age": (
-        "mean time for which the sites in contact have touched without interruption",
-        "time",
-    ),
-    "contact_age": ("time for which sites in contact have touched without interruption", "time"),
-    "contact_pressure": ("contact pressure of the sites in contact", "pressure"),
-}
-"""The same of what is known at the times of the fields; the last two at shares of the sites in contact."""
 
-LEG = "leg of the history, from 0"
-COORDINATES: dict[str, tuple[str, str]] = {
-    "time": ("hold time", "time"),
-    "field_time": ("hold time at which fields were kept", "time"),
-    "leg": (LEG, "1"),
-    "field_leg": ("leg of the history in which fields were kept, from 0", "1"),
-    "field_shift_x": ("sites along the last axis by which heights had moved when fields were kept", "sites"),
-    "field_shift_y": ("sites along the first axis by which heights had moved when fields were kept", "sites"),
-    "branch": ("branch of the solid, from 0", "1"),
-    "quantile": ("share of the sites in contact that have at most the value", "1"),
-    "x": ("site index along the last axis", "place"),
-    "y": ("site index along the first axis", "place"),
-    "heights": ("height of the rigid rough surface", "length"),
-}
+def had_by(contact: Contact, *homes: Home, slides: bool = False) -> dict[str, Quantity]:
+    """Return the quantities of some homes that a history of this contact has."""
+    solid = contact.solid
+    of: list[Of] = ["all", "continua" if solid.in_lengths else "sites"]
+    of += ["yielding"] * solid.yields + ["sliding"] * slides
+    return chosen(*homes, of=of)
 
-_HEIGHT, _LENGTH, _STIFFNESS = "height unit", "length unit", "stiffness unit"
-PARAMETERS: dict[str, tuple[str, str]] = {
-    "shape": ("sites along each axis", "sites"),
-    "size": ("sites along each axis", "sites"),
-    "rms": ("rms height", "height unit"),
-    "hurst": ("Hurst exponent", "1"),
-    "roll_off": ("wavelength above which the spectrum is flat", _LENGTH),
-    "cutoff": ("shortest wavelength", _LENGTH),
-    "rms_height": ("rms height", _HEIGHT),
-    "rms_slope": ("rms slope", "height unit / length unit"),
-    "rms_curvature": ("rms mean curvature", "height unit / length unit^2"),
-    "delta": ("roughness at the scale of the lattice", _HEIGHT),
-    "path": ("surface file", ""),
-    "undefined": ("what is done about undefined pixels", ""),
-    "max_undefined": ("largest fraction of undefined pixels to fill", "1"),
-    "tilt": ("what is removed from the heights", ""),
-    "periodic": ("how the surface is made periodic", ""),
-    "unit": ("unit of the heights", ""),
-    "channel": ("channel of the surface file", ""),
-    "crop": ("part of the surface file", "pixels, or the unit of the part"),
-    "longest": ("longest wavelength kept", _LENGTH),
-    "shortest": ("shortest wavelength kept", _LENGTH),
-    "k0": ("stiffness between neighbors", _STIFFNESS),
-    "k1": ("stiffness to the bulk", _STIFFNESS),
-    "R": ("mobility of conserving creep", "R unit"),
-    "R_viscous": ("mobility of viscous creep", "R unit"),
-    "creep": ("local law of creep", ""),
-    **{
-        name: (
-            f"{what.meaning} of the local law of creep",
-            {"m/s": "velocity", "Pa": "stress"}.get(what.unit, what.unit or "1"),
-        )
-        for name, what in PARAMETERS_OF_LAWS.items()
-    },
-    "creep_energy": ("energy of activation", "J"),
-    "creep_volume": ("volume of activation", "m^3"),
-    "creep_prefactor": ("velocity of creep at infinite temperature", "velocity"),
-    "temperature": ("temperature", "K"),
-    "permanent": ("share of the modulus that does not creep by the local law", "1"),
-    "hardness": ("pressure under which the rough surface yields", "pressure"),
-    "modulus": ("contact modulus", "pressure"),
-    "young": ("Young's modulus", "pressure"),
-    "poisson": ("Poisson's ratio", "1"),
-    "thickness": ("thickness of the layer", "length"),
-    "branch_shares": ("share of the modulus of each branch", "1"),
-    "branch_times": ("relaxation time of each branch", "time"),
-    "branches": ("share of the modulus and relaxation time of each branch", ""),
-    "base_modulus": ("contact modulus of the base", "pressure"),
-    "base_poisson": ("Poisson's ratio of the base", "1"),
-    "base_branches": ("share of the modulus and relaxation time of each branch of the base", ""),
-    "base_branch_shares": ("share of the modulus of each branch of the base", "1"),
-    "base_branch_times": ("relaxation time of each branch of the base", "time"),
-    "apparatus": ("stiffness of the apparatus", "stiffness"),
-    "flow": ("mobility of creep, and the power of the wave number with which it goes", ""),
-    "frictionless": ("whether the layer slides on its base", ""),
-    "relaxation": ("table of the relaxation", ""),
-    "load": SERIES["load"],
-    "pressure": ("load over nominal area", "pressure"),
-    "separation": SERIES["separation"],
-    "hold": ("what is held constant", ""),
-    "held_load": SERIES["load"],
-    "held_separation": SERIES["separation"],
-    "held_area": SERIES["area"],
-    "first": ("first time to record", "time"),
-    "last": ("last time to record", "time"),
-    "times": ("times to record", "time"),
-    "shear_strength": ("shear strength of the contacts", "pressure"),
-    "rate_coefficient": ("relative growth of the shear strength for each factor e of velocity", "1"),
-    "reference_velocity": ("velocity of that shear strength", "place / time"),
-    "rtol": ("relative tolerance of the time steps", "1"),
-    "seed": ("seed of the surface", "1"),
-    "point": ("number of the point, from 0", "1"),
-    "entry": ("number of the entry of the series, from 0", "1"),
-}
-"""Long name and dimension, or unit, of what a run or a campaign is told."""
-
-IN_A_LEG = {
-    "load": SERIES["load"],
-    "separation": SERIES["separation"],
-    "approach": SERIES["approach"],
-    "pressure": ("load over nominal area", "pressure"),
-    "duration": ("duration", "time"),
-    "distance": ("distance", "place"),
-    "velocity": OF_SLIDING["velocity"],
-    "substeps": ("shifts from site to site", "1"),
-    "every": ("shifts from record to record", "1"),
-    "count": ("number of repetitions", "1"),
-    "mobility": ("factor on the mobility of creep", "1"),
-}
-"""The same of what a leg of a history is told."""
-
-Plain = str | float | int | list[str] | list[float] | list[int]
 
 Units = Mapping[str, str]
 """Unit of each dimension."""
@@ -258,82 +243,10 @@ def units_of(contact: Contact) -> Units:
     return units | {"rim": units["place"]}
 
 
-def series_of(contact: Contact, *, slides: bool = False) -> dict[str, tuple[str, str]]:
-    """Time series that a history of this contact has: long names and dimensions."""
-    series = SERIES | OF_CONTINUA if contact.solid.in_lengths else SERIES
-    if contact.solid.yields:
-        series = series | OF_YIELDING
-    return series | OF_SLIDING if slides else series
-
-
-def fields_of(contact: Contact) -> dict[str, tuple[str, str]]:
-    """Fields that it keeps: long names and dimensions."""
-    fields = FIELDS | FIELDS_OF_CONTINUA if contact.solid.in_lengths else FIELDS
-    return fields | FIELDS_OF_YIELDING if contact.solid.yields else fields
-
-
 def units_named(named: Mapping[str, str]) -> Units:
-    """Units of dimensions, from those of series."""
-    known = {
-        name: dimension
-        for name, (_, dimension) in (
-            SERIES | OF_CONTINUA | OF_YIELDING | OF_SLIDING | OF_FRICTION | OF_MAPS | COORDINATES
-        ).items()
-    }
-    found = {known[name]: unit for name, unit in named.items() if name in known}
+    """Units of dimensions, from those of recorded quantities by name."""
+    known = chosen()
+    found = {known[name].dimension: unit for name, unit in named.items() if name in known}
     systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)
     alike = (one for one in systems if all(one.get(d) == found.get(d) for d in ("time", "force")))
     return next(alike, {}) | found
-
-
-def attribute_of(name: str) -> str:
-    """The attribute that holds a parameter: ``branch_times`` for ``branches.0.time``."""
-    key, *way = name.split(".")
-    if key in ("branches", "base_branches") and len(way) == 2:
-        return f"{key.removesuffix('es')}_{'shares' if way[1] in ('share', '0') else 'times'}"
-    return key
-
-
-def of_parameter(name: str) -> tuple[str, str] | None:
-    """Long name and dimension of a parameter, by its name or by the way to a number within it.
-
-    Such as ``k1``, ``branches.0.time``, ``protocol.1.load``.
-    """
-    key, *way = name.split(".")
-    if not way:
-        return PARAMETERS.get(key)
-    long_name, dimension = IN_A_LEG[way[-1]] if key == "protocol" else PARAMETERS[attribute_of(name)]
-    return f"{long_name}{', leg' if key == 'protocol' else ','} {name}", dimension
-
-
-def plain(name: str, value: object) -> dict[str, Plain]:
-    """A parameter as attributes that need no parsing, and that every format can hold.
-
-    A table becomes an attribute for each key, ``surface_rms``; pairs become two lists, ``branch_shares`` and
-    ``branch_times``; what is empty or not given is left out.
-    """
-    if isinstance(value, Mapping):
-        return {
-            key: one for part, inner in value.items() for key, one in plain(f"{name}_{part}", inner).items()
-        }
-    if value is None or value in ("", [], ()):
-        return {}
-    if name == "flow" and isinstance(value, Sequence):
-        return dict(zip(("flow_mobility", "flow_exponent"), value, strict=True))
-    if isinstance(value, list | tuple):
-        if not isinstance(value[0], list | tuple):
-            return {name: list(value)}
-        if all(len(pair) == 2 for pair in value):
-            one = name.removesuffix("es")
-            return {f"{one}_shares": [share for share, _ in value], f"{one}_times": [t for _, t in value]}
-        return {name: json.dumps(value)}
-    if isinstance(value, bool):
-        return {name: int(value)}
-    return {name: value if isinstance(value, str | float | int) else json.dumps(value)}
-
-
-def units_of_parameters(names: Iterable[str], units: Units) -> str:
-    """Say in which units attributes are: ``held_load N, modulus Pa``."""
-    known = {name: PARAMETERS[name][1] for name in names if name in PARAMETERS}
-    said = {name: units.get(dimension, dimension) for name, dimension in known.items()}
-    return ", ".join(f"{name} {unit}" for name, unit in said.items() if unit not in ("", "1"))

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-import asperity.results.quantities as quantities
+import asperity.results.parameters as parameters
 from asperity.app.campaign.plan import Axis, Plan, Run, put, seeded, value_at
 from asperity.app.campaign.store import FITTED, QUANTITIES, Finished, Store
 from asperity.app.config import RunConfig, from_tables, to_tables
@@ -21,17 +21,14 @@ from asperity.base.words import reason_of, tables_to_toml
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import in_words
+from asperity.results.quantities import CAMPAIGN, Units, chosen, units_named
 
 _NO_ENSEMBLE = (
-    *("steps", "rejected", "iterations", "residual", "worst_residual", "relaxed_residual"),
-    *("sites", "held", "seconds"),
+    *(name for name, one in chosen("series").items() if CAMPAIGN not in one.tables),
+    *("worst_residual", "relaxed_residual", "sites", "held", "seconds"),
     *(f"fit_{name}_uncertainty" for name in FITTED),
 )
 """Numbers about the computation, of which no ensemble is taken."""
-
-_COUNTS = ("area", "yielding_area", "patches", "largest_patch_size", "births", "deaths", "merges", "splits")
-"""Quantities that count sites or patches."""
-
 
 _SCALARS = {
     "sites": ("sites of the lattice", "sites"),
@@ -107,7 +104,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             long_name, unit = described[name]
             dataset[free] = ((*dims, along), values, {"long_name": long_name, "units": unit})
     dataset = dataset.assign(_of_maps(plan, finished))
-    units = quantities.units_named({name: unit for name, (_, unit) in described.items()})
+    units = units_named({name: unit for name, (_, unit) in described.items()})
     for name, values in zip(names, scalars, strict=True):
         when, _, of_what = name.partition("_")
         long_name, unit = _SCALARS.get(name.removesuffix("_uncertainty"), (name.replace("_", " "), "1"))
@@ -121,7 +118,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             long_name = f"{long_name}, standard error of the fit"
         dataset[name] = (dims, values, {"long_name": long_name, "units": units.get(unit, unit)})
     for name in set(map(str, dataset.coords)) - {"field_time", "quantile"}:
-        long_name, unit = quantities.of_parameter(name) or described.get(name, ("", ""))
+        long_name, unit = parameters.of_parameter(name) or described.get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
     if "seed" in dims:
         dataset = _with_ensemble(dataset)
@@ -189,7 +186,7 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
         rows = dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
     else:
         rows = pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
-    counts = {f"{when}_{name}" for when in _WHEN for name in _COUNTS} | {"sites"}
+    counts = {f"{when}_{name}" for when in _WHEN for name, one in chosen().items() if one.whole} | {"sites"}
     return rows.astype({name: "Int64" for name in rows if name in counts})
 
 
@@ -201,10 +198,8 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     for name, long_name in series.items():
         quantity = name.removesuffix("_history")
         values = dataset[name]
-        along, known = (
-            (over_time, QUANTITIES) if over_time in values.dims else ("field_time", tuple(quantities.OF_MAPS))
-        )
-        if along not in values.dims or quantity in _NO_ENSEMBLE or quantity not in known:
+        along, home = (over_time, "series") if over_time in values.dims else ("field_time", "map")
+        if along not in values.dims or quantity not in chosen(home, table=CAMPAIGN):
             continue
         if "quantile" in values.dims:
             continue
@@ -316,7 +311,7 @@ def _holds_separation(run: Run) -> bool:
     return run.config.contact.separation is not None if hold is None else hold == "separation"
 
 
-def _in_common(plan: Plan, units: quantities.Units) -> dict[str, Any]:
+def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
     """What all runs have in common, key by key, and the file of the campaign."""
     tables = to_tables(plan.runs[0].config)
     tables["output"].pop("figures")
@@ -340,13 +335,13 @@ def _in_common(plan: Plan, units: quantities.Units) -> dict[str, Any]:
     legs = tables.pop("protocol", None)
     tables["solid"]["solid"] = tables["solid"].pop("kind")
     facts = {key: value for name, table in tables.items() if name != "output" for key, value in table.items()}
-    facts = {name: one for key, value in facts.items() for name, one in quantities.plain(key, value).items()}
-    facts["parameter_units"] = quantities.units_of_parameters(facts, units)
+    facts = {name: one for key, value in facts.items() for name, one in parameters.plain(key, value).items()}
+    facts["parameter_units"] = parameters.units_of_parameters(facts, units)
     for axis in plan.axes:
         if axis.section == "protocol":
             put(legs, axis.name.partition(".")[2], "swept")
         elif "." in axis.name:
-            facts.pop(quantities.attribute_of(axis.name), None)
+            facts.pop(parameters.attribute_of(axis.name), None)
     if legs is not None:
         facts |= {"protocol": json.dumps(legs), "protocol_in_words": in_words(legs)}
     return facts | {"config": config}

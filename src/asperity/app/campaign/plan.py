@@ -30,7 +30,7 @@ from asperity.app.config.models import KINDS
 from asperity.base.version import __version__
 from asperity.base.words import written_with_units
 from asperity.errors import SHOWN_PROBLEMS, ConfigError
-from asperity.results.quantities import IN_A_LEG
+from asperity.results.parameters import IN_A_LEG
 
 Value = float | int | str
 _NOT_SWEPT = (

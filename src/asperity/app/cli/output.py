@@ -17,7 +17,7 @@ from asperity.errors import InputError, OutputError
 from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
-from asperity.results.quantities import OF_CONTINUA, OF_FRICTION, OF_MAPS, OF_SLIDING, OF_YIELDING
+from asperity.results.quantities import RUN, chosen
 from asperity.results.store import whole_file, whole_folder
 
 if TYPE_CHECKING:
@@ -28,10 +28,6 @@ if TYPE_CHECKING:
 _SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
 _SIGNS_OF_FRICTION = ("friction.toml", "friction.csv")
 _SIGNS_OF_A_PREDICTION = ("history.zarr", "prediction.html", "summary.txt")
-_COLUMNS = (
-    *("time", "area", "area_ratio", "load", "separation", "energy"),
-    *("approach", "contact_fraction", "residual"),
-)
 _MOST_MAPS = 24
 """Maps that one figure shows."""
 
@@ -143,17 +139,16 @@ def _write_table(outcome: Outcome, path: Path) -> None:
     dataset = outcome.dataset
     if dataset["load"][0] > 0:  # else the first area is that of first touch, and no measure of growth
         dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
-    continuum = [name for name in OF_CONTINUA if name in dataset and name not in _COLUMNS]
-    sliding = [name for name in OF_YIELDING | OF_SLIDING | OF_FRICTION if name in dataset]
-    columns = [name for name in _COLUMNS if name in dataset.variables]
-    chosen = [*columns, *continuum, *sliding, *(["leg"] if "leg" in dataset.coords else [])]
-    _write_columns(dataset, [(name, dataset[name]) for name in chosen], path)
+    names = [name for name in chosen("series", "coordinate", table=RUN) if name in dataset.variables]
+    if "area_ratio" in dataset:
+        names.insert(names.index("area") + 1, "area_ratio")
+    _write_columns(dataset, [(name, dataset[name]) for name in names], path)
 
 
 def _write_patches(dataset: xr.Dataset, path: Path) -> None:
     """One row a map: what it knows of patches."""
     columns = [("time", dataset["field_time"])]
-    for name in OF_MAPS:
+    for name in chosen("map", table=RUN):
         if name in dataset and "quantile" in dataset[name].dims:
             shares = dataset["quantile"].values.tolist()
             columns += [

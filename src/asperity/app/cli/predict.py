@@ -35,24 +35,12 @@ from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.progress import listener
 from asperity.relaxation import Fit, arrhenius, wlf
 from asperity.results import Checkpoint
+from asperity.results.quantities import PREDICT, areas_first, chosen
 from asperity.results.store import whole_folder
 
 _CHECKPOINT_EVERY = 3.0
 _OF_TABLES = ("kind", "columns", "noise", "modulus", "branches")
 """Flags about a relaxation table, which go on as they are."""
-
-_COLUMNS = {
-    "time": "s",
-    "contact_area": "m^2",
-    "contact_area_corrected": "m^2",
-    "contact_fraction": "1",
-    "load": "N",
-    "mean_contact_pressure": "Pa",
-    "largest_pressure": "Pa",
-    "mean_gap": "m",
-    "approach": "m",
-    "residual": "1",
-}
 
 
 def predict(
@@ -331,7 +319,8 @@ def _solid(prediction: Prediction, fit: Fit) -> str:
 
 def _write_table(prediction: Prediction, path: Path) -> None:
     """One row a time; numbers to the last digit, with units in the header."""
-    columns = {f"{name} [{unit}]": prediction.series(name) for name, unit in _COLUMNS.items()}
+    unit_of = {name: prediction.dataset[name].attrs["units"] for name in areas_first(chosen(table=PREDICT))}
+    columns = {f"{name} [{unit}]": prediction.series(name) for name, unit in unit_of.items()}
     if prediction.effective_load is not None:
         columns["effective_load [N]"] = prediction.effective_load
     if prediction.friction_force is not None and prediction.friction is not None:

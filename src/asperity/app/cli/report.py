@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from asperity.analysis.scan import readable, written
 from asperity.base.words import counted, thousands
 from asperity.errors import printable
-from asperity.results.quantities import PARAMETERS, Units, units_named
+from asperity.results.parameters import PARAMETERS
+from asperity.results.quantities import Units, units_named
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -30,7 +30,7 @@ from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
 from asperity.protocols import legs_of
 from asperity.results.dataset import Row, dataset_of, row_of
-from asperity.results.quantities import OF_MAPS
+from asperity.results.quantities import PAGE, areas_first, chosen
 
 Header = dict[str, Any]
 Arrays = dict[str, NDArray[Any]]
@@ -47,17 +47,18 @@ _BYTES = 64e6
 _A_MESSAGE = 4e6
 """Bytes of maps after which a message is sent off."""
 
-_SERIES = ("area", "contact_fraction", "load", "separation", "residual")
-_OF_LENGTHS = ("contact_area", "contact_area_corrected")
-_OF_SOME = ("displacement", "yielding_area")
-_PATCHES = ("patches", "largest_patch_size", "mean_patch_size", "median_patch_size")
-"""What is known at the times of maps alone."""
+_SERIES, _PATCHES = chosen("series", table=PAGE), chosen("map", table=PAGE)
 
 _MADE = {
     "mean_pressure": "load over real contact area",
     "friction": "static friction over that at first: real contact area over load (Tabor)",
     "decade_growth": "growth of the area since the entry before, in areas at first, per decade of time since "
     "the last switch",
+}
+_MADE_LABELS = {
+    "mean_pressure": "mean pressure in contact",
+    "friction": "friction coefficient relative to first",
+    "decade_growth": "growth per decade",
 }
 
 
@@ -143,8 +144,12 @@ def map_of(
     steps = np.rint(values * (_STEPS / scale)) if scale > 0 else values
     sizes = patches(in_contact, edges=edges).sizes
     some = sizes.astype(np.float64) if sizes.size else np.array([math.nan])
-    numbers = (sizes.size, float(some.max()), float(some.mean()), float(np.median(some)))
-    found = dict(zip(_PATCHES, numbers, strict=True))
+    found = {
+        "patches": sizes.size,
+        "mean_patch_size": float(some.mean()),
+        "median_patch_size": float(np.median(some)),
+        "largest_patch_size": float(some.max()),
+    }
     yielded = None if indentation is None else np.packbits(indentation > 0)
     return Map(
         time, leg, values.size, scale, np.packbits(in_contact), steps.astype(np.uint16), found, yielded
@@ -297,11 +302,7 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     """Make the recording of a finished history: rows, and the maps that it kept."""
     recording = Recording(job)
     recording.begin(dataset, config, title)
-    names = [
-        name
-        for name in ("time", *_SERIES, *_OF_LENGTHS, *_OF_SOME, "mean_contact_pressure")
-        if name in dataset
-    ]
+    names = [name for name in ("time", *_SERIES, "mean_contact_pressure") if name in dataset]
     series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
@@ -383,9 +384,9 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     low, high = float(heights.min()), float(heights.max())
     steps = np.rint((heights - low) * (_STEPS / (high - low) if high > low else 0.0)).astype(np.uint16)
     lengths = "contact_area" in dataset
-    series = [*_SERIES[:2], *(_OF_LENGTHS if lengths else ()), *_SERIES[2:]]
-    series += [name for name in _OF_SOME if name in dataset]
+    series = [name for name in _SERIES if name in dataset]
     columns = ["time", "leg", *series, *_MADE]
+    labels = {name: _SERIES[name].label for name in areas_first(_SERIES) if name in series}
     long_names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
     pressure = f"{unit['load']} / site"
@@ -412,10 +413,11 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         },
         "names": long_names
         | {"leg": "leg of the history, from 0"}
-        | {name: OF_MAPS[name][0] for name in _PATCHES}
+        | {name: one.long_name for name, one in _PATCHES.items()}
         | _MADE,
+        "labels": labels | _MADE_LABELS | {name: one.label for name, one in _PATCHES.items()},
         "column_units": unit
-        | {name: OF_MAPS[name][1] for name in _PATCHES}
+        | {name: one.dimension for name, one in _PATCHES.items()}
         | {"leg": "1", "mean_pressure": pressure, "friction": "1", "decade_growth": "1"},
         "columns": columns,
         "map_columns": list(_PATCHES),

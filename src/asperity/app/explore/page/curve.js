@@ -1,15 +1,9 @@
 "use strict";
 // A quantity against time, with the moment shown, the limit, an earlier curve, and the moment of a change of load.
 
-const QUANTITIES = {
-  contact_area: "contact area", contact_area_corrected: "contact area less rim", area: "contact area", contact_fraction: "contact fraction", load: "load",
-  mean_pressure: "mean pressure in contact", friction: "friction coefficient relative to first", separation: "separation", decade_growth: "growth per decade",
-  displacement: "displacement", yielding_area: "yielding sites", patches: "patches", largest_patch_size: "largest patch",
-  mean_patch_size: "mean size of a patch", median_patch_size: "median size of a patch", residual: "residual",
-};
-/** What a quantity is called; where the area is known in lengths, the count of sites is another. */
+/** What a quantity is called, which the server says; where the area is known in lengths, the count of sites is another. */
 const nameOf = (scene, name) => (name === "area" && scene.has("contact_area") ? "sites in contact"
-  : name === "friction" && scene.shear ? "friction coefficient" : QUANTITIES[name]);
+  : name === "friction" && scene.shear ? "friction coefficient" : scene.labels[name]);
 
 const MARGIN = { left: 74, right: 14, top: 12, bottom: 44 };
 

@@ -32,7 +32,7 @@ function curveInWords() {
 }
 
 function showQuantities() {
-  const select = byId("quantity"), names = Object.keys(QUANTITIES).filter((name) => app.scene.has(name));
+  const select = byId("quantity"), names = Object.keys(app.scene.labels).filter((name) => app.scene.has(name));
   const shown = [...select.options].map((one) => one.textContent);
   if (!same(shown, names.map((name) => nameOf(app.scene, name)))) {
     select.replaceChildren(...names.map((name) => element("option", { value: name }, nameOf(app.scene, name))));
@@ -81,7 +81,7 @@ function showLegend() {
 
 function showNumbers() {
   const { scene, map } = app, row = scene.rowOf(map);
-  const names = Object.keys(QUANTITIES).filter((name) => scene.knows(name));
+  const names = Object.keys(scene.labels).filter((name) => scene.knows(name));
   const items = names.map((name) => {
     const value = scene.value(row, name), unit = scene.column_units[name];
     const text = name === "contact_fraction" ? percent(value) : name === "area" ? `${count(value)} sites`
