@@ -220,6 +220,11 @@ class Contact(views.InNotebooks):
         return float(self.gap.mean())
 
     @property
+    def rms_gap(self) -> float:
+        """Root mean square of the gap over all sites, length."""
+        return math.sqrt(float(np.mean(self.gap**2)))
+
+    @property
     def pressure(self) -> Field:
         """Contact pressure, force / length^2: the force of a site over its area."""
         return self.force / self.lattice.cell

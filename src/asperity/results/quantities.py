@@ -114,6 +114,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("contact_area", "area", _AREA, _ALL, "continua"),
     Quantity("contact_area_corrected", "area", _RIM, _ALL, "continua", label="contact area less rim"),
     Quantity("mean_gap", "length", "mean gap", _SOLVED, "continua"),
+    Quantity("rms_gap", "length", "root mean square of the gap over all sites", _ALL),
     Quantity("mean_contact_pressure", "pressure", "load over real contact area", _SOLVED, "continua"),
     Quantity("largest_pressure", "pressure", "largest contact pressure", _SOLVED, "continua"),
     Quantity("yielding_area", "sites", _AT_HARDNESS, _SHOWN, "yielding", label="yielding sites", whole=True),
