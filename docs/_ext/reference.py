@@ -194,16 +194,20 @@ def dataset():
         "the surface and the solid "
         "(:doc:`../solids`). Write the name in brackets: ``data.load`` is a method of xarray.\n",
     ]
-    for title, rows in (
-        ("Series, over time", quantities.SERIES),
-        ("Series of continua", quantities.OF_CONTINUA),
-        ("Fields, over field_time and the sites", quantities.FIELDS | quantities.FIELDS_OF_CONTINUA),
-        ("Patches of contact, over field_time", quantities.OF_MAPS),
-        ("Coordinates", quantities.COORDINATES),
+    for title, home in (
+        ("Series, over time", "series"),
+        ("Fields, over field_time and the sites", "field"),
+        ("Fields that the dataset of a contact has besides", "contact"),
+        ("Patches of contact, over field_time", "map"),
+        ("Coordinates", "coordinate"),
     ):
-        parts.append(heading(title, "-"))
-        named = [(f"``{name}``", meaning, unit) for name, (meaning, unit) in rows.items()]
-        parts.append(table(("name", "what it is", "dimension"), named, (25, 55, 20)))
+        rows = [
+            (f"``{one.name}``", one.long_name, one.symbol, one.dimension, one.of.replace("all", ""))
+            for one in quantities.QUANTITIES
+            if one.home == home
+        ]
+        titles = ("name", "what it is", "paper", "dimension", "only of")
+        parts += [heading(title, "-"), table(titles, rows, (22, 42, 12, 14, 10))]
     return "\n".join(parts)
 
 

@@ -199,8 +199,8 @@ def age(
         if larger, at a held separation with viscous creep); measured, not proved: see
         ``STEP_TOLERANCE`` in ``aging/march.py``.
     fields_at
-        Strictly increasing times >= 0 at which to keep u, u0 and in_contact, and to count and link
-        patches of contact; they need not be among ``times``.
+        Strictly increasing times >= 0 at which to keep u, u0, in_contact and the forces (of
+        continua the pressures), and to count and link patches of contact; they need not be among ``times``.
     progress
         True for a bar, in notebooks as on terminals; or what is called with each `Frame` as it is reached.
     checkpoint

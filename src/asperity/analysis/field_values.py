@@ -90,12 +90,14 @@ def _rough(one: xr.Dataset) -> Field:
 
 
 def pressure_of(one: xr.Dataset) -> Field | None:
-    """Contact pressure of one map; of a lattice of springs the force of each site, from u and u0.
+    """Contact pressure of one map; of a solid that is defined on sites the force of each.
 
-    None where the dataset does not know the springs.
+    Histories of versions before 0.4.8 did not keep that force: of a lattice of springs it follows from u and u0;
+    of another solid it is None.
     """
-    if "pressure" in one:
-        return np.asarray(one["pressure"], dtype=np.float64)
+    for name in ("pressure", "force"):
+        if name in one:
+            return np.asarray(one[name], dtype=np.float64)
     attrs, springs = one.attrs, ("k0", "k1", "R", "R_viscous")
     if not set(springs) <= set(attrs):
         return None

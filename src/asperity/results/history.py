@@ -44,10 +44,10 @@ class History(views.InNotebooks):
     ----------
     dataset
         An xarray Dataset over ``time``, whose first entry, 0, is the state before any creep:
-        ``area``, ``contact_fraction``, ``load``, ``separation``, ``approach``, ``energy``,
-        ``residual``, ``residual_scale``, ``steps``, ``rejected``, ``iterations``; ``heights`` over the
-        sites; and over ``field_time``, where fields were asked for, ``u``, ``u0`` and ``in_contact``, and
-        what these maps know of patches: ``patches``, ``births``, ``contact_age`` and others.
+        ``area``, ``load``, ``separation``, ``energy``, ``residual`` and others; ``heights`` over the sites;
+        and over ``field_time``, where fields were asked for, ``u``, ``u0``, ``in_contact`` and ``force`` (of
+        continua ``pressure``), and what these maps know of patches: ``patches``, ``births`` and others. The
+        reference lists all, with their units.
         ``history["energy"]`` is one of them.
     final
         The contact at the last time reached (of ``times`` and ``fields_at``); age it further, or relax it.

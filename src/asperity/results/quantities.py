@@ -57,7 +57,7 @@ class Quantity:
         field that one contact has besides; ``"map"``, what is known at the times of the fields;
         ``"coordinate"``.
     symbol
-        How the paper writes it, and in which equation.
+        How the paper writes it, and in which equation, as in docs/notation.md.
     label
         What axes and the page call it; by default its name.
     whole
@@ -105,7 +105,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("separation", "length", _POSITION, _SHOWN, "continua"),
     Quantity("energy", "energy", "elastic energy", _RESULT, symbol="E, Eq. (1)"),
     Quantity("approach", "length", "rigid approach of the bodies since the start", _SOLVED),
-    Quantity("contact_fraction", "1", "real contact area over nominal area", _ALL, symbol="A/N0"),
+    Quantity("contact_fraction", "1", "real contact area over nominal area", _ALL, symbol="A / N0"),
     Quantity("residual", "1", "largest force off contact over the residual scale", RUN | PREDICT | PAGE),
     Quantity("residual_scale", "force", _SCALE, CAMPAIGN),
     Quantity("steps", "1", "time steps since the previous entry", whole=True),
@@ -127,10 +127,11 @@ QUANTITIES: tuple[Quantity, ...] = (
     _field("u", "length", "height of the elastic surface", symbol="u(r), Eq. (1)"),
     _field("u0", "length", "creeping shape of the elastic surface", symbol="u⁰(r), Eq. (1)"),
     _field("in_contact", "1", "whether the site is in contact", symbol="u = ξ"),
+    _field("force", "force", "contact force of a site", of="sites", symbol="r = H u + C (u − u⁰), Eq. (2)"),
     _field("pressure", "pressure", "contact pressure", of="continua", symbol="p"),
     _field("permanent_indentation", "length", _LOWER, of="yielding"),
     Quantity("anchors", "length", "creeping shape of the elastic surface, by branch", home="contact"),
-    Quantity("force", "force", "contact force of a site", home="contact", symbol="r, Eq. (2)"),
+    Quantity("force", "force", "contact force of a site", of="continua", home="contact"),
     Quantity("gap", "length", "gap between the surfaces", home="contact"),
     _of_map("patches", "1", "number of contact patches", tables=_SHOWN, whole=True),
     _of_map("mean_patch_size", "sites", "mean size of a patch", tables=_SHOWN, label="mean size of a patch"),

@@ -144,7 +144,7 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
     Returns
     -------
     Dataset
-        ``heights`` over the sites; ``u``, ``u0`` and ``in_contact`` over ``field_time`` and the sites;
+        ``heights`` over the sites; ``u``, ``u0``, ``in_contact`` and forces over ``field_time`` and the sites;
         and, where the run has a limit, ``in_contact_relaxed`` and ``u_relaxed``.
 
     Raises

@@ -43,7 +43,7 @@ FITTED = ("a", "q", "t0", "C")
 _ALWAYS = {"sites", "initial_area", "seconds"}
 """Scalars that every finished run has."""
 KEPT_FIELDS = ("heights", *chosen("field"), "in_contact_relaxed", "u_relaxed", "area_observed")
-"""Fields of a run that asked for maps."""
+"""Fields of a run that asked for maps, in the order in which their checksum takes them."""
 
 _PATIENCE = 60.0
 """Seconds to wait for another process that prepares the same folder, which takes it a moment."""
