@@ -20,7 +20,7 @@ from asperity.app.config.mistakes import ORDER, models_of
 from asperity.errors import InputError
 from asperity.results import load as load_results
 from asperity.results.parameters import PARAMETERS
-from asperity.results.quantities import chosen
+from asperity.results.quantities import select
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
 from tests.campaign.conftest import SMALL, do_here, finish, numbers, some_of, start, wait_for_a_run, written
@@ -343,7 +343,7 @@ def test_kept_fields_are_those_of_single_runs(tmp_path):
     solid = spring_lattice(k0=1.0, k1=where["k1"])
     contact = press(gaussian((16, 16), seed=int(where["seed"])), solid, load=where["load"])
     alone = age(contact, np.geomspace(0.1, 10.0, 5), fields_at=[0.0, 1.0]).dataset
-    for name in set(chosen("map")) & set(alone):
+    for name in set(select("map")) & set(alone):
         np.testing.assert_array_equal(run[name], alone[name])
         assert run[name].attrs["units"] == alone[name].attrs["units"]
         xr.testing.assert_equal(fields[name], alone[name].drop_vars("field_leg", errors="ignore"))

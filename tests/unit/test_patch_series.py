@@ -12,7 +12,7 @@ import asperity as asp
 from asperity.analysis import contact_ages, link_patches, patch_table, patch_tracks
 from asperity.lattice import Lattice, Mask
 from asperity.patches import QUANTILES, clustering, clustering_box, map_series, quantiles, shapes_of
-from asperity.results.quantities import chosen
+from asperity.results.quantities import select
 from tests.refusals import refuses
 from tests.unit.test_patches import flooded, scattered
 
@@ -178,7 +178,7 @@ def test_the_series_is_that_of_its_maps(shape: tuple[int, ...]) -> None:
     maps, lattice = maps_of(shape, 8), Lattice(shape)
     series = map_series(maps, np.arange(7.0).tolist(), lattice)
     assert {*series, "contact_pressure"} == {
-        name for name in chosen("map") if name != "mean_patch_aspect" or len(shape) == 2
+        name for name in select("map") if name != "mean_patch_aspect" or len(shape) == 2
     }
     box = clustering_box(maps)
     for number, touching in enumerate(maps):
@@ -242,7 +242,7 @@ def test_every_dataset_with_fields_has_the_series(history: asp.results.History) 
     )
     for name, values in series.items():
         np.testing.assert_array_equal(dataset[name].values, values)
-        assert dataset[name].attrs["long_name"] == chosen("map")[name].long_name
+        assert dataset[name].attrs["long_name"] == select("map")[name].long_name
     assert dataset["deaths"].sum() > 0  # unloading
     assert dataset["births"].sum() > 0
     assert dataset["clustering"].attrs["box"] == clustering_box(dataset["in_contact"].values)
@@ -251,7 +251,7 @@ def test_every_dataset_with_fields_has_the_series(history: asp.results.History) 
     np.testing.assert_array_equal(dataset["contact_pressure"][-1], pressure)
     assert dataset["contact_pressure"].sel(quantile=1.0)[-1] == final.largest_pressure
     without = asp.age(final, [1.0]).dataset
-    assert not set(chosen("map")) & set(map(str, without.variables))
+    assert not set(select("map")) & set(map(str, without.variables))
 
 
 def test_a_table_of_patches_adds_up(history: asp.results.History) -> None:

@@ -14,7 +14,7 @@ import pytest
 import asperity as asp
 from asperity.app.cli import main
 from asperity.app.explore.folders import open_entry
-from asperity.results.quantities import QUANTITIES, chosen
+from asperity.results.quantities import QUANTITIES, select
 from tests.campaign.conftest import do_here, written
 
 P = asp.protocols
@@ -90,11 +90,11 @@ HISTORIES: dict[str, asp.History] = {
 def test_a_history_has_what_the_table_says_each_with_its_name_and_unit(kind: str) -> None:
     history = HISTORIES[kind]
     base = "continua" if kind == "continua" else "sites"
-    said = chosen(of=("all", base, kind))
+    said = select(of=("all", base, kind))
     here = set(map(str, history.dataset.variables))
     optional = {"branch", "leg", "field_leg", "clustering", "displacement"}  # of several branches; of legs
-    assert said.keys() - chosen("contact") - optional <= here <= said.keys()
-    assert set(map(str, history.final.dataset.variables)) >= chosen("contact", of=("all", base)).keys()
+    assert said.keys() - select("contact") - optional <= here <= said.keys()
+    assert set(map(str, history.final.dataset.variables)) >= select("contact", of=("all", base)).keys()
     for name in here - {"branch"}:
         assert history.dataset[name].attrs["long_name"] == said[name].long_name
         assert history.dataset[name].attrs["units"]

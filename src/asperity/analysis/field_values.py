@@ -92,8 +92,8 @@ def _rough(one: xr.Dataset) -> Field:
 def pressure_of(one: xr.Dataset) -> Field | None:
     """Contact pressure of one map; of a solid that is defined on sites the force of each.
 
-    Histories of versions before 0.4.8 did not keep that force: of a lattice of springs it follows from u and u0;
-    of another solid it is None.
+    Where a version up to 0.4.7 did not keep that force, it follows on a lattice of springs from u and u0; of
+    another solid it is None.
     """
     for name in ("pressure", "force"):
         if name in one:

@@ -19,7 +19,7 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask
 from asperity.patches import Patches, Shapes, ages_of, linked, shapes_of
 from asperity.results.history import check_fields
-from asperity.results.quantities import chosen, units_named, units_of
+from asperity.results.quantities import select, units_named, units_of
 
 _PATCHES = {
     "size": ("sites of the patch", "sites"),
@@ -207,7 +207,7 @@ def contact_ages(dataset: xr.Dataset) -> xr.DataArray:
         The history kept no fields.
     """
     times, maps = _maps(dataset)
-    age = chosen("map")["contact_age"]
+    age = select("map")["contact_age"]
     attributes = {"long_name": age.long_name, "units": _units(dataset).get(age.dimension, "")}
     return dataset["in_contact"].copy(data=ages_of(maps, times.tolist())).assign_attrs(attributes)
 

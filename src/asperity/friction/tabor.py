@@ -21,7 +21,7 @@ from asperity.base import checks, units
 from asperity.errors import LARGEST, InputError
 from asperity.friction.laws import coming_velocity
 from asperity.lattice import Field
-from asperity.results.quantities import chosen
+from asperity.results.quantities import select
 from asperity.theory import static_friction
 
 
@@ -140,7 +140,7 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     units_of = {"force": load.attrs["units"], "1": "1"}
     force, ratio = (
         {"long_name": one.long_name, "units": units_of[one.dimension]}
-        for one in chosen("series", of=("friction",)).values()
+        for one in select("series", of=("friction",)).values()
     )
     return dataset.assign(
         friction_force=(load.dims, coefficient * carried, force),

@@ -6,11 +6,11 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 
 from asperity.creep import PARAMETERS_OF_LAWS
-from asperity.results.quantities import Units, chosen
+from asperity.results.quantities import Units, select
 
 _RECORDED = {
     name: (one.long_name, one.dimension)
-    for name, one in chosen("series", of=("all", "sites", "sliding")).items()
+    for name, one in select("series", of=("all", "sites", "sliding")).items()
 }
 _PRESSURE = ("load over nominal area", "pressure")
 _HEIGHT, _LENGTH, _STIFFNESS = "height unit", "length unit", "stiffness unit"

@@ -168,7 +168,7 @@ QUANTITIES: tuple[Quantity, ...] = (
 """In the order of the columns of tables."""
 
 
-def chosen(*homes: Home, of: Collection[Of] = (), table: Table = _NONE) -> dict[str, Quantity]:
+def select(*homes: Home, of: Collection[Of] = (), table: Table = _NONE) -> dict[str, Quantity]:
     """Quantities by name, in order: of all homes or some, of all or of some solids, of all tables or one.
 
     Of two rows of one name, one for solids that are defined on sites and one for continua, the later counts.
@@ -190,7 +190,7 @@ def had_by(contact: Contact, *homes: Home, slides: bool = False) -> dict[str, Qu
     solid = contact.solid
     of: list[Of] = ["all", "continua" if solid.in_lengths else "sites"]
     of += ["yielding"] * solid.yields + ["sliding"] * slides
-    return chosen(*homes, of=of)
+    return select(*homes, of=of)
 
 
 Units = Mapping[str, str]
@@ -247,7 +247,7 @@ def units_of(contact: Contact) -> Units:
 
 def units_named(named: Mapping[str, str]) -> Units:
     """Units of dimensions, from those of recorded quantities by name."""
-    known = chosen()
+    known = select()
     found = {known[name].dimension: unit for name, unit in named.items() if name in known}
     systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)
     alike = (one for one in systems if all(one.get(d) == found.get(d) for d in ("time", "force")))

@@ -21,10 +21,10 @@ from asperity.base.words import reason_of, tables_to_toml
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import in_words
-from asperity.results.quantities import CAMPAIGN, Units, chosen, units_named
+from asperity.results.quantities import CAMPAIGN, Units, select, units_named
 
 _NO_ENSEMBLE = (
-    *(name for name, one in chosen("series").items() if CAMPAIGN not in one.tables),
+    *(name for name, one in select("series").items() if CAMPAIGN not in one.tables),
     *("worst_residual", "relaxed_residual", "sites", "held", "seconds"),
     *(f"fit_{name}_uncertainty" for name in FITTED),
 )
@@ -144,8 +144,8 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
     Returns
     -------
     Dataset
-        ``heights`` over the sites; ``u``, ``u0``, ``in_contact`` and forces over ``field_time`` and the sites;
-        and, where the run has a limit, ``in_contact_relaxed`` and ``u_relaxed``.
+        ``heights`` over the sites; ``u``, ``u0``, ``in_contact`` and forces over ``field_time`` and the
+        sites; and, where the run has a limit, ``in_contact_relaxed`` and ``u_relaxed``.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def table(dataset: xr.Dataset) -> pd.DataFrame:
         rows = dataset[numbers].to_dataframe().dropna(how="all", subset=["initial_area"]).reset_index()
     else:
         rows = pd.DataFrame([{name: float(dataset[name]) for name in numbers}])
-    counts = {f"{when}_{name}" for when in _WHEN for name, one in chosen().items() if one.whole} | {"sites"}
+    counts = {f"{when}_{name}" for when in _WHEN for name, one in select().items() if one.whole} | {"sites"}
     return rows.astype({name: "Int64" for name in rows if name in counts})
 
 
@@ -199,7 +199,7 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
         quantity = name.removesuffix("_history")
         values = dataset[name]
         along, home = (over_time, "series") if over_time in values.dims else ("field_time", "map")
-        if along not in values.dims or quantity not in chosen(home, table=CAMPAIGN):
+        if along not in values.dims or quantity not in select(home, table=CAMPAIGN):
             continue
         if "quantile" in values.dims:
             continue

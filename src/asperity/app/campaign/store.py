@@ -35,14 +35,14 @@ from asperity.app.runs import Outcome
 from asperity.errors import InputError, OutputError, Remark
 from asperity.lattice import Field
 from asperity.patches import QUANTILES
-from asperity.results.quantities import chosen
+from asperity.results.quantities import select
 from asperity.results.store import flush, flush_folder, whole_file
 
-QUANTITIES = ("time", *chosen("series"), "leg")
+QUANTITIES = ("time", *select("series"), "leg")
 FITTED = ("a", "q", "t0", "C")
 _ALWAYS = {"sites", "initial_area", "seconds"}
 """Scalars that every finished run has."""
-KEPT_FIELDS = ("heights", *chosen("field"), "in_contact_relaxed", "u_relaxed", "area_observed")
+KEPT_FIELDS = ("heights", *select("field"), "in_contact_relaxed", "u_relaxed", "area_observed")
 """Fields of a run that asked for maps, in the order in which their checksum takes them."""
 
 _PATIENCE = 60.0
@@ -320,7 +320,7 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
         fields = {name: np.asarray(dataset[name]) for name in (*KEPT_FIELDS, "field_time") if name in dataset}
     kept = {}
     if "patches" in dataset:
-        kept = {name: np.atleast_2d(np.asarray(dataset[name]).T) for name in chosen("map") if name in dataset}
+        kept = {name: np.atleast_2d(np.asarray(dataset[name]).T) for name in select("map") if name in dataset}
         fields[_OF_MAPS] = np.concatenate(list(kept.values())).astype(np.float64)
     for name, values in fields.items():
         group.create_array(name, data=values, chunks=values.shape)

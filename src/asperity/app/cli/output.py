@@ -17,7 +17,7 @@ from asperity.errors import InputError, OutputError
 from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
-from asperity.results.quantities import RUN, chosen
+from asperity.results.quantities import RUN, select
 from asperity.results.store import whole_file, whole_folder
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def _write_table(outcome: Outcome, path: Path) -> None:
     dataset = outcome.dataset
     if dataset["load"][0] > 0:  # else the first area is that of first touch, and no measure of growth
         dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
-    names = [name for name in chosen("series", "coordinate", table=RUN) if name in dataset.variables]
+    names = [name for name in select("series", "coordinate", table=RUN) if name in dataset.variables]
     if "area_ratio" in dataset:
         names.insert(names.index("area") + 1, "area_ratio")
     _write_columns(dataset, [(name, dataset[name]) for name in names], path)
@@ -148,7 +148,7 @@ def _write_table(outcome: Outcome, path: Path) -> None:
 def _write_patches(dataset: xr.Dataset, path: Path) -> None:
     """One row a map: what it knows of patches."""
     columns = [("time", dataset["field_time"])]
-    for name in chosen("map", table=RUN):
+    for name in select("map", table=RUN):
         if name in dataset and "quantile" in dataset[name].dims:
             shares = dataset["quantile"].values.tolist()
             columns += [

@@ -35,7 +35,7 @@ from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.progress import listener
 from asperity.relaxation import Fit, arrhenius, wlf
 from asperity.results import Checkpoint
-from asperity.results.quantities import PREDICT, areas_first, chosen
+from asperity.results.quantities import PREDICT, areas_first, select
 from asperity.results.store import whole_folder
 
 _CHECKPOINT_EVERY = 3.0
@@ -319,7 +319,7 @@ def _solid(prediction: Prediction, fit: Fit) -> str:
 
 def _write_table(prediction: Prediction, path: Path) -> None:
     """One row a time; numbers to the last digit, with units in the header."""
-    unit_of = {name: prediction.dataset[name].attrs["units"] for name in areas_first(chosen(table=PREDICT))}
+    unit_of = {name: prediction.dataset[name].attrs["units"] for name in areas_first(select(table=PREDICT))}
     columns = {f"{name} [{unit}]": prediction.series(name) for name, unit in unit_of.items()}
     if prediction.effective_load is not None:
         columns["effective_load [N]"] = prediction.effective_load

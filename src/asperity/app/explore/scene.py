@@ -30,7 +30,7 @@ from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
 from asperity.protocols import legs_of
 from asperity.results.dataset import Row, dataset_of, row_of
-from asperity.results.quantities import PAGE, areas_first, chosen
+from asperity.results.quantities import PAGE, areas_first, select
 
 Header = dict[str, Any]
 Arrays = dict[str, NDArray[Any]]
@@ -47,7 +47,7 @@ _BYTES = 64e6
 _A_MESSAGE = 4e6
 """Bytes of maps after which a message is sent off."""
 
-_SERIES, _PATCHES = chosen("series", table=PAGE), chosen("map", table=PAGE)
+_SERIES, _PATCHES = select("series", table=PAGE), select("map", table=PAGE)
 
 _MADE = {
     "mean_pressure": "load over real contact area",
