@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from tests.calls import WRONG
 from tests.refusals import refuses
-from tests.unit.test_wrong_things import WRONG
 
 import asperity_research.challenge as challenge
 import asperity_research.studies as studies
