@@ -4,6 +4,8 @@ import io
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,15 +15,15 @@ import asperity as asp
 from asperity.aging import creep
 from asperity.aging.march import Midway
 from asperity.contact import ActiveSet
-from asperity.errors import InputError, OutputError
+from asperity.errors import CheckpointError, OutputError
 from asperity.results import Checkpoint
+from tests.refusals import refuses
 from tests.surfaces import correlated, uncorrelated
 
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 CONTACT = asp.press(uncorrelated(16), SOLID, load=10.0)
 TIMES = np.geomspace(1e-2, 1e4, 13)
 KEEP = [0.0, 0.02, 100.0]
-UNDISTURBED = asp.age(CONTACT, TIMES, fields_at=KEEP)
 
 
 class StopHereError(Exception):
@@ -36,38 +38,11 @@ def stop_at(time):
     return progress
 
 
-@pytest.mark.parametrize("stops", [[TIMES[1]], [TIMES[6]], [TIMES[-1]], [TIMES[2], TIMES[5], TIMES[9]]])
-def test_stopped_and_resumed(tmp_path, stops):
-    checkpoint = Checkpoint(tmp_path / "place.npz", every=0.0)
-    for stop in stops:
-        with pytest.raises(StopHereError):
-            asp.age(CONTACT, TIMES, fields_at=KEEP, checkpoint=checkpoint, progress=stop_at(stop))
-    seen = []
-    resumed = asp.age(
-        CONTACT, TIMES, fields_at=KEEP, checkpoint=checkpoint, progress=lambda frame: seen.append(frame.time)
-    )
-    assert seen[0] == stops[-1]
-    xr.testing.assert_identical(resumed.dataset, UNDISTURBED.dataset)
-    np.testing.assert_array_equal(resumed.final.u0, UNDISTURBED.final.u0)
-    np.testing.assert_array_equal(resumed.final.force, UNDISTURBED.final.force)
-
-
-def test_stopped_and_resumed_where_errors_are_forgotten(tmp_path):
-    solid = asp.solids.spring_lattice(k0=1.0, k1=100.0)
-    contact = asp.press(correlated(48), solid, load=1e4)
-    checkpoint, times = Checkpoint(tmp_path / "place.npz", every=0.0), [1e-2, 1.0, 100.0]
-    undisturbed = asp.age(contact, times)
-    moments: list[Midway] = []
-    list(creep(contact, times, after_step=moments.append))
-    forgetting = [bool(moment.resume_state["scales"][4]) for moment in moments]
-    assert forgetting == sorted(forgetting)
-    assert forgetting.count(True) > 10
-    for stop in times[:2]:
-        with pytest.raises(StopHereError):
-            asp.age(contact, times, checkpoint=checkpoint, progress=stop_at(stop))
-    resumed = asp.age(contact, times, checkpoint=checkpoint)
-    xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
-    np.testing.assert_array_equal(resumed.final.u0, undisturbed.final.u0)
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Refusals have paths in them, which are short here."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 P = asp.protocols
@@ -79,24 +54,6 @@ LEGS = [
     P.Ramp(1.0, separation=0.8),
     P.Hold(2.0),
 ]
-
-
-@pytest.mark.parametrize("solver", [None, ActiveSet()], ids=["springs", "fields"])
-def test_stopped_and_resumed_in_any_leg(tmp_path, solver):
-    times = [0.5, 1.0, 2.0, 4.0, 6.0, 7.5, 9.0]
-    contact = asp.press(uncorrelated(16), SOLID, load=60.0)
-    arguments = {"contact": contact, "times": times, "protocol": LEGS, "fields_at": times, "solver": solver}
-    undisturbed = asp.age(**arguments)
-    checkpoint = Checkpoint(tmp_path / "place.npz", every=0.0)
-    for stop in times:
-        with pytest.raises(StopHereError):
-            asp.age(**arguments, checkpoint=checkpoint, progress=stop_at(stop))
-    resumed = asp.age(**arguments, checkpoint=checkpoint)
-    xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
-    np.testing.assert_array_equal(resumed.final.u0, undisturbed.final.u0)
-    assert resumed.dataset["leg"].values.tolist() == [0, 0, 0, 1, 1, 2, 3, 3, 4, 4, 5, 5]
-
-
 SLIDES = [
     P.Slide(3.0, velocity=2.0),
     P.Hold(1.0),
@@ -105,78 +62,92 @@ SLIDES = [
     P.Step(load=40.0),
     P.Hold(1.0),
 ]
+HEAVY = asp.press(uncorrelated(16), SOLID, load=60.0)
+IN_LEGS, BETWEEN_SHIFTS = [0.5, 1.0, 2.0, 4.0, 6.0, 7.5, 9.0], [0.25, 0.75, 1.0, 2.0, 2.6, 3.5, 4.5, 5.0]
+FORGOTTEN = {
+    "contact": asp.press(correlated(48), asp.solids.spring_lattice(k0=1.0, k1=100.0), load=1e4),
+    "times": [1e-2, 1.0, 100.0],
+}
+RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
+    "once": ({"contact": CONTACT, "times": TIMES, "fields_at": KEEP}, [TIMES[6]]),
+    "often": ({"contact": CONTACT, "times": TIMES, "fields_at": KEEP}, [TIMES[1], TIMES[5], TIMES[-1]]),
+    "where errors are forgotten": (FORGOTTEN, FORGOTTEN["times"][:2]),
+    **{
+        f"{name}, {of}": (
+            {"contact": HEAVY, "times": times, "protocol": protocol, "fields_at": times, "solver": solver},
+            times,
+        )
+        for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS))
+        for of, solver in (("springs", None), ("fields", ActiveSet()))
+    },
+}
 
 
-@pytest.mark.parametrize("solver", [None, ActiveSet()], ids=["springs", "fields"])
-def test_stopped_and_resumed_between_shifts(tmp_path, solver):
-    times = [0.25, 0.75, 1.0, 2.0, 2.6, 3.5, 4.5, 5.0]
-    contact = asp.press(uncorrelated(16), SOLID, load=60.0)
-    arguments = {"contact": contact, "times": times, "protocol": SLIDES, "fields_at": times, "solver": solver}
+@pytest.mark.parametrize("name", RUNS)
+def test_stopped_and_resumed(tmp_path, name):
+    arguments, stops = RUNS[name]
     undisturbed = asp.age(**arguments)
     checkpoint = Checkpoint(tmp_path / "place.npz", every=0.0)
-    for stop in times:
+    for stop in stops:
         with pytest.raises(StopHereError):
             asp.age(**arguments, checkpoint=checkpoint, progress=stop_at(stop))
-    resumed = asp.age(**arguments, checkpoint=checkpoint)
+    seen: list[float] = []
+    resumed = asp.age(**arguments, checkpoint=checkpoint, progress=lambda frame: seen.append(frame.time))
+    assert seen[0] == stops[-1]
+    assert set(arguments["times"]) <= set(resumed.time.values.tolist())
     xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
-    np.testing.assert_array_equal(resumed.final.u0, undisturbed.final.u0)
-    np.testing.assert_array_equal(resumed.final.heights, undisturbed.final.heights)
-    assert set(times) <= set(resumed.time.values.tolist())
+    for field in ("u0", "force", "heights"):
+        np.testing.assert_array_equal(getattr(resumed.final, field), getattr(undisturbed.final, field))
+
+
+def test_errors_are_forgotten_where_the_test_above_stops():
+    moments: list[Midway] = []
+    list(creep(FORGOTTEN["contact"], FORGOTTEN["times"], after_step=moments.append))
+    forgetting = [bool(moment.resume_state["scales"][4]) for moment in moments]
+    assert forgetting == sorted(forgetting)
+    assert forgetting.count(True) > 10
 
 
 def test_a_finished_run_resumes_to_the_same(tmp_path):
-    path = tmp_path / "place.npz"
-    for _ in range(2):
-        history = asp.age(CONTACT, TIMES, fields_at=KEEP, checkpoint=Checkpoint(path, every=0.0))
-        xr.testing.assert_identical(history.dataset, UNDISTURBED.dataset)
+    place = Checkpoint(tmp_path / "place.npz", every=0.0)
+    first, second = (asp.age(CONTACT, TIMES, fields_at=KEEP, checkpoint=place).dataset for _ in range(2))
+    xr.testing.assert_identical(first, second)
 
 
-@pytest.mark.parametrize(
-    "other",
-    [
-        {"times": TIMES[:-1]},
+def test_the_checkpoint_of_another_run_is_refused(here):
+    arguments = {"contact": CONTACT, "times": TIMES, "fields_at": KEEP}
+    asp.age(**arguments, checkpoint=Checkpoint("place.npz", every=0.0))
+    faster = asp.solids.spring_lattice(k0=1, k1=3, R=2)
+    for other in (
         {"times": TIMES[:-1], "fields_at": sorted([TIMES[-1], *KEEP])},
         {"rtol": 1e-3},
         {"fields_at": [100.0]},
         {"hold": "separation"},
         {"protocol": [P.Hold(TIMES[-1] / 2), P.Hold(TIMES[-1] / 2)]},
         {"contact": asp.press(uncorrelated(16), SOLID, load=10.5)},
-        {"contact": asp.press(uncorrelated(16), asp.solids.spring_lattice(k0=1, k1=3, R=2), load=10.0)},
-    ],
-)
-def test_the_checkpoint_of_another_run_is_refused(tmp_path, other):
-    path = tmp_path / "place.npz"
-    asp.age(CONTACT, TIMES, fields_at=KEEP, checkpoint=Checkpoint(path, every=0.0))
-    arguments = {"contact": CONTACT, "times": TIMES, "fields_at": KEEP} | other
-    with pytest.raises(InputError, match=r"of a run with other parameters; try another path, or remove"):
-        asp.age(**arguments, checkpoint=path)
+        {"contact": asp.press(uncorrelated(16), faster, load=10.0)},
+    ):
+        with refuses("checkpoint", kind=CheckpointError):
+            asp.age(**(arguments | other), checkpoint="place.npz")
 
 
-def test_a_file_that_is_no_checkpoint_is_refused(tmp_path):
-    path = tmp_path / "place.npz"
+def test_a_file_that_is_no_checkpoint_is_refused(here):
+    asp.age(CONTACT, TIMES, checkpoint=Checkpoint("place.npz", every=0.0))
+    patched = bytearray((here / "place.npz").read_bytes())
+    patched[patched.index(b"PK\x01\x02") + 8] |= 1 << 5  # "compressed patched data", which cannot be decoded
     empty = io.BytesIO()
     np.savez(empty, facts=np.array("{}"))
-    for content in (b"", b"hello", b"PK\x03\x04 cut off", empty.getvalue()):
-        path.write_bytes(content)
-        with pytest.raises(InputError, match="checkpoint: expected a checkpoint of this run"):
-            asp.age(CONTACT, TIMES, checkpoint=path)
-        assert path.read_bytes() == content
+    for content in (b"", b"hello", b"PK\x03\x04 cut off", empty.getvalue(), bytes(patched)):
+        (here / "place.npz").write_bytes(content)
+        with refuses("checkpoint", kind=CheckpointError):
+            asp.age(CONTACT, TIMES, checkpoint="place.npz")
+        assert (here / "place.npz").read_bytes() == content
 
 
-def test_a_place_where_nothing_can_be_written(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match="could not write"):
-        asp.age(CONTACT, TIMES, checkpoint=Checkpoint(tmp_path / "file" / "place.npz", every=0.0))
-
-
-def test_an_archive_that_cannot_be_decoded_is_no_checkpoint(tmp_path):
-    path = tmp_path / "place.npz"
-    asp.age(CONTACT, TIMES, checkpoint=Checkpoint(path, every=0.0))
-    content = bytearray(path.read_bytes())
-    content[content.index(b"PK\x01\x02") + 8] |= 1 << 5  # "compressed patched data"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=r"expected a checkpoint of this run, got .*compressed patched data"):
-        asp.age(CONTACT, TIMES, checkpoint=path)
+def test_a_place_where_nothing_can_be_written(here):
+    (here / "file").write_text("")
+    with refuses(kind=OutputError):
+        asp.age(CONTACT, TIMES, checkpoint=Checkpoint("file/place.npz", every=0.0))
 
 
 SCRIPT = """
@@ -189,6 +160,7 @@ print(*history.dataset["energy"].values.tolist(), history.final.u0.sum())
 """
 
 
+@pytest.mark.slow
 def test_killed_at_random_moments(tmp_path):
     def run(path, patience=None):
         command = [sys.executable, "-c", SCRIPT, str(path)]

@@ -1,6 +1,7 @@
 """Histories, the Dataset, and its way to disk and back."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,8 +19,11 @@ CONTACT = asp.press(uncorrelated(12), SOLID, load=10.0)
 HISTORY = asp.age(CONTACT, [0.1, 1.0, 10.0], fields_at=[0.0, 1.0, 3.0])
 
 
-def names(folder):
-    return [path.name for path in folder.iterdir()]
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    """Refusals have paths in them, which are short here."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 def test_time_series():
@@ -39,28 +43,13 @@ def test_time_series():
     assert (data["steps"].values[1:] >= 1).all()
     assert (data["iterations"].values[1:] >= 1).all()
     np.testing.assert_allclose(data["contact_fraction"], data["area"] / 144)
-
-
-def test_fields_at_requested_times_only():
-    data = HISTORY.dataset
     np.testing.assert_array_equal(data["field_time"], [0.0, 1.0, 3.0])
     assert data["u"].dims == ("field_time", "y", "x")
     np.testing.assert_array_equal(data["u"].values[0], CONTACT.u)
     np.testing.assert_array_equal(data["in_contact"].values[1].sum(), data["area"].sel(time=1.0))
     np.testing.assert_array_equal(data["in_contact"], data["u"] == data["heights"])
-
-
-def test_everything_explains_itself():
-    data = HISTORY.dataset
-    for variable in data.variables.values():
-        assert variable.attrs["long_name"]
-        assert variable.attrs["units"]
-    assert data.attrs["k1"] == 3.0
-    assert data.attrs["R_viscous"] == 0.1
-    assert data.attrs["held"] == "load"
-    assert data.attrs["held_load"] == 10.0
-    assert data.attrs["asperity_version"] == asp.__version__
-    assert data.attrs["rtol"] > 0
+    line = asp.age(asp.press(uncorrelated(16)[0], SOLID, load=2.0), [1.0], fields_at=[1.0]).dataset
+    assert line["u"].dims == ("field_time", "x")
 
 
 def needs_no_parsing(attributes):
@@ -84,6 +73,9 @@ def test_every_parameter_is_an_attribute_of_its_own(tmp_path):
     legs = [asp.protocols.Hold(1.0), asp.protocols.Repeat([asp.protocols.Step(load=2e-4)], 2)]
     data = asp.age(asp.press(rough, film, load=1e-4), [1.0], protocol=legs).dataset
     attrs = data.attrs
+    assert (attrs["held"], attrs["held_load"], attrs["asperity_version"]) == ("load", 1e-4, asp.__version__)
+    assert attrs["rtol"] > 0
+    assert json.loads(attrs["surface"])["hurst"] == 0.8
     assert needs_no_parsing(attrs)
     assert (attrs["branch_shares"], attrs["branch_times"]) == ([0.3, 0.2], [0.1, 5.0])
     assert (attrs["base_branch_shares"], attrs["base_branch_times"]) == ([0.1], [2.0])
@@ -109,144 +101,10 @@ def test_netcdf_and_back(tmp_path):
     assert again.attrs["held_load"] == 10.0
 
 
-def test_the_origin_of_measured_heights_is_recorded(tmp_path):
-    np.save(tmp_path / "rough.npy", uncorrelated(6))
-    surface = asp.surfaces.read(tmp_path / "rough.npy")
-    data = asp.age(asp.press(surface, SOLID, load=1.0), [1.0]).dataset
-    assert json.loads(data.attrs["surface"])["file"] == "rough.npy"
-
-
-def test_one_dimensional_contacts_have_one_axis():
-    contact = asp.press(uncorrelated(16)[0], SOLID, load=2.0)
-    data = asp.age(contact, [1.0], fields_at=[1.0]).dataset
-    assert data["u"].dims == ("field_time", "x")
-
-
-def test_what_is_printed_is_short():
-    assert repr(CONTACT).startswith(f"<Contact: {CONTACT.area} of 12 x 12 sites touch, load 10, separation ")
-    assert repr(HISTORY).startswith(f"<History: 4 times to 10, area {CONTACT.area} to ")
-
-
-def test_progress_sees_every_stop():
-    seen = []
-    asp.age(CONTACT, [0.1, 1.0], fields_at=[0.5], progress=lambda frame: seen.append(frame.time))
-    assert seen == [0.0, 0.1, 0.5, 1.0]
-
-
-def test_saved_and_reopened_without_loss(tmp_path):
-    HISTORY.save(tmp_path / "run.zarr")
-    xr.testing.assert_identical(asp.results.load(tmp_path / "run.zarr"), HISTORY.dataset)
-
-
-def test_what_exists_is_kept_unless_told_otherwise(tmp_path):
-    path = tmp_path / "run.zarr"
-    HISTORY.save(path)
-    with pytest.raises(OutputError, match="exists already and is kept"):
-        HISTORY.save(path)
-    shorter = asp.age(CONTACT, [0.1])
-    shorter.save(path, overwrite=True)
-    assert asp.results.load(path).sizes["time"] == 2
-    assert names(tmp_path) == ["run.zarr"]
-
-
-@pytest.mark.parametrize("overwrite", [False, True])
-def test_a_folder_that_save_did_not_write_is_never_replaced(tmp_path, overwrite):
-    (tmp_path / "precious").mkdir()
-    (tmp_path / "precious" / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match="kept"):
-        HISTORY.save(tmp_path / "precious", overwrite=overwrite)
-    assert (tmp_path / "precious" / "thesis.tex").read_text() == "years of work"
-
-
-def test_a_failed_write_leaves_nothing(tmp_path):
-    def write_half():
-        with whole_folder(tmp_path / "run") as folder:
-            (folder / "half").write_text("written")
-            raise OSError(28, "No space left on device")
-
-    with pytest.raises(OutputError, match="No space left on device; nothing was left there"):
-        write_half()
-    assert names(tmp_path) == []
-
-
-def test_a_failed_overwrite_keeps_what_was_there(tmp_path):
-    (tmp_path / "run").mkdir()
-    (tmp_path / "run" / "old").write_text("precious")
-    with pytest.raises(KeyboardInterrupt), whole_folder(tmp_path / "run", overwrite=True):
-        raise KeyboardInterrupt
-    assert (tmp_path / "run" / "old").read_text() == "precious"
-    assert names(tmp_path) == ["run"]
-
-
-def test_a_folder_where_none_can_be(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match="could not write"):
-        HISTORY.save(tmp_path / "file" / "run.zarr")
-
-
-@pytest.mark.parametrize("kind", ["missing", "empty", "other"])
-def test_loading_what_is_no_result(tmp_path, kind):
-    path = tmp_path / "thing"
-    if kind != "missing":
-        path.mkdir()
-    if kind == "other":
-        (path / "notes.txt").write_text("hello")
-    with pytest.raises(InputError, match="path: expected a folder that asperity wrote"):
-        asp.results.load(path)
-
-
-DAMAGES = {
-    "a byte of the numbers": ("u/c/0/0/0", lambda content: content[:-9] + b"?" + content[-8:]),
-    "half of the numbers": ("area/c/0", lambda content: content[: len(content) // 2]),
-    "a description of another type": (
-        "area/zarr.json",
-        lambda _: b'{"zarr_format": 3, "node_type": "array"}',
-    ),
-    "a description that is none": ("zarr.json", lambda _: b"[0]"),
-    "a name that is none": ("u/zarr.json", lambda content: content.replace(b'"field_time"', b"[0]")),
-}
-
-
-@pytest.mark.parametrize("damage", DAMAGES)
-def test_damaged_results_are_refused_in_one_line(tmp_path, damage):
-    HISTORY.save(tmp_path / "run.zarr")
-    file, change = DAMAGES[damage]
-    (tmp_path / "run.zarr" / file).write_bytes(change((tmp_path / "run.zarr" / file).read_bytes()))
-    with pytest.raises(InputError, match=r"path: expected a folder that asperity wrote, got .*: ") as raised:
-        asp.results.load(tmp_path / "run.zarr")
-    assert "\n" not in str(raised.value)
-
-
-@pytest.mark.parametrize("lost", ["u/c/0/0/0", "rejected/c/0", "time/c/0"])
-def test_a_chunk_that_is_missing_is_no_zero(
-    tmp_path, lost
-):  # rejected is 0 at all times, and a chunk all the same
-    HISTORY.save(tmp_path / "run.zarr")
-    (tmp_path / "run.zarr" / lost).unlink()
-    with pytest.raises(InputError, match=f"path: .*: parts of {lost.split('/')[0]} are missing"):
-        asp.results.load(tmp_path / "run.zarr")
-
-
 def test_results_of_versions_that_left_out_chunks_of_zeros_are_read(tmp_path):
     HISTORY.dataset.to_zarr(tmp_path / "run.zarr", consolidated=False)
     (tmp_path / "run.zarr" / "rejected" / "c" / "0").unlink(missing_ok=True)
     assert (asp.results.load(tmp_path / "run.zarr")["rejected"] == HISTORY.dataset["rejected"]).all()
-
-
-def test_files_of_others_in_the_folder_of_results_warn_nobody(tmp_path):  # a warning is an error here
-    HISTORY.save(tmp_path / "run.zarr")
-    (tmp_path / "run.zarr" / ".DS_Store").write_bytes(b"")
-    assert asp.results.load(tmp_path / "run.zarr").identical(HISTORY.dataset)
-
-
-@pytest.mark.parametrize("name", ["history.nc", "history.H5"])
-def test_names_of_other_formats_are_refused(tmp_path, name):
-    with pytest.raises(InputError, match=r"path: expected a name that ends in \.zarr, got .*to_netcdf"):
-        HISTORY.save(tmp_path / name)
-    HISTORY.save(tmp_path / "history.zarr")
-    assert (
-        xr.open_zarr(tmp_path / "history.zarr")["area"].size == 4
-    )  # without a warning, which is an error here
 
 
 def test_the_table_of_a_history_has_a_row_for_each_time():
@@ -269,3 +127,78 @@ def test_a_history_gives_its_series_by_name():
     for wrong in ("seperation", "dims", 3):
         with refuses("name"):
             HISTORY[wrong]  # type: ignore[index]
+
+
+def test_what_was_saved_is_read_again_and_kept_unless_told_otherwise(here):
+    HISTORY.save("run.zarr")
+    (here / "run.zarr" / ".DS_Store").write_bytes(b"")  # files of others warn nobody: a warning is an error
+    xr.testing.assert_identical(asp.results.load("run.zarr"), HISTORY.dataset)
+    assert xr.open_zarr("run.zarr")["area"].size == 4
+    with refuses(kind=OutputError):
+        HISTORY.save("run.zarr")
+    asp.age(CONTACT, [0.1]).save("run.zarr", overwrite=True)
+    assert asp.results.load("run.zarr").sizes["time"] == 2
+    assert [path.name for path in here.iterdir()] == ["run.zarr"]
+
+
+def test_what_cannot_be_written_is_left_alone(here):
+    (here / "precious").mkdir()
+    (here / "precious" / "thesis.tex").write_text("years of work")
+    for overwrite in (False, True):
+        with refuses(kind=OutputError):
+            HISTORY.save("precious", overwrite=overwrite)
+    with refuses(kind=OutputError):
+        HISTORY.save("precious/thesis.tex/run.zarr")
+    for name in ("history.nc", "history.H5"):
+        with refuses("path"):
+            HISTORY.save(name)
+
+    def write_half(*, overwrite):
+        with whole_folder(Path("precious" if overwrite else "run"), overwrite=overwrite) as folder:
+            (folder / "half").write_text("written")
+            raise KeyboardInterrupt if overwrite else OSError(28, "No space left on device")
+
+    with refuses(kind=OutputError):
+        write_half(overwrite=False)
+    with pytest.raises(KeyboardInterrupt):
+        write_half(overwrite=True)
+    assert [path.name for path in here.rglob("*")] == ["precious", "thesis.tex"]
+    assert (here / "precious" / "thesis.tex").read_text() == "years of work"
+
+
+def test_what_is_no_result_is_refused(here):
+    for name in ("missing", "empty", "other"):
+        if name != "missing":
+            (here / name).mkdir()
+        if name == "other":
+            (here / name / "notes.txt").write_text("hello")
+        with refuses("path"):
+            asp.results.load(name)
+
+
+DAMAGES = {
+    "a byte of the numbers": ("u/c/0/0/0", lambda content: content[:-9] + b"?" + content[-8:]),
+    "half of the numbers": ("area/c/0", lambda content: content[: len(content) // 2]),
+    "a description of another type": (
+        "area/zarr.json",
+        lambda _: b'{"zarr_format": 3, "node_type": "array"}',
+    ),
+    "a description that is none": ("zarr.json", lambda _: b"[0]"),
+    "a name that is none": ("u/zarr.json", lambda content: content.replace(b'"field_time"', b"[0]")),
+    "a lost chunk of zeros": ("rejected/c/0", None),  # which zarr would read as zeros
+    "lost times": ("time/c/0", None),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_results_are_refused_in_one_line(here, damage):
+    HISTORY.save("run.zarr")
+    name, change = DAMAGES[damage]
+    file = here / "run.zarr" / name
+    if change is None:
+        file.unlink()
+    else:
+        file.write_bytes(change(file.read_bytes()))
+    with pytest.raises(InputError, match=r"path: expected a folder that asperity wrote, got .*: ") as raised:
+        asp.results.load("run.zarr")
+    assert "\n" not in str(raised.value)

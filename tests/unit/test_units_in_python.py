@@ -59,11 +59,8 @@ def test_quantities_of_pint_are_texts_with_units() -> None:
     of: Any = pint.UnitRegistry().Quantity
     same(press(SCAN, HALF_SPACE, load=of(10, "mN")), press(SCAN, HALF_SPACE, load=0.01))
     same(press(SCAN, HALF_SPACE, pressure=of(1, "kgf/mm^2")), press(SCAN, HALF_SPACE, pressure=9806650.0))
-    twice = of(5, "kg") * of(2e-3, "m/s^2")
-    same(
-        press(SCAN, half_space(modulus=of(3, "GPa")), load=twice),
-        press(SCAN, half_space(modulus=3e9), load=0.01),
-    )
+    assert half_space(modulus=of(3, "GPa")) == half_space(modulus=3e9)
+    assert quantity(of(5, "kg") * of(2e-3, "m/s^2"), "N") == pytest.approx(0.01)
     held = press(SCAN, half_space(modulus=3e9, branches=[(0.5, of(2, "ms"))]), load=0.01)
     aged = age(held, [of(1, "ms"), of(1, "min")], protocol=[Hold(of(1, "s")), Ramp(59, load=of(20, "mN"))])
     np.testing.assert_allclose(aged.time, [0, 1e-3, 1, 60])
@@ -81,13 +78,10 @@ def test_quantities_of_pint_are_texts_with_units() -> None:
         press(BARE, HALF_SPACE, load=of(1, "N"))
 
 
-@pytest.mark.parametrize("wrong", ["10 MPa", "ten N", "5", "10 mN 5"])
-def test_texts_that_are_no_load_are_refused(wrong: str) -> None:
-    with refuses("load"):
-        press(SCAN, HALF_SPACE, load=wrong)
-
-
-def test_units_are_refused_where_there_are_none() -> None:
+def test_units_are_refused_where_there_are_none_and_others_than_expected() -> None:
+    for wrong in ("10 MPa", "ten N", "5", "10 mN 5"):
+        with refuses("load"):
+            press(SCAN, HALF_SPACE, load=wrong)
     with refuses("units"):
         press(BARE, HALF_SPACE, load="1 N")
     with refuses("units"):
