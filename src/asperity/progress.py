@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from html import escape
 from types import ModuleType
@@ -21,9 +21,16 @@ _EVERY = 0.1
 """Seconds between changes of a bar in a notebook."""
 
 
-def listener(progress: Progress | bool | None) -> AbstractContextManager[Progress]:
+def listener(
+    progress: Progress | Callable[[Frame], None] | bool | None,
+) -> AbstractContextManager[Progress]:
     """Whom to tell how far a run has come: where the user is for True, the user's own, or nobody."""
-    return progress_shown() if progress is True else nullcontext(progress or Progress())
+    if progress is True:
+        return progress_shown()
+    told = progress if isinstance(progress, Progress) else Progress()
+    if callable(progress):
+        told.reached = progress  # type: ignore[method-assign]
+    return nullcontext(told)
 
 
 @contextmanager

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, overload
@@ -259,7 +258,8 @@ def age(
             keeper.write(Place(here, rows, snapshots))
 
     final = contact
-    with _listener(progress, stops) as reached:
+    with listener(progress) as shown:
+        shown.stage("aging", times=stops.tolist())
         for frame in follow(
             contact,
             schedule,
@@ -270,7 +270,7 @@ def age(
             resume=resume,
             after_step=keep_place,
         ):
-            reached(frame)
+            shown.reached(frame)
             final = frame.contact
             of_its_time = not frame.passing
             if of_its_time and (frame.time in kept or (frame.time == 0 and keep_start)):
@@ -281,19 +281,6 @@ def age(
     return History(
         dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance), final
     )
-
-
-@contextmanager
-def _listener(
-    progress: Callable[[Frame], None] | bool | None, stops: Field
-) -> Iterator[Callable[[Frame], None]]:
-    """What is told how far aging has come: a bar, the user's own, or nobody."""
-    if callable(progress):
-        yield progress
-        return
-    with listener(progress) as shown:
-        shown.stage("aging", times=stops.tolist())
-        yield shown.reached
 
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:

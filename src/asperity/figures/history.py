@@ -18,16 +18,17 @@ from asperity.figures import style
 from asperity.figures.time_axis import BESIDE, GAP, Column, Entries, columns_of, entries_of, label_times
 from asperity.lattice import Field
 from asperity.protocols import Say
+from asperity.results.quantities import select
 
 _MANY = 100
 """More entries have smaller markers."""
 
-_LABELS = {
-    "separation": ("separation", "\n[height]"),
-    "load": ("load", "\n" r"[stiffness $\times$ height]"),
-    "area": ("contact area", " [sites]"),
+_ON_SITES = {
+    "separation": "\n[height]",
+    "load": "\n" r"[stiffness $\times$ height]",
+    "area": " [sites]",
 }
-"""What an axis shows, and its unit where that is of sites."""
+"""Unit on an axis where that is of sites."""
 
 
 def history_figure(dataset: xr.Dataset) -> Figure:
@@ -98,11 +99,12 @@ def draw_legs(axes: Axes, dataset: xr.Dataset, name: str) -> Field:
 
 def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
     """Values as they are drawn, their label, and what one of the series (of the area: a site) is in them."""
-    label, own = _LABELS.get(name, (name.replace("_", " "), ""))
+    known = select().get(name)
+    label = known.label if known else name.replace("_", " ")
     values = dataset[name].values.astype(np.float64)
     if not dataset.attrs.get("si"):
         continuum = "contact_area" in dataset and name != "area"
-        return values, label if continuum else label + own, 1.0
+        return values, label if continuum else label + _ON_SITES.get(name, ""), 1.0
     unit, scale = str(dataset[name].attrs["units"]), 1.0
     if name == "area":
         unit = str(dataset["contact_area"].attrs["units"])

@@ -151,19 +151,14 @@ def fingerprint_of(
 
 def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
     here, midway = place.midway, place.midway.midway
-    control = here.control
     facts = {
         "fingerprint": fingerprint,
-        "leg": [here.leg, here.approach, here.shifts],
-        "pace": None if here.pace is None else vars(here.pace),
-        "control": [control.name, control.value, control.rate, control.since],
-        "time": [midway.time, midway.separation, midway.impulse],
-        "area": None if midway.area is None else vars(midway.area),
-        "march": [midway.deformation, midway.length, midway.steps, midway.rejected, midway.iterations],
+        "control": here.control.name,
+        "here": vars(here) | {"midway": vars(midway) | {"resume_state": None}},
         "rows": place.rows,
-        "snapshots": [[one.time, one.pressure, one.leg, one.shift] for one in place.snapshots],
+        "snapshots": [vars(snapshot) | {"fields": None} for snapshot in place.snapshots],
     }
-    arrays = {"facts": np.array(json.dumps(facts))}
+    arrays = {"facts": np.array(json.dumps(facts, default=vars))}
     arrays |= {f"place_{name}": array for name, array in midway.resume_state.items()}
     for name in place.snapshots[0].fields if place.snapshots else ():
         arrays[f"kept_{name}"] = np.stack([snapshot.fields[name] for snapshot in place.snapshots])
@@ -176,16 +171,12 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
         for kind in ("kept_", "place_")
     )
     snapshots = [
-        Snapshot(time, {name: fields[index] for name, fields in kept.items()}, pressure, leg, shift)
-        for index, (time, pressure, leg, shift) in enumerate(facts["snapshots"])
+        Snapshot(**one | {"fields": {name: fields[index] for name, fields in kept.items()}})
+        for index, one in enumerate(facts["snapshots"])
     ]
-    kind, *numbers = facts["control"]
-    control = Load(*numbers) if kind == Load.name else Separation(*numbers)
-    leg, approach, shifts = facts["leg"]
-    pace = facts["pace"] and Pace(**facts["pace"])
-    time, separation, impulse = facts["time"]
-    deformation, length, *counts = facts["march"]
-    steps, rejected, iterations = counts
-    area = facts["area"] and ConstantArea(**facts["area"])
-    midway = Midway(time, separation, impulse, place, deformation, length, steps, rejected, iterations, area)
-    return Place(LegMidway(leg, control, approach, midway, shifts, pace), facts["rows"], snapshots)
+    here = facts["here"]
+    area, pace = here["midway"]["area"], here["pace"]
+    midway = here["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
+    kind = Load if facts["control"] == Load.name else Separation
+    restored = {"control": kind(**here["control"]), "midway": Midway(**midway), "pace": pace and Pace(**pace)}
+    return Place(LegMidway(**here | restored), facts["rows"], snapshots)
