@@ -27,10 +27,7 @@ def listener(
     """Whom to tell how far a run has come: where the user is for True, the user's own, or nobody."""
     if progress is True:
         return progress_shown()
-    told = progress if isinstance(progress, Progress) else Progress()
-    if callable(progress):
-        told.reached = progress  # type: ignore[method-assign]
-    return nullcontext(told)
+    return nullcontext(_Call(progress) if callable(progress) else progress or Progress())
 
 
 @contextmanager
@@ -85,6 +82,17 @@ class Progress:
 
     def _state(self, frame: Frame) -> str:
         return f"t = {frame.time:.3g} of {self.times[-1]:.3g}, {_area(frame)}"
+
+
+class _Call(Progress):
+    """A function of the user's own, which gets each frame."""
+
+    def __init__(self, call: Callable[[Frame], None]) -> None:
+        super().__init__()
+        self._call = call
+
+    def reached(self, frame: Frame) -> None:
+        self._call(frame)
 
 
 class _Lines(Progress):

@@ -64,7 +64,7 @@ SLIDES = [
 ]
 HEAVY = asp.press(uncorrelated(16), SOLID, load=60.0)
 IN_LEGS, BETWEEN_SHIFTS = [0.5, 1.0, 2.0, 4.0, 6.0, 7.5, 9.0], [0.25, 0.75, 1.0, 2.0, 2.6, 3.5, 4.5, 5.0]
-FORGOTTEN = {
+FORGOTTEN: dict[str, Any] = {
     "contact": asp.press(correlated(48), asp.solids.spring_lattice(k0=1.0, k1=100.0), load=1e4),
     "times": [1e-2, 1.0, 100.0],
 }
@@ -115,7 +115,7 @@ def test_a_finished_run_resumes_to_the_same(tmp_path):
 
 
 def test_the_checkpoint_of_another_run_is_refused(here):
-    arguments = {"contact": CONTACT, "times": TIMES, "fields_at": KEEP}
+    arguments: dict[str, Any] = {"contact": CONTACT, "times": TIMES, "fields_at": KEEP}
     asp.age(**arguments, checkpoint=Checkpoint("place.npz", every=0.0))
     faster = asp.solids.spring_lattice(k0=1, k1=3, R=2)
     for other in (

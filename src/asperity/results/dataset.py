@@ -27,11 +27,10 @@ Row = dict[str, float]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The fields at one time, by name, and what is not known of them later: pressures at `QUANTILES`."""
+    """The fields at one time, by name."""
 
     time: float
     fields: Mapping[str, NDArray[Any]]
-    pressure: list[float]
     leg: int = 0
     shift: Sequence[float] = ()
 
@@ -39,7 +38,8 @@ class Snapshot:
 def row_of(frame: Frame, *, slides: bool = False) -> Row:
     """Take the entry of the time series from a frame; of a history that slides or not."""
     return {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
-        name: _value(frame, name) for name in had_by(frame.contact, "series", slides=slides)
+        name: getattr(frame if hasattr(frame, name) else frame.contact, name)
+        for name in had_by(frame.contact, "series", slides=slides)
     }
 
 
@@ -47,9 +47,7 @@ def snapshot_of(frame: Frame) -> Snapshot:
     """Take the fields from a frame."""
     contact = frame.contact
     fields = {name: getattr(contact, name) for name in had_by(contact, "field")}
-    pressure = contact.force[contact.in_contact] / contact.lattice.cell
-    shift = [float(sites) for sites in frame.shift]
-    return Snapshot(frame.time, fields, quantiles(pressure).tolist(), frame.leg, shift)
+    return Snapshot(frame.time, fields, frame.leg, [float(sites) for sites in frame.shift])
 
 
 def dataset_of(
@@ -126,7 +124,11 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     """Add what the maps know."""
     maps, times = dataset["in_contact"].values, [snapshot.time for snapshot in snapshots]
     series = map_series(maps, times, start.lattice)
-    series["contact_pressure"] = np.array([snapshot.pressure for snapshot in snapshots])
+    in_lengths = start.solid.in_lengths
+    pressure = dataset["pressure"].values if in_lengths else dataset["force"].values / start.lattice.cell
+    series["contact_pressure"] = np.array(
+        [quantiles(one[touching]) for one, touching in zip(pressure, maps, strict=True)]
+    )
     box = clustering_box(maps)
     named = xr.Dataset(
         {name: (("field_time", "quantile")[: values.ndim], values) for name, values in series.items()},
@@ -135,12 +137,6 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     if box is not None:
         named["clustering"].attrs["box"] = box
     return dataset.merge(named)
-
-
-def _value(frame: Frame, name: str) -> float:
-    owner = frame if hasattr(frame, name) else frame.contact
-    value: float = getattr(owner, name)
-    return value
 
 
 def coordinates_of(contact: Contact) -> list[NDArray[Any]]:

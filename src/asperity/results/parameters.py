@@ -14,6 +14,13 @@ _RECORDED = {
 }
 _PRESSURE = ("load over nominal area", "pressure")
 _HEIGHT, _LENGTH, _STIFFNESS = "height unit", "length unit", "stiffness unit"
+_MODULUS = {
+    "modulus": ("contact modulus", "pressure"),
+    "poisson": ("Poisson's ratio", "1"),
+    "branch_shares": ("share of the modulus of each branch", "1"),
+    "branch_times": ("relaxation time of each branch", "time"),
+    "branches": ("share of the modulus and relaxation time of each branch", ""),
+}
 PARAMETERS: dict[str, tuple[str, str]] = {
     **dict.fromkeys(("shape", "size"), ("sites along each axis", "sites")),
     **dict.fromkeys(("rms", "rms_height"), ("rms height", _HEIGHT)),
@@ -51,18 +58,10 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "temperature": ("temperature", "K"),
     "permanent": ("share of the modulus that does not creep by the local law", "1"),
     "hardness": ("pressure under which the rough surface yields", "pressure"),
-    "modulus": ("contact modulus", "pressure"),
     "young": ("Young's modulus", "pressure"),
-    "poisson": ("Poisson's ratio", "1"),
     "thickness": ("thickness of the layer", "length"),
-    "branch_shares": ("share of the modulus of each branch", "1"),
-    "branch_times": ("relaxation time of each branch", "time"),
-    "branches": ("share of the modulus and relaxation time of each branch", ""),
-    "base_modulus": ("contact modulus of the base", "pressure"),
-    "base_poisson": ("Poisson's ratio of the base", "1"),
-    "base_branches": ("share of the modulus and relaxation time of each branch of the base", ""),
-    "base_branch_shares": ("share of the modulus of each branch of the base", "1"),
-    "base_branch_times": ("relaxation time of each branch of the base", "time"),
+    **_MODULUS,
+    **{f"base_{name}": (f"{long_name} of the base", unit) for name, (long_name, unit) in _MODULUS.items()},
     "apparatus": ("stiffness of the apparatus", "stiffness"),
     "flow": ("mobility of creep, and the power of the wave number with which it goes", ""),
     "frictionless": ("whether the layer slides on its base", ""),

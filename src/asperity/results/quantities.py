@@ -168,7 +168,7 @@ QUANTITIES: tuple[Quantity, ...] = (
 """In the order of the columns of tables."""
 
 
-def select(*homes: Home, of: Collection[Of] = (), table: Table = _NONE) -> dict[str, Quantity]:
+def select(*homes: Home, of: Collection[str] = (), table: Table = _NONE) -> dict[str, Quantity]:
     """Quantities by name, in order: of all homes or some, of all or of some solids, of all tables or one.
 
     Of two rows of one name, one for solids that are defined on sites and one for continua, the later counts.
@@ -188,9 +188,9 @@ def areas_first(quantities: Mapping[str, Quantity]) -> list[str]:
 def had_by(contact: Contact, *homes: Home, slides: bool = False) -> dict[str, Quantity]:
     """Return the quantities of some homes that a history of this contact has."""
     solid = contact.solid
-    of: list[Of] = ["all", "continua" if solid.in_lengths else "sites"]
-    of += ["yielding"] * solid.yields + ["sliding"] * slides
-    return select(*homes, of=of)
+    kinds = {"sites": not solid.in_lengths, "continua": solid.in_lengths, "yielding": solid.yields}
+    of = [kind for kind, it_is in kinds.items() if it_is]
+    return select(*homes, of=["all", *of, *["sliding"] * slides])
 
 
 Units = Mapping[str, str]

@@ -198,8 +198,9 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     for name, long_name in series.items():
         quantity = name.removesuffix("_history")
         values = dataset[name]
-        along, home = (over_time, "series") if over_time in values.dims else ("field_time", "map")
-        if along not in values.dims or quantity not in select(home, table=CAMPAIGN):
+        timed = over_time in values.dims
+        along = over_time if timed else "field_time"
+        if along not in values.dims or quantity not in select("series" if timed else "map", table=CAMPAIGN):
             continue
         if "quantile" in values.dims:
             continue
