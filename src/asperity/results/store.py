@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 import uuid
 import warnings
 from collections.abc import Iterator
@@ -128,12 +127,11 @@ def whole_folder(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     """
     if path.exists() and not overwrite:
         raise OutputError(f"{path} exists already and is kept; choose another name, or overwrite it")
-    staging: Path | None = None
+    staging = _beside(path, "partial")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent))
+        staging.mkdir()
         yield staging
-        staging.chmod(0o777 & ~_umask())
         flush(staging)
         _move_into_place(staging, path)
     except OSError as error:
@@ -142,8 +140,7 @@ def whole_folder(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
         reason = error.strerror or str(error)
         raise OutputError(f"could not write {path}: {reason}; nothing was left there") from error
     finally:
-        if staging is not None:
-            shutil.rmtree(staging, ignore_errors=True)
+        shutil.rmtree(staging, ignore_errors=True)
 
 
 @contextmanager
@@ -174,6 +171,11 @@ def _part_of(path: Path) -> str:
     return f".{path.name}.part-"
 
 
+def _beside(path: Path, kind: str) -> Path:
+    """A hidden name that nothing has yet."""
+    return path.parent / f".{path.name}.{uuid.uuid4().hex[:12]}.{kind}"
+
+
 def _is_zarr(path: Path) -> bool:
     return (path / "zarr.json").exists() or (path.is_dir() and not any(path.iterdir()))
 
@@ -183,8 +185,8 @@ def _move_into_place(staging: Path, path: Path) -> None:
     if not path.exists():
         staging.rename(path)
         return
-    old = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
-    path.rename(old / path.name)
+    old = _beside(path, "old")
+    path.rename(old)
     staging.rename(path)
     shutil.rmtree(old, ignore_errors=True)
 
@@ -211,9 +213,3 @@ def flush_folder(folder: Path) -> None:
 def _flush_file(file: Path) -> None:
     with file.open("r+b") as handle:  # Windows flushes only what is open for writing
         os.fsync(handle.fileno())
-
-
-def _umask() -> int:
-    current = os.umask(0)
-    os.umask(current)
-    return current
