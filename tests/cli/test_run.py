@@ -68,7 +68,7 @@ def test_the_table_holds_the_history(finished: Path) -> None:
     with (finished / "aging.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert list(rows[0])[:6] == ["time", "area", "area_ratio", "load", "separation", "energy"]
-    assert list(rows[0])[6:] == ["approach", "contact_fraction", "residual"]
+    assert list(rows[0])[6:] == ["approach", "contact_fraction", "residual", "rms_gap"]
     for name in set(rows[0]) - {"area_ratio"}:
         np.testing.assert_array_equal([float(row[name]) for row in rows], dataset[name])
     ratio = dataset["area"] / dataset["area"][0]
