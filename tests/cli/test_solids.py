@@ -73,7 +73,9 @@ def test_every_variable_names_its_unit(done):
         **dict.fromkeys(("load", "residual_scale"), "N"),
         **dict.fromkeys(("contact_area", "contact_area_corrected"), "m^2"),
         **dict.fromkeys(("mean_contact_pressure", "largest_pressure", "pressure"), "Pa"),
-        **dict.fromkeys(("separation", "approach", "mean_gap", "u", "u0", "heights", "u_relaxed"), "m"),
+        **dict.fromkeys(
+            ("separation", "approach", "mean_gap", "rms_gap", "u", "u0", "heights", "u_relaxed"), "m"
+        ),
         **dict.fromkeys(("x", "y"), "m"),
         **dict.fromkeys(("time", "field_time"), "s"),
         **dict.fromkeys(("contact_age", "mean_contact_age"), "s"),
