@@ -94,6 +94,7 @@ WHATEVER = {
     ("Contact.__init__", "_"): "refuses whatever it is given",
     ("Contact.__init__", "__"): "refuses whatever it is given",
     ("errors.InputError.__init__", "got"): "whatever came instead",
+    ("figures.Drawing.savefig", "kwargs"): "what matplotlib takes",
     ("figures.html_of", "thing"): "any result, and refuses others",
 }
 """Arguments that may be anything, and why."""
