@@ -15,7 +15,7 @@ from asperity.app.runs import recorded_times
 from asperity.app.runs.pipeline import bytes_a_site
 from asperity.base import checks
 from asperity.patches import QUANTILES
-from asperity.results.quantities import chosen
+from asperity.results.quantities import select
 
 _BLOCK = 4096
 """Bytes that files and folders are rounded up to on disk."""
@@ -78,8 +78,8 @@ def _space(config: RunConfig, shape: Sequence[int]) -> int:
     times, maps, sites = 1 + len(recorded_times(config)), len(config.output.maps_at or ()), math.prod(shape)
     arrays = [8 * len(QUANTITIES) * times]
     if maps:
-        fields = 2 + max(1, len(config.solid.maxwell)) if isinstance(config.solid, Continuum) else 2
-        of_maps = 8 * maps * (len(chosen("map")) + 2 * (len(QUANTILES) - 1))
+        fields = 2 + (max(1, len(config.solid.maxwell)) if isinstance(config.solid, Continuum) else 1)
+        of_maps = 8 * maps * (len(select("map")) + 2 * (len(QUANTILES) - 1))
         arrays += [of_maps, 8 * maps, 8 * sites, 8 * sites, sites // 8]
         arrays += [8 * sites * maps] * fields + [sites * maps // 8]
     # An array is a description, and a file some folders deep.
