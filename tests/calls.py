@@ -227,7 +227,7 @@ WITHOUT_NUMBERS = {
     "fits": "jackknife read_measurements",
     "friction": "add_friction hold_peaks read_record record_of save_parameters",
     "relaxation": "combined read",
-    "results": "load load_contact save",
+    "results": "load load_contact read_table save whole_file whole_folder",
     "surfaces": "check_square combined",
 }
 """Functions of files, datasets, masks, labels and numbers of workers or columns, or samples of any type."""
