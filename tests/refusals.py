@@ -5,6 +5,7 @@ tests anew; then read what changed. A line of the file has the parameters of the
 refusal in it, and the sentence.
 """
 
+import functools
 import os
 import re
 from collections import Counter
@@ -21,20 +22,51 @@ _WRITES = os.environ.get("ASPERITY_MESSAGES") == "write"
 _NUMBER = re.compile(r"\d\S*\d|\d")
 
 
+class Sentences:
+    """The sentences that tests know, in a file: below the name of each test, one a line."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.seen, self.written = path, Counter[str](), set[str]()
+
+    @functools.cached_property
+    def known(self) -> dict[str, list[str]]:
+        """Lines of each test."""
+        found: dict[str, list[str]] = {}
+        test = ""
+        for line in self.path.read_text(encoding="utf-8").splitlines() if self.path.exists() else ():
+            if line.startswith(" "):
+                found[test].append(line.strip())
+            else:
+                test = line
+                found[test] = []
+        return found
+
+    def check(self, sentence: str) -> None:
+        """Expect a sentence in the words that are known."""
+        case = os.environ["PYTEST_CURRENT_TEST"].removeprefix("tests/").rsplit(" (", 1)[0]
+        test, bracket, parameters = case.partition("[")
+        self.seen[case] += 1
+        line = f"{bracket}{parameters} {self.seen[case]}: {sentence}".strip()
+        if _WRITES:
+            self._write(test, line)
+        assert line in self.known.get(test, [])
+
+    def _write(self, test: str, line: str) -> None:
+        if test not in self.written:
+            self.known[test] = []
+        self.written.add(test)
+        self.known[test].append(line)
+        tests = sorted(self.known)
+        entries = (f"{each}\n" + "".join(f"    {one}\n" for one in self.known[each]) for each in tests)
+        self.path.write_text("".join(entries), encoding="utf-8")
+
+
+_MESSAGES = Sentences(MESSAGES)
+
+
 def messages() -> dict[str, list[str]]:
     """Lines of each test."""
-    found: dict[str, list[str]] = {}
-    test = ""
-    for line in MESSAGES.read_text(encoding="utf-8").splitlines():
-        if line.startswith(" "):
-            found[test].append(line.strip())
-        else:
-            test = line
-            found[test] = []
-    return found
-
-
-_KNOWN, _SEEN, _WRITTEN = messages(), Counter[str](), set[str]()
+    return _MESSAGES.known
 
 
 @contextmanager
@@ -50,19 +82,4 @@ def refuses(
     assert "\n" not in sentence
     if isinstance(error, ConvergenceError):  # its numbers are rounding errors
         sentence = _NUMBER.sub("N", sentence)
-    case = os.environ["PYTEST_CURRENT_TEST"].removeprefix("tests/").rsplit(" (", 1)[0]
-    test, bracket, parameters = case.partition("[")
-    _SEEN[case] += 1
-    line = f"{bracket}{parameters} {_SEEN[case]}: {sentence}".strip()
-    if _WRITES:
-        _write(test, line)
-    assert line in _KNOWN.get(test, [])
-
-
-def _write(test: str, line: str) -> None:
-    if test not in _WRITTEN:
-        _KNOWN[test] = []
-    _WRITTEN.add(test)
-    _KNOWN[test].append(line)
-    entries = (f"{each}\n" + "".join(f"    {one}\n" for one in _KNOWN[each]) for each in sorted(_KNOWN))
-    MESSAGES.write_text("".join(entries), encoding="utf-8")
+    _MESSAGES.check(sentence)

@@ -9,7 +9,7 @@ from types import ModuleType
 import house
 
 import asperity
-from asperity.app.cli.command import app
+from asperity.app.cli.app import app
 from asperity.app.config.keys import sections
 from asperity.results import quantities
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from asperity.aging import Frame
     from asperity.analysis import observe
     from asperity.app import campaign
-    from asperity.app.runs.prediction import predict
+    from asperity.app.predict import predict
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
     from asperity.results import Checkpoint, History
     from asperity.simulate import age, press, relax, slide
@@ -75,7 +75,7 @@ __all__ = [
 _HOME = {
     "asperity.aging": ("Frame",),
     "asperity.analysis": ("observe",),
-    "asperity.app.runs.prediction": ("predict",),
+    "asperity.app.predict": ("predict",),
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "relax", "slide"),

@@ -1,20 +1,33 @@
-"""What the tests of the command line share: small runs, and the command as a process."""
+"""What tests of the command line share: a small run, mistakes in one line, the command as a process."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
+from asperity.analysis import Prediction
 from asperity.app.cli import main
+from tests.refusals import Sentences
 
 SMALL = ("--shape", "32x32", "--last", "10", "--per-decade", "2")
 """Flags of a run that takes less than a second."""
 
+told = Sentences(Path(__file__).with_name("said.txt")).check
+"""Expects what the command line said in the words of said.txt, which are written as those of messages.txt."""
+
 Asperity = Callable[..., tuple[int, str, str]]
+Refused = Callable[..., None]
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture
@@ -27,6 +40,40 @@ def asperity(capsys: pytest.CaptureFixture[str]) -> Asperity:
         return status, captured.out, captured.err
 
     return call
+
+
+@pytest.fixture
+def refused(asperity: Asperity) -> Refused:
+    """Run a command that is a mistake, which gets one line that said.txt knows, and leaves nothing."""
+
+    def call(*words: str | Path, status: int = 2) -> None:
+        before = sorted(Path().rglob("*"))
+        got, out, error = asperity(*words)
+        # What was being done when it happened may come first.
+        *doing, line = error.splitlines()
+        assert (got, out) == (status, ""), error
+        assert not any("asperity:" in earlier for earlier in doing)
+        assert "Traceback" not in error
+        assert line.startswith("asperity: ")
+        # Other distributions add commands.
+        line = re.sub(
+            r"; there are [a-z, ]*, explore, .*(?= \(see)|; there are explore, .*(?= \(see)", "", line
+        )
+        told(line.removeprefix("asperity: ").replace(str(Path.cwd()), "HERE"))
+        assert sorted(Path().rglob("*")) == before
+
+    return call
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> list[Prediction]:
+    """What ``asperity predict`` finds from now on, of which nothing is drawn and kept: that takes longest."""
+    found: list[Prediction] = []
+    folder = tmp_path_factory.mktemp("undrawn")
+    monkeypatch.setattr("asperity.app.predict.folder.write_files", lambda one, *_, **__: found.append(one))
+    monkeypatch.setattr("asperity.app.cli.computing.save_within", lambda *_: None)
+    monkeypatch.setattr("asperity.app.cli.computing.whole_folder", lambda *_, **__: nullcontext(folder))
+    return found
 
 
 @pytest.fixture(scope="session")

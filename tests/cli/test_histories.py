@@ -52,13 +52,10 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_all_files_are_there(out: Path) -> None:
+def test_the_history_is_that_of_the_verbs(out: Path) -> None:
     names = ["aging.csv", "config.toml", "contacts.png", "history.png", "history.zarr"]
     names += ["patches.csv", "patches.png", "summary.txt"]
     assert sorted(path.name for path in out.iterdir()) == names
-
-
-def test_the_history_is_that_of_the_verbs(out: Path) -> None:
     data = results.load(out)
     contact = press(gaussian((32, 32), seed=0), spring_lattice(k0=1.0, k1=3.0), load=20.0)
     legs = [Hold(1.0), Step(load=8.0), Ramp(2.0, load=30.0), Hold(4.0, mobility=2.0)]
@@ -82,11 +79,9 @@ def test_the_table_and_the_summary_name_legs(out: Path) -> None:
     data = results.load(out)
     np.testing.assert_array_equal([int(row["leg"]) for row in rows], data["leg"])
     np.testing.assert_array_equal([float(row["load"]) for row in rows], data["load"])
-    text = (out / "summary.txt").read_text()
-    for number, kind in enumerate(("hold", "step", "ramp", "hold")):
-        assert f"leg {number}" in text
-        assert kind in text
-    assert "fit" not in text
+    lines = (out / "summary.txt").read_text().splitlines()
+    legs = [line.split()[2].rstrip(",") for line in lines if line.startswith("leg ")]
+    assert legs == ["hold", "step", "ramp", "hold"]
 
 
 def test_the_summary_says_areas_in_a_unit_and_what_a_step_left(tmp_path: Path) -> None:
@@ -124,72 +119,10 @@ def test_a_file_with_repetitions(tmp_path: Path, asperity: Asperity) -> None:
     assert np.ptp(held) <= 2
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["hold"], "--leg [0] duration: expected a value, got none"),
-        (["hold -3"], "--leg [0] duration: expected a number above 0.0, got -3"),
-        (["hold 0,5"], "--leg [0] duration: expected a number, got '0,5'; try 0.5"),
-        (["stp load=3"], "got 'stp'; did you mean 'step'?"),
-        (["hold 1", "step"], "--leg [1]: expected load, pressure, separation or approach, got none"),
-        (["hold 1", "step load=0"], "--leg [1] load: expected a number above 0.0, got 0"),
-        (["ramp 3 lod=3"], "--leg lod: no such key; did you mean 'load'?"),
-        (["repeat 3"], "--leg [0] legs: expected at least 1 in the list"),
-        ([""], "--leg: expected a leg, such as 'hold 10'"),
-        (["slide 8"], "'slide distance=20 velocity=0.1'"),
-        (["hold 3 hold=height"], "--leg [0] hold: expected one of 'load', 'separation' or 'area'"),
-    ],
-)
-def test_legs_that_cannot_be(words: list[str], message: str, asperity: Asperity, tmp_path: Path) -> None:
-    flags = [flag for word in words for flag in ("--leg", word)]
-    status, said, error = asperity("run", *SMALL, *flags, "--out", tmp_path / "out")
-    assert (status, said) == (2, "")
-    assert message in error
-    assert len(error.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("protocol = 3", "protocol: expected a list of legs; try [[protocol]]"),
-        ('[protocol]\nkind = "hold"', "protocol: expected a list of legs; try [[protocol]]"),
-        ('[[protocol]]\nkind = "hold"', "protocol[0] duration: expected a value, got none"),
-        (
-            "[[protocol]]\nduration = 3.0",
-            "protocol[0]: expected one of 'hold', 'ramp', 'step', 'slide', 'repeat'",
-        ),
-        ('[[protocol]]\nkind = "hold"\nduraton = 3.0', "protocol[0] duraton: no such key; did you mean"),
-        (
-            '[aging]\nlast = 4.0\n[[protocol]]\nkind = "hold"\nduration = 3.0',
-            "[aging] last: expected none beside a protocol",
-        ),
-        (
-            '[aging]\nhold = "load"\n[[protocol]]\nkind = "hold"\nduration = 3.0',
-            "[aging] hold: expected none beside a protocol",
-        ),
-        (
-            '[aging]\ntimes = [5.0]\n[[protocol]]\nkind = "hold"\nduration = 3.0',
-            "[aging] times: expected times up to the last, 3, got 5",
-        ),
-        (
-            '[output]\nmaps_at = [5.0]\n[[protocol]]\nkind = "hold"\nduration = 3.0',
-            "[output] maps_at: expected times up to the last, 3, got 5",
-        ),
-    ],
-)
-def test_files_that_cannot_be(text: str, message: str, asperity: Asperity, tmp_path: Path) -> None:
-    (tmp_path / "study.toml").write_text(text)
-    status, _, error = asperity("run", tmp_path / "study.toml", "--out", tmp_path / "out")
-    assert status == 2
-    assert message in error
-
-
-@pytest.mark.parametrize("line", ["ramp 5 s pressure=2 MPa mobility=3", "ramp 5s pressure = 2MPa mobility=3"])
-def test_units_of_legs_may_stand_apart(line):
-    (leg,) = legs_from_words([line])
-    assert leg["mobility"] == 3
-    assert [str(leg[key]).replace(" ", "") for key in ("duration", "pressure")] == ["5s", "2MPa"]
+def test_units_of_legs_may_stand_apart() -> None:
+    for leg in legs_from_words(["ramp 5 s pressure=2 MPa mobility=3", "ramp 5s pressure = 2MPa mobility=3"]):
+        assert leg["mobility"] == 3
+        assert [str(leg[key]).replace(" ", "") for key in ("duration", "pressure")] == ["5s", "2MPa"]
 
 
 def test_sliding_and_friction_from_flags(tmp_path: Path, asperity: Asperity) -> None:
@@ -201,11 +134,7 @@ def test_sliding_and_friction_from_flags(tmp_path: Path, asperity: Asperity) -> 
         "--leg",
         "slide distance=2 velocity=inf",
     )
-    strength = ("--shear-strength", "4", "--rate-coefficient", "0.1", "--reference-velocity", "1")
-    status, _, error = asperity("run", *SMALL, *flags, *strength, "--out", tmp_path / "out")
-    assert status == 2
-    assert "velocity: expected finite velocities > 0" in error
-    status, _, error = asperity("run", *SMALL, *flags, *strength[:2], "--out", tmp_path / "out")
+    status, _, error = asperity("run", *SMALL, *flags, "--shear-strength", "4", "--out", tmp_path / "out")
     assert status == 0, error
     data = results.load(tmp_path / "out")
     assert data["displacement"].values[-6:].tolist() == [2, 2, 3, 3, 4, 5]
@@ -221,9 +150,3 @@ def test_sliding_and_friction_from_flags(tmp_path: Path, asperity: Asperity) -> 
     found: dict[str, Any] = {}
     exec(program, found)
     np.testing.assert_array_equal(found["friction"]["friction"], data["friction"])
-
-
-def test_friction_without_a_strength_is_a_mistake(tmp_path: Path, asperity: Asperity) -> None:
-    status, said, error = asperity("run", *SMALL, "--rate-coefficient", "0.1", "--out", tmp_path / "out")
-    assert (status, said) == (2, "")
-    assert "expected shear_strength beside it, got none" in error

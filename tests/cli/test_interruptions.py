@@ -48,16 +48,6 @@ def test_a_disk_that_fills_up_keeps_the_earlier_run(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [out]
 
 
-def test_a_figure_on_a_disk_that_fills_up(tmp_path: Path) -> None:
-    (tmp_path / "rough.txt").write_text("\n".join("1 2 3 5" for _ in range(4)))
-    full = limited(200)
-    running = process("surface", tmp_path / "rough.txt", "--out", tmp_path / "a.png", before=full)
-    out, error = running.communicate(timeout=60)
-    assert (running.returncode, out) == (1, "")
-    assert error == f"asperity: could not write {tmp_path / 'a.png'}: File too large\n"
-    assert [path.name for path in tmp_path.iterdir()] == ["rough.txt"]
-
-
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
 def test_a_run_that_is_stopped(tmp_path: Path, stop: signal.Signals) -> None:
     # Python ignores the signal if it was started with it ignored, as in a shell's background.
@@ -114,6 +104,21 @@ def test_a_reader_who_goes_away(tmp_path: Path) -> None:
     assert "Traceback" not in error
     assert "Exception ignored" not in error
     assert (tmp_path / "out" / "summary.txt").exists()
+
+
+@pytest.mark.parametrize("stop", ["SIGINT", "SIGTERM"])
+def test_an_interruption_while_the_program_starts(stop: str) -> None:
+    # Raised where a library of the command line begins to be imported.
+    early = f"""import os, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Finder:
+    def find_spec(self, name, *_):
+        if name == "cyclopts":
+            os.kill(os.getpid(), signal.{stop})
+sys.meta_path.insert(0, Finder())"""
+    running = process("--version", before=early)
+    assert running.communicate(timeout=60) == ("", "asperity: interrupted; nothing was written\n")
+    assert running.returncode == 130
 
 
 @pytest.mark.parametrize("stream", [1, 2])

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from asperity.app.cli.opening import open_results
-from tests.cli.conftest import SMALL, Asperity
+from tests.cli.conftest import SMALL, Asperity, Refused
 
 
 @pytest.fixture
@@ -33,23 +33,21 @@ def test_a_run_opens_its_picture(asperity: Asperity, opened: list[str], tmp_path
     assert len(opened) == 1
 
 
-@pytest.mark.parametrize(
-    ("files", "shown"),
-    [
-        (["prediction.html", "growth.png", "contacts.png", "history.csv"], "prediction.html"),
-        (["history.svg", "contacts.svg", "aging.csv"], "history.svg"),
-        (["contacts.pdf", "aging.csv"], "contacts.pdf"),
-        (["aging.csv", "summary.txt"], ""),
-    ],
-)
-def test_the_page_or_the_picture_is_opened_or_else_the_folder(
-    opened: list[str], tmp_path: Path, files: list[str], shown: str
-) -> None:
-    (tmp_path / "history.zarr").mkdir()
-    for name in files:
-        (tmp_path / name).touch()
-    open_results(tmp_path)
-    assert opened == [(tmp_path / shown).as_uri()]
+def test_the_page_or_the_picture_is_opened_or_else_the_folder(opened: list[str], tmp_path: Path) -> None:
+    for number, (files, shown) in enumerate(
+        (
+            (("prediction.html", "growth.png", "contacts.png", "history.csv"), "prediction.html"),
+            (("history.svg", "contacts.svg", "aging.csv"), "history.svg"),
+            (("contacts.pdf", "aging.csv"), "contacts.pdf"),
+            (("aging.csv", "summary.txt"), ""),
+        )
+    ):
+        out = tmp_path / str(number)
+        (out / "history.zarr").mkdir(parents=True)
+        for name in files:
+            (out / name).touch()
+        open_results(out)
+        assert opened[-1] == (out / shown).as_uri()
 
 
 def test_where_nothing_opens_it_the_place_is_told(
@@ -85,7 +83,7 @@ def test_bash_completes_commands_and_flags(
 
 
 def test_a_shell_that_is_not_recognized_is_asked_for(
-    asperity: Asperity, monkeypatch: pytest.MonkeyPatch
+    refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from cyclopts.completion import detect
 
@@ -93,6 +91,4 @@ def test_a_shell_that_is_not_recognized_is_asked_for(
         raise detect.ShellDetectionError
 
     monkeypatch.setattr(detect, "detect_shell", detection)
-    status, _, error = asperity("--install-completion")
-    assert status == 2
-    assert "try --install-completion --shell bash" in error
+    refused("--install-completion")

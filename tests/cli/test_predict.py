@@ -6,26 +6,28 @@ import csv
 import html.parser
 import json
 import os
+import shlex
+import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import asperity as asp
-from asperity.analysis.prediction import Prediction, growth_of
+from asperity.analysis.prediction import Prediction
 from asperity.app.cli import main
 from asperity.app.cli import predict as command
 from asperity.app.cli.flags import of_flags
 from asperity.app.config.reading import read_config
+from asperity.app.predict import predict_config
+from asperity.app.predict.pipeline import Modulus
 from asperity.app.runs import Progress
-from asperity.app.runs.prediction import Modulus, predict_config
 from asperity.errors import InputError
 from asperity.figures.page import quantity
 from asperity.figures.prediction import growth_figure
-from tests.cli.conftest import Asperity
+from tests.cli.conftest import Asperity, Refused
 from tests.refusals import refuses
 
 TAU = 30e6
@@ -75,51 +77,39 @@ def prediction(files: Path, scan: asp.surfaces.Surface) -> Prediction:
     return asp.predict(files / "relaxation.csv", scan, pressure="40 MPa", shear_strength=TAU)
 
 
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> list[Prediction]:
-    """What the command predicts from now on, without pictures: they take longest."""
-    found: list[Prediction] = []
-    monkeypatch.setattr(command, "_write", lambda prediction, *_, **__: found.append(prediction))
-    return found
-
-
 def table_of(folder: Path) -> dict[str, list[float]]:
     with (folder / "history.csv").open(newline="") as stream:
         rows = list(csv.DictReader(stream))
     return {name: [float(row[name]) for row in rows] for name in rows[0]}
 
 
-def test_all_files_are_there(finished: Path) -> None:
-    assert sorted(p.name for p in finished.iterdir()) == [
-        "contacts.png",
-        "growth.png",
-        "history.csv",
-        "history.zarr",
-        "observed.png",
-        "prediction.html",
-        "pressure.png",
-        "relaxation.png",
-        "solid.toml",
-        "summary.txt",
-    ]
-
-
 def test_the_command_and_the_function_agree(finished: Path, prediction: Prediction) -> None:
+    assert sorted(path.name for path in finished.iterdir()) == [
+        *("contacts.png", "growth.png", "history.csv", "history.zarr", "observed.png"),
+        *("prediction.html", "pressure.png", "relaxation.png", "solid.toml", "summary.txt"),
+    ]
     stored, table = asp.results.load(finished), table_of(finished)
     for name in ("time", "contact_area", "contact_area_corrected", "in_contact", "pressure"):
         np.testing.assert_array_equal(stored[name], prediction.dataset[name])
     np.testing.assert_array_equal(table["time [s]"], prediction.time)
     np.testing.assert_array_equal(table["contact_area [m^2]"], prediction.series("contact_area"))
+    load = np.array(table["load [N]"])
+    np.testing.assert_allclose(load, 40e6 * 40 * 48 * 50e-9**2, rtol=1e-6)
+    force = TAU * np.array(table["contact_area_corrected [m^2]"])
+    np.testing.assert_allclose(table["friction_force [N]"], force, rtol=1e-14)
+    np.testing.assert_allclose(table["friction [1]"], force / load, rtol=1e-14)
     assert "u0" not in stored
     assert json.loads(stored.attrs["prediction"])["table"] == "relaxation.csv"
-    summary = (finished / "summary.txt").read_text()
-    assert " by Persson's theory, from the rms slope: dashed in growth.png" in summary
+    last = asp.observe(stored.isel(field_time=-1), pixel=0.2e-6, blur=150e-9, threshold=0.3)
+    assert last.image.shape == (10, 12)
     area = prediction.series("contact_area_corrected")
-    assert f"growth            A(100 s)/A(10 ms) = {area[-1] / area[0]:.5g}, 95 % band" in summary
-    # Two branches, E = 1000 + 600 + 900 MPa, are all that the table has.
-    assert "share 0.24 relaxes in 300 ms" in summary
-    assert "share 0.36 relaxes in 20 s" in summary
-    assert "share 0.4 does not relax" in summary
+    summary = (finished / "summary.txt").read_text(encoding="utf-8")
+    for number in (
+        f"A(100 s)/A(10 ms) = {area[-1] / area[0]:.5g}",
+        f"{last.area * 1e12:.4g} um^2, patches: {last.patches.count}",
+        *("share 0.24 relaxes in 300 ms", "share 0.36 relaxes in 20 s", "share 0.4 does"),  # 600, 900, 1000
+    ):
+        assert number in summary
 
 
 def test_the_contact_is_that_of_an_elastic_solid_as_soft_as_the_table_says(
@@ -133,14 +123,6 @@ def test_the_contact_is_that_of_an_elastic_solid_as_soft_as_the_table_says(
         elastic = asp.press(scan, asp.solids.half_space(modulus=1 / compliance), pressure=40e6)
         assert prediction.series("area")[place] == pytest.approx(elastic.area, abs=1)
         assert prediction.series("mean_gap")[place] == pytest.approx(elastic.mean_gap, rel=1e-4)
-
-
-def test_friction_is_shear_strength_times_area(finished: Path) -> None:
-    table = table_of(finished)
-    area, load = np.array(table["contact_area_corrected [m^2]"]), np.array(table["load [N]"])
-    np.testing.assert_allclose(table["friction_force [N]"], TAU * area, rtol=1e-14)
-    np.testing.assert_allclose(table["friction [1]"], TAU * area / load, rtol=1e-14)
-    np.testing.assert_allclose(load, 40e6 * 40 * 48 * 50e-9**2, rtol=1e-6)
 
 
 def test_a_load_is_a_pressure_over_the_scan(
@@ -198,32 +180,17 @@ def test_another_temperature_shifts_every_time(
         np.testing.assert_allclose(undrawn[-1].series("area"), prediction.series("area"), atol=1)
 
 
-def test_what_the_instrument_sees_is_in_the_summary(finished: Path) -> None:
-    dataset = asp.results.load(finished)
-    last = asp.observe(dataset.isel(field_time=-1), pixel=0.2e-6, blur=150e-9, threshold=0.3)
-    assert last.image.shape == (10, 12)
-    assert f"seen at last      {last.area * 1e12:.4g} um^2, patches: {last.patches.count}" in (
-        finished / "summary.txt"
-    ).read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "said"),
-    [
+def test_quantities_are_spelled_as_printed() -> None:
+    for value, unit, said in (
         (5e6, "Pa", "5 MPa"),
-        (3.921e9, "Pa", "3.92 GPa"),
         (2.2e-11, "m^2", "22 µm²"),
         (1.61e-15, "m^2", "1610 nm²"),
-        (5.73e-13, "m^2", "0.573 µm²"),
         (9.7656e-10, "m", "977 pm"),
-        (1e-3, "s", "1 ms"),
         (1.78e4, "s", "17800 s"),
         (1e6, "s", "10⁶ s"),
         (2.5e7, "s", "2.5 × 10⁷ s"),
-    ],
-)
-def test_quantities_are_spelled_as_printed(value: float, unit: str, said: str) -> None:
-    assert quantity(value, unit) == said
+    ):
+        assert quantity(value, unit) == said
 
 
 class Page(html.parser.HTMLParser):
@@ -254,106 +221,9 @@ def test_the_page_says_what_was_predicted(finished: Path, prediction: Prediction
     text = " ".join(page.words.split())
     low, high = prediction.growth.ratio_band
     assert f"A(100 s)/A(10 ms) = {prediction.growth.ratio:.5g} (95 % band {low:.4g} to {high:.4g})" in text
-    for said in (
-        "Poisson’s ratio 0.35",
-        "40 × 48 pixels of 50 nm × 50 nm",
-        "17 points",
-        "scan.txt",
-        "mirror image",
-    ):
-        assert said in text
     assert "nan" not in text.lower().split()
     for remark in prediction.remarks:
         assert remark[1:] in text
-
-
-def made_history(slope: float, spread: float) -> xr.Dataset:
-    """A history of area 1 + slope log10 t, in sixteen tiles that grow alike, but for a spread."""
-    time = np.geomspace(1.0, 1e4, 17)
-    moments = time[::4]
-    rows = np.zeros((5, 40, 40), dtype=bool)
-    for number, moment in enumerate(moments):
-        for tile in range(16):
-            own = slope * (1 + spread * (-1) ** tile)
-            filled = round(40 * (1 + own * np.log10(moment)))
-            corner = np.zeros(100, dtype=bool)
-            corner[:filled] = True
-            y, x = 10 * (tile // 4), 10 * (tile % 4)
-            rows[number, y : y + 10, x : x + 10] = corner.reshape(10, 10)
-    area = np.append(np.nan, 1 + slope * np.log10(time))
-    maps = ("field_time", "y", "x")
-    return xr.Dataset(
-        {
-            "contact_area_corrected": ("time", area),
-            "in_contact": (maps, rows),
-            "pressure": (maps, np.ones(rows.shape)),
-        },
-        {"time": np.append(0.0, time), "field_time": moments},
-    )
-
-
-def noisy(error: float, seed: int) -> asp.relaxation.Relaxation:
-    time = np.geomspace(1.0, 1e4, 30)
-    deviations = np.random.default_rng(seed).normal(size=30)
-    # A compliance of 1 + 0.1 log10 t, very nearly.
-    return asp.relaxation.Relaxation(
-        time, 1e9 / (1 + 0.1 * np.log10(time)) * (1 + error * deviations), noise=0.5
-    )
-
-
-def test_growth_of_a_straight_line() -> None:
-    growth = growth_of(made_history(0.1, 0.0), asp.relaxation.fit(noisy(0.0, 0)))
-    assert growth.per_decade == pytest.approx(0.1)
-    assert growth.straight is True
-    assert [slope for *_, slope in growth.decades] == pytest.approx([0.1] * 4)
-    assert [begin for begin, *_ in growth.decades] == pytest.approx([1, 10, 100, 1000])
-    np.testing.assert_allclose(growth.of_scan, 0.1, rtol=1e-9)
-    np.testing.assert_allclose(growth.of_table, 0.1, rtol=0.02)
-
-
-def test_tiles_that_grow_differently_widen_the_band() -> None:
-    # Half of the tiles grow by 5 %, half by 15 % a decade; of 16 drawn, the mean spreads by 5 % / 4.
-    growth = growth_of(made_history(0.1, 0.5), asp.relaxation.fit(noisy(0.0, 0)))
-    low, high = growth.of_scan
-    assert high - low == pytest.approx(2 * 2.131 * 0.05 / np.sqrt(15), rel=0.15)
-    assert growth.band[0] <= low * 1.02
-    assert growth.band[1] >= high * 0.98
-
-
-def test_a_noisy_table_widens_the_band_as_other_tables_spread() -> None:
-    # The area is the compliance here: each table of the same noise gives a slope of its own.
-    time = np.geomspace(1.0, 1e4, 17)
-    slopes = []
-    for seed in range(40):
-        compliance = asp.relaxation.fit(noisy(0.01, seed)).series.compliance_at(time)
-        slopes.append(np.polyfit(np.log10(time), compliance / compliance[0], 1)[0])
-    widths = []
-    for seed in (0, 1, 2):
-        found = asp.relaxation.fit(noisy(0.01, seed))
-        history = made_history(0.1, 0.0)
-        compliance = found.series.compliance_at(time)
-        history["contact_area_corrected"][1:] = compliance / compliance[0]
-        low, high = growth_of(history, found).of_table
-        widths.append(high - low)
-    assert np.mean(widths) == pytest.approx(2 * 1.96 * np.std(slopes), rel=0.35)
-
-
-def test_the_ratio_has_a_band_of_the_same_tiles() -> None:
-    # Half of the tiles grow by 20 % in four decades, half by 60 %; the mean of 16 drawn spreads by 20 % / 4.
-    growth = growth_of(made_history(0.1, 0.5), None)
-    assert growth.ratio == pytest.approx(1.4)
-    low, high = growth.ratio_band
-    assert high - low == pytest.approx(2 * 2.131 * 0.2 / np.sqrt(15), rel=0.15)
-    assert growth.range == pytest.approx((0.1, 0.1))
-
-
-def test_deviations_that_are_no_noise_give_no_band() -> None:
-    time = np.geomspace(1.0, 1e4, 30)
-    wavy = asp.relaxation.Relaxation(
-        time, 1e9 * time**-0.05 * (1 + 0.01 * np.sin(np.log(time) * 1.5)), noise=0.5
-    )
-    growth = growth_of(made_history(0.1, 0.0), asp.relaxation.fit(wavy, branches=2))
-    assert growth.of_table == (growth.per_decade, growth.per_decade)
 
 
 PMMA_BRANCHES = ((184.62 / 1805.39, 8.93), (191.06 / 1805.39, 117.96))
@@ -381,27 +251,11 @@ def test_a_ramp_is_the_integral_of_the_compliance(
     elastic = asp.solids.half_space(modulus=1805.39e6)
     for place in (0, 4, -1):
         contact = asp.press(scan, elastic, load=float(effective[place]))
-        assert ours.series("area")[place] == pytest.approx(contact.area, abs=1)
+        assert ours.series("area")[place] == contact.area
         assert ours.series("load")[place] == pytest.approx(ours.load, rel=1e-9)
-
-
-def test_an_interrupted_ramp_goes_on(
-    ramped: dict[float, Prediction], scan: asp.surfaces.Surface, tmp_path: Path
-) -> None:
-    class Impatient(Progress):
-        def reached(self, frame: asp.Frame) -> None:
-            if frame.time > 1.0:
-                raise KeyboardInterrupt
-
-    solid = asp.solids.half_space(modulus=1805.39e6, branches=PMMA_BRANCHES)
-    place = asp.results.Checkpoint(tmp_path / "place", every=0.0)
-    more: dict[str, Any] = {**LOADED, "ramp": 2.4, "checkpoint": place}
-    with pytest.raises(KeyboardInterrupt):
-        asp.predict(solid, scan, progress=Impatient(), **more)
-    assert Path(place.path).exists()
-    again = asp.predict(solid, scan, **more)
-    np.testing.assert_array_equal(again.dataset["iterations"], ramped[2.4].dataset["iterations"])
-    np.testing.assert_array_equal(again.series("mean_gap"), ramped[2.4].series("mean_gap"))
+        moment = ours.dataset["in_contact"].sel(field_time=ours.time[place], method="nearest")
+        if float(moment["field_time"]) == ours.time[place]:
+            np.testing.assert_array_equal(moment, contact.in_contact)
 
 
 def test_the_figure_sets_the_compliance_beside_the_area(ramped: dict[float, Prediction]) -> None:
@@ -486,24 +340,6 @@ def test_a_protocol_may_put_the_load_on(files: Path, scan: asp.surfaces.Surface)
     np.testing.assert_array_equal(ours.series("area"), theirs.series("area"))
 
 
-@pytest.mark.parametrize("broken", ["t,E", "scan"])
-def test_wrong_files_are_refused_before_anything_is_pressed(
-    broken: str, files: Path, tmp_path: Path, asperity: Asperity, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for place in ("asperity.app.runs.prediction.press", "asperity.app.cli.predict.compile_loops"):
-        monkeypatch.setattr(place, lambda *_, **__: pytest.fail("computing has begun"), raising=False)
-    call = words(files, "--pressure", "40MPa", "--out", tmp_path / "out")
-    wrong = tmp_path / "wrong.txt"
-    lines = (files / "relaxation.csv").read_text().splitlines()
-    wrong.write_text("\n".join([broken, *lines[1:]]) if broken == "t,E" else "no heights")
-    call[1 if broken == "t,E" else 3] = str(wrong)
-    status, _, error = asperity(*call)
-    assert status == 2
-    assert "wrong.txt" in error
-    assert "compiling" not in error
-    assert "taken" not in error
-
-
 @pytest.mark.parametrize("pressure", ["1 Pa", "9 GPa"])
 def test_a_contact_of_one_pixel_or_of_all_does_not_grow(
     files: Path, scan: asp.surfaces.Surface, pressure: str
@@ -527,7 +363,7 @@ def test_an_interrupted_prediction_goes_on(
     files: Path,
     monkeypatch: pytest.MonkeyPatch,
     asperity: Asperity,
-    prediction: Prediction,
+    scan: asp.surfaces.Surface,
     undrawn: list[Prediction],
     tmp_path: Path,
 ) -> None:
@@ -538,7 +374,7 @@ def test_an_interrupted_prediction_goes_on(
 
     monkeypatch.setattr(command, "_CHECKPOINT_EVERY", 0.0)
     monkeypatch.setattr("asperity.progress.Progress", Impatient)
-    call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
+    call = words(files, "--pressure", "40MPa", "--ramp", "50ms", "--quiet", "--out", tmp_path / "out")
     status, _, said = asperity(*call)
     assert status == 130
     assert "the same command goes on from" in said
@@ -546,82 +382,106 @@ def test_an_interrupted_prediction_goes_on(
     monkeypatch.setattr("asperity.progress.Progress", Progress)
     assert asperity(*call) == (0, "", "")
     assert list(tmp_path.iterdir()) == []
+    undisturbed = asp.predict(files / "relaxation.csv", scan, pressure="40 MPa", ramp=0.05)
     for name in ("contact_area_corrected", "iterations", "in_contact"):
-        np.testing.assert_array_equal(undrawn[0].dataset[name], prediction.dataset[name])
+        np.testing.assert_array_equal(undrawn[0].dataset[name], undisturbed.dataset[name])
 
 
-@pytest.mark.parametrize(
-    ("flag", "more"),
-    [
-        ("--pressure", ("--pressure", "1")),
-        ("--pressure", ("--pressure", "1 MPb")),
-        ("--pressure", ("--pressure", "10N")),
-        ("--pressure", ("--pressure=-1MPa",)),
-        ("--pressure", ()),
-        ("--pressure", ("--pressure", "1MPa", "--load", "1N")),
-        ("--load", ("--load", "ten newtons")),
-        ("--shear-strength", ("--pressure", "1MPa", "--shear-strength", "50")),
-        ("--first", ("--pressure", "1MPa", "--first", "1us")),
-        ("--last", ("--pressure", "1MPa", "--last", "2days")),
-        ("--last", ("--pressure", "1MPa", "--first", "10s", "--last", "1s")),
-        ("--poisson", ("--pressure", "1MPa", "--poisson", "0.6")),
-        ("--per-decade", ("--pressure", "1MPa", "--per-decade", "0")),
-        ("--branches-per-decade", ("--pressure", "1MPa", "--branches-per-decade", "99")),
-        ("--threshold", ("--pressure", "1MPa", "--threshold", "0.4")),
-        ("--reference", ("--pressure", "1MPa", "--temperature", "40degC")),
-        ("--activation-energy", ("--pressure", "1MPa", "--temperature", "40degC", "--reference", "20degC")),
-        ("--blur", ("--pressure", "40MPa", "--blur", "1mm")),
-        ("--ramp", ("--pressure", "40MPa", "--ramp", "2.4")),
-        ("--ramp", ("--pressure", "40MPa", "--ramp=-1s")),
-        ("--ramp", ("--pressure", "40MPa", "--ramp", "1day")),
-        ("--branch", ("--pressure", "40MPa", "--branch", "0.3 10s")),
-        ("--branch", ("--pressure", "40MPa", "--branch", "0.3 10")),
-        ("--branches", ("--pressure", "40MPa", "--branches", "0")),
-        ("--branches", ("--pressure", "40MPa", "--branches", "2", "--branches-per-decade", "2")),
-        ("--pixel", ("--pressure", "40MPa", "--pixel", "1")),
-    ],
-)
-def test_mistakes_are_one_clear_line(
-    flag: str, more: tuple[str, ...], files: Path, tmp_path: Path, asperity: Asperity
+MISTAKES = """
+    --pressure 1
+    --pressure '1 MPb'
+    --pressure 10N
+    --pressure=-1MPa
+    --load 'ten newtons'
+    --last 1s
+    --pressure 1MPa --load 1N
+    --pressure 1MPa --shear-strength 50
+    --pressure 1MPa --first 1us
+    --pressure 1MPa --last 2days
+    --pressure 1MPa --last 500s
+    --pressure 1MPa --first 10s --last 1s
+    --pressure 1MPa --last 2days --first abc
+    --pressure 1MPa --last 1e6
+    --pressure 1MPa --first --quiet
+    --pressure 1MPa --poisson 0.6
+    --pressure 1MPa --poisson 0.6 --modulus contact
+    --pressure 1MPa --poisson 0.3 0.2
+    --pressure 1MPa --poisson abc --modulus shear
+    --pressure 1MPa --per-decade 0
+    --pressure 1MPa --per-decade abc
+    --pressure 1MPa --branches-per-decade 99
+    --pressure 1MPa --branches-per-decade x
+    --pressure 1MPa --threshold 0.4
+    --pressure 1MPa --pixel 1um --threshold abc
+    --pressure 1MPa --temperature 40degC
+    --pressure 1MPa --temperature 40degC --reference 20degC
+    --pressure 1MPa --ramp 2.4
+    --pressure 1MPa --ramp=-1s
+    --pressure 1MPa --ramp 1day
+    --pressure 1MPa --branch '0.3 10s'
+    --pressure 1MPa --branch '0.3 10'
+    --pressure 1MPa --branches 0
+    --pressure 1MPa --branches 2 --branches-per-decade 2
+    --pressure 1MPa --pixel 1
+    --pressure 1MPa --creep eyring
+    --pressure 1MPa --creep none --hardness 0MPa
+"""
+ALONE = """
+    --young 3GPa 70GPa --poisson 0.3
+    --young 3
+    --young 3GPa --creep eyring
+    --young 3GPa --creep-stress 20MPa
+    --young 3GPa --permanent 0.01 --creep norton
+    --young 3GPa --noise 0.1
+    --young 3GPa --surface none.txt
+    --young 3GPa --hardness 9MPa --first 1s --last 100s
+    --young 3GPa --hardness 9MPa --first 1s --last 100s --ramp 1s
+    run.toml --wlf 17 51
+"""
+
+
+def test_mistakes_are_one_clear_line(files: Path, refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("relaxation.csv", "scan.txt"):
+        shutil.copy(files / name, name)
+    shutil.copy("scan.txt", "run.toml")
+    surface = ("--surface", "scan.txt", "--file-unit", "nm", "--pixel-size", "50", "--length-unit", "nm")
+    monkeypatch.setattr("asperity.simulate.follow", lambda *_, **__: pytest.fail("aged"))
+    for line in MISTAKES.split("\n")[1:-1]:
+        refused("predict", "relaxation.csv", *surface, *shlex.split(line), "--quiet")
+    for line in ALONE.split("\n")[1:-1]:
+        refused("predict", *surface, "--pressure", "10MPa", *shlex.split(line), "--quiet")
+    refused("predict", "--pressure", "1MPa")
+    refused("predict", "relaxation.csv", "--pressure", "1MPa")
+    # Files that cannot be used.
+    refused("predict", "relaxation.csv", "--surface", "scan.txt", "--pressure", "1MPa")
+    refused("predict", "relaxation.csv", "--surface", "scan.txt", "--file-unit", "nm", "--pressure", "1MPa")
+    Path("noheights.txt").write_text("no heights")
+    refused("predict", "relaxation.csv", "--surface", "noheights.txt", "--pressure", "1MPa")
+    lines = Path("relaxation.csv").read_text().splitlines()
+    numbers = [line.replace(",", "e0,") for line in lines[1:]]
+    for broken, more in (
+        (["t,E", *lines[1:]], ()),
+        ([lines[0], lines[2], lines[1], *lines[3:]], ()),
+        ([*lines[:10], "1.2,9000", *lines[10:]], ()),
+        ([*lines[:10], "1.2,2500", *lines[10:]], ()),
+        (lines[:4], ()),
+        (lines[1:], ()),
+        (["a,b", *numbers], ()),
+        # Without units a modulus in MPa would be taken for one in Pa.
+        (["a,b", *numbers], ("--kind", "relaxation", "--columns", "a", "b")),
+    ):
+        Path("table.csv").write_text("\n".join(broken))
+        refused("predict", "table.csv", *surface, "--pressure", "1MPa", *more, "--quiet")
+
+
+def test_a_table_whose_columns_are_chosen(
+    files: Path, undrawn: list[Prediction], prediction: Prediction, asperity: Asperity
 ) -> None:
-    status, out, error = asperity(*words(files, *more, "--quiet", "--out", tmp_path / "out"))
-    assert (status, out) == (2, "")
-    assert error.startswith(f"asperity: {flag}: expected ")
-    assert error.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("more", "said"),
-    [
-        (("--poisson", "0.3", "0.2"), "--poisson: expected at most 1 in the list, got [0.3, 0.2]"),
-        (("--poisson", "abc", "--modulus", "shear"), "--poisson: expected a number, got 'abc'"),
-        (
-            ("--poisson", "0.6", "--modulus", "contact"),
-            "--poisson: expected a number of at most 0.5",
-        ),
-        (("--per-decade", "abc"), "--per-decade: expected a whole number, got 'abc'"),
-        (("--branches-per-decade", "x"), "--branches-per-decade: expected a number, got 'x'"),
-        (("--pixel", "1um", "--threshold", "abc"), "--threshold: expected a number, got 'abc'"),
-        (("--last", "2days", "--first", "abc"), "--first: expected a number, got 'abc'"),
-        (("--last", "1e6"), "--last: expected a number with its unit, got 1e6; try --last 1e6s"),
-        (("--first", "--quiet"), "--first requires an argument"),
-    ],
-)
-def test_flags_are_checked_before_anything_is_done(
-    more: tuple[str, ...],
-    said: str,
-    files: Path,
-    tmp_path: Path,
-    asperity: Asperity,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(
-        "asperity.app.runs.prediction.press", lambda *_, **__: pytest.fail("computing has begun")
-    )
-    status, out, error = asperity(*words(files, "--pressure", "40MPa", *more, "--out", tmp_path / "out"))
-    assert (status, out, error.count("\n")) == (2, "", 1)
-    assert said in error
+    lines = (files / "relaxation.csv").read_text().splitlines()
+    Path("table.csv").write_text("\n".join(["a [s],b [MPa]", *lines[1:]]))
+    call = words(files, "--pressure", "40MPa", "--quiet", "--kind", "relaxation", "--columns", "0", "1")
+    assert asperity("predict", "table.csv", *call[2:]) == (0, "", "")
+    assert undrawn[0].modulus == pytest.approx(prediction.modulus)
 
 
 def test_the_same_number_in_another_unit_is_the_same_prediction(
@@ -633,7 +493,7 @@ def test_the_same_number_in_another_unit_is_the_same_prediction(
         asked.append(one)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(command, "place_beside", begin)
+    monkeypatch.setattr("asperity.app.cli.computing._place_beside", begin)
     for pressure in ("1MPa", "1000 kPa", "2MPa"):
         asperity(*words(files, "--pressure", pressure, "--out", tmp_path / "out"))
     assert asked[0] == asked[1] != asked[2]
@@ -644,55 +504,6 @@ def test_advice_names_flags_but_not_within_python() -> None:
         "unit", expected="one", got="none", advice="unit='m', or Surface(h, unit='m', x=(1, 2))"
     )
     assert of_flags(wrong, {"unit": "--unit"}).advice == "--unit 'm', or Surface(h, unit='m', x=(1, 2))"
-
-
-def test_ratios_of_two_bodies_are_asked_for_as_flags(files: Path, asperity: Asperity) -> None:
-    call = (
-        "predict",
-        *words(files)[2:],
-        "--pressure",
-        "1MPa",
-        "--young",
-        "3GPa",
-        "70GPa",
-        "--poisson",
-        "0.3",
-    )
-    status, _, error = asperity(*call)
-    assert status == 2
-    assert error.endswith("--poisson: expected one for each of 2 in young, got 1; try --poisson 0.35 0.35\n")
-
-
-def test_the_help_asks_for_quantities(asperity: Asperity) -> None:
-    for name, shown in (("predict", "--pressure QUANTITY"), ("run", "--pressure FLOAT")):
-        status, text, _ = asperity(name, "--help")
-        assert status == 0
-        assert shown in " ".join(text.split())
-        assert "FLOAT(" not in text
-
-
-def test_files_that_cannot_be_used(files: Path, tmp_path: Path, asperity: Asperity) -> None:
-    bare = ["predict", files / "relaxation.csv", "--surface", files / "scan.txt", "--pressure", "1MPa", "-q"]
-    status, _, error = asperity(*bare, "--out", tmp_path / "out")
-    assert status == 2
-    assert "--surface: expected heights with a unit of length" in error
-    status, _, error = asperity(*bare, "--file-unit", "nm", "--out", tmp_path / "out")
-    assert status == 2
-    assert "--surface: expected the distance between pixels" in error
-    lines = (files / "relaxation.csv").read_text().splitlines()
-    for broken, said in (
-        ([lines[0], lines[2], lines[1], *lines[3:]], "time that rises"),
-        ([*lines[:10], "1.2,9000", *lines[10:]], "no rise with time"),
-        (lines[:4], "points or more"),
-    ):
-        table = tmp_path / "table.csv"
-        table.write_text("\n".join(broken))
-        call = words(files, "--pressure", "1MPa", "--quiet", "--out", tmp_path / "out")
-        status, _, error = asperity(call[0], table, *call[2:])
-        assert status == 2
-        assert said in error
-        assert error.count("\n") == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["table.csv"]
 
 
 def test_more_branches_follow_a_table_of_few_times(
@@ -713,49 +524,6 @@ def test_more_branches_follow_a_table_of_few_times(
     assert many < 0.02
     assert free < 1e-6
     assert any("more branches per decade" in remark for remark in undrawn[0].remarks)
-
-
-def test_a_table_without_names_is_told_what_to_write(files: Path, tmp_path: Path, asperity: Asperity) -> None:
-    lines = (files / "relaxation.csv").read_text().splitlines()
-    (tmp_path / "table.csv").write_text("\n".join(lines[1:]))
-    call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
-    call[1] = str(tmp_path / "table.csv")
-    status, _, error = asperity(*call)
-    assert status == 2
-    assert "try a first line that names them with their units, such as time_s,E_MPa" in error
-
-
-def test_a_table_that_needs_words(
-    files: Path, undrawn: list[Prediction], prediction: Prediction, tmp_path: Path, asperity: Asperity
-) -> None:
-    lines = (files / "relaxation.csv").read_text().splitlines()
-    numbers = [line.replace(",", "e0,") for line in lines[1:]]
-    (tmp_path / "table.csv").write_text("\n".join(["a,b", *numbers]))
-    call = words(files, "--pressure", "40MPa", "--quiet", "--out", tmp_path / "out")
-    call[1] = str(tmp_path / "table.csv")
-    status, _, error = asperity(*call)
-    assert status == 2
-    assert "--columns [...] to choose" in error
-    # Without units a modulus in MPa would be taken for one in Pa.
-    status, _, error = asperity(*call, "--kind", "relaxation", "--columns", "a", "b")
-    assert status == 2
-    assert "expected columns that name their units, got " in error
-    assert "table.csv: no unit beside 'a'; try a header such as" in error
-    (tmp_path / "table.csv").write_text("\n".join(["a [s],b [MPa]", *numbers]))
-    status, _, error = asperity(*call, "--kind", "relaxation", "--columns", "0", "1")
-    assert status == 0
-    assert undrawn[0].modulus == pytest.approx(prediction.modulus)
-    rising = [*lines[:10], "1.2,2500", *lines[10:]]
-    (tmp_path / "table.csv").write_text("\n".join(rising))
-    status, _, error = asperity(*call)
-    assert status == 2
-    assert "try --noise 0." in error
-
-
-def test_results_are_kept(finished: Path, files: Path, asperity: Asperity) -> None:
-    status, _, error = asperity(*words(files, "--pressure", "1MPa", "--out", finished))
-    assert status == 2
-    assert "which holds a run and is kept; try another name, or --overwrite" in error
 
 
 def test_what_python_refuses(files: Path, scan: asp.surfaces.Surface) -> None:
@@ -797,9 +565,6 @@ def test_beyond_a_table_the_contact_stays_where_its_last_modulus_does(
     assert "try --extrapolate" in refused[2]
     plateau = ("--pressure", "40MPa", "--last", "500s", "--extrapolate", "plateau", "--quiet")
     assert asperity(*words(files, *plateau, "--out", tmp_path / "out"))[0] == 0
-    said = "beyond the last time of the table, 100 s, the modulus is assumed to stay"
-    for name in ("summary.txt", "prediction.html"):
-        assert said in (tmp_path / "out" / name).read_text(encoding="utf-8")
     dataset = asp.results.load(tmp_path / "out" / "history.zarr")
     assert json.loads(dataset.attrs["prediction"])["extrapolate"] == "plateau"
     fitted = asp.relaxation.fit(asp.relaxation.read(files / "relaxation.csv"), extrapolate="plateau")

@@ -23,7 +23,7 @@ import pytest
 from asperity import __version__
 from asperity.app.campaign import read_plan
 from asperity.app.cli import main
-from asperity.app.cli.command import app
+from asperity.app.cli.app import app
 from asperity.app.config import config_from, read_tables
 
 ROOT = Path(__file__).parents[2]

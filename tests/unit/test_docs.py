@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.app.cli.command import app
+from asperity.app.cli.app import app
 from asperity.app.config.keys import sections
 from tests.unit.test_house import ROOMS
 

@@ -7,7 +7,7 @@ import pytest
 
 import asperity as asp
 from asperity.analysis.scan import written
-from asperity.app.cli.report import _solid
+from asperity.app.cli.reports.run import _solid
 from asperity.app.config import config_from
 from asperity.figures.style import spelled
 

@@ -1,4 +1,4 @@
-"""The commands ``asperity sweep``, ``status`` and ``gather``."""
+"""What a campaign does when it is swept, and how its progress is told."""
 
 from __future__ import annotations
 
@@ -15,17 +15,11 @@ from rich.progress import Progress as Bar
 
 import asperity.app.campaign as campaign
 from asperity.app.campaign import Plan, Tally
-from asperity.app.campaign.gather import with_ends
 from asperity.app.campaign.plan import Run, name_of
 from asperity.app.cli.options import Work
-from asperity.app.cli.output import write_figure
 from asperity.app.cli.report import aligned
-from asperity.base.tables import with_unit
 from asperity.base.words import counted, data_size, duration
 from asperity.errors import AsperityError, InputError
-from asperity.figures import campaign_figure
-from asperity.results import save
-from asperity.results.store import whole_file
 
 _LINE_EVERY = 10.0
 """Seconds between two plain lines of progress."""
@@ -71,58 +65,20 @@ def sweep(plan: Plan, out: Path, work: Work) -> None:
         raise KeyboardInterrupt(
             f"interrupted; {done} runs are done and kept, and the same command does the rest"
         ) from None
+    except InputError as error:
+        # That nobody is at an address is no mistake in what was typed.
+        if error.name != "scheduler" or isinstance(error.__cause__, ValueError):
+            raise
+        raise AsperityError(str(error)) from error
     if not work.quiet:
         unasked = ("scheduler", f"{work.scheduler} was not asked: there was nothing to do")
-        told = _tally_told(plan, end, *[unasked] * (idle and work.scheduler is not None))
+        told = tally_told(plan, end, *[unasked] * (idle and work.scheduler is not None))
         sys.stdout.write(f"{told}\n")
     if end.failed:
         why = shlex.join(("asperity", "status", str(out)))
         raise AsperityError(
             f"{end.failed} of {end.total} runs failed: {why} says why; try again with --retry-failed"
         )
-
-
-def status(out: Path) -> None:
-    """Say how far a campaign is."""
-    plan = campaign.load_plan(out)
-    sys.stdout.write(f"{_tally_told(plan, campaign.tally(plan, out))}\n")
-
-
-def gather(out: Path, *, to: Path | None, overwrite: bool) -> None:
-    """Write a campaign's Dataset, a table of its runs, and a figure of their growth; else `AsperityError`."""
-    dataset = campaign.open(out)
-    target = out / "gathered.zarr" if to is None else to
-    if target.suffix not in (".zarr", ".nc"):
-        raise InputError("--to", expected="a name that ends in .zarr, or in .nc for netCDF", got=target)
-    # Gathering again, with more runs, is what one does: the default place is always replaced.
-    replace = overwrite or to is None
-    csv, picture = target.with_suffix(".csv"), target.with_suffix(".png")
-    for there in (csv, picture, *[target] * (target.suffix == ".nc")):
-        if there.exists() and not replace:
-            raise InputError("--to", expected="a new name", got=f"{there} exists", advice="--overwrite")
-    if target.suffix == ".nc":
-        with whole_file(target) as part:
-            dataset.to_netcdf(part)
-    else:
-        save(dataset, target, overwrite=replace)
-    runs = campaign.table(dataset)
-    if dataset["time"].attrs["units"] == "s":
-        ends = with_ends(dataset)
-        runs = runs.rename(columns=lambda name: with_unit(name, ends[name].attrs.get("units") or "1"))
-    with whole_file(csv) as part:
-        runs.to_csv(part, index=False)
-    sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
-    opener = "asp.results.load" if target.suffix == ".zarr" else "xarray.open_dataset"
-    rows = [
-        ("finished", f"{dataset.attrs['finished']} of {dataset.attrs['runs']} runs"),
-        ("dimensions", sizes),
-        ("written", f"{target}: all series and their ensemble; {opener} opens it"),
-        ("", f"{csv}: one row a run, {len(runs)} rows"),
-    ]
-    if float(dataset["time"].max()) > 0:
-        write_figure(campaign_figure(dataset), picture)
-        rows.append(("", f"{picture}: growth of the contact, with standard errors"))
-    sys.stdout.write(f"{aligned(rows)}\n")
 
 
 def _check_out(out: Path) -> None:
@@ -143,15 +99,10 @@ def _check_out(out: Path) -> None:
         )
 
 
-def _tally_told(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
+def tally_told(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
     """A table of the tally, and a line for all runs that failed alike."""
-    rows = [
-        ("runs", str(end.total)),
-        ("done", str(end.done)),
-        ("running", str(end.running)),
-        ("failed", str(end.failed)),
-        ("left", str(end.left)),
-    ]
+    states = ("done", "running", "failed", "left")
+    rows = [("runs", str(end.total)), *((name, str(getattr(end, name))) for name in states)]
     alike: dict[str, list[Run]] = {}
     for run in {run.identity: run for run in plan.runs if run.identity in end.reasons}.values():
         alike.setdefault(end.reasons[run.identity], []).append(run)

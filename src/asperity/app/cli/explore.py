@@ -4,45 +4,72 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Switch, Whole
 from asperity.app.cli.new_files import check_new_file
-from asperity.app.explore.export import exported_page
-from asperity.app.explore.folders import entries, open_entry
-from asperity.app.explore.scene import pack
-from asperity.base import checks
 from asperity.errors import InputError
-from asperity.results.store import whole_file
 
 _PORTS = 65535
 
 
-def explore(folder: Path | None, *, port: int | None, browser: bool) -> None:
-    """Serve the page until Ctrl-C.
+@command()
+def explore(
+    folder: Path | None = None,
+    /,
+    *,
+    port: Whole | None = None,
+    no_browser: Switch = False,
+    export: Path | None = None,
+    overwrite: Switch = False,
+) -> None:
+    """Show a page on which contacts age, in the browser of this machine, or write it to a file.
 
-    `InputError` if there is no such folder, or the port cannot be had; `MissingExtraError` without the
-    libraries of the server.
+    Without a folder: choose a surface, a solid and a load, press, and watch. With the folder of a run, a
+    prediction or a campaign, or of several: what they found. Ctrl-C ends it.
+
+    Parameters
+    ----------
+    folder
+        Folder of results to show.
+    port
+        Port to listen on. [default: the first free one from 8765]
+    no_browser
+        Only print the address.
+    export
+        File to write (.html) in place of all that: the page with the results of the folder, which opens
+        anywhere without a server.
+    overwrite
+        Replace that file if it exists.
     """
-    if folder is not None:
-        _check_folder(folder)
+    if folder is not None and not folder.is_dir():
+        got = f"{folder}, which is a file" if folder.exists() else f"{folder}, which does not exist"
+        raise InputError("folder", expected="a folder of results", got=got)
+    if export is not None:
+        _export(folder, export, overwrite=overwrite)
+        return
     if port is not None and not 1 <= port <= _PORTS:
         raise InputError("--port", expected=f"a number from 1 to {_PORTS}", got=port)
+    from asperity.base import checks
+
     with checks.extra("explore", "the page"):
         from asperity.app.explore.server import serve
 
     def told(address: str) -> None:
         print(f"{address}  (Ctrl-C to end)", flush=True)
 
-    serve(folder, port=port, told=told, browser=browser)
+    serve(folder, port=port, told=told, browser=not no_browser)
 
 
-def export(folder: Path | None, page: Path, *, overwrite: bool) -> None:
-    """Write the page of a folder to one file: of a campaign its curves, and the maps of its first run.
-
-    `InputError` if there is no such folder, it holds none or several results, or the file cannot be written.
-    """
+def _export(folder: Path | None, page: Path, *, overwrite: bool) -> None:
+    """Write the page of a folder to one file: of a campaign its curves, and the maps of its first run."""
     if folder is None:
         raise InputError("--export", expected="a folder of results", got="none", advice="its name")
-    _check_folder(folder)
     check_new_file("--export", page, (".html", ".htm"), overwrite=overwrite)
+    from asperity.app.explore.export import exported_page
+    from asperity.app.explore.folders import entries, open_entry
+    from asperity.app.explore.scene import pack
+    from asperity.results.store import whole_file
+
     found = entries(folder)
     if len(found) != 1:
         got = f"{folder}, which holds {len(found)} results"
@@ -55,9 +82,3 @@ def export(folder: Path | None, page: Path, *, overwrite: bool) -> None:
     with whole_file(page) as part:
         part.write_text(exported_page(messages, title=f"{title} · Asperity"), encoding="utf-8")
     print(page)
-
-
-def _check_folder(folder: Path) -> None:
-    if not folder.is_dir():
-        got = f"{folder}, which is a file" if folder.exists() else f"{folder}, which does not exist"
-        raise InputError("folder", expected="a folder of results", got=got)

@@ -3,215 +3,105 @@
 from __future__ import annotations
 
 import dataclasses
-import json
-import math
 import sys
 from pathlib import Path
+from typing import Annotated, Literal
 
+from cyclopts import Parameter
+
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Out, Switch
 from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
-from asperity.app.cli.options import FitFlags
-from asperity.app.cli.output import write_figure
-from asperity.app.cli.report import aligned
-from asperity.base.words import uncertain
 from asperity.errors import InputError
-from asperity.figures import fit_figure
-from asperity.figures.fit import UNDETERMINED, determined
-from asperity.fits import (
-    Comparison,
-    FitResult,
-    GrowthRate,
-    LogarithmFit,
-    MeasuredGrowth,
-    SaturationFit,
-    measured_growth,
-    read_measurements,
-)
-from asperity.fits.measured import Law
-from asperity.fits.result import parameters_of
-from asperity.results.store import whole_file
-
-_PER_DECADE = math.log(10)
-_SLOPES = ("slope", "B", "relative")
-_FORMULAS: dict[Law, tuple[str, tuple[str, ...]]] = {
-    "saturation": ("A0 [a - (a - 1)/(1 + t/t0)^q]", ("a", "q", "t0", "C")),
-    "logarithm": ("A0 [1 + C ln(1 + t/t0)]", ("C", "t0")),
-}
 
 
-def fit(file: Path, wanted: FitFlags) -> None:
-    """Read a table, fit, say and draw; `AsperityError` if it cannot be used, or a file not be written."""
-    check_new_file("--out", wanted.out, FIGURE_SUFFIXES, overwrite=wanted.overwrite)
-    if wanted.json is not None:
-        check_new_file("--json", wanted.json, (".json",), overwrite=wanted.overwrite)
-    window, unit_time = wanted.window, wanted.unit_time or ""
-    first, last = window or (None, None)
+@command()
+def fit(
+    file: Path,
+    /,
+    *,
+    law: Literal["saturation", "logarithm", "both"] = "both",
+    out: Out = Path("fit.png"),
+    json: Path | None = None,
+    overwrite: Switch = False,
+    window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
+    column_time: str | None = None,
+    column_value: str | None = None,
+    column_stderr: str | None = None,
+    quantity: str | None = None,
+    unit_time: str | None = None,
+) -> None:
+    """Fit laws of growth to measured values against hold time: contact area, or static friction.
+
+    A value at time 0, if there is one, is taken as exact; several, or one with a standard error, are
+    measurements like others.
+
+    Parameters
+    ----------
+    file
+        A table: two columns or more, separated by anything; also the aging.csv of a run. Lines
+        beginning with #, % or ; are comments.
+    law
+        Law to fit.
+    out
+        Figure to write (.png, .pdf or .svg).
+    json
+        File to write all numbers to (.json).
+    overwrite
+        Replace these files if they exist.
+    window
+        Hold times T1 T2 between which a straight line gives the growth per decade; the laws are fitted
+        to all values. [default: all]
+    column_time
+        Column of the hold times: its name in the header, or a number counted from 0. [default: 0, or 1
+        where column 0 is an index 0, 1, 2, ... without a name, as pandas writes it]
+    column_value
+        Column of the values. [default: the next]
+    column_stderr
+        Column of their standard errors. [default: none are known]
+    quantity
+        What the values are, for the figure. [default: the name in the header]
+    unit_time
+        Unit of the hold times, such as s, for the figure. [default: none]
+    """
+    check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
+    if json is not None:
+        check_new_file("--json", json, (".json",), overwrite=overwrite)
+    unit, (first, last) = unit_time or "", window or (None, None)
     if window and not 0 <= window[0] < window[1]:
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
-    data = read_measurements(
-        file, time=wanted.column_time, value=wanted.column_value, stderr=wanted.column_stderr
-    )
-    named = wanted.quantity or data.value_name or "value"
+    from asperity.app.cli.output import write_figure  # takes a second: mistakes are told before
+    from asperity.app.cli.report import aligned
+    from asperity.app.cli.reports.fit import growth_report, write_numbers
+    from asperity.figures import fit_figure
+    from asperity.fits import measured_growth, read_measurements
+
+    data = read_measurements(file, time=column_time, value=column_value, stderr=column_stderr)
+    named = quantity or data.value_name or "value"
     try:
         growth = measured_growth(
             data.time,
             data.value,
             stderr=data.stderr,
-            laws=("saturation", "logarithm") if wanted.law == "both" else (wanted.law,),
+            laws=("saturation", "logarithm") if law == "both" else (law,),
             first=first,
             last=last,
             name=data.value_name or "value",
         )
-        growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     except InputError as error:
         error.args = (f"{file}: {error}",)  # what computes does not know where the numbers came from
         raise
+    growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     figure = fit_figure(
         growth,
-        quantity=wanted.quantity or f"{named}  [unit of the table]",
-        unit_time=unit_time,
+        quantity=quantity or f"{named}  [unit of the table]",
+        unit_time=unit,
         window=window is not None,
     )
-    write_figure(figure, wanted.out)
-    written = [f"figure written: {wanted.out}"]
-    if wanted.json is not None:
-        facts = {"file": str(file), "quantity": named, "unit_time": unit_time, **_facts(growth)}
-        with whole_file(wanted.json) as part:
-            part.write_text(json.dumps(facts, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        written.append(f"numbers written: {wanted.json}")
-    blocks = _blocks(growth, source=f"{file}: {named}", unit=f" {unit_time}" if unit_time else "")
-    sys.stdout.write("\n\n".join([*map(aligned, blocks), "\n".join(written)]) + "\n")
-
-
-def _blocks(growth: MeasuredGrowth, *, source: str, unit: str) -> list[list[tuple[str, ...]]]:
-    """Tables of words: the data, each law, the straight line, the comparison."""
-    zeros = f", {growth.initial_points} of them at time 0" if growth.initial_points else ""
-    span = f"{growth.curve_time[0]:g} to {growth.curve_time[-1]:g}{unit}"
-    data: list[tuple[str, ...]] = [("data", f"{source}, {growth.points} values{zeros}; times {span}")]
-    laws = [_law(law, fit, unit) for law, fit in growth.fits.items()]
-    line = [] if growth.rate is None else [_line(growth.rate, growth.initial_from, unit)]
-    # Where the laws are not determined, the straight line is all that the data say.
-    blocks = [data, *(laws + line if growth.initial_from else line + laws)]
-    if growth.comparison is not None:
-        blocks.append(_comparison(growth.comparison))
-    if growth.notes:
-        blocks.append([("note", note) for note in growth.notes])
-    return blocks
-
-
-def _law(law: Law, fit: SaturationFit | LogarithmFit, unit: str) -> list[tuple[str, ...]]:
-    formula, names = _FORMULAS[law]
-    rows = [(f"{law}: {formula}",), ("", "value ± standard error", "95 % interval")]
-    if fit.initial_area_stderr == 0:
-        rows.append(("  A0", f"{fit.initial_area:.6g}", "as given, taken as exact"))
-    else:
-        rows.append(_shape("A0", fit, "initial_area"))
-    rows += [_shape(name, fit, name, unit=unit if name == "t0" else "") for name in names]
-    rows.append(_row("slope A0 C per decade", fit, "slope", factor=_PER_DECADE))
-    return [*rows, _goodness(fit)]
-
-
-def _line(rate: GrowthRate, initial_from: str, unit: str) -> list[tuple[str, ...]]:
-    source = "measured at time 0" if initial_from == "time 0" else f"from the {initial_from}"
-    rows: list[tuple[str, ...]] = [
-        (f"straight line in ln t: {rate.points} values, {rate.first:g} to {rate.last:g}{unit}",),
-        ("", "per e-fold of time", "per decade", "95 % interval per decade"),
-    ]
-    over_A0 = (("in units of A0", "B"),) if initial_from else ()
-    for text, name in (("absolute", "slope"), *over_A0, ("relative", "relative")):
-        _, per_efold, _ = _row(text, rate, name)
-        rows.append((f"  {text}", per_efold, *_row(text, rate, name, factor=_PER_DECADE)[1:]))
-    origin = f"{rate.initial_area:.6g}, {source}" if initial_from else UNDETERMINED
-    rows += [(f"  A0: {origin}",), _goodness(rate)]
-    if math.isfinite(rate.curvature):
-        bend = uncertain(100 * rate.curvature, 100 * rate.curvature_stderr)
-        verdict = {
-            True: "straight",
-            False: "not straight, so that the rate depends on the window",
-            None: "the data do not tell whether it is straight",
-        }[rate.straight]
-        rows.append((f"  change of slope within the window: {bend} %; {verdict}",))
-    return rows
-
-
-def _shape(text: str, fit: FitResult, name: str, *, unit: str = "") -> tuple[str, ...]:
-    """Row of a parameter that must not be 0; a slope may be, and that is a result."""
-    if determined(getattr(fit, name), getattr(fit, f"{name}_stderr")):
-        return _row(text, fit, name, unit=unit)
-    return f"  {text}", UNDETERMINED, ""
-
-
-def _row(text: str, fit: FitResult, name: str, *, factor: float = 1.0, unit: str = "") -> tuple[str, ...]:
-    value, stderr = getattr(fit, name), getattr(fit, f"{name}_stderr")
-    low, high = fit.interval(name)
-    return (
-        f"  {text}",
-        f"{uncertain(factor * value, factor * stderr)}{unit}",
-        f"{factor * low:.5g} to {factor * high:.5g}" if math.isfinite(high) else "",
-    )
-
-
-def _goodness(fit: FitResult) -> tuple[str, ...]:
-    chi = "" if fit.reduced_chi_squared is None else f", reduced chi² = {fit.reduced_chi_squared:.3g}"
-    return (f"  misfit: {100 * fit.rms_residual:.2g} % rms, R² = {fit.r_squared:.4g}{chi}",)
-
-
-def _comparison(found: Comparison) -> list[tuple[str, ...]]:
-    odds = f"{found.relative_likelihood:.1g}" if found.relative_likelihood > 1e-6 else "less than 1e-6"
-    words = {
-        "saturation": f"the data prefer saturation: a logarithm without end is {odds} times as likely",
-        "logarithm": "the data prefer the logarithm: no sign of saturation, and none that halves the slope "
-        "within these times",
-        "undecided": "these data do not tell a logarithm from a saturation",
-    }
-    return [
-        (words[found.verdict],),
-        ("  AICc", f"logarithm less saturation {found.delta_aicc:.3g}, were all values independent"),
-        (
-            "  residuals",
-            f"neighbors correlate by {found.autocorrelation:.2f}: the values are worth "
-            f"{found.effective_points:.0f} independent ones, the difference {found.delta_effective:.3g}",
-        ),
-    ]
-
-
-def _facts(growth: MeasuredGrowth) -> dict[str, object]:
-    """All numbers, for JSON, which has no infinity."""
-    facts: dict[str, object] = {
-        "points": growth.points,
-        "initial_points": growth.initial_points,
-        "fits": {law: _numbers(fit) for law, fit in growth.fits.items()},
-        "initial_from": growth.initial_from,
-        "straight_line": None if growth.rate is None else _numbers(growth.rate),
-        "comparison": None,
-        "notes": list(growth.notes),
-    }
-    if growth.comparison is not None:
-        names = [field.name for field in dataclasses.fields(growth.comparison)]
-        numbers = {name: getattr(growth.comparison, name) for name in names if name not in growth.fits}
-        facts["comparison"] = {name: _finite(value) for name, value in numbers.items()}
-    return facts
-
-
-def _numbers(fit: FitResult) -> dict[str, object]:
-    """Every number of a fit under the name that the screen has for it; slopes also per decade."""
-    names = parameters_of(fit)
-    numbers: dict[str, object] = {}
-    for field in dataclasses.fields(fit):
-        if field.name in names:
-            shown = "A0" if field.name == "initial_area" else field.name
-            facts = (
-                getattr(fit, field.name),
-                getattr(fit, f"{field.name}_stderr"),
-                *fit.interval(field.name),
-            )
-            scales = {"_per_efold": 1.0, "_per_decade": _PER_DECADE} if field.name in _SLOPES else {"": 1.0}
-            for suffix, factor in scales.items():
-                value, stderr, *ends = (_finite(factor * fact) for fact in facts)
-                numbers[shown + suffix] = {"value": value, "stderr": stderr, "interval": ends}
-        elif field.name.removesuffix("_stderr") not in names:
-            numbers[field.name] = _finite(getattr(fit, field.name))
-    return numbers
-
-
-def _finite(value: object) -> object:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    write_figure(figure, out)
+    written = f"figure written: {out}"
+    if json is not None:
+        write_numbers(growth, json, file=str(file), quantity=named, unit_time=unit)
+        written += f"\nnumbers written: {json}"
+    blocks = growth_report(growth, source=f"{file}: {named}", unit=f" {unit}" if unit else "")
+    sys.stdout.write("\n\n".join([*map(aligned, blocks), written]) + "\n")

@@ -2,150 +2,92 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
+from typing import Annotated, Any, Literal
 
-import xarray as xr
+from cyclopts import Parameter
 
-import asperity.app.campaign as campaign
-from asperity.analysis.scan import written
-from asperity.app.cli.flags import of_flags
-from asperity.app.cli.options import FrictionFlags
-from asperity.app.cli.output import check_free, write_figure
-from asperity.app.cli.report import aligned
-from asperity.app.cli.resuming import tell_results
-from asperity.base.words import counted, uncertain
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Open, Out, Quiet, Switch, of_flags
 from asperity.errors import InputError
-from asperity.figures import rate_and_state_figure
-from asperity.friction import Record, StateLaws, compare_state_laws, read_record, record_of, save_parameters
-from asperity.friction.laws import STATE_LAWS, StateLaw
-from asperity.results.store import whole_folder
 
 _FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | {
     name: f"--{name}" for name in ("a", "events", "columns")
 }
-_OPEN = 100.0
-"""Relative standard error above which a parameter is not determined."""
-
-_NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
 
 
+@command()
 def friction(
-    records: Sequence[Path], wanted: FrictionFlags, *, out: Path, overwrite: bool, quiet: bool
+    records: list[Path],
+    /,
+    *,
+    law: Literal["best", "aging", "slip"] = "best",
+    a: float | None = None,
+    reference_velocity: str | None = None,
+    events: Literal["all", "holds", "steps"] = "all",
+    shear_strength: str | None = None,
+    columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None,
+    strength_at_rest: Switch = False,
+    out: Out = Path("friction"),
+    overwrite: Switch = False,
+    quiet: Quiet = False,
+    show: Open = False,
 ) -> None:
-    """Read tables of experiments or folders of runs, one for each surface; fit, say, draw and write.
+    """Fit rate-and-state friction to records of sliding with holds or velocity steps.
 
-    `AsperityError` if a record cannot be used, or the folder not written.
+    The result is a folder with the parameters a, b, D_c, mu_0 and V_0, their 95 % intervals and units, for
+    codes of earthquakes (friction.toml, friction.csv), a picture, and a verdict on the aging law against
+    the slip law.
+
+    Parameters
+    ----------
+    records
+        The folder of a run that slid, or of a campaign over seeds; or a table of time, velocity or
+        displacement, and friction (or shear and normal stress or force), with units in its header: time_s,
+        displacement_um, friction. Several are surfaces under one protocol; their scatter gives the intervals.
+    law
+        The law whose parameters come first: one, or that of the verdict.
+    a
+        The direct effect, such as 0.01. [default: 0 for runs with a constant shear strength, else fitted]
+    reference_velocity
+        V_0, such as "1 um/s", of which mu_0 is the steady friction. [default: the first of the record]
+    events
+        What to fit: all, the holds, or the velocity steps.
+    shear_strength
+        Shear strength of the contacts, such as 50MPa, for runs that did not state it.
+    columns
+        Names or numbers, from 0, of the columns to read. [default: those whose names are understood]
+    strength_at_rest
+        Friction at rest in a table is the strength, as in a simulation, and not the force held.
+    out
+        Folder for the results, which appears when all is written; it must not exist yet.
+    overwrite
+        Replace the results of an earlier fit.
+    quiet
+        Print nothing.
+    show
+        Open the picture of the results when they are written.
     """
+    from asperity.app.cli.computing import tell_results
+    from asperity.app.cli.output import check_free, write_figure
+    from asperity.app.cli.report import aligned
+    from asperity.app.cli.reports.friction import friction_report, number_or_text, records_at
+    from asperity.figures import rate_and_state_figure
+    from asperity.friction import compare_state_laws, save_parameters
+    from asperity.results.store import whole_folder
+
     check_free(out, overwrite=overwrite)
+    reading: dict[str, Any] = {"columns": columns, "strength_at_rest": strength_at_rest}
+    strength, reference = number_or_text(shear_strength), number_or_text(reference_velocity)
     try:
-        several = [record for path in records for record in _read(path, wanted)]
-        reference = _number_or_text(wanted.reference_velocity)
-        found = compare_state_laws(several, a=wanted.a, V_0=reference, events=wanted.events)
+        several = [record for path in records for record in records_at(path, strength, **reading)]
+        found = compare_state_laws(several, a=a, V_0=reference, events=events)
     except InputError as error:
         raise of_flags(error, _FLAGS) from error
-    rows = _report(found, str(records[0]))
+    rows = friction_report(found, str(records[0]))
     with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
         for kind in ("toml", "csv"):
-            save_parameters(
-                found, folder / f"friction.{kind}", law=None if wanted.law == "best" else wanted.law
-            )
+            save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
         (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         write_figure(rate_and_state_figure(found), folder / "friction.png")
-    if not quiet:
-        tell_results(rows, out)
-
-
-def _read(path: Path, wanted: FrictionFlags) -> list[Record]:
-    if not path.is_dir():
-        return [read_record(path, columns=wanted.columns, strength_at_rest=wanted.strength_at_rest)]
-    strength = _number_or_text(wanted.shear_strength)
-    histories = _surfaces(path) if (path / "plan.json").exists() else [path]
-    return [record_of(history, shear_strength=strength) for history in histories]
-
-
-def _number_or_text(word: str | None) -> float | str | None:
-    """A flag's quantity: a number where it has no unit."""
-    with suppress(TypeError, ValueError):
-        return float(word or "")
-    return word
-
-
-def _surfaces(path: Path) -> list[xr.Dataset]:
-    """The finished runs of a campaign in which nothing but the surfaces differs."""
-    dataset = campaign.open(path)
-    swept = {str(dim): n for dim, n in dataset["load"].sizes.items() if dim not in ("seed", "time", "entry")}
-    if several := [dim for dim, n in swept.items() if n > 1]:
-        expected, got = "a campaign over seeds alone", f"one over {' and '.join(several)}"
-        raise InputError(str(path), expected=expected, got=got, advice="a campaign for each of their values")
-    runs = dataset.isel(dict.fromkeys(swept, 0))
-    every = [runs.isel(seed=n) for n in range(runs.sizes["seed"])] if "seed" in runs.dims else [runs]
-    return [run for run in every if run["load"].notnull().any()]
-
-
-def _report(found: StateLaws, first: str) -> list[tuple[str, str]]:
-    """Say what was fitted and what came out."""
-    record, kinds = found.record, found.peaks()
-    slip = written(float(record.displacement[-1]), "m" if record.si else "1", 3)
-    fit = found.fits[found.preferred]
-    rows = [
-        ("record", first if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
-        (
-            "",
-            f"{counted(fit.points, 'value')} fitted of {record.time.size}, slip {slip}, "
-            f"{counted(kinds.duration.size, 'hold')}",
-        ),
-    ]
-    for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):
-        rows += _law(found, law)
-    rows.append(("verdict", _verdict(found)))
-    if fit.determined and fit.D_c < record.finest_slip:
-        finest = written(record.finest_slip, "m" if record.si else "1", 3)
-        text = f"D_c is shorter than the slip between two values, {finest}, and so not well resolved"
-        rows.append(("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
-    if found.runs == 1 and fit.effective_points < fit.points:
-        rows.append(
-            (
-                "note",
-                f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
-                f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}; "
-                "records of several surfaces give better intervals",
-            )
-        )
-    return rows
-
-
-def _law(found: StateLaws, law: StateLaw) -> list[tuple[str, str]]:
-    record, fit = found.record, found.fits[law]
-    rows = []
-    for text, name in _NAMES:
-        one = found.estimates[law][name]
-        value, stderr, low, high = (float(part) for part in (one.value, one.stderr, one.low, one.high))
-        if name == "a" and fit.a_stderr == 0:
-            said = f"{value:g}, as given"
-        elif (name == "D_c" and not fit.determined) or stderr > _OPEN * abs(value):
-            said = "not determined by this record"
-        elif name == "D_c" and record.si:
-            said = f"{written(value, 'm', 4)}, 95 % from {written(low, 'm', 4)} to {written(high, 'm', 4)}"
-        else:
-            digits = max(0, 1 - math.floor(math.log10(stderr))) if stderr > 0 else 6
-            said = f"{uncertain(value, stderr)}, 95 % from {low:.{digits}f} to {high:.{digits}f}"
-        rows.append((f"  {text}", said))
-    V_0 = written(fit.V_0, "m/s" if record.si else "1")
-    rows.append(("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms"))
-    return [(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"), *rows]
-
-
-def _verdict(found: StateLaws) -> str:
-    if found.runs > 1:
-        low, high = float(found.log_ratio.low), float(found.log_ratio.high)
-        scatter = f"ln of the ratio of squares, aging over slip: {low:.3g} to {high:.3g}"
-        known = f"the surfaces prefer the {found.verdict} law"
-        return f"{known if found.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
-    if found.verdict == "undecided":
-        return "undecided: these data do not tell the aging law from the slip law"
-    other = "slip" if found.verdict == "aging" else "aging"
-    odds = f"{found.relative_likelihood:.1g}" if found.relative_likelihood > 1e-6 else "less than 1e-6"
-    return f"the data prefer the {found.verdict} law: the {other} law is {odds} times as likely"
+    tell_results(rows, out, quiet=quiet, show=show)

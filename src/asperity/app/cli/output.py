@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
@@ -18,7 +18,7 @@ from asperity.figures import aging_curve, contact_figure, history_figure, patch_
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
 from asperity.results.quantities import RUN, select
-from asperity.results.store import whole_file, whole_folder
+from asperity.results.store import whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,21 +70,13 @@ def _is_ours(name: str) -> bool:
     return name in ours or Path(name).stem in pictures.split(", ")
 
 
-def write_results(outcome: Outcome, out: Path, *, text: str, overwrite: bool) -> tuple[str, ...]:
-    """Write every file of a run to a folder, with the summary; return remarks on figures that were not drawn.
-
-    An earlier run is replaced only if it may be, an empty folder always. `OutputError` if the disk
-    refused; nothing is left.
-    """
-    check_free(out, overwrite=overwrite)  # again: hours may have passed
-    with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
-        save_within(outcome.dataset, folder)
-        (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
-        (folder / "summary.txt").write_text(f"{text}\n", encoding="utf-8")
-        _write_table(outcome, folder / "aging.csv")
-        if "patches" in outcome.dataset:
-            _write_patches(outcome.dataset, folder / "patches.csv")
-        return _write_figures(outcome, folder)
+def write_run(outcome: Outcome, folder: Path) -> list[str]:
+    """Write all of a run but history and summary to a folder; return remarks on figures not drawn."""
+    (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
+    _write_table(outcome, folder / "aging.csv")
+    if "patches" in outcome.dataset:
+        _write_patches(outcome.dataset, folder / "patches.csv")
+    return _write_figures(outcome, folder)
 
 
 def save_within(dataset: xr.Dataset, folder: Path) -> None:
@@ -104,10 +96,10 @@ def write_figure(figure: Figure, path: Path) -> None:
         figure.savefig(part, dpi=RESOLUTION)
 
 
-def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
+def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
     """Draw; numbers that cannot be drawn are no reason to lose them."""
     if not outcome.config.output.figures:
-        return ()
+        return []
     remarks = []
     drawings: dict[str, Callable[[], Figure]] = {}
     summary = outcome.summary
@@ -131,7 +123,7 @@ def _write_figures(outcome: Outcome, folder: Path) -> tuple[str, ...]:
                 draw().savefig(folder / f"{name}.{kind}", dpi=RESOLUTION)
         except (ValueError, ArithmeticError, RuntimeError) as error:
             remarks.append(f"the figure {name!r} could not be drawn: {error}")
-    return tuple(remarks)
+    return remarks
 
 
 def _write_table(outcome: Outcome, path: Path) -> None:
@@ -162,7 +154,5 @@ def _write_patches(dataset: xr.Dataset, path: Path) -> None:
 def _write_columns(dataset: xr.Dataset, columns: list[tuple[str, xr.DataArray]], path: Path) -> None:
     si = bool(dataset.attrs["si"])
     names = [with_unit(name, one.attrs.get("units", "1")) if si else name for name, one in columns]
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream, lineterminator="\n")
-        table.writerow(names)
-        table.writerows(zip(*(one.values.tolist() for _, one in columns), strict=True))
+    table = pd.DataFrame(dict(zip(names, (one.values for _, one in columns), strict=True)))
+    path.write_text(table.to_csv(index=False, lineterminator="\n", na_rep="nan"), encoding="utf-8")

@@ -2,36 +2,77 @@
 
 from __future__ import annotations
 
-import time as clock
+import functools
 from pathlib import Path
+from typing import Annotated
 
-from asperity.app.cli.output import check_free, write_results
-from asperity.app.cli.report import aligned, run_report
-from asperity.app.cli.resuming import place_beside, tell_results
-from asperity.app.config import RunConfig, to_toml
-from asperity.app.runs import execute
-from asperity.progress import listener
-from asperity.results import Checkpoint
+from cyclopts import Parameter
+
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Flags, Open, Out, Quiet, Switch, flags_for, given
+
+__all__ = ["flags_for", "run"]  # the annotation that `command` writes names flags_for
 
 _CHECKPOINT_EVERY = 20.0
 """Seconds between checkpoints: shorter runs leave none."""
 
 
-def run(config: RunConfig, *, out: Path, overwrite: bool, quiet: bool) -> None:
-    """Compute, and write the results to a folder; a long run keeps its place in a file beside it.
+@command("surface", "preparation", "solid", "contact", "aging", "friction", "output")
+def run(
+    config: Path | None = None,
+    /,
+    *,
+    out: Out = Path("asperity-out"),
+    overwrite: Switch = False,
+    quiet: Quiet = False,
+    show: Open = False,
+    leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
+    keys: Flags | None = None,
+) -> None:
+    """Press an elastic solid onto a rough surface and let the contact age.
 
-    `AsperityError` as the engine; or the folder cannot be written. No results are left then.
+    Without arguments: a Gaussian surface of 200 x 200 sites, k1/k0 = 3, nine decades of hold time.
+    Flags override the configuration file, whose sections are the groups below. On a half-space or a layer,
+    numbers may carry units where the surface has some: --modulus 3.8GPa --pressure "1 MPa".
+
+    Parameters
+    ----------
+    config
+        Configuration, a TOML file; a run writes its own to the results as config.toml.
+    out
+        Folder for the results, which appears when all is written; it must not exist yet.
+    overwrite
+        Replace the results of an earlier run.
+    quiet
+        Print neither progress nor summary.
+    show
+        Open the picture of the results when they are written.
+    leg
+        A leg of the history of the load or the separation, as often as there are legs: "hold 10",
+        "ramp 5 load=400", "step load=160", "hold 100 hold=area", "slide distance=20 velocity=0.1",
+        "repeat 3" (the legs so far).
+        [default: one hold]
     """
-    check_free(out, overwrite=overwrite)
-    with place_beside(out, to_toml(config)) as place, listener(not quiet) as progress:
-        resumed = place.exists()
-        started = clock.perf_counter()
-        if resumed:
-            progress.stage(f"going on from {place}")
-        checkpoint = Checkpoint(place, every=_CHECKPOINT_EVERY)
-        outcome = execute(config, progress, checkpoint=checkpoint)
-        rows = run_report(outcome, seconds=clock.perf_counter() - started, resumed=resumed)
-        progress.stage("writing the results")
-        remarks = write_results(outcome, out, text=aligned(rows), overwrite=overwrite)
-    if not quiet:
-        tell_results([*rows, *(("remark", remark) for remark in remarks)], out)
+    from asperity.app.config.legs import legs_from_words
+    from asperity.app.config.reading import read_config, to_toml
+
+    flags = given(keys)
+    if leg:
+        flags["protocol"] = {"legs": legs_from_words(leg)}
+    settings = read_config(config, flags)
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
+    from asperity.app.cli.output import write_run
+    from asperity.app.cli.reports.run import run_report
+    from asperity.app.runs import execute
+
+    compute_into(
+        out,
+        to_toml(settings),
+        functools.partial(execute, settings),
+        report=run_report,
+        write=write_run,
+        every=_CHECKPOINT_EVERY,
+        overwrite=overwrite,
+        quiet=quiet,
+        show=show,
+    )

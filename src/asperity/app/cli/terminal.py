@@ -12,10 +12,11 @@ from asperity.errors import brief, printable
 _PLAIN = {"±": "+-", "×": "x", "²": "^2", "µ": "u"}
 
 
-def complain(*problems: str) -> None:
-    """Write a line for each problem."""
+def complain(status: int, *problems: str) -> int:
+    """Write a line for each problem, and return the exit status."""
     for problem in problems:
         print("asperity:", brief(printable(" ".join(problem.split())), 900), file=sys.stderr)
+    return status
 
 
 def make_streams_safe() -> None:

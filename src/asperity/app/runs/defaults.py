@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity.lattice import Field
 
@@ -72,6 +73,16 @@ def map_times(times: Sequence[float], count: int = USUAL_MAPS) -> tuple[float, .
     # The last of each of `wanted` equal parts: the early stretch, where little happens, has no extra map.
     chosen = [later[math.ceil((part + 1) * len(later) / wanted) - 1] for part in range(wanted)]
     return (0.0, *chosen)
+
+
+def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> tuple[str, ...]:
+    """Say how many recorded times are before the end, said so, of a ramp that puts the load on."""
+    if not (early := sum(0 < time < end for time in times)):
+        return ()
+    return (
+        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {said}: "
+        "there the load still rises, and the area with it",
+    )
 
 
 def _is_power_of_ten(time: float) -> bool:

@@ -16,7 +16,14 @@ from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.config.models import Aging, Independent
 from asperity.app.config.models import Contact as ContactSection
 from asperity.app.config.solids import Continuum
-from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, modest_load, modest_pressure
+from asperity.app.runs.defaults import (
+    USUAL_MAPS,
+    hold_times,
+    map_times,
+    modest_load,
+    modest_pressure,
+    remark_on_loading,
+)
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
 from asperity.contact import Contact
@@ -25,7 +32,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
 from asperity.progress import Progress
-from asperity.protocols import Schedule
+from asperity.protocols import Ramp, Schedule
 from asperity.results import Checkpoint, History
 from asperity.simulate import age, press, relax
 from asperity.solids import Solid
@@ -228,6 +235,10 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
         remarks += (
             f"a line contact of {n} sites; for a square: --shape {n} {n}, or shape = [{n}, {n}] in a file",
         )
+    match config.legs:
+        case (Ramp() as up, *_) if contact.load == 0 and config.aging.times is not None:
+            end = written(up.duration, "s") if rough.has_lengths else f"{up.duration:g}"
+            remarks += remark_on_loading(config.aging.times, up.duration, end)
     maps_at = config.output.maps_at
     if maps_at is None:
         maps_at = _map_times(config)

@@ -1,27 +1,23 @@
-"""The command ``asperity surface``: what a surface file holds, in words and as a figure."""
+"""What a surface file holds and what a run would make of it, in words and as a figure."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from asperity.analysis.scan import readable
-from asperity.app.cli.output import write_figure
-from asperity.app.cli.report import aligned
+from asperity.app.cli.report import Row, aligned
 from asperity.app.config.models import MeasuredSurface
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
 
 
-def show(settings: MeasuredSurface, target: Path) -> None:
-    """Read, describe and draw a surface.
-
-    `AsperityError` if the file cannot be used, or the figure not written.
-    """
-    file = Path(settings.path)
+def drawn_and_told(settings: MeasuredSurface) -> tuple[Figure, str]:
+    """Read a surface, draw it and describe it; `AsperityError` if the file cannot be used."""
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
     as_found |= dict.fromkeys(("crop", "longest", "shortest"))
@@ -30,16 +26,20 @@ def show(settings: MeasuredSurface, target: Path) -> None:
     # A border that was brought to the mean is no part of what was measured.
     tapered = settings.periodic == "taper"
     scan = settings.model_copy(update={"periodic": "wrap"}).build() if tapered else prepared
-    spectrum, note = power_spectrum(scan), _note(prepared, settings)
-    figure = surface_figure(prepared, title=file.name, note=note, spectrum=spectrum)
-    write_figure(figure, target)
-    sys.stdout.write(f"{aligned(_origin(found, prepared))}\n\n")
-    sys.stdout.write(f"{aligned(_comparison(found.describe(), prepared.describe()))}\n\n")
-    sys.stdout.write(f"{aligned(_spectrum(spectrum))}\n\n")
-    sys.stdout.write(f"{aligned(_preparation(prepared))}\n\nfigure written: {target}\n")
+    spectrum, done = power_spectrum(scan), _preparation(prepared)
+    shape = " × ".join(map(str, _listed(prepared.provenance["original_shape"])))
+    note = ", ".join([f"{shape} pixels", *(short for *_, short in done if short)])
+    figure = surface_figure(prepared, title=Path(settings.path).name, note=note, spectrum=spectrum)
+    blocks: tuple[list[Any], ...] = (
+        _origin(found, prepared),
+        _comparison(found.describe(), prepared.describe()),
+        _spectrum(spectrum),
+        [(name, said) for name, said, _ in done],
+    )
+    return figure, "\n\n".join(map(aligned, blocks))
 
 
-def _origin(found: Surface, prepared: Surface) -> list[tuple[str, str]]:
+def _origin(found: Surface, prepared: Surface) -> list[Row]:
     """Say what the file holds."""
     facts = found.provenance
     shape, size = _listed(facts["original_shape"]), _listed(facts["physical_size"])
@@ -81,7 +81,7 @@ def _comparison(before: Statistics, after: Statistics) -> list[tuple[str, ...]]:
     return [("", "in the file", "prepared"), *((name, text(before), text(after)) for name, text in entries)]
 
 
-def _spectrum(spectrum: PowerSpectrum) -> list[tuple[str, str]]:
+def _spectrum(spectrum: PowerSpectrum) -> list[Row]:
     """Say whether the scan is self-affine, and in which range."""
     how = (
         "of the scan itself"
@@ -103,72 +103,53 @@ def _spectrum(spectrum: PowerSpectrum) -> list[tuple[str, str]]:
     return [("power spectrum", how), ("Hurst exponent", hurst)]
 
 
-def _preparation(prepared: Surface) -> list[tuple[str, str]]:
-    """Say what a run would do."""
+def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
+    """What a run would do: a name, words, and fewer of them for a figure, which may be none."""
     facts = prepared.provenance
-    unit = str(facts["original_unit"])
     flat = len(_listed(facts["original_shape"])) == 2
+    rows = []
+    if cut := " ".join(map(str, _listed(facts.get("crop")))):
+        sides = "top bottom left right" if flat else "left right"
+        rows.append(("part", f"pixels {cut} ({sides})", "part of them"))
+    undefined = facts["undefined_pixels"]
+    short = f"{undefined} undefined pixels filled" if undefined else ""
+    rows.append(("undefined pixels", f"{facts['undefined_rule']} ({undefined})", short))
+    short = {"none": "tilt kept", "quadratic": "polynomial of second order removed"}.get(
+        str(facts["tilt_rule"]), f"{facts['tilt_rule']} removed"
+    )
+    rows.append(("tilt", f"{facts['tilt_rule']}{_removed(prepared, flat=flat)}", short))
+    if (spikes := facts.get("despiked_pixels")) is not None:
+        short = f"{spikes} pixels of spikes filled" if spikes else ""
+        rows.append(("spikes filled", f"{spikes} pixels", short))
+    if facts["resampled"]:
+        averaged = f"averaged to {_sides(prepared)}"
+        rows.append(("pixels", averaged, averaged.replace(" x ", " × ")))
+    if waves := [f"{name} {facts[name]:g}" for name in ("longest", "shortest") if name in facts]:
+        said = f"{', '.join(waves)} {prepared.length_unit or 'pixel'}"
+        rows.append(("wavelengths kept", said, "waves left out"))
+    scaled = f"{prepared.unit}: heights x {facts['scale_factor']:g}"
+    rows.append(("unit", "as in the file" if facts["scale_factor"] == 1 else scaled, ""))
+    final = " × ".join(map(str, prepared.shape))
+    shorts = {"mirror": f"mirrored to {final} in a run", "taper": "border tapered"}
+    rule = str(facts["periodic_rule"])
+    return [*rows, ("made periodic by", rule, shorts.get(rule, ""))]
+
+
+def _removed(prepared: Surface, *, flat: bool) -> str:
+    """The height and the slopes that were removed."""
+    facts = prepared.provenance
+    rule, unit = facts["tilt_rule"], str(facts["original_unit"])
+    if rule == "none":
+        return ""
     height, *found = (_lengths(unit, value) for value in _listed(facts["tilt_coefficients"]))
-    removed = f": removed {height} at the first pixel"
-    if facts["tilt_rule"] == "mean":
-        removed = f": removed {height}"
-    elif flat:
-        removed += f", {found[0]} per pixel downward and {found[1]} per pixel to the right"
-    else:
-        removed += f", {found[0]} per pixel"
-    if facts["tilt_rule"] == "quadratic":
+    if rule == "mean":
+        return f": removed {height}"
+    slopes = f"{found[0]} per pixel" + (f" downward and {found[1]} per pixel to the right" if flat else "")
+    removed = f": removed {height} at the first pixel, {slopes}"
+    if rule == "quadratic":
         removed += f", and {', '.join(found[2 if flat else 1 :])} per pixel^2"
         removed += " (downward, mixed, to the right)" if flat else ""
-    removed = "" if facts["tilt_rule"] == "none" else removed
-    cut = " ".join(map(str, _listed(facts.get("crop"))))
-    waves = [f"{name} {facts[name]:g}" for name in ("longest", "shortest") if name in facts]
-    return [
-        *([("part", f"pixels {cut} ({'top bottom left right' if flat else 'left right'})")] if cut else []),
-        ("undefined pixels", f"{facts['undefined_rule']} ({facts['undefined_pixels']})"),
-        ("tilt", f"{facts['tilt_rule']}{removed}"),
-        *(
-            [("spikes filled", f"{spikes} pixels")]
-            if (spikes := facts.get("despiked_pixels")) is not None
-            else []
-        ),
-        *([("pixels", f"averaged to {_sides(prepared)}")] if facts["resampled"] else []),
-        *([("wavelengths kept", f"{', '.join(waves)} {prepared.length_unit or 'pixel'}")] if waves else []),
-        (
-            "unit",
-            "as in the file"
-            if facts["scale_factor"] == 1
-            else f"{prepared.unit}: heights x {facts['scale_factor']:g}",
-        ),
-        ("made periodic by", str(facts["periodic_rule"])),
-    ]
-
-
-def _note(prepared: Surface, settings: MeasuredSurface) -> str:
-    facts = prepared.provenance
-    shape = " × ".join(map(str, _listed(facts["original_shape"])))
-    parts = [f"{shape} pixels"]
-    if "crop" in facts:
-        parts.append("part of them")
-    if facts["undefined_pixels"]:
-        parts.append(f"{facts['undefined_pixels']} undefined pixels filled")
-    if facts["resampled"]:
-        parts.append(f"averaged to {_sides(prepared).replace(' x ', ' × ')}")
-    if facts.get("despiked_pixels"):
-        parts.append(f"{facts['despiked_pixels']} pixels of spikes filled")
-    said = {
-        "plane": "plane removed",
-        "quadratic": "polynomial of second order removed",
-        "mean": "mean removed",
-    }
-    parts.append(said.get(settings.tilt, "tilt kept"))
-    if "longest" in facts or "shortest" in facts:
-        parts.append("waves left out")
-    if settings.periodic == "mirror":
-        final = " × ".join(map(str, prepared.shape))
-        parts.append(f"mirrored to {final} in a run")
-    elif settings.periodic == "taper":
-        parts.append("border tapered")
-    return ", ".join(parts)
+    return removed
 
 
 def _sides(surface: Surface) -> str:

@@ -3,36 +3,43 @@
 from __future__ import annotations
 
 import hashlib
-import inspect
 import json
-import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
-import xarray as xr
 
 from asperity.aging.march import DEFAULT_RTOL
 from asperity.analysis.observation import observe
 from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig
-from asperity.app.config.models import Contact as ContactSection
 from asperity.app.config.solids import POISSON, HalfSpace
-from asperity.app.runs.defaults import USUAL_MAPS, hold_times
+from asperity.app.predict.asked import (
+    LEAST_TIMES,
+    RUN,
+    check_ramp,
+    check_span,
+    instrument_of,
+    loading_of,
+    no_half_space,
+    no_protocol,
+    quantity,
+    table_with_units,
+    times_within,
+)
+from asperity.app.predict.words import remarks_on
+from asperity.app.runs.defaults import USUAL_MAPS
 from asperity.app.runs.pipeline import bytes_a_site, check_units, completed, recorded_times
-from asperity.base import checks, units
+from asperity.base import checks
 from asperity.base.machine import require
-from asperity.base.words import counted as how_many
-from asperity.errors import InputError, Remark
+from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress, listener
 from asperity.protocols import Hold, Ramp
 from asperity.relaxation import Fit, Measured, fit
-from asperity.relaxation import read as read_table
 from asperity.relaxation.data import Extrapolate
 from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
@@ -48,23 +55,6 @@ _SITE, _BRANCH = 340, 85
 
 Measured on 512 x 512 sites with six maps: 418 with one branch, 1323 with eight.
 """
-
-_LEAST_TIMES = 5
-
-_TOUCH = 1e-3
-"""Part of the time to the first that is recorded, after which a ramp begins with the load of then: there is
-no contact without a load. What creeps until then is left out."""
-
-_UNEVEN = 1.5
-"""Ratio of steps across rows to steps along them, above which a remark is made."""
-
-_OF_TABLES = (
-    *("kind", "columns", "noise", "modulus", "poisson", "shift"),
-    *("branches", "branches_per_decade", "extrapolate"),
-)
-"""Arguments that are about a relaxation table."""
-
-_RUN = "asperity run, which takes the same file"
 
 
 def predict(
@@ -163,35 +153,39 @@ def predict(
     ----------
     H. Farain, D. Bonn, Nat. Commun. 14, 3606 (2023): frictional aging from bulk relaxation.
     """
-    given = locals()
     which = checks.one_of('pressure="1 MPa"', load=load, pressure=pressure)
-    amount = _quantity(which, given[which], "N" if which == "load" else "Pa")
-    strength = None if shear_strength is None else _quantity("shear_strength", shear_strength, "Pa")
+    amount = quantity(which, *((load, "N") if which == "load" else (pressure, "Pa")))
+    strength = None if shear_strength is None else quantity("shear_strength", shear_strength, "Pa")
     if modulus not in get_args(Modulus):
         raise InputError("modulus", expected="'young', 'shear' or 'contact'", got=checks.shown(modulus))
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
     checked_poisson("poisson", poisson)
-    loading = _ramp(ramp)
+    loading = 0.0 if ramp is None else quantity("ramp", ramp, "s")
     if branches_per_decade is not None:
         checks.number("branches_per_decade", branches_per_decade, least=0.2, most=10)
     if protocol:
-        raise _no_protocol("protocol", "asperity.press, and asperity.age with the protocol")
+        raise no_protocol("protocol", "asperity.press, and asperity.age with the protocol")
     facts: dict[str, object] = {}
     found: Fit | None = None
     with listener(progress) as listening:
         if isinstance(material, Solid):
-            for name in _OF_TABLES:
-                if given[name] != inspect.signature(predict).parameters[name].default:
+            of_a_table = {
+                **{"kind": (kind, None), "columns": (columns, None), "noise": (noise, 0.05)},
+                **{"modulus": (modulus, "young"), "poisson": (poisson, POISSON), "shift": (shift, 1.0)},
+                **{"branches": (branches, None), "branches_per_decade": (branches_per_decade, None)},
+                "extrapolate": (extrapolate, None),
+            }
+            for name, (told, usual) in of_a_table.items():
+                if told != usual:
                     expected = "none beside a solid, for it is about a relaxation table"
-                    raise InputError(name, expected=expected, got=checks.shown(given[name]))
+                    raise InputError(name, expected=expected, got=checks.shown(told))
             solid = material
         else:
             listening.stage("reading the relaxation table")
             factor = checks.number("shift", shift, above=0)
-            if isinstance(material, str | Path):
-                table = _table_with_units(material, kind, columns, noise)
-            else:
-                table = material
+            table = material
+            if isinstance(table, str | Path):
+                table = table_with_units(table, kind, columns, noise)
             how: dict[str, Any] = {"per_decade": branches_per_decade, "branches": branches}
             found = fit(table, extrapolate=extrapolate, **how)
             if factor != 1:
@@ -201,7 +195,7 @@ def predict(
             facts = {"measured": modulus, "poisson": None if modulus == "contact" else poisson}
             facts |= {"shift": factor, **_origin(material, found)}
         solid = solid.with_hardness(hardness)
-        times = _times(found, first, last, density, loading)
+        times = times_within(found, first, last, density, loading)
         listening.stage("reading the scan")
         if isinstance(surface, str | Path):
             surface = read(surface, periodic="reflect")
@@ -217,7 +211,7 @@ def predict(
             pressed={which: amount},
             ramp=loading,
             strength=strength,
-            instrument=_instrument(pixel=pixel, blur=blur, threshold=threshold),
+            instrument=instrument_of(pixel=pixel, blur=blur, threshold=threshold),
             facts=facts,
             progress=listening,
             checkpoint=checkpoint,
@@ -236,14 +230,14 @@ def predict_config(
     The load is put on at once, or within a ramp, see `predict`; in a file also by a protocol of a ramp from
     load 0 and a hold. `AsperityError` as `predict`; or the configuration asks for what is no prediction.
     """
-    config, loading = _loading(config, _ramp(ramp))
+    config, loading = loading_of(config, 0.0 if ramp is None else quantity("ramp", ramp, "s"))
     asked = {"[contact] separation": config.contact.separation, "[aging] hold": config.aging.hold}
     for name, value in asked.items():
         if value not in (None, "load"):
-            raise InputError(name, expected="a load that stays", got=value, advice=_RUN)
+            raise InputError(name, expected="a load that stays", got=value, advice=RUN)
     section = config.solid
     if not isinstance(section, HalfSpace):
-        raise _no_half_space("[solid] kind", section.kind)
+        raise no_half_space("[solid] kind", section.kind)
     chosen = config.surface
     if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
         if config.contact.load is not None:
@@ -263,14 +257,14 @@ def predict_config(
     times = recorded_times(config)
     times = times[times > 0]
     listed = config.aging.times is not None
-    if times.size < _LEAST_TIMES:
+    if times.size < LEAST_TIMES:
         name, advice = (
             ("times", "more times") if listed else ("per_decade", "a later last or more per_decade")
         )
-        expected = f"{_LEAST_TIMES} times or more after 0"
+        expected = f"{LEAST_TIMES} times or more after 0"
         raise InputError(f"[aging] {name}", expected=expected, got=f"{times.size}", advice=advice)
-    _check_span(f"[aging] {'times' if listed else 'last'}", times[0], times[-1])
-    _check_ramp(loading, times[-1])
+    check_span(f"[aging] {'times' if listed else 'last'}", times[0], times[-1])
+    check_ramp(loading, times[-1])
     idle = (
         ("[friction] rate_coefficient", config.friction.rate_coefficient),
         ("[output] maps_at", maps_asked),
@@ -290,30 +284,13 @@ def predict_config(
         pressed=config.contact.model_dump(exclude_none=True),
         ramp=loading,
         strength=config.friction.shear_strength,
-        instrument=_instrument(**config.output.instrument),
+        instrument=instrument_of(**config.output.instrument),
         facts=facts,
         progress=progress,
         checkpoint=checkpoint,
         rtol=config.aging.rtol,
     )
     return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *prediction.remarks))))
-
-
-def _loading(config: RunConfig, ramp: float) -> tuple[RunConfig, float]:
-    """A load with the ramp that puts it on, where a protocol says them; any other protocol is refused."""
-    match config.legs:
-        case ():
-            return config, ramp
-        case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held) if (
-            config.contact.load == 0 and not ramp and up.mobility == held.mobility == 1
-        ):
-            asked = {
-                "contact": ContactSection(load=up.load, pressure=up.pressure),
-                "aging": config.aging.model_copy(update={"last": up.duration + held.duration}),
-                "protocol": [],
-            }
-            return config.model_copy(update=asked), up.duration
-    raise _no_protocol("[[protocol]]", _RUN, ", or a ramp from load 0 and a hold")
 
 
 def _predicted(
@@ -336,29 +313,31 @@ def _predicted(
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     scan.in_meters()
     if solid.kind != "half_space":
-        raise _no_half_space("material", solid.kind)
+        raise no_half_space("material", solid.kind)
     branches = len(solid.branches)
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
     separable = _SITE + branches * (_BRANCH + 8 * len(maps))
     require(separable if solid.separable else bytes_a_site(solid, scan.shape, len(maps)), scan.shape)
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
+    # There is no contact without a load but where the scan is highest: a ramp begins there.
+    legs = [Ramp(ramp, **pressed), Hold(float(times[-1]) - ramp)] if ramp else None
     try:
-        contact = press(scan, solid, **pressed)
+        contact = press(scan, solid, **({"load": 0.0} if ramp else pressed))
+        if instrument:
+            observe(contact, **instrument)  # refuses before minutes have passed
+        progress.stage("aging", times=times.tolist())
+        how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
+        dataset = age(contact, times, protocol=legs, fields_at=maps, **how).dataset
     except InputError as error:
         name, amount = next(iter(pressed.items()))
-        if (error.name, name) != ("load", "pressure") or not solid.yields:
+        if error.name != "load" or name != "pressure" or not solid.yields:
             raise
         expected = f"clearly less than the hardness, {written(solid.hardness, 'Pa')}"
         got, advice = written(amount, "Pa"), "a lower pressure, or a greater hardness"
         raise InputError(name, expected=expected, got=got, advice=advice) from None
-    if instrument:
-        observe(contact, **instrument)  # refuses before minutes have passed
-    progress.stage("aging", times=times.tolist())
-    how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
-    if ramp:
-        dataset = _ramped(scan, solid, pressed, ramp, times, maps, **how)
-    else:
-        dataset = age(contact, times, fields_at=maps, **how).dataset
+    if ramp:  # switches between legs were recorded, too
+        asked = np.isin(dataset["time"], times)
+        dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
     facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol, "ramp": ramp}
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
     progress.stage("weighing the spread of the table and of the scan")
@@ -373,49 +352,7 @@ def _predicted(
             observe(dataset.isel(field_time=n), **instrument) for n in range(len(maps) if instrument else 0)
         ),
     )
-    return replace(prediction, remarks=(*scan.remarks, *_remarks(prediction, scan)))
-
-
-def _ramped(
-    scan: Surface,
-    solid: Solid,
-    pressed: dict[str, Any],
-    ramp: float,
-    times: Field,
-    maps: Sequence[float],
-    **how: Any,
-) -> xr.Dataset:
-    """The history of a load that is put on within a ramp, at the times, which count from its start."""
-    begun = _TOUCH * min(ramp, float(times[0]))
-    contact = press(scan, solid, **{name: begun / ramp * value for name, value in pressed.items()})
-    legs = [Ramp(ramp - begun, **pressed), Hold(float(times[-1]) - ramp)]
-    dataset = age(contact, times - begun, protocol=legs, fields_at=np.array(maps) - begun, **how).dataset
-    # A protocol records its switches, too.
-    distance = np.abs(dataset["time"].values[:, np.newaxis] - (times - begun))
-    dataset = dataset.isel(time=np.append(0, distance.argmin(axis=0))).drop_vars("leg")
-    moments = {"time": np.append(0.0, times), "field_time": np.array(maps)}
-    return dataset.assign_coords({name: dataset[name].copy(data=at) for name, at in moments.items()})
-
-
-def _instrument(
-    pixel: float | str | None = None, blur: float | str | None = None, threshold: float = 0.5
-) -> dict[str, Any]:
-    """What looks at the contact, for `asperity.observe`; empty for none."""
-    if pixel is None and blur is None:
-        return {}
-    return {"pixel": pixel, "blur": 0.0 if blur is None else blur, "threshold": threshold}
-
-
-def _no_protocol(name: str, advice: str, otherwise: str = "") -> InputError:
-    """What is said of slides and of loads that change."""
-    expected = f"none{otherwise}, for a prediction is of a load that stays"
-    return InputError(name, expected=expected, got="legs", advice=advice)
-
-
-def _no_half_space(name: str, kind: str) -> InputError:
-    """What is said of other solids."""
-    advice = "asperity run, or asperity.press and asperity.age, which follow it without a band"
-    return InputError(name, expected="a relaxation table or a half_space", got=kind, advice=advice)
+    return replace(prediction, remarks=(*scan.remarks, *remarks_on(prediction, scan)))
 
 
 def _origin(table: object, found: Fit) -> dict[str, object]:
@@ -429,134 +366,8 @@ def _origin(table: object, found: Fit) -> dict[str, object]:
     return facts | ({"extrapolate": found.data.extrapolate} if found.data.extrapolate else {})
 
 
-def _table_with_units(
-    path: str | Path, kind: Kind | None, columns: Sequence[int | str] | None, noise: float
-) -> Measured:
-    """Read a table whose columns name their units: a modulus in MPa taken for Pa is a wrong prediction."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", Remark)
-        try:
-            return read_table(path, kind=kind, columns=columns, noise=noise)
-        except Remark as remark:
-            expected, advice = "columns that name their units", "a header such as time [s],E [MPa]"
-            got = str(remark).partition(", taken as ")[0]
-            raise InputError("relaxation", expected=expected, got=got, advice=advice) from None
-
-
-def _quantity(name: str, given: object, unit: str) -> float:
-    return checks.number(name, units.quantity(given, unit, name), above=0, expected=f"more than 0 {unit}")
-
-
-def _ramp(given: float | str | None) -> float:
-    """Time within which the load is put on, s; 0 for at once."""
-    return 0.0 if given is None else _quantity("ramp", given, "s")
-
-
-def _times(
-    found: Fit | None,
-    first: float | str | None,
-    last: float | str | None,
-    per_decade: int,
-    ramp: float,
-) -> Field:
-    """Times to record: of the table, and no others but on a plateau after it."""
-    if found is None and (first is None or last is None):
-        name, expected = "first" if first is None else "last", "a time, for no table spans any"
-        raise InputError(name, expected=expected, got="none", advice='first="1 ms", last="10 days"')
-    begin, end = (0.0, math.inf) if found is None else found.series.span
-    stop = found.data.span[1] if found is not None and last is None else _quantity("last", last, "s")
-    _check_ramp(ramp, stop)
-    start = max(begin, ramp) if first is None else _quantity("first", first, "s")
-    if not start < stop:
-        raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
-    for name, time in (("first", start), ("last", stop)):
-        if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
-            expected = f"a time that the table spans, {begin:.3g} s to {end:.3g} s"
-            advice = "a table of more decades"
-            if time > end:
-                advice = "extrapolate=plateau"
-            raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
-    _check_span("last", start, stop)
-    least = math.ceil(_LEAST_TIMES / math.log10(stop / start))
-    return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
-
-
-def _check_ramp(ramp: float, last: float) -> None:
-    """Refuse a loading that is not over by the last time."""
-    if ramp >= last:
-        expected = f"less than the last time, {last:.4g} s"
-        raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", advice="a later last")
-
-
-def _check_span(name: str, first: float, last: float) -> None:
-    """Refuse times in less than a decade, of which no growth per decade can be told."""
-    if last < 10 * first * (1 - 1e-9):
-        expected, advice = "times that span a decade or more", "a later last"
-        raise InputError(name, expected=expected, got=f"{first:.4g} s to {last:.4g} s", advice=advice)
-
-
 def _contact_modulus(modulus: float, measured: Modulus, poisson: float) -> float:
     if measured == "contact":
         return modulus
     young = modulus if measured == "young" else 2 * (1 + poisson) * modulus
     return contact_modulus(young, poisson)
-
-
-def _remarks(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
-    """What limits the prediction, in numbers."""
-    between_rows, along_rows = scan.describe().neighbor_steps
-    first, last = prediction.resolved[0], prediction.resolved[-1]
-    fraction = float(prediction.series("contact_fraction")[-1])
-    pressure = float(prediction.series("mean_contact_pressure")[0])
-    strain = pressure / prediction.modulus
-    remarks = []
-    known, fit = prediction.solid.parameters, prediction.fit
-    if fit is not None and fit.assumed:
-        remarks.append(fit.assumed)
-    if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
-        remarks.append("nothing grows: the solid is elastic")
-    elif np.ptp(prediction.series("contact_area")) == 0:
-        reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
-        remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
-    if early := int((prediction.time < prediction.ramp).sum()):
-        remarks.append(
-            f"{how_many(early, 'recorded time is', 'recorded times are')} before the end of the loading, "
-            f"{written(prediction.ramp, 's')}: there the load still rises, and the area with it"
-        )
-    if between_rows > _UNEVEN * along_rows:
-        remarks.append(
-            f"heights change {between_rows / along_rows:.2g} times as much from row to row as along a row: "
-            "if that is noise of the scan's lines, their ridges carry load that asperities would carry"
-        )
-    if first.in_small > 0.2:
-        remarks.append(
-            f"{100 * first.in_small:.0f} % of the area at first lies in patches of fewer than 10 pixels: "
-            "the scan does not resolve them, and a finer one would change the area"
-        )
-    if first.rim > 0.2:
-        remarks.append(
-            f"the rim takes {100 * first.rim:.0f} % of the counted area at first: patches are few pixels wide"
-        )
-    if first.patches < 30:
-        remarks.append(f"{first.patches} patches at first: too few for the statistics of a surface")
-    if strain > 0.05 and not prediction.solid.yields:
-        remarks.append(
-            f"the mean contact pressure is {written(pressure, 'Pa')} at first, {100 * strain:.2g} % of E*: "
-            "real asperities would flow, and nothing flows at once here; try a hardness"
-        )
-    if fraction > 0.5:
-        remarks.append(
-            f"{100 * fraction:.0f} % of the surface touches at last: waves longer than the scan, "
-            "which it does not have, would keep bodies further apart"
-        )
-    if fit is not None and (fit.systematic or fit.series.error > 0.05):
-        error = f"{100 * fit.series.error:.2g} %"
-        remarks.append(
-            f"the fit misses the table by up to {error} in waves, not by noise, so that the band has no part "
-            "of the table: more branches per decade may follow it"
-            if fit.systematic
-            else f"the fit misses the table by up to {error}, which looks like noise"
-        )
-    if last.patches < first.patches / 2 and fraction <= 0.5:
-        remarks.append(f"patches merge: {first.patches} at first, {last.patches} at last")
-    return tuple(remarks)

@@ -1,0 +1,78 @@
+"""What commands share that compute into a folder, and go on when they are interrupted and given again."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from asperity.app.cli.opening import open_results
+from asperity.app.cli.output import check_free, save_within
+from asperity.app.cli.report import Row, aligned
+from asperity.progress import listener
+from asperity.results import Checkpoint
+from asperity.results.store import whole_folder
+
+
+def compute_into(
+    out: Path,
+    asked: str,
+    compute: Callable[..., Any],
+    *,
+    report: Callable[..., list[Row]],
+    write: Callable[[Any, Path], Sequence[str] | None],
+    every: float,
+    overwrite: bool,
+    quiet: bool,
+    show: bool,
+) -> None:
+    """Compute what is asked, and write its dataset, its summary and all else to a folder.
+
+    A long computation keeps its place, every so many seconds, in a file beside the folder. An earlier result
+    is replaced only if it may be, an empty folder always. `AsperityError` as the engine; or the folder cannot
+    be written, and nothing is left.
+    """
+    check_free(out, overwrite=overwrite)
+    with _place_beside(out, asked) as place, listener(not quiet) as progress:
+        resumed, started = place.exists(), clock.perf_counter()
+        if resumed:
+            progress.stage(f"going on from {place}")
+        found = compute(progress=progress, checkpoint=Checkpoint(place, every=every))
+        rows = report(found, seconds=clock.perf_counter() - started, resumed=resumed)
+        progress.stage("writing the results")
+        check_free(out, overwrite=overwrite)  # again: hours may have passed
+        with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
+            save_within(found.dataset, folder)
+            (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
+            remarks = write(found, folder) or ()
+    tell_results([*rows, *(("remark", remark) for remark in remarks)], out, quiet=quiet, show=show)
+
+
+@contextmanager
+def _place_beside(out: Path, asked: str) -> Iterator[Path]:
+    """The file beside the folder of results in which a computation keeps its place; removed after it.
+
+    It is named after what is asked, so that a command with other parameters never meets it. An interruption
+    is told with how to go on.
+    """
+    mark = hashlib.sha256(asked.encode()).hexdigest()[:8]
+    place = out.with_name(f"{out.name}.{mark}.checkpoint")
+    try:
+        yield place
+    except KeyboardInterrupt:
+        kept = f"the same command goes on from {place}" if place.exists() else "nothing was written"
+        raise KeyboardInterrupt(f"interrupted; {kept}") from None
+    place.unlink(missing_ok=True)
+
+
+def tell_results(rows: Sequence[Row], out: Path, *, quiet: bool, show: bool) -> None:
+    """Print a report, and which files were written; open what shows them."""
+    if not quiet:
+        files = ", ".join(sorted(path.name for path in out.iterdir()))
+        sys.stdout.write(f"{aligned([*rows, ('written', f'{out}: {files}')])}\n")
+    if show:
+        open_results(out)

@@ -1,0 +1,70 @@
+"""The command ``asperity gather``: one Dataset of a campaign, a table and a figure."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Switch
+from asperity.app.cli.status import check_campaign
+from asperity.errors import InputError
+
+
+@command()
+def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -> None:
+    """Gather a campaign into one Dataset with ensemble means, a table (CSV) of its runs, and a figure.
+
+    Parameters
+    ----------
+    out
+        Folder of the campaign.
+    to
+        Name to write, ending in .zarr, or in .nc for netCDF; table and figure go beside it.
+        [default: gathered.zarr in the folder]
+    overwrite
+        Replace what was gathered there.
+    """
+    check_campaign("gather", out)
+    import asperity.app.campaign as campaign
+    from asperity.app.campaign.gather import with_ends
+    from asperity.app.cli.output import write_figure
+    from asperity.app.cli.report import aligned
+    from asperity.base.tables import with_unit
+    from asperity.figures import campaign_figure
+    from asperity.results import save
+    from asperity.results.store import whole_file
+
+    dataset = campaign.open(out)
+    target = out / "gathered.zarr" if to is None else to
+    if target.suffix not in (".zarr", ".nc"):
+        raise InputError("--to", expected="a name that ends in .zarr, or in .nc for netCDF", got=target)
+    # Gathering again, with more runs, is what one does: the default place is always replaced.
+    replace = overwrite or to is None
+    csv, picture = target.with_suffix(".csv"), target.with_suffix(".png")
+    for there in (csv, picture, *[target] * (target.suffix == ".nc")):
+        if there.exists() and not replace:
+            raise InputError("--to", expected="a new name", got=f"{there} exists", advice="--overwrite")
+    if target.suffix == ".nc":
+        with whole_file(target) as part:
+            dataset.to_netcdf(part)
+    else:
+        save(dataset, target, overwrite=replace)
+    runs = campaign.table(dataset)
+    if dataset["time"].attrs["units"] == "s":
+        ends = with_ends(dataset)
+        runs = runs.rename(columns=lambda name: with_unit(name, ends[name].attrs.get("units") or "1"))
+    with whole_file(csv) as part:
+        runs.to_csv(part, index=False)
+    sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
+    opener = "asp.results.load" if target.suffix == ".zarr" else "xarray.open_dataset"
+    rows = [
+        ("finished", f"{dataset.attrs['finished']} of {dataset.attrs['runs']} runs"),
+        ("dimensions", sizes),
+        ("written", f"{target}: all series and their ensemble; {opener} opens it"),
+        ("", f"{csv}: one row a run, {len(runs)} rows"),
+    ]
+    if float(dataset["time"].max()) > 0:
+        write_figure(campaign_figure(dataset), picture)
+        rows.append(("", f"{picture}: growth of the contact, with standard errors"))
+    sys.stdout.write(f"{aligned(rows)}\n")

@@ -1,0 +1,117 @@
+"""Which records of friction a path holds, and what their fit says, as rows of words."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from pathlib import Path
+
+import xarray as xr
+
+import asperity.app.campaign as campaign
+from asperity.analysis.scan import written
+from asperity.app.cli.report import Row
+from asperity.base.words import counted, uncertain
+from asperity.errors import InputError
+from asperity.friction import Record, StateLaws, read_record, record_of
+from asperity.friction.laws import STATE_LAWS, StateLaw
+
+_OPEN = 100.0
+"""Relative standard error above which a parameter is not determined."""
+
+_NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
+
+
+def records_at(
+    path: Path, strength: float | str | None, *, columns: list[str] | None, strength_at_rest: bool
+) -> list[Record]:
+    """The record of a table, or of a run or those of a campaign, each of one surface."""
+    if not path.is_dir():
+        return [read_record(path, columns=columns, strength_at_rest=strength_at_rest)]
+    histories = _surfaces(path) if (path / "plan.json").exists() else [path]
+    return [record_of(history, shear_strength=strength) for history in histories]
+
+
+def number_or_text(word: str | None) -> float | str | None:
+    """A flag's quantity: a number where it has no unit."""
+    with suppress(TypeError, ValueError):
+        return float(word or "")
+    return word
+
+
+def _surfaces(path: Path) -> list[xr.Dataset]:
+    """The finished runs of a campaign in which nothing but the surfaces differs."""
+    dataset = campaign.open(path)
+    swept = {str(dim): n for dim, n in dataset["load"].sizes.items() if dim not in ("seed", "time", "entry")}
+    if several := [dim for dim, n in swept.items() if n > 1]:
+        expected, got = "a campaign over seeds alone", f"one over {' and '.join(several)}"
+        raise InputError(str(path), expected=expected, got=got, advice="a campaign for each of their values")
+    runs = dataset.isel(dict.fromkeys(swept, 0))
+    every = [runs.isel(seed=n) for n in range(runs.sizes["seed"])] if "seed" in runs.dims else [runs]
+    return [run for run in every if run["load"].notnull().any()]
+
+
+def friction_report(found: StateLaws, first: str) -> list[Row]:
+    """Say what was fitted and what came out."""
+    record, kinds = found.record, found.peaks()
+    slip = written(float(record.displacement[-1]), "m" if record.si else "1", 3)
+    fit = found.fits[found.preferred]
+    rows = [
+        ("record", first if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
+        (
+            "",
+            f"{counted(fit.points, 'value')} fitted of {record.time.size}, slip {slip}, "
+            f"{counted(kinds.duration.size, 'hold')}",
+        ),
+    ]
+    for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):
+        rows += _law(found, law)
+    rows.append(("verdict", _verdict(found)))
+    if fit.determined and fit.D_c < record.finest_slip:
+        finest = written(record.finest_slip, "m" if record.si else "1", 3)
+        text = f"D_c is shorter than the slip between two values, {finest}, and so not well resolved"
+        rows.append(("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
+    if found.runs == 1 and fit.effective_points < fit.points:
+        rows.append(
+            (
+                "note",
+                f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
+                f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}; "
+                "records of several surfaces give better intervals",
+            )
+        )
+    return rows
+
+
+def _law(found: StateLaws, law: StateLaw) -> list[Row]:
+    record, fit = found.record, found.fits[law]
+    rows = []
+    for text, name in _NAMES:
+        one = found.estimates[law][name]
+        value, stderr, low, high = (float(part) for part in (one.value, one.stderr, one.low, one.high))
+        if name == "a" and fit.a_stderr == 0:
+            said = f"{value:g}, as given"
+        elif (name == "D_c" and not fit.determined) or stderr > _OPEN * abs(value):
+            said = "not determined by this record"
+        elif name == "D_c" and record.si:
+            said = f"{written(value, 'm', 4)}, 95 % from {written(low, 'm', 4)} to {written(high, 'm', 4)}"
+        else:
+            digits = max(0, 1 - math.floor(math.log10(stderr))) if stderr > 0 else 6
+            said = f"{uncertain(value, stderr)}, 95 % from {low:.{digits}f} to {high:.{digits}f}"
+        rows.append((f"  {text}", said))
+    V_0 = written(fit.V_0, "m/s" if record.si else "1")
+    rows.append(("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms"))
+    return [(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"), *rows]
+
+
+def _verdict(found: StateLaws) -> str:
+    if found.runs > 1:
+        low, high = float(found.log_ratio.low), float(found.log_ratio.high)
+        scatter = f"ln of the ratio of squares, aging over slip: {low:.3g} to {high:.3g}"
+        known = f"the surfaces prefer the {found.verdict} law"
+        return f"{known if found.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
+    if found.verdict == "undecided":
+        return "undecided: these data do not tell the aging law from the slip law"
+    other = "slip" if found.verdict == "aging" else "aging"
+    odds = f"{found.relative_likelihood:.1g}" if found.relative_likelihood > 1e-6 else "less than 1e-6"
+    return f"the data prefer the {found.verdict} law: the {other} law is {odds} times as likely"

@@ -1,0 +1,44 @@
+"""The command ``asperity status``: how far a campaign is."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+
+from asperity.app.cli.command import command
+from asperity.errors import InputError
+
+
+@command()
+def status(out: Path, /) -> None:
+    """Say how many runs of a campaign are done, running, failed (and why), and left.
+
+    Parameters
+    ----------
+    out
+        Folder of the campaign.
+    """
+    check_campaign("status", out)
+    from asperity.app.campaign import load_plan, tally
+    from asperity.app.cli.campaign import tally_told
+
+    plan = load_plan(out)
+    sys.stdout.write(f"{tally_told(plan, tally(plan, out))}\n")
+
+
+def check_campaign(command: str, out: Path) -> None:
+    """Say what else a folder is that is no campaign's."""
+    if (out / "plan.json").exists():  # what was gathered there has a seed, as a study has
+        return
+    word, inside = shlex.quote(str(out)), next((path.parent for path in out.glob("*/seed")), None)
+    advice = f"asperity {command} {word}/studies/NAME for one of its studies, "
+    advice += f"or asperity reproduce --out {word} for what is missing"
+    for there, what, advised in (
+        ((out / "studies").is_dir(), "a reproduction", advice),
+        (inside is not None, "a study", f"asperity {command} {shlex.quote(str(inside))}/CAMPAIGN"),
+        ((out / "history.zarr").is_dir(), "a run", "its summary.txt"),
+    ):
+        if there:
+            got = f"{out}, that of {what}"
+            raise InputError(command, expected="the folder of a campaign", got=got, advice=advised)

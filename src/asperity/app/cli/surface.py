@@ -1,0 +1,40 @@
+"""The command ``asperity surface``: what a surface file holds, in words and as a figure."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Flags, Out, Switch, flags_for, given
+from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
+
+__all__ = ["flags_for", "surface"]  # the annotation that `command` writes names flags_for
+
+
+@command("preparation")
+def surface(
+    file: Path, /, *, out: Out | None = None, overwrite: Switch = False, keys: Flags | None = None
+) -> None:
+    """Say what a surface file holds and what a run would make of it, and draw it.
+
+    Parameters
+    ----------
+    file
+        A surface file of an instrument, a .npy array, or a text matrix.
+    out
+        Figure to write (.png, .pdf or .svg); by default the file's name with .png, in the current folder.
+    overwrite
+        Replace the figure if it exists.
+    """
+    from asperity.app.config.reading import file_surface
+
+    settings = file_surface(file, given(keys).get("surface", {}))
+    target = Path(f"{file.stem or 'surface'}.png") if out is None else out
+    check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
+    from asperity.app.cli.output import write_figure  # takes a second: mistakes are told before
+    from asperity.app.cli.reports.surface import drawn_and_told
+
+    figure, told = drawn_and_told(settings)
+    write_figure(figure, target)
+    sys.stdout.write(f"{told}\n\nfigure written: {target}\n")

@@ -1,0 +1,31 @@
+"""The command ``asperity sweep``: a campaign, in one folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Out
+from asperity.app.cli.options import Work
+
+_WORK = Work()
+
+
+@command()
+def sweep(plan: Path, /, *, out: Out, work: Work = _WORK) -> None:
+    """Do a campaign: many runs from one file, in one folder. The same command again does what is missing.
+
+    Parameters
+    ----------
+    plan
+        A TOML file as for a run, with a section [sweep] of lists: load = [200.0, 800.0], seeds = 32, ...
+    out
+        Folder of the campaign; made, or gone on with.
+    """
+    work.check()
+    from asperity.app.campaign import read_plan
+
+    settings = read_plan(plan)
+    from asperity.app.cli import campaign  # takes a second: mistakes are told before
+
+    (campaign.dry_run if work.dry_run else campaign.sweep)(settings, out, work)

@@ -1,0 +1,5 @@
+"""Predictions: from a relaxation table or a solid, a scan and a load to the growth of the real contact."""
+
+from asperity.app.predict.pipeline import predict, predict_config
+
+__all__ = ["predict", "predict_config"]

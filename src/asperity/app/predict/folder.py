@@ -1,0 +1,47 @@
+"""The files of a prediction: a page to read, its pictures, tables, and the fitted solid."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from asperity.analysis.prediction import Prediction
+from asperity.base.words import tables_to_toml
+from asperity.figures.page import prediction_page, prediction_pictures
+from asperity.relaxation import Fit
+from asperity.results.quantities import PREDICT, areas_first, select
+
+def write_files(prediction: Prediction, folder: Path, *, command: str) -> None:
+    """Write all but history and summary to a folder; the page tells the command that made it."""
+    pictures = prediction_pictures(prediction)
+    page = prediction_page(prediction, pictures, command=command)
+    (folder / "prediction.html").write_text(page, encoding="utf-8")
+    for name, picture in pictures.items():
+        (folder / f"{name}.png").write_bytes(picture.png)
+    unit_of = {name: prediction.dataset[name].attrs["units"] for name in areas_first(select(table=PREDICT))}
+    columns = {f"{name} [{unit}]": prediction.series(name) for name, unit in unit_of.items()}
+    if prediction.effective_load is not None:
+        columns["effective_load [N]"] = prediction.effective_load
+    if prediction.friction_force is not None and prediction.friction is not None:
+        columns |= {"friction_force [N]": prediction.friction_force, "friction [1]": prediction.friction}
+    table = pd.DataFrame(columns).to_csv(index=False, lineterminator="\n", na_rep="nan")
+    (folder / "history.csv").write_text(table, encoding="utf-8")
+    if prediction.fit is not None:
+        (folder / "solid.toml").write_text(_solid(prediction, prediction.fit), encoding="utf-8")
+
+
+def _solid(prediction: Prediction, fit: Fit) -> str:
+    """The fitted solid as a section of a configuration."""
+    known = prediction.assumed
+    solid: dict[str, object] = {"kind": "half_space", "modulus": prediction.modulus}
+    if known["measured"] == "young":
+        solid = {"kind": "half_space", "young": fit.series.modulus, "poisson": known["poisson"]}
+    solid["branches"] = list(prediction.branches)
+    if prediction.solid.yields:
+        solid["hardness"] = prediction.solid.hardness
+    table, (first, last) = known["table"] or "A table", fit.data.span
+    head = f"# {table} as a sum of exponentials, known from {first:.4g} s to {last:.4g} s."
+    if fit.assumed:
+        head += f"\n# {fit.assumed.capitalize()}."
+    return f"{head}\n{tables_to_toml({'solid': solid})}"

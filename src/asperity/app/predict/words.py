@@ -1,0 +1,183 @@
+"""A prediction in words: the rows of its summary, and what limits it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asperity.analysis.prediction import Prediction
+from asperity.analysis.scan import written
+from asperity.app.runs.defaults import remark_on_loading
+from asperity.base.words import counted as how_many
+from asperity.base.words import thousands
+from asperity.surfaces import Surface
+
+Row = tuple[str, str]
+
+_UNEVEN = 1.5
+"""Ratio of steps across rows to steps along them, above which a remark is made."""
+
+
+def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> list[Row]:
+    """Say what was predicted from what, in rows of a name and words."""
+    dataset, scan = prediction.dataset, prediction.origin
+    time, fit = prediction.time, prediction.fit
+    pixels = " x ".join(map(str, dataset["heights"].shape))
+    sides = " x ".join(written(side, "m", 4) for side in prediction.spacing)
+    load, ramp = prediction.load, prediction.ramp
+    rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}")]
+    if fit is not None:
+        begin, end = fit.data.span
+        rows.append(
+            (
+                "relaxation",
+                f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
+                f"missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most",
+            )
+        )
+    rows += [
+        ("solid", "; ".join(prediction.words)),
+        *_branches(prediction),
+        (
+            "held",
+            f"load {written(load, 'N')}, {written(load / prediction.nominal_area, 'Pa')} "
+            f"over {written(prediction.nominal_area, 'm^2')}, "
+            + (f"put on within {written(ramp, 's')}, from 0 s on" if ramp else "put on at once"),
+        ),
+    ]
+    for place in (0, -1):
+        counted, less = (
+            float(prediction.series(name)[place]) for name in ("contact_area", "contact_area_corrected")
+        )
+        many = how_many(prediction.resolved[place].patches, "patch", "patches")
+        rows.append(
+            (
+                f"contact at {written(float(time[place]), 's')}",
+                f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % less its rim; "
+                f"counted {written(counted, 'm^2')} in {many}, "
+                f"with {written(float(prediction.series('mean_contact_pressure')[place]), 'Pa')} on average",
+            )
+        )
+    rows += _growth(prediction)
+    if prediction.theory is not None:
+        name, area = prediction.theory
+        first_to_last = " to ".join(written(float(area[place]), "m^2") for place in (0, -1))
+        # A flow fits the last area only; its first is far above.
+        ends = "" if prediction.relaxing is None else f"{first_to_last} by "
+        rows.append(("theory", f"{ends}{name}: dashed in growth.png"))
+    if prediction.friction is not None:
+        mu = prediction.friction
+        rows.append(("friction", f"{mu[0]:.3g} at first, {mu[-1]:.3g} at last"))
+    for which, place in (("first", 0), ("last", -1)) if prediction.observed else ():
+        seen = prediction.observed[place]
+        rows.append((f"seen at {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
+    if prediction.solid.yields:
+        lowered = dataset["permanent_indentation"].values
+        begun, left = (int((lowered[place] > 0).sum()) for place in (0, -1))
+        said = f"{how_many(begun, 'pixel')} lowered for good at first, {thousands(left)} at last"
+        rows.append(
+            ("yields", said + (f", by up to {written(float(lowered[-1].max()), 'm')}" if left else ""))
+        )
+    exact = "exact contact"
+    if dataset.attrs.get("exact_contact") != "at all times":
+        exact = f"{int(dataset['steps'].sum())} time steps"
+    rows += [
+        ("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"),
+        (
+            "effort",
+            f"{exact}, {int(dataset['iterations'].sum())} iterations, {seconds:.1f} s"
+            f"{' in this session' if resumed else ''}",
+        ),
+        *(("remark", remark) for remark in prediction.remarks),
+    ]
+    return rows
+
+
+def _branches(prediction: Prediction) -> list[Row]:
+    """Shares and relaxation times; where a fit knows their 95 % intervals, with these."""
+    rows, known = [], None if prediction.fit is None else prediction.fit.intervals
+    for number, (share, time) in enumerate(prediction.branches):
+        said = [f"share {share:.4g}", f"relaxes in {written(time, 's')}"]
+        if known is not None:
+            (low, high), (early, late) = known[number].tolist()
+            said[0] += f" ({low:.4g} to {high:.4g})"
+            said[1] += f" ({written(early, 's')} to {written(late, 's')})"
+        rows.append(("" if number else "branches", " ".join(said)))
+    return [*rows, ("", f"share {prediction.plateau:.4g} does not relax")] if rows else []
+
+
+def _growth(prediction: Prediction) -> list[Row]:
+    """How the area grows in all and in each decade, and beside what compliance."""
+    growth, effective = prediction.growth, prediction.effective_load
+    least, most, last = (100 * slope for slope in (*growth.range, growth.decades[-1][2]))
+    low, high, (near, far) = 100 * growth.band[0], 100 * growth.band[1], growth.ratio_band
+    rows = [
+        (
+            "growth",
+            f"{prediction.between('A')} = {growth.ratio:.5g}, 95 % band {near:.4g} to {far:.4g}",
+        ),
+        (
+            "in each decade",
+            f"{least:.3g} to {most:.3g} % of the first area, {last:.3g} % in the last; "
+            f"mean {100 * growth.per_decade:.3g} %, 95 % band {low:.3g} to {high:.3g} %",
+        ),
+    ]
+    if effective is not None:
+        name, symbol = prediction.beside
+        rows.append((name, f"{prediction.between(symbol)} = {effective[-1] / effective[0]:.5g}"))
+    return rows
+
+
+def remarks_on(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
+    """What limits the prediction, in numbers."""
+    between_rows, along_rows = scan.describe().neighbor_steps
+    first, last = prediction.resolved[0], prediction.resolved[-1]
+    fraction = float(prediction.series("contact_fraction")[-1])
+    pressure = float(prediction.series("mean_contact_pressure")[0])
+    strain = pressure / prediction.modulus
+    remarks = []
+    known, fit = prediction.solid.parameters, prediction.fit
+    if fit is not None and fit.assumed:
+        remarks.append(fit.assumed)
+    if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
+        remarks.append("nothing grows: the solid is elastic")
+    elif np.ptp(prediction.series("contact_area")) == 0:
+        reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
+        remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
+    remarks += remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
+    if between_rows > _UNEVEN * along_rows:
+        remarks.append(
+            f"heights change {between_rows / along_rows:.2g} times as much from row to row as along a row: "
+            "if that is noise of the scan's lines, their ridges carry load that asperities would carry"
+        )
+    if first.in_small > 0.2:
+        remarks.append(
+            f"{100 * first.in_small:.0f} % of the area at first lies in patches of fewer than 10 pixels: "
+            "the scan does not resolve them, and a finer one would change the area"
+        )
+    if first.rim > 0.2:
+        remarks.append(
+            f"the rim takes {100 * first.rim:.0f} % of the counted area at first: patches are few pixels wide"
+        )
+    if first.patches < 30:
+        remarks.append(f"{first.patches} patches at first: too few for the statistics of a surface")
+    if strain > 0.05 and not prediction.solid.yields:
+        remarks.append(
+            f"the mean contact pressure is {written(pressure, 'Pa')} at first, {100 * strain:.2g} % of E*: "
+            "real asperities would flow, and nothing flows at once here; try a hardness"
+        )
+    if fraction > 0.5:
+        remarks.append(
+            f"{100 * fraction:.0f} % of the surface touches at last: waves longer than the scan, "
+            "which it does not have, would keep bodies further apart"
+        )
+    if fit is not None and (fit.systematic or fit.series.error > 0.05):
+        error = f"{100 * fit.series.error:.2g} %"
+        remarks.append(
+            f"the fit misses the table by up to {error} in waves, not by noise, so that the band has no part "
+            "of the table: more branches per decade may follow it"
+            if fit.systematic
+            else f"the fit misses the table by up to {error}, which looks like noise"
+        )
+    if last.patches < first.patches / 2 and fraction <= 0.5:
+        remarks.append(f"patches merge: {first.patches} at first, {last.patches} at last")
+    return tuple(remarks)

@@ -1,0 +1,95 @@
+"""The growth that a prediction states, and how sure it is: histories made by hand, with known spreads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity.analysis.prediction import growth_of
+
+
+def made_history(slope: float, spread: float) -> xr.Dataset:
+    """A history of area 1 + slope log10 t, in sixteen tiles that grow alike, but for a spread."""
+    time = np.geomspace(1.0, 1e4, 17)
+    moments = time[::4]
+    rows = np.zeros((5, 40, 40), dtype=bool)
+    for number, moment in enumerate(moments):
+        for tile in range(16):
+            own = slope * (1 + spread * (-1) ** tile)
+            filled = round(40 * (1 + own * np.log10(moment)))
+            corner = np.zeros(100, dtype=bool)
+            corner[:filled] = True
+            y, x = 10 * (tile // 4), 10 * (tile % 4)
+            rows[number, y : y + 10, x : x + 10] = corner.reshape(10, 10)
+    area = np.append(np.nan, 1 + slope * np.log10(time))
+    maps = ("field_time", "y", "x")
+    return xr.Dataset(
+        {
+            "contact_area_corrected": ("time", area),
+            "in_contact": (maps, rows),
+            "pressure": (maps, np.ones(rows.shape)),
+        },
+        {"time": np.append(0.0, time), "field_time": moments},
+    )
+
+
+def noisy(error: float, seed: int) -> asp.relaxation.Relaxation:
+    time = np.geomspace(1.0, 1e4, 30)
+    deviations = np.random.default_rng(seed).normal(size=30)
+    # A compliance of 1 + 0.1 log10 t, very nearly.
+    return asp.relaxation.Relaxation(
+        time, 1e9 / (1 + 0.1 * np.log10(time)) * (1 + error * deviations), noise=0.5
+    )
+
+
+def test_growth_of_a_straight_line() -> None:
+    growth = growth_of(made_history(0.1, 0.0), asp.relaxation.fit(noisy(0.0, 0)))
+    assert growth.per_decade == pytest.approx(0.1)
+    assert growth.straight is True
+    assert [slope for *_, slope in growth.decades] == pytest.approx([0.1] * 4)
+    assert [begin for begin, *_ in growth.decades] == pytest.approx([1, 10, 100, 1000])
+    np.testing.assert_allclose(growth.of_scan, 0.1, rtol=1e-9)
+    np.testing.assert_allclose(growth.of_table, 0.1, rtol=0.02)
+
+
+def test_tiles_that_grow_differently_widen_the_band() -> None:
+    # Half of the tiles grow by 5 %, half by 15 % a decade; of 16 drawn, the mean spreads by 5 % / 4.
+    growth = growth_of(made_history(0.1, 0.5), asp.relaxation.fit(noisy(0.0, 0)))
+    low, high = growth.of_scan
+    assert high - low == pytest.approx(2 * 2.131 * 0.05 / np.sqrt(15), rel=0.15)
+    assert growth.band[0] <= low * 1.02
+    assert growth.band[1] >= high * 0.98
+    # In four decades half grow by 20 %, half by 60 %.
+    assert growth.ratio == pytest.approx(1.4)
+    low, high = growth.ratio_band
+    assert high - low == pytest.approx(2 * 2.131 * 0.2 / np.sqrt(15), rel=0.15)
+    assert growth.range == pytest.approx((0.1, 0.1))
+
+
+def test_a_noisy_table_widens_the_band_as_other_tables_spread() -> None:
+    # The area is the compliance here: each table of the same noise gives a slope of its own.
+    time = np.geomspace(1.0, 1e4, 17)
+    slopes = []
+    for seed in range(40):
+        compliance = asp.relaxation.fit(noisy(0.01, seed)).series.compliance_at(time)
+        slopes.append(np.polyfit(np.log10(time), compliance / compliance[0], 1)[0])
+    widths = []
+    for seed in (0, 1, 2):
+        found = asp.relaxation.fit(noisy(0.01, seed))
+        history = made_history(0.1, 0.0)
+        compliance = found.series.compliance_at(time)
+        history["contact_area_corrected"][1:] = compliance / compliance[0]
+        low, high = growth_of(history, found).of_table
+        widths.append(high - low)
+    assert np.mean(widths) == pytest.approx(2 * 1.96 * np.std(slopes), rel=0.35)
+
+
+def test_deviations_that_are_no_noise_give_no_band() -> None:
+    time = np.geomspace(1.0, 1e4, 30)
+    wavy = asp.relaxation.Relaxation(
+        time, 1e9 * time**-0.05 * (1 + 0.01 * np.sin(np.log(time) * 1.5)), noise=0.5
+    )
+    growth = growth_of(made_history(0.1, 0.0), asp.relaxation.fit(wavy, branches=2))
+    assert growth.of_table == (growth.per_decade, growth.per_decade)
