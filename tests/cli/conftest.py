@@ -56,9 +56,7 @@ def refused(asperity: Asperity) -> Refused:
         assert "Traceback" not in error
         assert line.startswith("asperity: ")
         # Other distributions add commands.
-        line = re.sub(
-            r"; there are [a-z, ]*, explore, .*(?= \(see)|; there are explore, .*(?= \(see)", "", line
-        )
+        line = re.sub(r"; there are [a-z, ]*explore, .*(?= \(see)", "", line)
         told(line.removeprefix("asperity: ").replace(str(Path.cwd()), "HERE"))
         assert sorted(Path().rglob("*")) == before
 
