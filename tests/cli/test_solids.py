@@ -1,6 +1,7 @@
 """Continua on the command line: a scan with units in, results in SI out, and what is refused."""
 
 import csv
+import json
 import shlex
 
 import numpy as np

@@ -12,6 +12,7 @@ from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.relaxation import Fit
 from asperity.results.quantities import PREDICT, areas_first, select
 
+
 def write_files(prediction: Prediction, folder: Path, *, command: str) -> None:
     """Write all but history and summary to a folder; the page tells the command that made it."""
     pictures = prediction_pictures(prediction)
