@@ -129,7 +129,7 @@ def _connected(scheduler: str) -> Client:
             aside.submit(asyncio.run, asyncio.wait_for(asked(), _ANSWER)).result()
         return Client(scheduler, timeout=_ANSWER)
     except (OSError, TimeoutError, ValueError) as error:
-        got = f"{scheduler}: {error or f'no answer in {_ANSWER:.0f} seconds'}"
+        got = f"{scheduler}: {str(error) or f'no answer in {_ANSWER:.0f} seconds'}"
         raise InputError("scheduler", expected="the address of a Dask scheduler", got=got) from error
 
 

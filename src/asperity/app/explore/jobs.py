@@ -76,7 +76,7 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
     if isinstance(error, AsperityError):
         return [{"where": "", "text": brief(str(error))}]
     if isinstance(error, MemoryError):
-        return [{"where": "", "text": f"not enough memory: {error or 'try a smaller surface'}"}]
+        return [{"where": "", "text": f"not enough memory: {str(error) or 'try a smaller surface'}"}]
     if isinstance(error, OSError) and error.strerror:
         return [{"where": "", "text": f"{error.filename or ''}: {error.strerror}".removeprefix(": ")}]
     return [{"where": "", "text": f"unexpected: {type(error).__name__}: {reason_of(error)}"}]
