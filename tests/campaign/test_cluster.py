@@ -64,6 +64,7 @@ def test_a_scheduler_without_workers_ends_in_words(tmp_path):
     assert "expected workers, got none for 1 seconds" in error.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_workers_that_vanish_in_the_middle_end_in_words_and_lose_nothing(done, tmp_path):
     path, out = written(tmp_path, SMALL.replace("seeds = 3", "seeds = 200")), tmp_path / "out"
     with scheduler(tmp_path) as (address, _):

@@ -109,6 +109,7 @@ def check(folder, expected):
     assert data.attrs["finished"] == data.attrs["runs"] == len(expected)
 
 
+@pytest.mark.slow
 def test_a_few_kills(tmp_path):
     (tmp_path / "killed").mkdir()
     (tmp_path / "undisturbed").mkdir()

@@ -254,6 +254,7 @@ def test_two_campaigns_on_one_folder_at_once(tmp_path, done):
     assert list((tmp_path / "out" / "state" / "staging").iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_disk_that_fills_up(tmp_path):
     # The limit stops the series of a run, not the plan.
     limit = (
@@ -272,6 +273,7 @@ def test_a_disk_that_fills_up(tmp_path):
     assert len(numbers(tmp_path / "out")) == 4
 
 
+@pytest.mark.slow
 def test_interrupting_is_harmless(tmp_path):
     listen = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     text = SMALL.replace("seeds = 3", "seeds = 200")

@@ -65,6 +65,7 @@ def test_a_run_that_is_stopped(tmp_path: Path, stop: signal.Signals) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) -> None:
     often = "import asperity.app.cli.run as command\ncommand._CHECKPOINT_EVERY = 0.0"
     flags = ("--shape", "256,256", "--last", "1e6")  # long enough to be stopped on the way
@@ -93,6 +94,7 @@ def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) ->
     assert {path.name for path in tmp_path.iterdir()} == {"out", "undisturbed"}
 
 
+@pytest.mark.slow
 def test_a_reader_who_goes_away(tmp_path: Path) -> None:
     running = process("run", *SMALL, "--out", tmp_path / "out")
     assert running.stdout is not None
@@ -154,6 +156,7 @@ def test_a_stream_without_the_letters(finished: Path, tmp_path: Path) -> None:
     assert "value +- standard error" in done.stdout
 
 
+@pytest.mark.slow
 def test_on_a_terminal_there_is_a_bar(tmp_path: Path) -> None:
     pty = pytest.importorskip("pty")
     ours, theirs = pty.openpty()

@@ -157,7 +157,15 @@ def surface_file(path):
         Topography(heights, (1.0, 1.0), unit="um", periodic=False).to_netcdf(str(path))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
+LONG = {"docs/friction.md", "docs/histories.md", "docs/predict.md", "docs/solids.md", "docs/start.md"}
+"""Pages whose commands take more than five seconds."""
+
+
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=[pytest.mark.slow] * (name_of(page) in LONG)) for page in PAGES],
+    ids=name_of,
+)
 def test_what_a_page_shows_works(page, tmp_path, monkeypatch, capsys):
     if not importlib.util.find_spec("asperity_research") and re.search(RESEARCH, page.read_text("utf-8")):
         pytest.skip("the page shows what asperity-research adds")

@@ -165,6 +165,7 @@ def test_a_slow_page_gets_the_latest_in_one(server: Server) -> None:
     assert maps(late).keys() == maps(all_of_it).keys()
 
 
+@pytest.mark.slow
 def test_a_large_press_keeps_nobody_waiting_and_can_be_stopped(server: Server) -> None:
     with server.page() as page, server.page() as other:
         page.receive(), other.receive()
@@ -186,6 +187,7 @@ def test_a_large_press_keeps_nobody_waiting_and_can_be_stopped(server: Server) -
         assert page.ran(seed(41))[-1][0]["kind"] == "done"
 
 
+@pytest.mark.slow
 def test_a_killed_process_is_said_and_replaced(server: Server) -> None:
     with server.page() as page:
         page.receive()

@@ -188,6 +188,7 @@ def test_a_missing_peer_is_said_and_not_fatal(house):
         solvers.start("tamaas", [], 1)
 
 
+@pytest.mark.slow
 def test_asperity_answers_through_its_worker(house, tmp_path):
     """The whole way: files, process, public interface, judge; and an error is a reply, not an end."""
     solvers, prepare, check = house("solvers"), house("prepare"), house("check")

@@ -62,6 +62,7 @@ def test_every_module_is_imported_without_the_extras(without_extras, tmp_path):
     assert int(done.stdout) > 100
 
 
+@pytest.mark.slow
 def test_a_run_needs_no_extra(without_extras, tmp_path):
     done = python(
         without_extras + MAIN, "run", "--shape", "24", "24", "--out", "run", "--quiet", folder=tmp_path

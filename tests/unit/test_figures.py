@@ -343,6 +343,7 @@ def test_everything_is_on_the_canvas(all_figures: dict[str, Figure]) -> None:
         assert (box.x1 < width, box.y1 < height) == (True, True), name
 
 
+@pytest.mark.slow
 def test_text_in_pdf_is_not_of_type_3(all_figures: dict[str, Figure]) -> None:
     for name, figure in all_figures.items():
         file = io.BytesIO()

@@ -68,6 +68,7 @@ def test_tiles_that_grow_differently_widen_the_band() -> None:
     assert growth.range == pytest.approx((0.1, 0.1))
 
 
+@pytest.mark.slow
 def test_a_noisy_table_widens_the_band_as_other_tables_spread() -> None:
     # The area is the compliance here: each table of the same noise gives a slope of its own.
     time = np.geomspace(1.0, 1e4, 17)

@@ -8,6 +8,7 @@ are imported only for a command that has such flags.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -59,6 +60,7 @@ class Flags:
     keys: ClassVar[dict[str, tuple[str, Any]]]  # section and Key of each; the library evaluates this line
 
 
+@functools.cache
 def flags_for(*sections: str) -> type[Flags]:
     """Make the flags of sections.
 

@@ -5,6 +5,7 @@ It is read from the models, so that a key that is added there has its flag, its 
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, cast
@@ -96,6 +97,7 @@ def sections() -> dict[str, dict[str, Keys]]:
     }
 
 
+@functools.cache  # a command asks often, and a schema takes milliseconds
 def keys_of(model: type[BaseModel]) -> Keys:
     """Keys of one model, but for its kind."""
     schema = model.model_json_schema()
