@@ -206,6 +206,7 @@ def test_equal_failures_are_merged(tmp_path, capsys):
     assert f"asperity status '{out}' says why" in said.err
 
 
+@pytest.mark.slow
 def test_a_script_without_a_guard_ends_in_one_line(tmp_path):
     script = tmp_path / "script.py"
     plan, out = str(written(tmp_path)), str(tmp_path / "out")

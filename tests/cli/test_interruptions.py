@@ -33,6 +33,7 @@ def test_a_disk_that_fills_up(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_disk_that_fills_up_keeps_the_earlier_run(tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()
@@ -123,6 +124,7 @@ sys.meta_path.insert(0, Finder())"""
     assert running.returncode == 130
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stream", [1, 2])
 def test_a_stream_that_is_closed(tmp_path: Path, stream: int) -> None:
     words = [sys.executable, "-m", "asperity", "run", "--shape", "8,8", "--times", "1", "--figures", ""]
@@ -140,6 +142,7 @@ def test_a_stream_that_is_closed(tmp_path: Path, stream: int) -> None:
     assert (tmp_path / "out" / "summary.txt").exists()
 
 
+@pytest.mark.slow
 def test_a_stream_without_the_letters(finished: Path, tmp_path: Path) -> None:
     words = [
         sys.executable,

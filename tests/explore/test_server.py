@@ -378,6 +378,7 @@ def test_it_listens_on_this_machine_alone(server: Server) -> None:
     assert {one.laddr.ip for one in listening} == {"127.0.0.1"}
 
 
+@pytest.mark.slow
 def test_it_ends_quietly_with_all_its_processes() -> None:
     own = Server()
     with own.page() as page:

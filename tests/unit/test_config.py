@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import time
 import tomllib
 from pathlib import Path
@@ -294,6 +295,7 @@ def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path, config: Run
     tomllib.loads(text)
     assert read_config(written(tmp_path, text), {}) == config
     assert from_tables(json.loads(json.dumps(to_tables(config)))) == config
+    assert pickle.loads(pickle.dumps(config)) == config  # as it goes to other processes
 
 
 def test_commas_between_numbers() -> None:

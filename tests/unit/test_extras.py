@@ -71,6 +71,7 @@ def test_a_run_needs_no_extra(without_extras, tmp_path):
     assert (tmp_path / "run" / "aging.png").exists()
 
 
+@pytest.mark.slow
 def test_a_campaign_says_which_extra_it_needs_and_writes_nothing(without_extras, tmp_path):
     (tmp_path / "campaign.toml").write_text("[surface]\nshape = [16, 16]\n[sweep]\nseeds = 2\n")
     done = python(without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", folder=tmp_path)

@@ -461,7 +461,9 @@ class RepeatLeg(LegSection):
 def _section_of(kind: str, leg: type[Leg]) -> type[LegSection]:
     keys: dict[str, Any] = {"kind": (Literal[kind], kind)}
     keys |= {name: field_of(parameter) for name, parameter in parameters_of(leg).items()}
-    return create_model(f"{leg.__name__}Leg", __base__=LegSection, **keys)
+    made = create_model(f"{leg.__name__}Leg", __base__=LegSection, **keys)
+    globals()[made.__name__] = made  # where pickle looks for it, to send a run to another process
+    return made
 
 
 LEGS: dict[str, type[LegSection]] = {
