@@ -12,6 +12,7 @@ from PIL.GifImagePlugin import GifImageFile
 import asperity as asp
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.scene import Recording, ending, map_of, pack, recorded
+from asperity.results.quantities import select
 from tests.browser.conftest import rows, state, until
 
 KEPT, NEW, LOST = 1, 2, 3
@@ -293,6 +294,7 @@ def page_of(folder, masks, times=None, campaign=None):
     }
     facts |= {"spacing": None, "length_unit": None, "column_units": dict.fromkeys(columns, "1")}
     facts["units"] = dict.fromkeys(("time", "area", "load", "pressure", "height", "separation"), "1")
+    facts["labels"] = {name: one.label for name, one in select("series").items() if name in columns}
     facts |= {"names": {}, "columns": columns, "switches": [], "remarks": [], "height_range": [0.0, 1.0]}
     recording = Recording("made", facts | {"last_time": times[-1]}, np.zeros(masks[0].shape, np.uint16))
     recording.rows = [[time, 0.0, area] for time, area in zip(times, areas, strict=True)]
