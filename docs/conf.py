@@ -36,7 +36,8 @@ suppress_warnings = ["config.cache"]  # the gallery's functions cannot be pickle
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented_params"
 autodoc_member_order = "bysource"
-autodoc_default_options = {"members": True}
+# matplotlib gives each class derived from its own a method `set`, whose description has roles of its own.
+autodoc_default_options = {"members": True, "exclude-members": "set"}
 autodoc_type_aliases = {name: name for name in ("ArrayLike", "Field", "Mask", "Floats")}
 toc_object_entries_show_parents = "hide"
 napoleon_google_docstring = False
