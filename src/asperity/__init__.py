@@ -80,7 +80,6 @@ _HOME = {
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "relax", "slide"),
 }
-_PROGRAMS = ("campaign", "cli", "config", "explore", "runs")
 _RESEARCH = ("challenge", "studies")
 """Rooms that the distribution asperity-research adds, by entry points."""
 
@@ -91,9 +90,9 @@ if not TYPE_CHECKING:  # for a type checker, a name that is not above does not e
         for home, names in _HOME.items():
             if name in names:
                 return getattr(importlib.import_module(home), name)
-        room = f"asperity.app.{name}" if name in _PROGRAMS else f"asperity.{name}"
-        if not name.startswith("_") and importlib.util.find_spec(room) is not None:
-            return importlib.import_module(room)
+        for place in () if name.startswith("_") else ("asperity", "asperity.app"):
+            if importlib.util.find_spec(f"{place}.{name}") is not None:
+                return importlib.import_module(f"{place}.{name}")
         missing = f"module 'asperity' has no attribute {name!r}"
         if name in _RESEARCH:
             from importlib.metadata import entry_points

@@ -93,7 +93,8 @@ def test_no_files_import_each_other_in_a_circle(source, package):
     files = {}
     for file in source.rglob("*.py"):
         name = ".".join([package, *file.relative_to(source).with_suffix("").parts])
-        found = set(imported(file)) | {other.rpartition(".")[0] for other in imported(file)}
+        found = set(imported(file))
+        found |= {other.rpartition(".")[0] for other in found}
         files[name.removesuffix(".__init__")] = found
     # A package's face hands names on.
     faces = {name for name in files if any(other.startswith(f"{name}.") for other in files)}

@@ -73,7 +73,8 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     else:
         grid[-1].set_xlabel(style.over_time(dataset, "time $t$"))
     style.count_nominal_area(grid[-1], 100.0 / (dataset["heights"].size * per_site))
-    style.finish(grid[-1], lines_along="y")
+    for axes in grid:
+        style.finish(axes, legend=axes is grid[-1], lines_along="y")
     title = ["Contact area in a history of " + (" and ".join(names[-2::-1]))]
     if not columns and (protocol := protocol_of(dataset)):
         title.append(style.verbatim(style.fitted(", ".join(leg.words(say) for leg in protocol), figure.room)))
@@ -148,7 +149,6 @@ def _draw(axes: Axes, entries: Entries, dataset: xr.Dataset, name: str) -> float
     if entries.after.any():
         places = entries.place[entries.after]
         axes.plot(places, values[entries.after], "D", label="just after a jump", **common)
-    style.finish(axes, legend=False, lines_along="y")
     axes.ticklabel_format(axis="y", useOffset=False)
     if np.ptp(values) <= 1e-6 * np.abs(values).max():
         axes.set_ylim(values[0] - 0.1 * abs(values[0] or 1), values[0] + 0.1 * abs(values[0] or 1))
