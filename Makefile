@@ -19,8 +19,8 @@ run: $(VENV)/.run  ## Age a rough contact over nine decades and draw it
 test: $(VENV)/.dev  ## Run the test suite
 	$(PYTEST)
 
-test-all: $(VENV)/.dev  ## Run what `make test` leaves out: long physics, browser, gallery, research, other random draws
-	HYPOTHESIS_PROFILE=other $(PYTEST) tests research/tests -m "slow or random" -o timeout=1800 -o faulthandler_timeout=2400
+test-all: $(VENV)/.dev  ## Run what `make test` leaves out: long physics, browser, gallery, research, more random draws
+	HYPOTHESIS_PROFILE=$${HYPOTHESIS_PROFILE:-more} $(PYTEST) tests research/tests -m "slow or random" -o timeout=1800 -o faulthandler_timeout=2400
 
 check: $(VENV)/.dev  ## Lint, format and types
 	$(BIN)/ruff check

@@ -108,7 +108,7 @@ def test_two_exact_branches_are_found(data: Relaxation | Creep | Dynamic) -> Non
 
 @pytest.mark.parametrize("tables", [1, pytest.param(10, marks=pytest.mark.slow)])
 def test_two_noisy_branches_are_found_within_their_intervals(tables: int) -> None:
-    held = np.zeros((2, 2))
+    held, widths = np.zeros((2, 2)), []
     # Standard errors of ln G(t) with shares and times of two branches, by propagation of 1 % of noise.
     numbers = np.array([1.0, *np.ravel(TWO.branches)])
 
@@ -126,8 +126,11 @@ def test_two_noisy_branches_are_found_within_their_intervals(tables: int) -> Non
         assert not found.systematic
         intervals = found.intervals
         assert intervals is not None
-        np.testing.assert_allclose(np.diff(intervals, axis=-1)[..., 0], 2 * 1.96 * errors, rtol=0.5)
+        widths.append(np.diff(np.log(intervals), axis=-1)[..., 0])
         held += (intervals[..., 0] <= TWO.branches) & (TWO.branches <= intervals[..., 1])
+    # A single table finds its own time, and its interval is as wide as that time says: the median is judged.
+    expected = 2 * 1.96 * errors / TWO.branches
+    np.testing.assert_allclose(np.median(widths, axis=0), expected, rtol=0.3)
     assert held.min() >= 0.8 * tables  # of 95 %
     assert held.sum() >= 0.88 * 4 * tables
 
