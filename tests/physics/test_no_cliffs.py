@@ -1,9 +1,11 @@
-"""Random problems of every kind stay within a budget: time steps a decade, and iterations a step.
+"""Random problems on springs: what is supported fast stays within a budget, and everything else ends.
 
-Shapes of 4 sites a side and more, and lines; eight kinds of heights; k1/k0 from 1e-3 to 1e3 and k0 = 0; loads
-from one contact to full contact; both controls; conserved, viscous and mixed creep.
+Fast: maps of 32 sites a side and more, 1e-2 <= k1/k0 <= 1e2. Else: lines and maps from 4 sites a side, k1/k0
+from 1e-4 to 1e4, and k0 = 0. Both: eight kinds of heights; loads from one contact to full contact; both controls;
+conserved, viscous and mixed creep.
 """
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,17 +14,21 @@ import pytest
 import asperity as asp
 from asperity.aging import creep
 from asperity.aging.march import DEFAULT_RTOL
+from asperity.errors import ConvergenceError
 
 TIMES = np.geomspace(1e-3, 1e6, 10)
 
 STEPS_A_DECADE = 350
-"""The most of 10,000 draws was 320, the next 262; 33 took more than 100, and half at most 12."""
+"""Budget of time steps, taken and repeated."""
 
 ITERATIONS_A_STEP = 30
-"""Cycles, or iterations of conjugate gradients, on average over a history. The most was 27."""
+"""Cycles, or iterations of conjugate gradients, on average over a history."""
 
 PRESSING = 90
-"""Iterations of an instantaneous contact. The most was 81."""
+"""Iterations of an instantaneous contact."""
+
+SECONDS = 60.0
+"""Processor time in which every problem of up to 200 x 200 sites ends, in an answer or in one error."""
 
 
 def draw_heights(rng, shape):
@@ -62,17 +68,18 @@ class Drawn:
     control: dict[str, float]
 
 
-def draw(number):
-    """The problem of a number: a line or a map, of 4 to 500 sites a side."""
-    rng = np.random.default_rng([1, number])
+def draw(number, *, fast):
+    """The problem of a number: one that is supported fast, or any."""
+    rng = np.random.default_rng([1 + fast, number])
 
     def side():
-        return round(4 * 125 ** rng.random())
+        return round(32 * 16 ** rng.random()) if fast else round(4 * 50 ** rng.random())
 
-    shape = (side(),) if rng.random() < 0.25 else (side(), side())
+    shape = (side(),) if not fast and rng.random() < 0.25 else (side(), side())
     kind, rough = draw_heights(rng, shape)
-    k0 = 0.0 if rng.random() < 0.15 else 1.0
-    k1 = 10 ** rng.uniform(-3, 3) if k0 else 1.0
+    k0 = 0.0 if not fast and rng.random() < 0.15 else 1.0
+    decades = 2 if fast else 4
+    k1 = 10 ** rng.uniform(-decades, decades) if k0 else 1.0
     R, R_viscous = [(1.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 10 ** rng.uniform(-3, 1))][rng.integers(4)]
     if rng.random() < 0.75:
         control = {"load": float(10 ** rng.uniform(-4, 0.7) * (k0 + k1) * rough.size)}
@@ -94,11 +101,11 @@ def cost(problem):
     return contact.iterations, max(steps), spent / sum(steps)
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.slow)])
-def test_costs_stay_within_a_budget(count):
+@pytest.mark.parametrize("count", [25, pytest.param(200, marks=pytest.mark.slow)])
+def test_what_is_supported_fast_stays_within_a_budget(count):
     most = []
     for number in range(count):
-        problem = draw(number)
+        problem = draw(number, fast=True)
         pressing, steps, iterations = cost(problem)
         most.append(steps)
         assert pressing <= PRESSING, problem.name
@@ -107,12 +114,26 @@ def test_costs_stay_within_a_budget(count):
     assert np.median(most) < 25
 
 
+@pytest.mark.parametrize("count", [25, pytest.param(200, marks=pytest.mark.slow)])
+def test_everything_else_ends(count):
+    refused = 0
+    for number in range(count):
+        problem = draw(number, fast=False)
+        begun = time.process_time()
+        try:
+            cost(problem)
+        except ConvergenceError:
+            refused += 1
+        assert time.process_time() - begun < SECONDS, problem.name
+    assert refused <= 0.02 * count
+
+
 @pytest.mark.parametrize(
-    "number", [9, pytest.param(302, marks=pytest.mark.slow), pytest.param(1510, marks=pytest.mark.slow)]
+    "number", [9, pytest.param(6, marks=pytest.mark.slow), pytest.param(29, marks=pytest.mark.slow)]
 )
 def test_published_states_are_accurate_where_contacts_close_one_by_one(number):
     # Steps between frames may err by more, for creep forgets it.
-    problem = draw(number)
+    problem = draw(number, fast=True)
     contact = asp.press(problem.heights, problem.solid, **problem.control)
     frames, exact = (list(creep(contact, TIMES, rtol=rtol)) for rtol in (DEFAULT_RTOL, DEFAULT_RTOL / 10))
     scale = 0.0
