@@ -123,13 +123,21 @@ def tunings() -> Iterator[tuple[ModuleType, str, float]]:
 def with_value(module: ModuleType, name: str, value: float, case: Callable[[], Counts]) -> Counts | str:
     """Run a case with another value; what it says if it fails."""
     before: Any = vars(module)["TUNING"]
-    vars(module)["TUNING"] = dataclasses.replace(before, **{name: value})
+    put(module, dataclasses.replace(before, **{name: value}))
     try:
         return case()
     except Exception as error:  # a number that must not be changed is a result too
         return type(error).__name__
     finally:
-        vars(module)["TUNING"] = before
+        put(module, before)
+
+
+def put(module: ModuleType, tuning: Any) -> None:
+    """Give a module other numbers, and let it forget what it found with those before."""
+    vars(module)["TUNING"] = tuning
+    for found in vars(module).values():
+        if hasattr(found, "cache_clear") and found.__module__ == module.__name__:
+            found.cache_clear()
 
 
 def scaled(value: float, factor: float) -> float:
