@@ -80,7 +80,7 @@ _HOME = {
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "relax", "slide"),
 }
-_RESEARCH = ("challenge", "studies")
+_RESEARCH = ("challenge", "experiments", "studies")
 """Rooms that the distribution asperity-research adds, by entry points."""
 
 if not TYPE_CHECKING:  # for a type checker, a name that is not above does not exist

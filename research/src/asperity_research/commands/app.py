@@ -124,3 +124,40 @@ def score_result(
     from asperity_research.commands.challenge import score_file
 
     score_file(result, problem=problem, out=out, overwrite=overwrite)
+
+
+@command()
+def experiment(
+    name: str | None = None,
+    /,
+    *,
+    out: Out | None = None,
+    surface: Annotated[list[Path] | None, Parameter(negative=(), consume_multiple=True)] = None,
+    ensembles: Ensembles = _ENSEMBLES,
+    work: Work = _WORK,
+) -> None:
+    """Set simulations beside a measured contact: numbers with intervals, verdicts, and a figure.
+
+    Without a name: list the experiments. Without --out: say what is known of one, number by number, with
+    its source. The same command again does what is missing, and writes the report anew.
+
+    Parameters
+    ----------
+    name
+        Which experiment; or a file of your own (.toml), which is checked and shown.
+    out
+        Folder for the comparison: report.md, verdicts.csv, figure and data; made, or gone on with.
+    surface
+        Scans of your own, with units, in place of surfaces that are made: each is one sample.
+    """
+    work.check()
+    from asperity_research.commands import experiment as experimenting
+
+    if name is None:
+        experimenting.say_experiments()
+    elif out is None:
+        experimenting.say_experiment(name)
+    elif work.dry_run:
+        experimenting.say_what_it_takes(name, out, surface or (), ensembles)
+    else:
+        experimenting.compare(name, out, surface or (), ensembles, work)

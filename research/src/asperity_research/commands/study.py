@@ -16,7 +16,7 @@ from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
 from asperity.base.words import data_size
 from asperity_research.commands.ensembles import Ensembles
-from asperity_research.studies import STUDIES, Study, conclude, named
+from asperity_research.studies import STUDIES, Concluded, Study, conclude, named
 from asperity_research.studies.campaigns import Home, Prepared, run_campaigns
 from asperity_research.studies.typeset import interval, plain
 
@@ -60,8 +60,12 @@ def study(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
     with worked_through("campaign", _prepared(one, ensembles, out), work) as (prepared, voice):
         voice.say("computing the numbers and drawing the figure")
         done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
-    if work.quiet:
-        return
+    if not work.quiet:
+        say_findings(done)
+
+
+def say_findings(done: Concluded) -> None:
+    """Say what was found, number by number, and where the report is."""
     for finding in done.outcome.findings:
         rows = [("", plain(m.what), plain(str(interval(m.estimate)))) for m in finding.measured]
         sys.stdout.write(f"{finding.verdict.value}: {plain(finding.claim)}\n{aligned(rows)}\n")

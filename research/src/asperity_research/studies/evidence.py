@@ -27,9 +27,14 @@ class Evidence:
     _opened: dict[str, xr.Dataset] = field(default_factory=dict, compare=False, repr=False)
 
     def __getitem__(self, study: str) -> xr.Dataset:
-        """Return the Dataset of a study, as `asperity.app.campaign.open` gives it."""
+        """Return the Dataset of a study, as `asperity.app.campaign.open` gives it.
+
+        Scans count as seeds: each is a sample of the surface.
+        """
         if study not in self._opened:
-            self._opened[study] = campaign.open(self.folder / study)
+            data = campaign.open(self.folder / study)
+            scans = "path" in data.dims and "seed" not in data.dims
+            self._opened[study] = data.rename(path="seed") if scans else data
         return self._opened[study]
 
     def fields(self, study: str, **where: float) -> xr.Dataset:

@@ -106,7 +106,7 @@ _NO_SUCH_FLAG = {
 """What is said of flags that people expect, and that there are not."""
 
 
-_OF_RESEARCH = ("challenge", "reproduce", "study")
+_OF_RESEARCH = ("challenge", "experiment", "reproduce", "study")
 """Commands of the distribution asperity-research."""
 
 

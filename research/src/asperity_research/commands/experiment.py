@@ -1,0 +1,73 @@
+"""The command ``asperity experiment``: what is known of measured contacts, and simulations beside them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from asperity.app.cli.options import Work
+from asperity.app.cli.report import aligned
+from asperity_research.commands.ensembles import Ensembles
+from asperity_research.commands.study import command_of, say_estimate, say_findings, worked_through
+from asperity_research.experiments import load, names
+from asperity_research.experiments.comparing import comparison_of, write_verdicts
+from asperity_research.experiments.record import Column, Quantity
+from asperity_research.studies import conclude
+from asperity_research.studies.study import Study
+
+
+def say_experiments() -> None:
+    """List the experiments."""
+    rows = [(name, load(name).title) for name in names()]
+    sys.stdout.write(f"{aligned(rows)}\n\nasperity experiment NAME            what is known of one\n")
+    sys.stdout.write("asperity experiment NAME --out FOLDER  simulations beside it; --quick in minutes\n")
+
+
+def say_experiment(name: str) -> None:
+    """Say every number of one, with unit, uncertainty, source and how it was read."""
+    one = load(name)
+    rows = [("number", "value", "unit", "uncertainty", "source", "how it was read")]
+    rows += [(key, f"{it.value:g}", *_said(it)) for key, it in one.inputs.items()]
+    for key, series in one.series.items():
+        for column in series.variables:
+            if not str(column).endswith("_error"):
+                values = ", ".join(f"{value:g}" for value in series[column].values.tolist())
+                rows.append((f"{key} {column}", values, *_said(one.columns[key, str(column)])))
+    sources = "\n".join(f"{short}: {paper}" for short, paper in one.sources.items())
+    missing = "\n".join(f"missing: {what}" for what in one.missing)
+    sys.stdout.write(
+        f"{one.title}\n\n{aligned(rows) if rows[1:] else 'no numbers'}\n\n{sources}\n\n{missing}\n"
+    )
+
+
+def _said(it: Quantity | Column) -> tuple[str, str, str, str]:
+    error = it.uncertainty if isinstance(it.uncertainty, str) else f"{it.uncertainty:g}"
+    if it.relative:
+        error += " of it"
+    return it.unit, error, it.source, it.how
+
+
+def _study(name: str, scans: Sequence[Path]) -> Study:
+    return comparison_of(name).on(scans)
+
+
+def say_what_it_takes(name: str, out: Path, scans: Sequence[Path], ensembles: Ensembles) -> None:
+    """Say how many runs and how much disk, without leaving anything behind."""
+    one = _study(name, scans)
+    say_estimate(one.home, out, partial(one.prepared_in, quick=ensembles.quick, seed=ensembles.seed))
+
+
+def compare(name: str, out: Path, scans: Sequence[Path], ensembles: Ensembles, work: Work) -> None:
+    """Run what is missing, compare, and write the report; `AsperityError` as for a study."""
+    one = _study(name, scans)
+    words = ["experiment", name, *(word for scan in scans for word in ("--surface", str(scan)))]
+    command = command_of(words, out, ensembles)
+    preparing = one.prepared_in(out, quick=ensembles.quick, seed=ensembles.seed)
+    with worked_through("campaign", preparing, work) as (prepared, voice):
+        voice.say("computing the numbers and drawing the figure")
+        done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
+        write_verdicts(out, done)
+    if not work.quiet:
+        say_findings(done)

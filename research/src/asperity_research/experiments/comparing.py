@@ -1,0 +1,124 @@
+"""Simulations beside measured contacts: each comparison is a study, with one more table of its verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from asperity import surfaces
+from asperity.errors import InputError
+from asperity_research import doors, studies
+from asperity_research.experiments import pmma_2018, printed_2017, ptfe_2009
+from asperity_research.experiments.library import names
+from asperity_research.studies.campaigns import Campaign
+from asperity_research.studies.report import ledger_table, write_table
+from asperity_research.studies.study import Concluded, Study
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A study beside an experiment; and its campaigns on scans of an rms slope, where that can be."""
+
+    study: Study
+    on_scans: Callable[[dict[str, Any], dict[str, Any], float], tuple[Campaign, ...]] | None = None
+
+    def on(self, scans: Sequence[Path]) -> Study:
+        """Return the study on scans in place of surfaces that are made.
+
+        `InputError` if it has surfaces of its own, or a scan cannot be read or has no unit.
+        """
+        if not scans:
+            return self.study
+        if self.on_scans is None:
+            got, advice = f"{len(scans)} for spheres", "leaving it out"
+            raise InputError("--surface", expected="none", got=got, advice=advice)
+        slopes = []
+        for scan in scans:
+            surface = surfaces.read(scan, periodic="reflect")
+            if not surface.has_lengths:
+                raise InputError(
+                    "--surface", expected="heights and pixels with a unit of length", got=str(scan)
+                )
+            slopes.append(surfaces.moments(surface).rms_slope)
+        paths = [str(scan.resolve()) for scan in scans]
+        table = {"kind": "file", "path": paths[0], "periodic": "reflect"}
+        campaigns = self.on_scans(table, {"surface.path": paths}, float(np.mean(slopes)))
+        return replace(self.study, quick=campaigns, full=campaigns)
+
+
+COMPARISONS = {
+    one.study.name: one
+    for one in (
+        Comparison(pmma_2018.PMMA_2018, pmma_2018.on_scans),
+        Comparison(printed_2017.PRINTED_2017, printed_2017.on_scans),
+        Comparison(ptfe_2009.PTFE_2009),
+    )
+}
+"""By the name of the experiment."""
+
+
+def comparison_of(name: str) -> Comparison:
+    """Return the comparison with an experiment; `InputError` if there is none."""
+    doors.named("experiment", name, dict.fromkeys(names()))
+    return doors.named("experiment", name, COMPARISONS)
+
+
+def run(
+    name: str,
+    directory: str | Path,
+    *,
+    scans: Sequence[str | Path] = (),
+    quick: bool = False,
+    seed: int = 0,
+    workers: int | None = None,
+) -> Concluded:
+    """Simulate an experiment, compare, and write report, figure and verdicts into a folder.
+
+    Parameters
+    ----------
+    name
+        Of the experiment, see `names`.
+    directory
+        The folder; made, or gone on with.
+    scans
+        Files of scans of your own, with units, in place of surfaces that are made: each is one sample.
+    quick
+        The smaller effort.
+    seed
+        First seed of the surfaces that are made.
+    workers
+        Worker processes on this machine; by default its cores.
+
+    Raises
+    ------
+    AsperityError
+        There is no such experiment; a scan cannot be used; or as `asperity_research.studies.run`.
+    """
+    study = comparison_of(name).on([Path(scan) for scan in scans])
+    done = studies.run(study, directory, quick=quick, seed=seed, workers=workers, command=__name__)
+    write_verdicts(Path(directory), done)
+    return done
+
+
+def write_verdicts(folder: Path, done: Concluded) -> None:
+    """Write ``verdicts.csv``: a row a number, with interval, the range that bears the claim out, and verdict."""
+    ledger = ledger_table(done.outcome.findings)
+    each = [one.verdict.value for finding in done.outcome.findings for one in finding.measured]
+    table = pd.DataFrame(
+        {
+            "claim": ledger["claim"],
+            "what": ledger["what"],
+            "value": ledger["value"],
+            "low": ledger["low"],
+            "high": ledger["high"],
+            "expected_low": ledger["range_low"],
+            "expected_high": ledger["range_high"],
+            "verdict": each,
+        }
+    )
+    write_table(folder, "verdicts", table)
