@@ -106,7 +106,7 @@ def run(
 
 
 def write_verdicts(folder: Path, done: Concluded) -> None:
-    """Write ``verdicts.csv``: a row a number, with interval, the range that bears the claim out, and verdict."""
+    """Write ``verdicts.csv``: a row a number, with its interval, the range that is claimed, and verdict."""
     ledger = ledger_table(done.outcome.findings)
     each = [one.verdict.value for finding in done.outcome.findings for one in finding.measured]
     table = pd.DataFrame(

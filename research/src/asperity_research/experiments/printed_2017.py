@@ -1,8 +1,8 @@
 """The printed Contact Mechanics Challenge (2017): what the thickness of the soft layer changes.
 
-The print is pressed on a layer that is thinner than the print's longest waves, so that a half-space errs there.
-The surface is one of the same statistics, not the same surface: self-affine waves from the print's roll-off down
-to eight sites, with its rms slope. It is periodic, where the print ends.
+The print is pressed on a layer that is thinner than the print's longest waves, so that a half-space errs
+there. The surface is one of the same statistics, not the same surface: self-affine waves from the print's
+roll-off down to eight sites, with its rms slope. It is periodic, where the print ends.
 """
 
 from __future__ import annotations
@@ -178,7 +178,7 @@ PRINTED_2017 = Study(
     full=_made(512, 8),
     analyse=analyse,
     draw=draw,
-    caption="Left: area against pressure on a layer of 15 mm and on a half-space, means over the surfaces, with "
-    "the ends of the measured range; right: their ratio, with 95 % intervals.",
+    caption="Left: area against pressure on a layer of 15 mm and on a half-space, means over the surfaces, "
+    "with the ends of the measured range; right: their ratio, with 95 % intervals.",
     page="docs/experiments.md",
 )

@@ -2,7 +2,7 @@
 
 The experiment found one curve for all diameters and loads once area and time are dimensionless. On a linear
 viscoelastic half-space the radius of a sphere's contact is that of H. Hertz for the creep compliance J (E. H.
-Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960)): A(t)/A(0) = (E(0) J(t))^(2/3), whatever diameter and load.
+Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960)): A(t)/A(0) = (E(0) J(t))^(2/3), for any diameter and load.
 The numbers of the experiment are missing, so that the form is all that is compared.
 """
 
@@ -122,7 +122,7 @@ PTFE_2009 = Study(
     full=_campaigns(1024),
     analyse=analyse,
     draw=draw,
-    caption="Area of the contact of a sphere over that at first, for two radii and three loads each; line: the "
-    "closed form of a linear solid. Measured areas are missing.",
+    caption="Area of the contact of a sphere over that at first, for two radii and three loads each; line: "
+    "the closed form of a linear solid. Measured areas are missing.",
     page="docs/experiments.md",
 )
