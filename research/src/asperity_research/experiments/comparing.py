@@ -44,7 +44,7 @@ class Comparison:
                 raise InputError(
                     "--surface", expected="heights and pixels with a unit of length", got=str(scan)
                 )
-            slopes.append(surfaces.moments(surface).rms_slope)
+            slopes.append(surfaces.statistics(*surface.in_meters()).rms_slope)
         paths = [str(scan.resolve()) for scan in scans]
         table = {"kind": "file", "path": paths[0], "periodic": "reflect"}
         campaigns = self.on_scans(table, {"surface.path": paths}, float(np.mean(slopes)))

@@ -46,8 +46,11 @@ MODULUS = contact_modulus([SERIES.modulus] * 2, [MEASURED["poisson"]] * 2)
 _RATIO = MEASURED["time_2"] / MEASURED["time_1"]
 LONGER = (*SERIES.branches, *((MEASURED["share_2"], MEASURED["time_2"] * _RATIO**n) for n in (1, 2)))
 
-SLOPE = 0.112
+SLOPE = 0.094
 """Rms slope with which the mean contact pressure 10 s after the start is that of 100 N on 2.58 mm^2."""
+
+LIGHT = 0.003
+"""Pressure over the contact modulus times the rms slope: about 0.7 % of the surface touches."""
 
 _RAMP, _DROP, _END = MEASURED["ramp"], MEASURED["drop_at"], MEASURED["end"]
 _TIMES = (_RAMP, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, _DROP)
@@ -56,6 +59,9 @@ _AFTER = (1.0, 10.0, 100.0, 1000.0, _END - _DROP)
 
 _KEPT = (10.0, _DROP)
 """Times between which growth is measured."""
+
+WHOLE = (0.9, 1.1)
+"""Parts of the growth that bear out that it is explained."""
 
 HYPOTHESES = {
     "fit": "a separable half-space of the published relaxation",
@@ -78,7 +84,7 @@ def growth_of_effective_load() -> float:
 
 def _campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> Iterator[Campaign]:
     """Campaigns on surfaces of a slope, sampled by a sweep."""
-    pressure = 0.005 * MODULUS * slope
+    pressure = LIGHT * MODULUS * slope
     half_space = {"kind": "half_space", "modulus": MODULUS}
     activated = {
         **{"creep": "eyring", "creep_energy": pmma.energy(4e8), "creep_volume": float(f"{pmma.VOLUME:.4g}")},
@@ -110,15 +116,18 @@ def _made(side: int, surfaces: int) -> tuple[Campaign, ...]:
     spacing = 0.5
     surface = {
         **{"kind": "spectral", "shape": [side, side], "spacing": [spacing], "unit": "um", "hurst": 0.8},
-        **{"roll_off": side * spacing / 4, "cutoff": 8 * spacing, "rms_slope": SLOPE},
+        **{"roll_off": side * spacing / 16, "cutoff": 6 * spacing, "rms_slope": SLOPE},
     }
     return tuple(_campaigns(surface, {"seeds": surfaces}))
 
 
 def _history(evidence: Evidence, name: str) -> tuple[Field, Field, Field]:
-    """Times after the start, legs, and areas, shape (surfaces, times)."""
+    """Times after the start, legs, and areas, shape (surfaces, times).
+
+    Counted sites overestimate small contacts at their rims, and their growth the less the smaller they are.
+    """
     data = evidence[name]
-    return data["time"].values, data["leg"].values, evidence.samples(name, "area")
+    return data["time"].values, data["leg"].values, evidence.samples(name, "contact_area_corrected")
 
 
 def _at(history: tuple[Field, Field, Field], time: float, leg: int) -> Field:
@@ -165,7 +174,7 @@ def analyse(evidence: Evidence) -> Outcome:
                 each = jackknife(lambda a, b: b.mean() / a.mean(), (start, areas))
                 row = {"solid": name, "time": time, "leg": leg, "area": each.value}
                 rows.append(row | {"low": each.low, "high": each.high})
-    pressed = evidence.samples("elastic", "area")[..., 0]
+    pressed = evidence.samples("elastic", "contact_area_corrected")[..., 0]
     equal = {
         f"<i>A</i> over that of the elastic solid at {time:g} s": mean(_at(histories["fit"], time, 1) / areas)
         for time, areas in zip(_KEPT, pressed.T, strict=True)
@@ -199,7 +208,7 @@ def analyse(evidence: Evidence) -> Outcome:
         ),
         *(
             within(
-                (1 - 2 * error / (grown - 1), 1 + 2 * error / (grown - 1)),
+                WHOLE,
                 f"growth {name}",
                 "Dillavou and Rubinstein 2018",
                 f"The growth of the area is that of {words}",
@@ -294,5 +303,5 @@ PMMA_2018 = Study(
 
 
 def on_scans(scans: Tables, samples: Tables, slope: float) -> tuple[Campaign, ...]:
-    """Campaigns on scans, whose rms slope sets the pressure: 1 to 2 % of them touch."""
+    """Campaigns on scans, whose rms slope sets the pressure."""
     return tuple(_campaigns(scans, samples, slope))

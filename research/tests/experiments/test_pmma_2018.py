@@ -1,0 +1,164 @@
+"""PMMA on PMMA: the effective load by a sum of small loads, and the analysis on areas that are known."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity_research.experiments import comparing, pmma_2018
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Verdict
+
+DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[3].parent / "shared" / "data"))
+
+
+def test_the_effective_load_by_many_small_loads():
+    # Each part of the ramp creeps for itself: J by its relaxation integral, solved on a fine grid of time.
+    shares, times = np.transpose(pmma_2018.SERIES.branches)
+    steps = np.concatenate([np.linspace(0, 2.4, 481), np.geomspace(2.41, 1000.0, 4000)])
+    loads, internal = np.minimum(steps / 2.4, 1.0), np.zeros((2, 1))
+    effective = [0.0]
+    for before, after, load in zip(steps[:-1], steps[1:], loads[1:], strict=True):
+        # Implicit midpoints of tau_b dL_b/dt = L - L_b with L = F + sum g_b L_b.
+        h = (after - before) / times
+        middle = 0.5 * (load + loads[np.searchsorted(steps, before)])
+        matrix = np.diag(1 + h / 2) - np.outer(h / 2, shares)
+        half = np.linalg.solve(matrix, internal[:, 0] + h / 2 * middle)
+        internal[:, 0] = 2 * half - internal[:, 0]
+        effective.append(float(load + shares @ internal[:, 0]))
+    known = np.interp(pmma_2018._TIMES, steps, effective)
+    assert np.allclose(pmma_2018.effective(), known, rtol=2e-5)
+    assert pmma_2018.growth_of_effective_load() == pytest.approx(1.1746, abs=5e-5)
+
+
+class Grown(Evidence):
+    """Areas whose growth, drop and rest are known: all solids but the second like what was measured."""
+
+    def __getitem__(self, study):
+        surfaces = np.array([990.0, 1000.0, 1010.0])
+        seeds = np.arange(3)
+        if study == "elastic":
+            areas = surfaces[:, np.newaxis] * np.array([1.0, 1.1746])
+            return xr.Dataset(
+                {"contact_area_corrected": (("seed", "pressure", "time"), areas[..., np.newaxis])},
+                {"seed": seeds, "time": [0.0]},
+            )
+        held = [0.0, *pmma_2018._TIMES]
+        after = [1000.0, *(1000.0 + time for time in pmma_2018._AFTER)]
+        legs = [0, 0, *[1] * (len(held) - 2), 2, *[3] * len(pmma_2018._AFTER)]
+        grown = {"fit": 1.1746, "longer": 1.240, "eyring": 1.0}[study]
+        course = 1 + (grown - 1) * np.log10(np.maximum(held, 1e-3) / 10) / 2
+        drop = {"fit": 0.2636, "longer": 0.30, "eyring": 0.2636}[study]
+        areas = surfaces[:, np.newaxis] * np.append(course, np.full(len(after), drop))
+        where = {"seed": seeds, "time": np.append(held, after), "leg": ("time", legs)}
+        return xr.Dataset({"contact_area_corrected": (("seed", "time"), areas)}, where)
+
+
+def test_the_verdicts_on_known_areas():
+    outcome = pmma_2018.analyse(Grown(Path()))
+    verdicts = {finding.key: finding.verdict for finding in outcome.findings}
+    assert verdicts == {
+        "effective": Verdict.AGREES,
+        "light": Verdict.AGREES,
+        "elastic": Verdict.AGREES,
+        "growth fit": Verdict.DIFFERS,
+        "growth longer": Verdict.AGREES,
+        "growth eyring": Verdict.DIFFERS,
+        "drop fit": Verdict.AGREES,
+        "drop longer": Verdict.DIFFERS,
+        "drop eyring": Verdict.AGREES,
+        "memory fit": Verdict.AGREES,
+        "memory longer": Verdict.AGREES,
+        "memory eyring": Verdict.AGREES,
+    }
+    (share,) = (m.estimate for f in outcome.findings if f.key == "growth fit" for m in f.measured)
+    assert share.value == pytest.approx(0.1746 / (3.20 / 2.58 - 1))
+    # The error of the reading alone: 0.007 mm^2 of both areas.
+    error = 3.20 / 2.58 * np.hypot(0.007 / 3.20, 0.007 / 2.58) / (3.20 / 2.58 - 1)
+    assert share.high - share.value == pytest.approx(1.96 * error * share.value, rel=1e-6)
+    assert len(pmma_2018.draw(outcome.tables).axes) == 2
+
+
+def surfaces():
+    spacing = {"spacing": 0.5, "hurst": 0.8, "rms_slope": 0.1}
+    made = {
+        "self-affine": {"roll_off": 48.0, "cutoff": 2.0, "seed": 1},
+        "roll-off": {"roll_off": 3.0, "seed": 2},
+    }
+    for kind, waves in made.items():
+        heights = asp.surfaces.spectral((96, 96), **spacing, **waves)
+        yield kind, asp.surfaces.Surface(heights, "um", (0.5, 0.5), "um")
+    if (DATA / "di-1.di").is_file():
+        yield "scan", asp.surfaces.read(DATA / "di-1.di", periodic="reflect")
+
+
+@pytest.mark.parametrize("kind", ["self-affine", "roll-off", pytest.param("scan", marks=pytest.mark.slow)])
+def test_areas_are_elastic_ones_at_the_effective_load(kind):
+    found = dict(surfaces())
+    if kind not in found:
+        pytest.skip("no instrument files; set ASPERITY_DATA")
+    rough = found[kind]
+    pressure = 0.02 * pmma_2018.MODULUS * asp.surfaces.statistics(*rough.in_meters()).rms_slope
+    solid = asp.solids.half_space(modulus=pmma_2018.MODULUS, branches=pmma_2018.SERIES.branches)
+    legs = [asp.protocols.Ramp(2.4, pressure=pressure), asp.protocols.Hold(997.6)]
+    aged = asp.age(asp.press(rough, solid, load=0), [10.0, 1000.0], protocol=legs, progress=False)
+    aged = aged.dataset["area"].sel(time=[10.0, 1000.0]).values
+    at = [pmma_2018._TIMES.index(time) for time in (10.0, 1000.0)]
+    elastic = asp.solids.half_space(modulus=pmma_2018.MODULUS)
+    pressed = [asp.press(rough, elastic, pressure=pressure * load).area for load in pmma_2018.effective()[at]]
+    assert np.allclose(aged, pressed, rtol=2e-3)
+    assert 1.1 < aged[1] / aged[0] < 1.25
+
+
+def test_scans_of_ones_own(tmp_path):
+    rough = asp.surfaces.spectral((48, 48), hurst=0.8, rms_slope=0.1, seed=3)
+    np.save(tmp_path / "a.npy", rough)
+    with pytest.raises(asp.errors.InputError, match="unit of length"):
+        comparing.COMPARISONS["pmma-2018"].on([tmp_path / "a.npy"])
+    with pytest.raises(asp.errors.InputError, match="for spheres"):
+        comparing.COMPARISONS["ptfe-2009"].on([tmp_path / "a.npy"])
+
+
+def test_a_whole_comparison_on_scans_by_the_command(tmp_path, asperity):
+    topography = pytest.importorskip("SurfaceTopography")
+    for seed in (1, 2):
+        rough = asp.surfaces.spectral(
+            (64, 64), hurst=0.8, rms_slope=0.1, roll_off=32.0, cutoff=4.0, seed=seed
+        )
+        topography.Topography(rough, (64.0, 64.0), unit="um").to_netcdf(tmp_path / f"{seed}.nc")
+    words = (
+        "experiment",
+        "pmma-2018",
+        "--out",
+        "own",
+        "--surface",
+        "1.nc",
+        "--surface",
+        "2.nc",
+        "--workers",
+        "1",
+    )
+    status, out, _ = asperity(*words, "--dry-run")
+    assert status == 0
+    assert "10 runs" in out.splitlines()[-1]
+    status, out, error = asperity(*words, "--quiet")
+    assert (status, out) == (0, ""), error
+    verdicts = pd.read_csv(tmp_path / "own" / "verdicts.csv")
+    assert list(verdicts) == [
+        "claim",
+        "what",
+        "value",
+        "low",
+        "high",
+        "expected_low",
+        "expected_high",
+        "verdict",
+    ]
+    of = verdicts.set_index("claim")
+    growth = of.loc["At light load the area grows like the effective load"]
+    assert growth["low"] < 1.1746 < growth["high"]
+    assert (tmp_path / "own" / "figure.png").stat().st_size > 10_000

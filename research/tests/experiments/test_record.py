@@ -1,0 +1,113 @@
+"""Files of experiments: every number has unit, uncertainty and source, or the file is refused in one line."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.errors import InputError
+from asperity_research import experiments
+
+FILE = """
+title = "A contact"
+missing = ["the scan"]
+
+[sources]
+paper = "A. Author, A Journal 1, 1 (2001)"
+
+[input.load]
+value = 100.0
+unit = "N"
+uncertainty = "not stated"
+source = "paper"
+how = "text"
+
+[series.growth]
+what = "area against time"
+
+[series.growth.time]
+values = [1.0, 10.0, 100.0]
+unit = "s"
+uncertainty = 0.01
+relative = true
+source = "paper"
+how = "figure"
+
+[series.growth.area]
+values = [1.0, 1.1, 1.2]
+unit = "mm^2"
+uncertainty = 0.02
+source = "paper"
+how = "figure"
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "own.toml"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def test_a_file_of_ones_own_is_read(written):
+    own = experiments.load(written(FILE))
+    assert own["load"] == 100.0
+    assert own.inputs["load"].unit == "N"
+    growth = own.series["growth"]
+    assert np.allclose(growth["time_error"], [0.01, 0.1, 1.0])
+    assert np.allclose(growth["area_error"], 0.02)
+    assert growth["area"].attrs == {"units": "mm^2", "source": "paper", "how": "figure"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('unit = "N"\n', "", "own.toml: input.load: expected unit"),
+        ('uncertainty = "not stated"\n', "", 'expected uncertainty; .* try uncertainty = "not stated"'),
+        ('source = "paper"\nhow = "text"', 'how = "text"', "own.toml: input.load: expected source"),
+        ('how = "text"', "", "own.toml: input.load: expected how"),
+        (
+            'source = "paper"',
+            'source = "papre"',
+            r"input.load.source: expected one of \[sources\]: paper, got 'papre'",
+        ),
+        (
+            "uncertainty = 0.02",
+            "uncertainty = -0.02",
+            "growth.area.uncertainty: expected greater than or equal to 0",
+        ),
+        (
+            "[1.0, 10.0, 100.0]",
+            "[1.0, 100.0, 10.0]",
+            "series.growth.time: expected values that rise, got 10 after 100",
+        ),
+        ("[1.0, 1.1, 1.2]", "[1.0, 1.1]", "series.growth.area: expected 3 values, got 2"),
+        ("[1.0, 1.1, 1.2]", "[1.0, 1.1, nan]", "expected a finite number, got nan"),
+        ('title = "A contact"', "", "own.toml: expected title"),
+        ("value = 100.0", 'value = "much"', "input.load.value: expected a valid number"),
+        ("[sources]", "[sources", "expected TOML"),
+    ],
+)
+def test_what_is_not_stated_is_refused(written, old, new, said):
+    assert old in FILE
+    with pytest.raises(InputError, match=said) as refused:
+        experiments.load(written(FILE.replace(old, new, 1)))
+    assert "\n" not in str(refused.value)
+
+
+def test_an_unknown_name_is_told_the_nearest():
+    with pytest.raises(InputError, match="try pmma-2018"):
+        experiments.load("pmma-2081")
+    with pytest.raises(InputError, match="No such file"):
+        experiments.load("nowhere.toml")
+
+
+@pytest.mark.parametrize("name", experiments.names())
+def test_each_number_that_comes_with_the_package_has_a_source(name):
+    one = asp.experiments.load(name)
+    assert one.missing
+    numbers = [*one.inputs.values(), *one.columns.values()]
+    assert all(number.source in one.sources for number in numbers)
+    assert name in experiments.COMPARISONS
