@@ -268,7 +268,7 @@ _LOOKS = {"fit": (style.INK, "-"), "longer": (style.BLUE, "--"), "eyring": (styl
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw growth under the load, and the area after the drop, beside what was measured."""
-    figure = Drawing(figsize=(7.2, 3.3), layout="constrained")
+    figure = Drawing(figsize=(7.2, 3.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     areas, measured = tables["areas"], tables["measured"]
     for name, words in HYPOTHESES.items():
@@ -284,8 +284,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             ax, rows.assign(time=rows["time"] - shift), "time", "area", "o", style.VERMILION, label="measured"
         )
     left.set(xscale="log", xlabel="time since first contact, s", ylabel="area over that after 10 s")
-    right.set(xscale="log", xlabel="time since the drop to a quarter, s (1 s added)", ylim=(0.2, 0.32))
-    left.legend(fontsize=7)
+    right.set(xscale="log", xlabel="time since the drop to a quarter + 1 s, s", ylim=(0.2, 0.4))
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     return figure
 
 
