@@ -20,7 +20,11 @@ def rooms():
     """The public rooms by name."""
     return {
         name: thing
-        for name in (*asperity.__all__, "challenge")  # asperity-research adds the last, where it is installed
+        for name in (
+            *asperity.__all__,
+            "challenge",
+            "experiments",
+        )  # asperity-research adds the last, where installed
         if isinstance(thing := getattr(asperity, name, None), ModuleType)
     }
 

@@ -70,6 +70,8 @@ UNTRIED = {
     r"asperity explore(?!.*--export)": "serves until it is stopped; tests/explore starts it",
     r"asperity reproduce": "takes minutes; tests/paper does it on tiny lattices",
     r"asperity study \w": "takes minutes; tests/studies does it on tiny lattices",
+    r"asperity experiment .*--out": "takes minutes; tests/experiments does it on tiny lattices",
+    r"asperity experiment my.toml": "a file of the reader's own",
     r"asperity sweep .*--scheduler": "needs a cluster; tests/campaign has one of its own",
     r"make\b": "installs, or runs the tests and benchmarks themselves",
     r"(benchmarks/peers/install|\.venv/bin/python benchmarks/)": "tests/unit/test_benchmarks.py has parts",
@@ -78,7 +80,8 @@ UNTRIED = {
 """Why a line, or a Python block by its first line, is only checked."""
 
 RESEARCH = (
-    r"asperity (reproduce|study|challenge)\b|\b(asp|asperity)\.(challenge|studies)\b|asperity_research\."
+    r"asperity (experiment|reproduce|study|challenge)\b|asperity_research\."
+    r"|\b(asp|asperity)\.(challenge|experiments|studies)\b"
 )
 """What only a page has that shows the distribution asperity-research."""
 

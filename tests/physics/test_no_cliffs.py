@@ -1,8 +1,8 @@
 """Random problems on springs: what is supported fast stays within a budget, and everything else ends.
 
 Fast: maps of 32 sites a side and more, 1e-2 <= k1/k0 <= 1e2. Else: lines and maps from 4 sites a side, k1/k0
-from 1e-4 to 1e4, and k0 = 0. Both: eight kinds of heights; loads from one contact to full contact; both controls;
-conserved, viscous and mixed creep.
+from 1e-4 to 1e4, and k0 = 0. Both: eight kinds of heights; loads from one contact to full contact; both
+controls; conserved, viscous and mixed creep.
 """
 
 import time
