@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import asperity as asp
+import asperity
 from asperity.errors import InputError
 from asperity_research import experiments
 
@@ -106,8 +106,12 @@ def test_an_unknown_name_is_told_the_nearest():
 
 @pytest.mark.parametrize("name", experiments.names())
 def test_each_number_that_comes_with_the_package_has_a_source(name):
-    one = asp.experiments.load(name)
+    one = experiments.load(name)
     assert one.missing
     numbers = [*one.inputs.values(), *one.columns.values()]
     assert all(number.source in one.sources for number in numbers)
     assert name in experiments.COMPARISONS
+
+
+def test_the_room_is_one_of_asperity():
+    assert vars(asperity).get("experiments", asperity.__getattr__("experiments")) is experiments

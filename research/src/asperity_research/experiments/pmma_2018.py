@@ -141,7 +141,9 @@ def over(found: Estimate, value: float, error: float) -> Estimate:
     """A number over one that was measured with a standard error; its interval has both errors."""
     ratio = float(found.value) / value
     half = math.hypot(float(found.high - found.low) / 2 / value, 1.96 * ratio * error / value)
-    return Estimate(np.float64(ratio), half / 1.96, ratio - half, ratio + half, found.runs)
+    numbers = (ratio, half / 1.96, ratio - half, ratio + half)
+    part, stderr, low, high = (np.asarray(one, dtype=np.float64)[()] for one in numbers)
+    return Estimate(part, stderr, low, high, found.runs)
 
 
 def _ratio(series: str, time: float) -> tuple[float, float]:

@@ -104,11 +104,12 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     ax = figure.subplots()
     rows = tables["areas"]
     rows = rows[rows["time"] > 0]
-    looks = zip(rows.groupby(["radius", "load"]), ("^", "o", "s", "v", "D", "P"), strict=True)
-    for ((radius, load_), one), mark in looks:
-        color = style.BLUE if radius == RADII["small"] else style.VERMILION
-        words = f"{1e3 * radius:g} mm, {load_:.2g} N"
-        ax.plot(one["time"], one["area"], mark, markersize=3.5, color=color, label=words)
+    colors = {RADII["small"]: style.BLUE, RADII["large"]: style.VERMILION}
+    for radius, color in colors.items():
+        own = rows[rows["radius"] == radius]
+        for newtons, mark in zip(sorted(own["load"].unique()), ("^", "o", "s"), strict=True):
+            one, words = own[own["load"] == newtons], f"{1e3 * radius:g} mm, {newtons:.2g} N"
+            ax.plot(one["time"], one["area"], mark, markersize=3.5, color=color, label=words)
     ax.plot(one["time"], one["form"], "-", color=style.INK, linewidth=0.9, label="Lee and Radok")
     ax.set(xscale="log", xlabel="time, s", ylabel="area over that at first")
     ax.legend(fontsize=7)

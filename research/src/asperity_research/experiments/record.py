@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -60,9 +60,9 @@ class _Series(BaseModel):
 
     @model_validator(mode="after")
     def _rises(self) -> _Series:
-        (first, along), *others = self.columns.items() or [("", None)]
-        if along is None or not others:
+        if len(self.columns) < 2:
             raise ValueError("expected a column that rises and one against it")
+        (first, along), *others = self.columns.items()
         for name, column in others:
             if len(column.values) != len(along.values):
                 raise ValueError(f"{name}: expected {len(along.values)} values, got {len(column.values)}")
@@ -160,7 +160,7 @@ def read(path: Path) -> Experiment:
 
 def _dataset(series: _Series) -> xr.Dataset:
     along, *_ = series.columns
-    variables = {}
+    variables: dict[str, Any] = {}
     for name, column in series.columns.items():
         about = {"units": column.unit, "source": column.source, "how": column.how}
         variables[name] = (along, column.values, about)
