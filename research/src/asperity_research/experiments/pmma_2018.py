@@ -60,6 +60,13 @@ _AFTER = (1.0, 10.0, 100.0, 1000.0, _END - _DROP)
 _KEPT = (10.0, _DROP)
 """Times between which growth is measured."""
 
+_NEXT = {
+    "fit": "The relaxation of the very material, from a second on, would tell how much of the rest is its.",
+    "longer": "The relaxation beyond 1000 s would decide, as would the area after the drop over days.",
+    "eyring": "It needs contact pressures near the hardness: a map of the pressure, or areas at more loads.",
+}
+"""What to measure next."""
+
 WHOLE = (0.9, 1.1)
 """Parts of the growth that bear out that it is explained."""
 
@@ -215,7 +222,8 @@ def analyse(evidence: Evidence) -> Outcome:
                 "Dillavou and Rubinstein 2018",
                 f"The growth of the area is that of {words}",
                 {explains: shares[name]},
-                note=f"Measured: A(1000 s)/A(10 s) = {grown:.3f} with a standard error of {error:.3f}.",
+                note=f"Measured: A(1000 s)/A(10 s) = {grown:.3f} with a standard error of {error:.3f}. "
+                + _NEXT[name],
             )
             for name, words in HYPOTHESES.items()
         ),

@@ -33,7 +33,13 @@ GAPS_AT = 0.164
 """Pressure, over Young's modulus, at which gaps were compared with simulations."""
 
 PRESSURES = tuple(
-    sorted([*np.geomspace(MEASURED["least_pressure"], MEASURED["greatest_pressure"], 10).tolist(), GAPS_AT])
+    sorted(
+        [
+            0.0005,
+            GAPS_AT,
+            *np.geomspace(MEASURED["least_pressure"], MEASURED["greatest_pressure"], 10).tolist(),
+        ]
+    )
 )
 """Over Young's modulus."""
 
@@ -97,21 +103,26 @@ def analyse(evidence: Evidence) -> Outcome:
         ratios.append(ratio)
     at = PRESSURES.index(GAPS_AT)
     gap = jackknife(lambda a, b: a.mean() / b.mean(), (gaps["layer"][:, at], gaps["half_space"][:, at]))
-    (lightest, heaviest), error = MEASURED.series["area"]["fraction"].values, MEASURED["gap_error"]
+    (lightest, heaviest), error = MEASURED.series["area"]["fraction"].values.tolist(), MEASURED["gap_error"]
+    pressures = np.log(PRESSURES)
+    lightly = jackknife(
+        lambda some: np.exp(np.interp(np.log(lightest), np.log(some.mean(axis=0)), pressures)), areas["layer"]
+    )
     part = "part of the nominal area, at a pressure of {:g} <i>E</i>"
     findings = (
         Finding.within(
-            (0.0, float(lightest)),
+            (0.0, MEASURED["least_pressure"]),
             "lightest",
             "Bennett et al. 2017",
-            "At the least pressure less than 0.1 % of the layer touches",
-            {part.format(PRESSURES[0]): _of(areas["layer"], 0)},
+            "Less than 0.1 % of the layer touches at a pressure below 0.001 <i>E</i>",
+            {"pressure over <i>E</i> at which 0.1 % touch": lightly},
+            note="The least pressure was below 0.001 E; by how much is not known.",
         ),
         Finding.within(
-            (float(heaviest), 1.0),
+            (heaviest, 1.0),
             "heaviest",
             "Bennett et al. 2017",
-            "At the greatest pressure more than 60 % of the layer touches",
+            "At a pressure of <i>E</i> more than 60 % of the layer touches",
             {part.format(PRESSURES[-1]): _of(areas["layer"], -1)},
         ),
         Finding.within(
@@ -165,7 +176,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     right.set(
         xscale="log",
         xlabel="pressure over Young's modulus",
-        ylabel="area on the layer over that on a half-space",
+        ylabel="area, layer over half-space",
     )
     right.legend(fontsize=7)
     return figure
