@@ -10,12 +10,14 @@ from tests.calls import WRONG
 from tests.refusals import refuses
 
 import asperity_research.challenge as challenge
+import asperity_research.experiments as experiments
 import asperity_research.studies as studies
 from asperity.errors import InputError
 
 FUNCTIONS = (
     *(challenge.score, challenge.score_figure, challenge.problem, challenge.solve),
     *(studies.conclude, studies.named, studies.run),
+    *(experiments.load, experiments.run),
 )
 
 

@@ -71,7 +71,6 @@ UNTRIED = {
     r"asperity reproduce": "takes minutes; tests/paper does it on tiny lattices",
     r"asperity study \w": "takes minutes; tests/studies does it on tiny lattices",
     r"asperity experiment .*--out": "takes minutes; tests/experiments does it on tiny lattices",
-    r"asperity experiment my.toml": "a file of the reader's own",
     r"asperity sweep .*--scheduler": "needs a cluster; tests/campaign has one of its own",
     r"make\b": "installs, or runs the tests and benchmarks themselves",
     r"(benchmarks/peers/install|\.venv/bin/python benchmarks/)": "tests/unit/test_benchmarks.py has parts",

@@ -37,7 +37,13 @@ ROOMS = [
     {"app.cli"},
     {"__main__"},
 ]
-ROOMS_OF_RESEARCH = [{"arrays", "doors", "style"}, {"challenge"}, {"studies"}, {"paper"}, {"commands"}]
+ROOMS_OF_RESEARCH = [
+    {"arrays", "doors", "style"},
+    {"challenge"},
+    {"studies"},
+    {"experiments", "paper"},
+    {"commands"},
+]
 
 
 def levels(rooms):

@@ -24,7 +24,6 @@ def load(name: str | Path) -> Experiment:
     InputError
         There is none of that name; the nearest names are given. Or as `read`.
     """
-    path = Path(name)
-    if path.suffix == ".toml":
-        return read(path)
+    if isinstance(name, str | Path) and Path(name).suffix == ".toml":
+        return read(Path(name))
     return read(doors.named("experiment", name, {one: _FOLDER / f"{one}.toml" for one in names()}))
