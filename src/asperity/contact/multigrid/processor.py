@@ -37,8 +37,6 @@ from asperity.contact.multigrid.loops import (
 )
 from asperity.lattice import Field
 
-_MOST_SUMS = 10
-
 
 class Defects(NamedTuple):
     """Of two fields: squares of both defects, sum of f, contacts, squares of e."""
@@ -82,7 +80,7 @@ class Processor:
     def _sums(self, sites: Sites) -> Field:
         """A place for numbers by rows."""
         if sites.rows not in self._kept:
-            self._kept[sites.rows] = np.zeros((sites.rows, _MOST_SUMS))
+            self._kept[sites.rows] = np.zeros((sites.rows, len(Found._fields)))
         return self._kept[sites.rows]
 
     # Fields.
