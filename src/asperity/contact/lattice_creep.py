@@ -21,9 +21,9 @@ import numpy as np
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.local_creep import LocalState, Stage, stretches_of
-from asperity.contact.multigrid.loops import ByLaw, Sites, Springs, Surface, Tangent
+from asperity.contact.multigrid.loops import Sites, Springs, Surface
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.multigrid.two_fields import ByLaw, Tangent, TwoFields
 from asperity.contact.stencils import balanced, lattice_force
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError

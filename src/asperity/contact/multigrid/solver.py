@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,6 @@ from asperity.contact.arrays import inner
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.cascade import interpolated
 from asperity.contact.mechanics import Mechanics, SpringMechanics
-from asperity.contact.multigrid.independent import IndependentSprings
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
@@ -28,22 +27,21 @@ from asperity.contact.stencils import bond_energy
 from asperity.errors import InputError
 from asperity.lattice import Field
 
-_WORTH_COARSENING = 256
-"""Least number of sites along an axis for which a start from coarser lattices pays."""
 
-_SMOOTH = 0.5
-"""Mean square difference between neighbors, in units of the variance, below which heights are smooth."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers that decide how fast contacts are found, not which."""
 
-_COARSE_TOLERANCE = 3e-2
-"""Tolerance on coarser lattices, whose solution is only a guess; relative to the mean contact force."""
+    coarse_start: int = 256
+    """Least number of sites along an axis for which a start from a coarser lattice pays."""
 
-W = TypeVar("W", OneField, TwoFields, IndependentSprings)
 
-_FEWEST_SITES = 4
-"""Smallest length of an axis, in sites, for which multigrid is used."""
+TUNING = Tuning()
 
-_SOFTEST, _STIFFEST = 1e-6, 1e6
-"""Range of k1/k0; outside it one kind of spring hardly matters."""
+W = TypeVar("W", OneField, TwoFields)
+
+_RATIOS = 1e-6, 1e6
+"""Least and largest k1/k0; outside this one kind of spring hardly matters."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,10 +71,10 @@ class Multigrid:
     @staticmethod
     def suits(mechanics: Mechanics) -> bool:
         """Whether this solid on this lattice can be solved so."""
-        if not isinstance(mechanics, SpringMechanics) or min(mechanics.lattice.shape) < _FEWEST_SITES:
+        if not isinstance(mechanics, SpringMechanics) or min(mechanics.lattice.shape) < 4:
             return False
-        springs = mechanics.springs
-        return springs.k0 == 0 or _SOFTEST * springs.k0 <= springs.k1 <= _STIFFEST * springs.k0
+        springs, (least, most) = mechanics.springs, _RATIOS
+        return springs.k0 == 0 or least * springs.k0 <= springs.k1 <= most * springs.k0
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
@@ -97,9 +95,9 @@ class Multigrid:
                 advice="solver=ActiveSet()",
             )
         springs = problem.step
+        if not springs.relaxed and (springs.spread > 0 or springs.drag > 0):
+            return ActiveSet().solve(problem, guess, tolerance)  # steps of creep are `StageSolver`'s
         if springs.k0 == 0:
-            if springs.spread > 0:  # steps of creep are `IndependentSprings`'s
-                return ActiveSet().solve(problem, guess, tolerance)
             return _independent(springs, problem.heights)
         if guess is None:
             guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
@@ -108,12 +106,10 @@ class Multigrid:
             return ActiveSet().solve(problem, guess, tolerance)
         heights = np.ascontiguousarray(problem.heights)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        still = not isinstance(springs.anchors, np.ndarray) and springs.spread == 0
-        if springs.relaxed or (still and springs.drag == 0):
-            done, cycles, stretch = self._one_field(springs, heights, u, tolerance)
-        else:
-            done, cycles, stretch = self._two_fields(springs, heights, u, tolerance)
+        work = self._workspace(OneField, _sites(heights, springs))
+        done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
         if done:
+            stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
         start = Guess(u) if np.isfinite(u).all() else None
         rest = ActiveSet().solve(problem, start, tolerance)
@@ -127,39 +123,14 @@ class Multigrid:
         stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
         u = self._cold_start(stiffer, coarser)
         np.maximum(u, coarser, out=u)
-        OneField(_sites(coarser, springs), Processor()).solve(
-            stiffer, coarser, u, _COARSE_TOLERANCE, self.max_cycles
-        )
+        # To a few hundredths of the mean force of contacts: it is only a guess.
+        OneField(_sites(coarser, springs), Processor()).solve(stiffer, coarser, u, 0.03, self.max_cycles)
         return interpolated(u)
 
-    def _one_field(
-        self, springs: SpringStep, heights: Field, u: Field, tolerance: float
-    ) -> tuple[bool, int, Field | None]:
-        work = self._workspace(OneField, _sites(heights, springs))
-        done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
-        stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
-        return done, cycles, stretch
-
-    def _two_fields(
-        self,
-        springs: SpringStep,
-        heights: Field,
-        u: Field,
-        tolerance: float,
-    ) -> tuple[bool, int, Field | None]:
-        stretch = u - springs.anchors
-        work = self._workspace(TwoFields, _sites(heights, springs))
-        done, cycles = work.solve(springs, heights, u, stretch, tolerance, self.max_cycles)
-        return done, cycles, stretch
-
-    def work_on(self, mechanics: SpringMechanics) -> TwoFields | IndependentSprings:
+    def work_on(self, mechanics: SpringMechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
         rows, columns = mechanics.lattice.shape
-        kind: Any = TwoFields if mechanics.springs.k0 else IndependentSprings
-        work: TwoFields | IndependentSprings = self._workspace(
-            kind, Sites(rows, columns, mechanics.lattice.reflecting)
-        )
-        return work
+        return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
 
     def stages(
         self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[np.floating]]
@@ -180,7 +151,7 @@ def _independent(springs: SpringStep, heights: Field) -> Solution:
     overlap, level = heights - springs.anchors, 0.0
     if springs.load is not None:
         highest = float(overlap.max())
-        wanted = springs.load * (1.0 + springs.drag) / springs.k1
+        wanted = springs.load / springs.k1
         level = highest + level_of_overlap(overlap - highest, wanted)
         for _ in range(2):  # to the last digit
             touching = overlap > level
@@ -196,11 +167,11 @@ def _sites(heights: Field, springs: SpringStep) -> Sites:
 
 
 def _is_smooth(heights: Field) -> bool:
-    """Whether a start from every second site pays."""
-    if min(heights.shape) < _WORTH_COARSENING or any(n % 2 for n in heights.shape):
+    """Whether a start from every second site pays: neighbors differ by half as much as sites far apart."""
+    if min(heights.shape) < TUNING.coarse_start or any(n % 2 for n in heights.shape):
         return False
-    variance = inner(heights, heights, np) / heights.size - float(heights.mean()) ** 2
-    return bond_energy(heights) / (2 * heights.size) < _SMOOTH * variance
+    squares = inner(heights, heights, np) - heights.size * float(heights.mean()) ** 2
+    return bond_energy(heights) < squares
 
 
 def _level(springs: SpringStep, heights: Field) -> float:
