@@ -6,7 +6,8 @@ does to all sites of that color at once, as a graphics card would.
 
 import numpy as np
 
-from asperity.contact.multigrid.processor import Creep, Defects, Extremes, Forces, Moments
+from asperity.contact.multigrid.loops import CoarseTwo, Two
+from asperity.contact.multigrid.processor import Defects, Extremes, Found
 
 
 def around(x, sites):
@@ -58,11 +59,6 @@ def restricted(fine, sites):
 class WholeFields:
     """The operations of `Processor`; see there."""
 
-    def zeros(self, sites):
-        return np.zeros(sites[:2])
-
-    joined = zeros
-
     def packed(self, field):
         return np.array(field, float)
 
@@ -70,72 +66,29 @@ class WholeFields:
         assert field.shape == sites[:2]
         return field
 
-    def along_rows(self, values, *, images):
-        del images
-        return values
-
     def total(self, field, sites):
         del sites
         return field.sum()
 
-    def touching(self, e, bound):
-        return np.count_nonzero(e <= bound)
+    def restrict(self, field, sites, out):
+        out[...] = restricted(field, sites)
 
-    def touch(self, e, bound):
-        deepest = np.argmax(bound - e)
-        e.flat[deepest] = bound.flat[deepest]
-
-    def measure_1(self, u, heights, force, unit, bound, b, sites):
-        k0, bed, uniform = force
-        found, free = k0 * lap(u, sites) + bed * u + uniform, u > heights
-        bound[...], b[...] = (heights - u) / unit, -found / (k0 * unit)
-        carried, loose = np.where(free, 0, found), np.where(free, found, 0)
-        tension = np.maximum(-carried, 0).sum(axis=1).max()
-        return Forces(np.abs(loose).max(), tension, carried.sum(), np.sum(~free), loose.sum())
-
-    def measure_2(self, surface, anchors, springs, shift, unit, into, sites):
+    def measure(self, surface, springs, uniform, scales, into, sites, *, flowing):
         (u, w, heights), (k0, k1, spread, drag) = surface, springs
-        into.bound[...] = (heights - u) / unit
-        into.b[...] = -(lap(u, sites) + k1 / k0 * w) / unit
-        into.c[...] = (u - w - anchors + shift - spread * lap(w, sites) - drag * w) / unit
-        return w.sum()
+        force, free, rise = k0 * lap(u, sites) + k1 * w + uniform, u > heights, u - scales.level
+        into.bound[...], into.b[...] = (heights - u) / scales.length, -force / scales.force
+        if flowing:
+            into.flow[...] = (spread * lap(w, sites) + drag * w) / scales.length
+        carried, loose = np.where(free, 0, force), np.where(free, force, 0)
+        worst, tension = np.abs(loose).max(), np.maximum(-carried, 0).sum(axis=1).max()
+        sums = carried.sum(), loose.sum(), np.sum(~free), w.sum(), rise.sum(), (w**2).sum(), (rise**2).sum()
+        return Found(worst, tension, np.abs(u).max(), *sums)
 
-    def settle(self, u, heights, e, bound, unit):
-        u[...] = np.where(e > bound, np.maximum(heights, u + unit * e), heights)
-
-    def add(self, w, f, unit):
-        w += unit * f
-
-    def measure_law(self, surface, law, springs, tangent, scales, into, lag, sites):
-        (u, w, heights), (k0, k1, spread, _), (lagging, beside, bend) = surface, springs, tangent
-        into.bound[...] = (heights - u) / scales[1]
-        into.b[...] = -(k0 * lap(u, sites) + k1 * w) / scales[0]
-        lacking = u - law.anchors - law.position - lagging * w - spread * lap(w, sites)
-        lacking -= law.tau * law.velocity
-        rise = law.tau * k1 * law.derivative
-        own = lagging + beside + rise
-        into.c[...], lag[...] = lacking / scales[1], np.minimum(lagging + rise, law.largest)
-        alone = lacking / own
-        left = np.minimum(rise * alone**2 / (own * bend), np.abs(alone))
-        return [w.sum(), alone.sum(), (alone**2).sum(), (left**2).sum(), (1 / own).sum()]
-
-    def settle_law(self, surface, correction, bound, lag, tangent, unit, sites):
-        (u, w, heights), (e, f), (lagging, beside, bend) = surface, correction, tangent
-        self.settle(u, heights, e, bound, unit)
-        self.add(w, f, unit)
-        change = unit * f
-        left = np.minimum((lag - lagging) * change**2 / ((lag + beside) * bend), np.abs(change))
-        return (left**2).sum()
-
-    def coarser_lag(self, lag, cells, beside, sites, out):
-        weights = cells / (lag + beside)
-        out[...] = restricted(weights * lag, sites) / restricted(weights, sites)
-
-    def pin(self, e, bound, sites, strength, out):
-        out[...] = restricted(np.where(e <= bound, strength, 0.0), sites)
-
-    def coarser_pins(self, pins, sites, softening, mean, out):
-        out[...] = restricted(pins / (1 + softening * np.maximum(pins - mean, 0)), sites)
+    def settle(self, surface, correction, bound, unit, offset):
+        u, w, heights = surface
+        u[...] = np.where(correction.e > bound, np.maximum(heights, u + unit * correction.e), heights)
+        if len(w):
+            w += unit * correction.f + offset
 
     def sweep_1(self, eq, halves):
         for half in range(halves):
@@ -151,7 +104,10 @@ class WholeFields:
         out[...] = restricted(defect, eq.sites)
         return Extremes(np.abs(defect).max(), np.abs(eq.e).max(), np.sum(~free))
 
-    def products_1(self, eq, coarse, previous):
+    def products(self, eq, coarse, previous):
+        if isinstance(eq, Two):
+            return self.products_2(eq, coarse, previous)
+        (coarse,), (previous,) = coarse, previous
         free = eq.e > eq.bound
         d, q, r = refined(coarse, eq.sites) * free, previous * free, self.gradient_1(eq)
         d_force, q_force = (lap(x, eq.sites) + eq.bed * x for x in (d, q))
@@ -162,22 +118,6 @@ class WholeFields:
         previous[...] = (alpha * refined(coarse, eq.sites) + beta * previous) * (eq.e > eq.bound)
         eq.e[...] = np.maximum(eq.bound, eq.e + previous)
 
-    def begin_1(self, eq, e, least, c, spread, creep):
-        np.maximum(eq.e, eq.bound, out=eq.e)
-        creep[...], eq.b[...] = e - eq.e, (c + least) / spread
-
-    def begin_error_1(self, eq, touching, error, c, spread):
-        in_contact = touching[0] > touching[1]
-        eq.e.fill(0)
-        c[...], eq.bound[...] = -error, np.where(in_contact, -np.inf, 0.0)
-        eq.b[...] = np.where(in_contact, c / spread, -1e30)
-
-    def surface_1(self, eq, e, least, c, spread, creep):
-        lifted = spread * (lap(eq.e, eq.sites) + eq.bed * eq.e + eq.uniform) - c
-        e[...] = np.where(eq.e > eq.bound, least, lifted)
-        change, creep[...] = e - eq.e - creep, e - eq.e
-        return Creep((change**2).sum(), eq.e.sum(), (e**2).sum(), np.sum((least == 0) & (e > 0)))
-
     def smooth_1(self, grid, order):
         area = np.outer(grid.my, grid.mx)
         for color in order:
@@ -186,26 +126,31 @@ class WholeFields:
             np.copyto(grid.e, new, where=colors(grid.sites)[color])
         return np.sum(grid.e * area)
 
-    def descend_1(self, grid, coupling, out):
+    def descend(self, grid, out):
+        if isinstance(grid, CoarseTwo):
+            return self.descend_2(grid, out)
         grid.e.fill(0)
         total, area = self.smooth_1(grid, (0, 1)), np.outer(grid.my, grid.mx)
         beside, weight = on_grid(grid.e, grid)
         own = (weight + grid.bed * area + grid.pins) * grid.e
-        out[...] = restricted(grid.b - coupling * total * area + beside - own, grid.sites)
+        out[0][...] = restricted(grid.b - grid.coupling * total * area + beside - own, grid.sites)
         return total
 
-    def ascend_1(self, grid, coarse, shift, joined):
-        grid.e[...] += refined(coarse, grid.sites)
+    def ascend(self, grid, coarse, shift, joined):
+        if isinstance(grid, CoarseTwo):
+            return self.ascend_2(grid, coarse, shift, joined)
+        grid.e[...] += refined(coarse[0], grid.sites)
         grid.b[...] += shift * np.outer(grid.my, grid.mx)
         total = self.smooth_1(grid, (1, 0))
-        joined[...] = grid.e
+        joined[0][...] = grid.e
         return total
 
     def defects_2(self, eq):
         balance = eq.b - lap(eq.e, eq.sites) - eq.bed * eq.f
-        return balance, eq.c + eq.shift + eq.e - eq.spread * lap(eq.f, eq.sites) - eq.lag * eq.f
+        lag = eq.diagonal - 4 * eq.spread
+        return balance, eq.c + eq.shift + eq.e - eq.spread * lap(eq.f, eq.sites) - lag * eq.f
 
-    def cycle_2(self, eq, moves, out, *, correcting, sweeping, restricting):
+    def cycle_2(self, eq, moves, out, *, correcting, restricting):
         if correcting:
             alpha, beta = (moves.alpha, moves.beta) if moves.keeping else (1, 0)
             free = eq.e > eq.bound
@@ -215,8 +160,8 @@ class WholeFields:
             moves.previous.f[...] = alpha * refined(moves.coarse.f, eq.sites) + beta * moves.previous.f
             eq.e[...] = np.maximum(eq.bound, eq.e + moves.previous.e)
             eq.f[...] += moves.previous.f
-        for color in colors(eq.sites) if sweeping else ():
-            damping = 1 / (eq.lag + 4 * eq.spread)
+        for color in colors(eq.sites):
+            damping = 1 / eq.diagonal
             known = eq.spread * sum(around(eq.f, eq.sites)) + eq.c + eq.shift
             beside = sum(around(eq.e, eq.sites)) + eq.b - eq.bed * damping * known
             e = np.maximum(eq.bound, beside / (4 + eq.bed * damping))
@@ -231,26 +176,14 @@ class WholeFields:
         first, second, moved = squares
         return Defects(first, second, eq.f.sum(), np.sum(~free), moved)
 
-    def begin_error_2(self, e, least, error, eq):
-        free = e > least
-        for field in (eq.e, eq.f):
-            field.fill(0)
-        eq.c[...], eq.bound[...], eq.b[...] = -error, np.where(free, -np.inf, 0), np.where(free, 0, -1e30)
-        return np.sum(error**2), np.sum(free & (least == 0))
-
-    def differences(self, correction, sites):
-        del sites
-        change = correction.e - correction.f
-        return change.sum(), np.sum(change**2)
-
-    def products_2(self, eq, moves):
+    def products_2(self, eq, coarse, previous):
         free = eq.e > eq.bound
-        d, p = refined(moves.coarse.e, eq.sites) * free, refined(moves.coarse.f, eq.sites)
-        q, g = moves.previous.e * free, moves.previous.f
+        d, p = refined(coarse.e, eq.sites) * free, refined(coarse.f, eq.sites)
+        q, g = previous.e * free, previous.f
         balance, creep = self.defects_2(eq)
 
         def form(x, f, y, h):
-            creep = f * (eq.spread * lap(h, eq.sites) + eq.lag * h)
+            creep = f * (eq.spread * lap(h, eq.sites) + (eq.diagonal - 4 * eq.spread) * h)
             return np.sum(x * lap(y, eq.sites) + eq.bed * (x * h + f * y - creep))
 
         gradients = [eq.bed * np.sum(creep * f) - np.sum(balance * x) for x, f in ((d, p), (q, g))]
@@ -286,19 +219,12 @@ class WholeFields:
         self.smooth_2(grid, (1, 0))
         joined.e[...], joined.f[...] = grid.e, grid.f
 
-    def guess_1(self, past, bound, guess, c, sites):
+    def guess(self, past, numbers, middle, bound, guess, c, sites):
         del sites
-        guess.e[...] = np.maximum(bound, past.ahead * past.last.e + past.back * past.before.e)
-        guess.f[...] = past.ahead * past.last.f + past.back * past.before.f
-        c[...] = -past.tau * (past.rate + past.flow)
-        return guess.e.sum(), guess.f.sum(), c.sum()
-
-    def guess_2(self, past, numbers, middle, bound, guess, c, sites):
-        del sites
-        growth, offset, weight = numbers
+        growth, offset, first, second = numbers
         f = guess.f + offset
         middle[...] = (guess.e - f) / past.tau - past.rate
-        c[...] = -weight * (past.rate + middle) - past.tau * past.flow
+        c[...] = -first * past.rate - second * middle - past.tau * past.flow
         path = growth * guess.e + past.ahead * past.last.e + past.back * past.before.e
         guess.e[...] = np.maximum(bound, path)
         guess.f[...] = growth * f + past.ahead * past.last.f + past.back * past.before.f
@@ -308,13 +234,3 @@ class WholeFields:
         (rate, middle, end), (offset, tau, weight, *shares) = rates, numbers
         end[...] = (correction.e - correction.f - offset - weight * (rate + middle)) / tau
         error[...] = sum(share * one for share, one in zip(shares, rates, strict=True))
-
-    def advance(self, correction, offset, surface, springs, unit, level, into, sites):
-        (u, w, heights), (k0, k1, spread, drag) = surface, springs
-        self.settle(u, heights, correction.e, into.bound, unit)
-        w += unit * correction.f + offset
-        into.bound[...] = (heights - u) / unit
-        into.b[...] = -(k0 * lap(u, sites) + k1 * w) / unit
-        into.c[...] = (spread * lap(w, sites) + drag * w) / unit
-        rise, contacts = u - level, np.sum(u <= heights)
-        return Moments(w.sum(), rise.sum(), (w**2).sum(), (rise**2).sum(), np.abs(u).max(), contacts)

@@ -10,9 +10,9 @@ import asperity as asp
 from asperity.aging import spring_steps
 from asperity.aging.tr_bdf2 import FieldSteps
 from asperity.contact import ActiveSet, Load, Multigrid, Separation
-from asperity.contact.multigrid import loops, solver
-from asperity.contact.multigrid.grids import Axis, Hierarchy
-from asperity.contact.multigrid.loops import Sites
+from asperity.contact.multigrid import solver
+from asperity.contact.multigrid.grids import Axis, Hierarchy, empty
+from asperity.contact.multigrid.loops import Sites, rows
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
@@ -43,17 +43,16 @@ def test_restriction_is_the_transpose_of_interpolation(shape, mirrored):
     backend, sites = Processor(), Sites(shape[0], shape[1], mirrored)
     coarser = Sites((shape[0] + 1) // 2, (shape[1] + 1) // 2, mirrored)
     coarse, fine = (rng.normal(size=s).astype(np.float32) for s in (coarser[:2], shape))
-    up, out = backend.zeros(sites), backend.zeros(coarser)
+    up, out = empty(sites, backend), empty(coarser, backend)
     for i in range(shape[0]):
-        loops.interpolate_row(coarse, i, sites, up[i])
-    # `coarser_pins` restricts a field of which nothing softens.
-    backend.coarser_pins(backend.packed(fine), sites, 0.0, 0.0, out)
+        rows.interpolate_row(coarse, i, sites, up[i])
+    backend.restrict(backend.packed(fine), sites, out)
     interpolated, restricted = backend.unpacked(up, sites), backend.unpacked(out, coarser)
     assert np.sum(interpolated * fine) == pytest.approx(np.sum(coarse * restricted), abs=1e-5)
     np.testing.assert_array_equal(interpolated[::2, ::2], coarse)
     level = np.ones(coarser[:2], np.float32)
     for i in range(shape[0]):
-        loops.interpolate_row(level, i, sites, up[i])
+        rows.interpolate_row(level, i, sites, up[i])
     np.testing.assert_array_equal(backend.unpacked(up, sites), 1.0)
 
 
@@ -200,47 +199,28 @@ def test_agrees_with_the_fourier_solver_site_by_site(heights, k1, p):
         assert_equilibrium(contact, k0=1.0, k1=k1)
 
 
-def assert_step(solution, stretch, before, system, tau):
-    """The equations of an implicit step, by sums over neighbors."""
-    s, u, contact = system.mechanics.springs, solution.u, solution.in_contact
-    left = stretch + tau * s.k1 * (s.R_viscous * stretch - s.R * laplacian(stretch)) - (u - before)
-    force = s.k1 * stretch - s.k0 * laplacian(u)
-    if isinstance(system.control, Load):
-        left -= left.mean()  # the mean of u0 is whatever carries the load
-        assert force.sum() == pytest.approx(system.control.value, rel=1e-7)
-    stiffest = 1 + tau * s.k1 * (s.R_viscous + 8 * s.R)
-    assert np.abs(left).max() < 1e-7 * stiffest * np.abs(stretch).max()
-    np.testing.assert_array_equal(u == system.heights, contact)
-    assert (u >= system.heights).all()
-    scale = force[contact].mean()
-    assert np.abs(force[~contact]).max() < 1e-7 * scale
-    assert force[contact].min() > -1e-7 * scale
-
-
-@pytest.mark.parametrize("tau", [1e-3, 1.0, 1e3, 1e9])
-@pytest.mark.parametrize(("heights", "k1", "p"), CASES[:6])
+@pytest.mark.parametrize(("heights", "k1", "p"), CASES)
 @pytest.mark.parametrize("R_viscous", [0.0, 0.1])
-def test_an_implicit_step_agrees_with_the_fourier_solver(heights, k1, p, tau, R_viscous):
+def test_an_aged_contact_pressed_anew_agrees_with_the_fourier_solver(heights, k1, p, R_viscous):
     heights = np.ascontiguousarray(heights)
-    contact = asp.press(
-        heights, asp.solids.spring_lattice(k0=1.0, k1=k1, R_viscous=R_viscous), load=p * heights.size
-    )
-    for control in (contact.control, Separation(contact.separation)):
-        system = contact.system(control)
-        before = contact.anchors - system.datum
-        step = system.mechanics.implicit_step(tau)
-        problem = system.problem(step, before)
-        guess = Guess(contact.u - system.datum, contact.in_contact)
+    solid = asp.solids.spring_lattice(k0=1.0, k1=k1, R_viscous=R_viscous)
+    aged = asp.age(asp.press(heights, solid, load=p * heights.size), [0.3 / k1]).final
+    for control in (Load(0.8 * aged.load), Separation(aged.separation - 0.1)):
+        system = aged.system(control)
+        before = aged.anchors - system.datum
+        problem = system.problem(system.mechanics.implicit_step(0.0), before)
+        guess = Guess(aged.u - system.datum, aged.in_contact)
         here, there = (solver.solve(problem, guess, TOLERANCE) for solver in (Multigrid(), ActiveSet()))
         np.testing.assert_array_equal(here.in_contact, there.in_contact)
-        np.testing.assert_allclose(here.u, there.u, atol=1e-6 * heights.std())
-        (stretch,), _ = system.stretch(step, here, before, 0.0)
-        assert_step(here, stretch, before[0], system, tau)
-        # Where cycles do not converge the Fourier solver finishes, and only the judge above can tell.
-        if tau < 1e9 and (k1, tau) != (100.0, 1e-3):
-            assert here.stretch is not None
-            (other,), _ = system.stretch(step, there, before, 0.0)
-            np.testing.assert_allclose(stretch, other, atol=1e-6 * heights.std())
+        np.testing.assert_allclose(here.u, there.u, atol=1e-7 * heights.std())
+        assert here.iterations < 20
+        stretch = here.u - before[0]
+        if isinstance(control, Load):
+            stretch += control.value / (k1 * heights.size) - stretch.mean()
+        force = k1 * stretch - laplacian(here.u)
+        scale = force[here.in_contact].mean()
+        assert np.abs(force[~here.in_contact]).max() < 1e-7 * scale
+        assert force[here.in_contact].min() > -1e-7 * scale
 
 
 @pytest.mark.parametrize("k1", [0.1, 3.0])
@@ -314,7 +294,7 @@ def test_a_second_backend_finds_the_same_states(monkeypatch, edges, k0):
     for one, other, allowed in zip(*(states[:4] for states in found), (1e-6, 1e-6, 1e-4, 1e-4), strict=True):
         np.testing.assert_array_equal(one.in_contact, other.in_contact)
         np.testing.assert_allclose(one.u, other.u, atol=allowed * spread)
-    for number in (4, 5) if k0 else (5,):  # with k0 = 0 and an odd side 317 and 429 cycles were found
+    for number in (4, 5):
         cycles = [states[number]["iterations"].values[1:].sum() for states in found]
         assert cycles[1] == pytest.approx(cycles[0], rel=0.2)
 

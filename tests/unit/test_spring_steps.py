@@ -8,14 +8,12 @@ from asperity.aging.spring_steps import SpringSteps, extrapolation
 from asperity.aging.tr_bdf2 import Aim, FieldSteps
 from asperity.contact import ActiveSet, Multigrid, Separation
 from asperity.contact.mechanics import SpringMechanics, mechanics_of
-from asperity.contact.multigrid import loops
-from asperity.contact.multigrid.loops import Sites
+from asperity.contact.multigrid.loops import Sites, rows
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import _relaxed
 from asperity.contact.problem import TOLERANCE, residual
 from asperity.contact.stencils import damped_power
 from asperity.lattice import Lattice
-from tests.independent import laplacian
 from tests.surfaces import correlated, uncorrelated
 
 SHAPES = [(16, 24), (17, 9), (8, 31), (25, 16)]
@@ -23,30 +21,22 @@ SHAPES = [(16, 24), (17, 9), (8, 31), (25, 16)]
 
 def packed(field, mirrored=False):
     """A field as multigrid has it, with images."""
-    rows = Processor().packed(field)
-    for row in rows:
-        loops.wrap(row, Sites(len(field), len(field[0]), mirrored))
-    return rows
+    parted = Processor().packed(field)
+    for row in parted:
+        rows.wrap(row, Sites(len(field), len(field[0]), mirrored))
+    return parted
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_rows_come_back_in_order(shape, mirrored):
     field = np.random.default_rng(0).normal(size=shape).astype(np.float32)
-    rows = packed(field, mirrored)
-    np.testing.assert_array_equal(Processor().unpacked(rows, Sites(shape[0], shape[1], mirrored)), field)
+    parted = packed(field, mirrored)
+    np.testing.assert_array_equal(Processor().unpacked(parted, Sites(shape[0], shape[1], mirrored)), field)
     first, end = (0, -1) if mirrored else (-1, 0)
-    np.testing.assert_array_equal(rows[:, 1, 0], field[:, first])  # the column before the first
+    np.testing.assert_array_equal(parted[:, 1, 0], field[:, first])  # the column before the first
     last = (shape[1] - 1) % 2
-    np.testing.assert_array_equal(rows[:, 1 - last, -1], field[:, end])  # and the one after the last
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_products_along_bonds_are_those_of_the_laplacian(shape):
-    x, y = np.random.default_rng(0).normal(size=(2, *shape)).astype(np.float32)
-    a, b, ny = packed(x), packed(y), shape[0]
-    found = sum(loops.along_bonds(a[i], a[(i + 1) % ny], b[i], b[(i + 1) % ny], shape[1]) for i in range(ny))
-    assert found == pytest.approx(-np.sum(x * laplacian(y.astype(float))), rel=1e-4, abs=1e-3)
+    np.testing.assert_array_equal(parted[:, 1 - last, -1], field[:, end])  # and the one after the last
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from asperity.contact.arrays import largest
 from asperity.contact.branches import damp_difference, weighted_sum
 from asperity.contact.free_sites import Accuracy, FreeSites
-from asperity.contact.loaded_sites import SpringSites, spring_sites
+from asperity.contact.line_sites import LineSites, line_sites
 from asperity.contact.mechanics import SpectralStep
 from asperity.contact.system import System
 from asperity.lattice import Mask, Modes
@@ -70,8 +70,8 @@ def filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask)
     if not in_contact.any():
         np.divide(pull, stiffness, out=u, where=stiffness > 0)
     elif worst > 0:
-        free: FreeSites | SpringSites | None
-        free = spring_sites(lattice, step.springs(float(stiffness.flat[0])), in_contact)
+        free: FreeSites | LineSites | None
+        free = line_sites(lattice, step.springs(float(stiffness.flat[0])), in_contact)
         if free is None:
             unit = float(stiffness.max())
             scaled: Any = (stiffness / unit).astype(np.float32)

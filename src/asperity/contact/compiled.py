@@ -15,6 +15,7 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -32,6 +33,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 _OPTIONS = {
     "nogil": True,
+    "no_cfunc_wrapper": True,
     "error_model": "numpy",
     "fastmath": {"contract", "reassoc", "nsz", "arcp", "nnan"},
 }
@@ -44,6 +46,7 @@ def _compiler(**options: Any) -> Callable[[F], F]:
         loop: F
         try:
             loop = njit(cache=True, **options)(function)
+            _notice_helpers(loop)
             return loop
         except RuntimeError:  # numba finds no folder for it
             place = _private_folder()
@@ -53,6 +56,8 @@ def _compiler(**options: Any) -> Callable[[F], F]:
             loop = njit(cache=place is not None, **options)(function)
         finally:
             settings.CACHE_DIR = kept
+        if place is not None:
+            _notice_helpers(loop)
         if not _remarks:
             where = f"in {place}" if place else "nowhere, so that every run compiles them anew"
             _remarks.append(
@@ -67,8 +72,8 @@ def _compiler(**options: Any) -> Callable[[F], F]:
 def compiled(function: F) -> F:
     """Compile a loop that Python calls.
 
-    Parameters are arguments, never globals, and a loop calls only what its own module holds: machine code is
-    kept on disk, and a change of what it took from elsewhere would not be noticed.
+    Parameters are arguments, never globals: machine code is kept on disk, and a change of a number would not
+    be noticed. A change of its module is, and of the modules that this imports from.
     """
     return _compiler(**_OPTIONS)(function)
 
@@ -81,6 +86,24 @@ def inlined(function: F) -> F:
     and counts no references to those it is given, which would take as long as a short row.
     """
     return _compiler(forceinline=True, _nrt=False, **_OPTIONS)(function)
+
+
+def _notice_helpers(loop: Any) -> None:
+    """Have machine code count as old when a module changes from which that of the loop imports.
+
+    Numba looks at the module of the loop alone.
+    """
+    function = loop.py_func
+    names = {str(getattr(value, "__module__", "")) for value in function.__globals__.values()}
+    names = {name for name in names if name.startswith("asperity.") and name != function.__module__}
+    files = [inspect.getfile(sys.modules[name]) for name in sorted(names)]
+    kept = loop._cache._cache_file
+    kept._source_stamp = (kept._source_stamp, *map(_digest, files))
+
+
+@lru_cache
+def _digest(file: str) -> str:
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
 
 def intrinsic(function: F) -> Callable[..., Any]:

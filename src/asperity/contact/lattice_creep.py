@@ -19,10 +19,10 @@ import numpy as np
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
-from asperity.contact.multigrid.loops import ByLaw as LawByRows
-from asperity.contact.multigrid.loops import Sites, Springs, Surface, Tangent
+from asperity.contact.multigrid.loops import Sites, Springs, Surface
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.multigrid.two_fields import SOFTEST, Tangent, TwoFields
+from asperity.contact.multigrid.two_fields import ByLaw as LawByRows
 from asperity.contact.stencils import balanced, lattice_force
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
@@ -31,9 +31,6 @@ from asperity.solids import SpringConstants
 
 _MOST_CYCLES = 60
 """Cycles on one linear step after which a step is given up."""
-
-_SOFTEST = 1e-6
-"""Least k0/k1 in the correction, which need not be exact."""
 
 _LARGEST = float(np.finfo(np.float32).max)
 
@@ -111,7 +108,7 @@ class _Run(LocalRun):
         self.springs = Springs(springs.k0, k1, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
         size = max(largest(field, np) for field in (self.u, self.w, self.before))
         self.unit, self.rounding = size or 1.0, 16 * float(np.finfo(float).eps) * size
-        self.stiffness = max(springs.k0, _SOFTEST * k1)
+        self.stiffness = max(springs.k0, SOFTEST * k1)
         self.lagging, self.beside = 1.0 + self.springs.drag, 4.0 * self.springs.spread
         if not stage.again:
             self.work.prepare(k1 / self.stiffness, self.springs.spread, self.springs.drag)

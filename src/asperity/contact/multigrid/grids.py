@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from asperity.contact.arrays import inner
-from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Pair, Single, Sites
+from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Fields, Pair, Single, Sites
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
 from asperity.lattice import Field
 
 _COARSEST = 16
 """Most sites of the grid on which the problem is solved directly."""
-
-_RANDOM = 2.25
-"""Variance of what contacts at random add up to on a coarse site, in units of that of one site.
-
-They count 1, or 1/2 (four of them), or 1/4 (four); where all are alike the variance is 16 times one site's.
-"""
-
 
 _HARD = 1e3
 """Stiffness of a pin that does not give, in units of k0 (4 + bed)."""
@@ -73,28 +65,38 @@ class Axis:
         return Axis(1.0 / apart if apart.size > 1 else np.zeros(1), size, self.mirrored)
 
 
+def empty(sites: Sites, backend: Processor) -> Single:
+    """A field of zeros."""
+    return backend.packed(np.zeros(sites[:2]))
+
+
+def together(fields: Iterable[Single]) -> Fields:
+    """One field, or a pair of them."""
+    found = tuple(fields)
+    return Pair(*found) if len(found) == 2 else found
+
+
 class Grid:
     """One coarse grid and the work arrays on it."""
 
     def __init__(self, y: Axis, x: Axis, finer: Sites, fields: int, backend: Processor) -> None:
         self.backend, self.axes, self.finer = backend, (y, x), finer
         self.sites = sites = Sites(y.size.size, x.size.size, y.mirrored)
-        gx = backend.along_rows(x.coupling, images=True)
-        mx = backend.along_rows(x.size, images=False)
+        gx, mx = (backend.packed(row[np.newaxis])[0] for row in (x.coupling, x.size))
         gy, my = y.coupling.astype(np.float32), y.size.astype(np.float32)
-        self.pins = backend.zeros(sites)
+        self.pins = empty(sites, backend)
         self.mesh = (self.pins, gx, gy, mx, my, sites)
         """Pins, couplings and cell sizes, as the equations take them."""
-        self.correction, self.source = ([backend.zeros(sites) for _ in range(fields)] for _ in range(2))
-        self.joined = [backend.joined(sites) for _ in range(fields)]
+        self.correction, self.source = (together(empty(sites, backend) for _ in range(fields)) for _ in "eb")
+        self.joined = together(np.zeros(sites[:2], np.float32) for _ in range(fields))
         """The corrections, for the next finer grid."""
 
-    def one(self, bed: float) -> CoarseOne:
+    def one(self, bed: float, coupling: float) -> CoarseOne:
         """The equation of one field."""
         (e,), (b,) = self.correction, self.source
-        return CoarseOne(e, b, np.float32(bed), *self.mesh)
+        return CoarseOne(e, b, np.float32(bed), coupling, *self.mesh)
 
-    def two(self, bed: float, spread: float, lag: NDArray[np.float32] | np.float32) -> CoarseTwo:
+    def two(self, bed: float, spread: float, lag: Single) -> CoarseTwo:
         """The equations of two fields."""
         (e, f), (b, c) = self.correction, self.source
         return CoarseTwo(e, f, b, c, np.float32(bed), np.float32(spread), lag, *self.mesh)
@@ -102,8 +104,8 @@ class Grid:
     @cached_property
     def sharing(self) -> Single:
         """What the sites of the next finer grid add up to here if each counts 1; inf where no site is."""
-        sums = self.backend.zeros(self.sites)
-        self.backend.coarser_pins(self.backend.packed(np.ones(self.finer[:2])), self.finer, 0.0, 0.0, sums)
+        sums = empty(self.sites, self.backend)
+        self.backend.restrict(self.backend.packed(np.ones(self.finer[:2])), self.finer, sums)
         return np.where(sums > 0, sums, np.float32(np.inf))
 
     @cached_property
@@ -160,37 +162,22 @@ class Hierarchy:
         areas = [np.ones(self.sites[:2]), *(grid.areas for grid in self.grids[:-1])]
         return [self.backend.packed(cells) for cells in areas]
 
-    @property
-    def joined(self) -> Pair:
-        """The corrections of two fields that the first coarse grid hands over."""
-        return Pair(*self.grids[0].joined)
-
-    def set_pins(
-        self, e: Single, bound: Single, fraction: float, response: Response, *, crowds_give: bool = False
-    ) -> float:
+    def set_pins(self, e: Single, bound: Single, fraction: float, response: Response) -> None:
         """Set pins on all coarse grids; ``fraction`` is that of the sites in contact.
 
         A pin among others as stiff does not soften: where all sites that share a coarse one are held, so is
-        that. Unless ``crowds_give``: then a crowd holds the surface like one of them, and pins on the first
-        coarse grid are softer by the ratio of their variance to that of as many sites at random, which is
-        returned; at least 1.
+        that.
         """
         if fraction == 0:
             for grid in self.grids:
                 grid.pins.fill(0.0)
-            return 1.0
+            return
         sigma = response.coherent_potential(fraction)
         first, strength = self.grids[0], 1.0 / response.softening(0, sigma)
-        self.backend.pin(e, bound, self.sites, strength, first.pins)
-        crowding = 1.0
-        if crowds_give and fraction < 1:
-            count, random = math.prod(first.sites[:2]), _RANDOM * strength**2 * fraction * (1.0 - fraction)
-            mean = float(first.pins.sum(dtype=float)) / count
-            variance = inner(first.pins, first.pins, np) / count - mean**2
-            crowding = max(variance / random, 1.0)
-            first.pins /= np.float32(crowding)
+        self.backend.restrict((e <= bound).astype(np.float32), self.sites, first.pins)
+        first.pins *= np.float32(strength)
         # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.
-        held, hard, crowds = strength, _HARD * (4.0 + response.bed), not crowds_give
+        held, hard, crowds = strength, _HARD * (4.0 + response.bed), True
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
             if crowds:
                 full = fine.pins >= np.float32(_ALL * held) * fine.sharing
@@ -198,9 +185,10 @@ class Hierarchy:
                 fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
             softening = response.softening(level, mean)
-            self.backend.coarser_pins(fine.pins, fine.sites, softening, mean, coarse.pins)
+            above = np.maximum(fine.pins - np.float32(mean), np.float32(0.0))
+            soft = fine.pins / (np.float32(1.0) + np.float32(softening) * above)
+            self.backend.restrict(soft, fine.sites, coarse.pins)
             held, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
-        return crowding
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
         """A lag by site, on the coarse grids: its mean over a cell, weighted by how far its sites respond.
@@ -211,7 +199,10 @@ class Hierarchy:
         lags, sites, backend = [lag], self.sites, self.backend
         for grid, cells in zip(self.grids, self.cells, strict=True):
             beside = 4.0 * spread * math.prod(sites[:2]) / math.prod(self.sites[:2])
-            lags.append(backend.zeros(grid.sites))
-            backend.coarser_lag(lags[-2], cells, beside, sites, lags[-1])
+            weights = cells / (lags[-1] + np.float32(beside))
+            weight, out = (empty(grid.sites, backend) for _ in range(2))
+            backend.restrict(weights, sites, weight)
+            backend.restrict(weights * lags[-1], sites, out)
+            lags.append(np.divide(out, weight, out=out, where=weight > 0))
             sites = grid.sites
         return lags[1:]

@@ -1,13 +1,13 @@
-r"""Contact without memory: the instantaneous and the relaxed state of the lattice of springs.
+r"""Contact in an instant, above anchors v, and the relaxed state of the lattice of springs.
 
 Both have S = k0 lam + bed but for wave vector 0, so the force is
 
-    r = k0 L u + bed u + uniform,      uniform = base + coupling mean(u),
+    r = k0 L u + bed (u - v + mean(v)) + uniform,      uniform = base + coupling mean(u),
 
 with one number, the uniform force, to be found along with u:
 
     instantaneous, load control         bed = k1,  coupling = -k1,  base = F / N
-    instantaneous, separation control   bed = k1,  coupling = 0,    base = -k1 mean(u0)
+    instantaneous, separation control   bed = k1,  coupling = 0,    base = -k1 mean(v)
     relaxed, load control               bed = 0,   coupling = 0,    base = F / N
 
 A cycle is two projected Gauss-Seidel sweeps, which find the contacts; one multigrid cycle for the free
@@ -28,8 +28,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact.arrays import largest
-from asperity.contact.multigrid.grids import Hierarchy
-from asperity.contact.multigrid.loops import One, Sites
+from asperity.contact.multigrid.grids import Hierarchy, empty
+from asperity.contact.multigrid.loops import Measured, One, Pair, Scales, Sites, Springs, Surface
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Extremes, Processor
 from asperity.contact.problem import SpringStep
@@ -58,7 +58,7 @@ class UniformForce:
 
     @classmethod
     def of(cls, springs: SpringStep, sites: int) -> UniformForce:
-        """For flat anchors, or a relaxed state."""
+        """For a step in an instant, or a relaxed state."""
         if springs.load is None:
             return cls(springs.k1, 0.0, -springs.k1 * float(np.mean(springs.anchors)))
         bed = 0.0 if springs.relaxed else springs.k1
@@ -75,7 +75,7 @@ class OneField:
     def __init__(self, sites: Sites, backend: Processor) -> None:
         self.sites, self.backend = sites, backend
         self.hierarchy = Hierarchy(sites, 1, backend)
-        self.bound, self.source, self.correction, self.previous = (backend.zeros(sites) for _ in range(4))
+        self.bound, self.source, self.correction, self.previous = (empty(sites, backend) for _ in range(4))
 
     def solve(
         self, springs: SpringStep, heights: Field, u: Field, tolerance: float, max_cycles: int
@@ -85,6 +85,10 @@ class OneField:
         self.law = UniformForce.of(springs, u.size)
         self.bed, self.coupling = self.law.bed / springs.k0, self.law.coupling / (springs.k0 * u.size)
         self.unit = largest(u, np) or 1.0
+        self.shape: Field | None = None
+        if isinstance(springs.anchors, np.ndarray) and not springs.relaxed:
+            self.shape = springs.anchors - float(np.mean(springs.anchors))
+            self.unit = max(self.unit, largest(self.shape, np))
         self.previous.fill(0.0)
         first, backend, pinned = self.hierarchy.grids[0], self.backend, -1.0
         uniform, _ = self.measure(tolerance)
@@ -93,10 +97,11 @@ class OneField:
             eq = self.equation()
             found = backend.restrict_1(eq, first.source[0])
             if found.contacts == 0 and springs.load is not None:
-                backend.touch(self.correction, self.bound)  # something must carry the load
+                deepest = int(np.argmax(self.bound - self.correction))  # something must carry the load
+                self.correction.flat[deepest] = self.bound.flat[deepest]
                 continue
             if self.is_done(found):
-                backend.settle(u, heights, self.correction, self.bound, self.unit)
+                self.settle()
                 uniform, converged = self.measure(tolerance)
                 if converged:
                     return True, uniform, cycle
@@ -107,10 +112,19 @@ class OneField:
                 pinned = found.contacts
             self.correct_on_grid(0)
             # Move by the combination of correction and previous move that has the lowest energy.
-            directions = first.joined[0], self.previous
-            backend.correct_1(eq, *directions, *lowest(backend.products_1(eq, *directions), self.coupling))
-        backend.settle(u, heights, self.correction, self.bound, self.unit)
+            sums = backend.products(eq, first.joined, (self.previous,))
+            weights = lowest(sums, self.coupling)
+            backend.correct_1(eq, first.joined[0], self.previous, *weights)
+        self.settle()
         return False, uniform, max_cycles
+
+    def settle(self) -> None:
+        """Add the correction to the surface."""
+        surface, correction = (
+            Surface(self.u, self.u[:0], self.heights),
+            Pair(self.correction, self.correction),
+        )
+        self.backend.settle(surface, correction, self.bound, self.unit, 0.0)
 
     def measure(self, tolerance: float) -> tuple[float, bool]:
         """Begin a correction to the surface as it is; the uniform force on it, and whether it is solved.
@@ -118,9 +132,11 @@ class OneField:
         It is if forces off contact, tension in contact and the sum of the former are small.
         """
         uniform = self.law.on(self.u)
-        force = (self.springs.k0, self.law.bed, uniform)
-        places = (self.bound, self.source, self.sites)
-        found = self.backend.measure_1(self.u, self.heights, force, self.unit, *places)
+        k0 = self.springs.k0
+        surface = Surface(self.u, self.u if self.shape is None else self.u - self.shape, self.heights)
+        scales, into = Scales(k0 * self.unit, self.unit, 0.0), Measured(self.bound, self.source, self.source)
+        law = Springs(k0, self.law.bed, 0.0, 0.0)
+        found = self.backend.measure(surface, law, uniform, scales, into, self.sites, flowing=False)
         self.correction.fill(0.0)
         stiffest = 8.0 * self.springs.k0 + self.law.bed
         rounding = 4.0 * float(np.finfo(float).eps) * stiffest * self.unit
@@ -159,11 +175,10 @@ class OneField:
             found = self.coarsest @ grid.in_order(grid.source[0])
             grid.hand_over(found)
             return self.coupling * float(grid.areas.ravel() @ found)
-        coarser, equation = self.hierarchy.grids[level + 1], grid.one(self.bed)
-        uniform = self.coupling * backend.descend_1(equation, self.coupling, coarser.source[0])
+        coarser, equation = self.hierarchy.grids[level + 1], grid.one(self.bed, self.coupling)
+        uniform = self.coupling * backend.descend(equation, coarser.source)
         uniform += self.correct_on_grid(level + 1)
-        places = (coarser.joined[0], -uniform, grid.joined[0])
-        return self.coupling * backend.ascend_1(equation, *places)
+        return self.coupling * backend.ascend(equation, coarser.joined, -uniform, grid.joined)
 
 
 def lowest(sums: Field, coupling: float) -> tuple[float, float]:

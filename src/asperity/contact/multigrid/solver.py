@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,6 @@ from asperity.contact.arrays import inner
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.cascade import interpolated
 from asperity.contact.mechanics import Mechanics, SpringMechanics
-from asperity.contact.multigrid.independent import IndependentSprings
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
@@ -37,7 +36,7 @@ _SMOOTH = 0.5
 _COARSE_TOLERANCE = 3e-2
 """Tolerance on coarser lattices, whose solution is only a guess; relative to the mean contact force."""
 
-W = TypeVar("W", OneField, TwoFields, IndependentSprings)
+W = TypeVar("W", OneField, TwoFields)
 
 _FEWEST_SITES = 4
 """Smallest length of an axis, in sites, for which multigrid is used."""
@@ -97,9 +96,9 @@ class Multigrid:
                 advice="solver=ActiveSet()",
             )
         springs = problem.step
+        if not springs.relaxed and (springs.spread > 0 or springs.drag > 0):
+            return ActiveSet().solve(problem, guess, tolerance)  # steps of creep are `StageSolver`'s
         if springs.k0 == 0:
-            if springs.spread > 0:  # steps of creep are `IndependentSprings`'s
-                return ActiveSet().solve(problem, guess, tolerance)
             return _independent(springs, problem.heights)
         if guess is None:
             guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
@@ -108,12 +107,10 @@ class Multigrid:
             return ActiveSet().solve(problem, guess, tolerance)
         heights = np.ascontiguousarray(problem.heights)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        still = not isinstance(springs.anchors, np.ndarray) and springs.spread == 0
-        if springs.relaxed or (still and springs.drag == 0):
-            done, cycles, stretch = self._one_field(springs, heights, u, tolerance)
-        else:
-            done, cycles, stretch = self._two_fields(springs, heights, u, tolerance)
+        work = self._workspace(OneField, _sites(heights, springs))
+        done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
         if done:
+            stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
         start = Guess(u) if np.isfinite(u).all() else None
         rest = ActiveSet().solve(problem, start, tolerance)
@@ -132,34 +129,10 @@ class Multigrid:
         )
         return interpolated(u)
 
-    def _one_field(
-        self, springs: SpringStep, heights: Field, u: Field, tolerance: float
-    ) -> tuple[bool, int, Field | None]:
-        work = self._workspace(OneField, _sites(heights, springs))
-        done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
-        stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
-        return done, cycles, stretch
-
-    def _two_fields(
-        self,
-        springs: SpringStep,
-        heights: Field,
-        u: Field,
-        tolerance: float,
-    ) -> tuple[bool, int, Field | None]:
-        stretch = u - springs.anchors
-        work = self._workspace(TwoFields, _sites(heights, springs))
-        done, cycles = work.solve(springs, heights, u, stretch, tolerance, self.max_cycles)
-        return done, cycles, stretch
-
-    def work_on(self, mechanics: SpringMechanics) -> TwoFields | IndependentSprings:
+    def work_on(self, mechanics: SpringMechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
         rows, columns = mechanics.lattice.shape
-        kind: Any = TwoFields if mechanics.springs.k0 else IndependentSprings
-        work: TwoFields | IndependentSprings = self._workspace(
-            kind, Sites(rows, columns, mechanics.lattice.reflecting)
-        )
-        return work
+        return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
 
     def stages(
         self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[np.floating]]
@@ -180,7 +153,7 @@ def _independent(springs: SpringStep, heights: Field) -> Solution:
     overlap, level = heights - springs.anchors, 0.0
     if springs.load is not None:
         highest = float(overlap.max())
-        wanted = springs.load * (1.0 + springs.drag) / springs.k1
+        wanted = springs.load / springs.k1
         level = highest + level_of_overlap(overlap - highest, wanted)
         for _ in range(2):  # to the last digit
             touching = overlap > level

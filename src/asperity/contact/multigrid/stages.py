@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
-from asperity.contact.multigrid.independent import IndependentSprings
-from asperity.contact.multigrid.loops import Measured, Pair, Past, Single, Springs, Surface
-from asperity.contact.multigrid.processor import Moments
-from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
+from asperity.contact.multigrid.processor import Found
+from asperity.contact.multigrid.two_fields import SOFTEST, TwoFields
 from asperity.lattice import Field
 from asperity.solids import SpringConstants
 
@@ -43,19 +42,19 @@ class StageSolver:
     rate, flow
         Rate of u0 at the end of the last step, and M C w, in units of ``unit`` by time.
     moments
-        Sums over the state, `Moments`; rises are above ``level``.
+        Sums over the state; rises are above ``level``.
     """
 
     def __init__(
         self,
-        work: TwoFields | IndependentSprings,
+        work: TwoFields,
         springs: SpringConstants,
         heights: Field,
         arrays: Mapping[str, NDArray[Any]],
     ) -> None:
         self.work, self.backend, self.sites = work, work.backend, work.sites
         self.springs, self.heights = springs, np.ascontiguousarray(heights)
-        self.bed = springs.k1 / springs.k0 if springs.k0 else math.inf
+        self.k0 = max(springs.k0, SOFTEST * springs.k1)
         self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
         self.unit, self.level = map(float, arrays["scales"][:2])
         self.changes = [Pair(arrays[f"change_{n}_u"], arrays[f"change_{n}_stretch"]) for n in range(2)]
@@ -63,9 +62,7 @@ class StageSolver:
         self.measure()
 
     @staticmethod
-    def arrays(
-        work: TwoFields | IndependentSprings, u: Field, w: Field, rate: Field
-    ) -> dict[str, NDArray[Any]]:
+    def arrays(work: TwoFields, u: Field, w: Field, rate: Field) -> dict[str, NDArray[Any]]:
         """What a solver is made of, at the start of a history."""
         unit = max(largest(u, np), largest(w, np)) or 1.0
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
@@ -83,7 +80,7 @@ class StageSolver:
     @property
     def contacts_tried(self) -> int:
         """Number of sites in contact at the end of the step that was tried."""
-        return self.backend.touching(self.work.correction.e, self.work.bound)
+        return int(np.count_nonzero(self.work.correction.e <= self.work.bound))
 
     @property
     def rate_of_u0(self) -> Field:
@@ -94,15 +91,16 @@ class StageSolver:
         """Set the duration of both stages and the weight of rates; guess the first by those of changes."""
         s = self.springs
         self.tau, self.weight = tau, weight
-        self.work.prepare(self.bed, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
-        places = (self.work.bound, self.work.correction, self.work.source.f, self.sites)
-        self.sums = self.backend.guess_1(self._past(weights), *places)
+        self.work.prepare(s.k1 / self.k0, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
+        self._guess((0.0, 0.0, tau, 0.0), weights)
 
     def begin_second(self, growth: float, weights: Sequence[float]) -> None:
         """Guess the second stage, also by the growth of the first."""
-        numbers = (growth, self.offset, self.weight)
-        places = (self.work.bound, self.work.correction, self.work.source.f, self.sites)
-        self.sums = self.backend.guess_2(self._past(weights), numbers, self.middle, *places)
+        self._guess((growth, self.offset, self.weight, self.weight), weights)
+
+    def _guess(self, numbers: Sequence[float], weights: Sequence[float]) -> None:
+        places = (self.middle, self.work.bound, self.work.correction, self.work.source.f, self.sites)
+        self.sums = self.backend.guess(self._past(weights), numbers, *places)
 
     def improve(
         self, mean_stretch: float | None, drift: float, allowed_error: float, max_cycles: int
@@ -121,6 +119,9 @@ class StageSolver:
         moved = -self.tau * drift / self.unit
         work.shift = moved if work.wanted is None else lag * f - e - source
         done, cycles = work.improve(allowed_error / self.unit, max_cycles)
+        if not done:  # it may be no number, and the next guess takes nothing of it times 0
+            for field in work.correction:
+                field.fill(0.0)
         # What makes the mean of w exact.
         e, f = (self._mean(field) for field in work.correction)
         self.offset = ((e + source + moved) / lag if work.wanted is None else work.wanted / count) - f
@@ -187,9 +188,11 @@ class StageSolver:
     def _advance(self, offset: float) -> None:
         """Add the corrections, and an offset to w, and prepare for steps from there."""
         s, work = self.springs, self.work
-        stiffness = (1.0, self.bed) if s.k0 else (0.0, 1.0)
-        springs = Springs(*stiffness, s.k1 * s.R, s.k1 * s.R_viscous)
+        springs = Springs(s.k0, s.k1, s.k1 * s.R, s.k1 * s.R_viscous)
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, work.source.e, self.flow)
-        scales = (self.unit, self.level, into, self.sites)
-        self.moments: Moments = self.backend.advance(work.correction, offset, surface, springs, *scales)
+        scales = Scales(self.k0 * self.unit, self.unit, self.level)
+        self.backend.settle(surface, work.correction, work.bound, self.unit, offset)
+        self.moments: Found = self.backend.measure(
+            surface, springs, 0.0, scales, into, self.sites, flowing=True
+        )
         work.known_stretch = self.moments.stretch / self.unit

@@ -21,29 +21,29 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from asperity.contact.arrays import inner, largest
-from asperity.contact.multigrid.grids import Hierarchy
+from asperity.contact.arrays import inner
+from asperity.contact.multigrid.grids import Hierarchy, empty
 from asperity.contact.multigrid.loops import (
-    ByLaw,
     Measured,
     Moves,
     Pair,
+    Scales,
     Single,
     Sites,
     Springs,
     Surface,
-    Tangent,
     Two,
 )
-from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
+from asperity.contact.multigrid.one_field import lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
-from asperity.contact.problem import SpringStep
-from asperity.lattice import Field
+from asperity.contact.stencils import lattice_force
+from asperity.lattice import Field, Mask
 
 _SLOW = 0.4
 """Ratio of successive corrections above which they are combined."""
@@ -61,13 +61,54 @@ _FORCE_ERROR, _LEAST_FORCE_ERROR = 1e-3, 1e-5
 """Error of the sum of the forces that is allowed even where an error of u0 is, and the least asked for."""
 
 _STIFF = 100.0
-"""k1/k0 from which the former falls with its square: errors of all steps have one sign, and add up."""
+"""k1/k0 from which the former falls with its square: errors of all steps have one sign, and add up.
+
+Also the most with which is estimated what a step leaves of an error."""
 
 _LEFT = 0.03, 8
 """How well what a step leaves of an error is known, in units of that error, and the most cycles for it."""
 
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
+
+_HEAVY, _LEAST_STRETCH = 1e30, 1e-300
+"""What keeps contacts closed; and what keeps 0 / 0 from being asked."""
+
+SOFTEST = 1e-5
+"""Least k0/k1 in corrections, which need not be exact: the forces that they are to remove are."""
+
+
+class ByLaw(NamedTuple):
+    """A step of tau by a law from anchors v: its velocity and derivative by site, where they are taken.
+
+    The body is at the position, and no lag exceeds the largest.
+    """
+
+    anchors: Field
+    velocity: Field
+    derivative: Field
+    position: float
+    tau: float
+    largest: float
+
+
+class Tangent(NamedTuple):
+    """Of a law: 1 + drag without it, 4 spread, and how far a stretch moves until the slope is another."""
+
+    lagging: float
+    beside: float
+    bend: Any
+
+    def error(self, own: Field, change: Field) -> Field:
+        """What it leaves of a stretch that changes, at sites whose lag and neighbors add up to ``own``.
+
+        Over a bend the slope changes by its own size.
+        """
+        left = own - (self.lagging + self.beside)
+        left *= change
+        left *= change
+        left /= own * self.bend + _LEAST_STRETCH
+        return np.minimum(left, np.abs(change), out=left)
 
 
 class TwoFields:
@@ -81,8 +122,8 @@ class TwoFields:
         Least e that does not penetrate, a length <= 0: minus the gap u - heights.
     shift
         The unknown shift, a length.
-    latest
-        Correction of e - f that the coarse grids found last, on the first coarse grid.
+    found, latest
+        Corrections of e and f, and of e - f, that the coarse grids found last, on the first coarse grid.
     overshooting
         Whether a correction of this problem was hardly smaller than the one before.
     wanted
@@ -98,7 +139,8 @@ class TwoFields:
     def __init__(self, sites: Sites, backend: Processor) -> None:
         self.sites, self.backend, self.size = sites, backend, sites.rows * sites.columns
         self.hierarchy = Hierarchy(sites, 2, backend)
-        self.bound = backend.zeros(sites)
+        self.found: Any = self.hierarchy.grids[0].joined
+        self.bound = empty(sites, backend)
         self.bound.fill(-np.inf)
         self.correction, self.source, self.previous = (self.pair() for _ in range(3))
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
@@ -106,46 +148,30 @@ class TwoFields:
         self.wanted: float | None = None
         self.yielding, self.opened = 0, False
         self.latest: Single = np.zeros(0, np.float32)
+        widths = [sites.columns, *(grid.sites.columns for grid in self.hierarchy.grids)]
+        self.rows = [backend.packed(np.zeros((1, width))) for width in widths]
 
     def pair(self) -> Pair:
         """Two fields of zeros."""
-        return Pair(self.backend.zeros(self.sites), self.backend.zeros(self.sites))
+        return Pair(empty(self.sites, self.backend), empty(self.sites, self.backend))
 
     def prepare(self, bed: float, spread: float, drag: float) -> None:
         """Set the coefficients: bed = k1/k0, and those of the equations."""
         self.bed, self.spread, self.pinned, self.factorized = bed, spread, -math.inf, False
-        self.mean_lag = 1.0 + drag
-        self.lag: Any = np.float32(self.mean_lag)
-        self.coarse_lags: list[Any] = [self.lag] * len(self.hierarchy.grids)
+        self.mean_lag, self.even = 1.0 + drag, True
+        for row in self.rows:
+            row.fill(np.float32(self.mean_lag))
+        self.lag, *self.coarse_lags = self.rows
+        self.damp()
         self.response = Response(bed, spread, drag)
         self.force_error = max(_FORCE_ERROR * min(1.0, _STIFF / bed) ** 2, _LEAST_FORCE_ERROR)
 
-    def solve(
-        self, springs: SpringStep, heights: Field, u: Field, w: Field, tolerance: float, max_cycles: int
-    ) -> tuple[bool, int]:
-        """Improve u and w in place; whether the tolerance was reached, and the cycles taken."""
-        self.prepare(springs.k1 / springs.k0, springs.spread, springs.drag)
-        unit = largest(u, np) or 1.0
-        surface = Surface(u, w, heights)
-        self.measure(springs, surface, unit)
-        stiffest = 8.0 / self.bed + 1.0 + springs.drag + 8.0 * self.spread
-        size = math.inf
-        for cycle in range(max_cycles):
-            found = self.descend(correcting=cycle > 0)
-            missing, left = self.judge(found)
-            reachable = SINGLE_PRECISION * stiffest * math.sqrt(found.moves / self.size)
-            if left <= max(self.strict(tolerance, found.contacts), reachable):
-                self.settle(surface, unit)
-                self.measure(springs, surface, unit)
-                found = self.descend(correcting=False, sweeping=False)
-                missing, left = self.judge(found)
-                if left <= self.strict(tolerance, found.contacts):
-                    return True, cycle + 1
-            size, _ = self.find_correction(found.contacts, missing, cycle, size)
-            if not math.isfinite(size):
-                return False, max_cycles
-        self.settle(surface, unit)
-        return False, max_cycles
+    def damp(self) -> None:
+        """Find what the sweeps take of the lag."""
+        one, four = np.float32(1.0), np.float32(4.0)
+        self.diagonal = self.lag + four * np.float32(self.spread)
+        self.damping = one / self.diagonal
+        self.inverse = one / (four + np.float32(self.bed) * self.damping)
 
     def improve(
         self, allowed_error: float, max_cycles: int, *, total_counts: bool = True
@@ -159,7 +185,7 @@ class TwoFields:
         size = math.inf
         for cycle in range(max_cycles):
             found = self.descend(correcting=cycle > 0)
-            missing, _ = self.judge(found)
+            missing = self.missing(found)
             far = math.sqrt(found.moves / self.size)
             size, rate = self.find_correction(found.contacts, missing, cycle, size)
             if not math.isfinite(size):
@@ -167,7 +193,7 @@ class TwoFields:
             if self.wanted is not None and found.contacts + self.yielding == 0:
                 continue  # something must carry the load
             if self.wanted is None and found.contacts > 0:
-                missing = self.weights[0] * self.size * float(np.mean(self.hierarchy.joined.f, dtype=float))
+                missing = self.weights[0] * self.size * float(np.mean(self.found.f, dtype=float))
             good = rate * size <= max(allowed_error, _ROUNDING * far)
             carried = rate * abs(missing) <= self.force_error * abs(self.total_stretch) or not total_counts
             if good and carried:
@@ -186,34 +212,27 @@ class TwoFields:
         The error has its rows in order. The equations are those of a step, with e = 0 in contact. Where
         cycles do not solve them, all of the error is left.
         """
-        work, backend = self.errors, self.backend
-        work.prepare(self.bed, spread, drag)
+        work, backend, e, bound = self.errors, self.backend, self.correction.e, self.bound
+        work.prepare(min(self.bed, _STIFF), spread, drag)
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
-        squares, opened = backend.begin_error_2(self.correction.e, self.bound, error, work.equation())
-        self.opened, scale = opened > 0, math.sqrt(squares / self.size)
+        free, scale = e > bound, math.sqrt(inner(error, error, np) / self.size)
+        self.opened = bool((free & (bound == 0)).any())
+        work.hold(~free, error)
         goal, most = _LEFT
         done, _ = work.improve(goal * scale, most, total_counts=False)
         if not done:
             return scale
-        total, squares = backend.differences(work.correction, self.sites)
-        mean = 0.0 if self.wanted is None else total / self.size  # a load decides it
-        return math.sqrt(max(squares / self.size - mean * mean, 0.0))
+        left = backend.unpacked(work.correction.e - work.correction.f, self.sites)
+        mean = 0.0 if self.wanted is None else float(left.mean())  # a load decides it
+        return math.sqrt(max(inner(left, left, np) / self.size - mean * mean, 0.0))
 
-    def measure(self, springs: SpringStep, surface: Surface, unit: float) -> None:
-        """Begin a correction to the fields as they are."""
-        s, v, shift = springs, springs.anchors, 0.0
-        u, w, _ = surface
-        if not isinstance(v, np.ndarray):
-            v = np.full(u.shape, v)
-        if s.load is not None:
-            shift = (1.0 + s.drag) * float(w.mean()) - float(u.mean()) + float(v.mean())
-        creep = Springs(s.k0, s.k1, s.spread, s.drag)
-        into = Measured(self.bound, *self.source)
-        stretch = self.backend.measure_2(surface, v, creep, shift, unit, into, self.sites)
+    def hold(self, touching: Mask, error: NDArray[np.floating]) -> None:
+        """Begin the equations of an error of u0, rows in order, for contacts that stay what they are."""
+        self.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
+        self.source.e[...] = touching * np.float32(-_HEAVY)
+        self.source.f[...] = self.backend.packed(-error)
         for field in self.correction:
             field.fill(0.0)
-        self.shift, self.known_stretch = 0.0, stretch / unit
-        self.wanted = None if s.load is None else s.load / (s.k1 * unit) - self.known_stretch
 
     def measure_law(
         self,
@@ -229,23 +248,37 @@ class TwoFields:
         The shift is at first what sites alone would need for that sum. Returns the rms of their changes
         alone, and of what the tangent would leave of those.
         """
-        if not isinstance(self.lag, np.ndarray):
-            self.lag = self.backend.zeros(self.sites)
-            self.lag.fill(1.0)
-        places, unit = (Measured(self.bound, *self.source), self.lag, self.sites), scales[1]
-        found = self.backend.measure_law(surface, law, springs, tangent, scales, *places)
-        stretch, alone, squares, left, response = found
+        backend, (u, w, _), unit = self.backend, surface, scales[1]
+        into, sites = Measured(self.bound, self.source.e, self.source.f), self.sites
+        measured = Scales(*scales, 0.0)
+        stretch = backend.measure(surface, springs, 0.0, measured, into, sites, flowing=False).stretch
+        lacking = lattice_force(w, w, springs.spread, tangent.lagging, mirrored=sites.mirrored)
+        np.subtract(u, lacking, out=lacking)
+        lacking -= law.anchors
+        lacking -= law.tau * law.velocity
+        lacking -= law.position
+        own = (law.tau * springs.k1) * law.derivative
+        own += tangent.lagging + tangent.beside
+        alone = lacking / own
+        left, squares = tangent.error(own, alone), inner(alone, alone, np)
+        lacking /= unit
+        self.source.f[...] = backend.packed(lacking)
+        response = float(np.sum(1.0 / own)) if total is not None else 0.0
+        own -= tangent.beside
+        self.lag, self.even = backend.packed(np.minimum(own, law.largest, out=own)), False
         for field in self.correction:
             field.fill(0.0)
         self.shift, self.known_stretch, self.wanted = 0.0, stretch / unit, None
         if total is not None:
+            change = float(alone.sum())
             self.wanted = (total - stretch) / unit
-            self.shift = (self.wanted - alone / unit) / (response or math.nan)
-            squares -= alone * alone / self.size
-        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(left / self.size)
+            self.shift = (self.wanted - change / unit) / (response or math.nan)
+            squares -= change * change / self.size
+        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(inner(left, left, np) / self.size)
 
     def relag(self) -> None:
         """Bring the lag by site to the coarse grids."""
+        self.damp()
         self.coarse_lags = self.hierarchy.coarser_lags(self.lag, self.spread)
         self.factorized = False
         if self.pinned < 0:
@@ -253,44 +286,34 @@ class TwoFields:
             self.response = Response(self.bed, self.spread, self.mean_lag - 1.0)
 
     def settle_law(self, surface: Surface, tangent: Tangent, unit: float) -> float:
-        """As `settle`; what the tangent of the law leaves of w, rms."""
-        places = (surface, self.correction, self.bound, self.lag, tangent, unit, self.sites)
-        return math.sqrt(self.backend.settle_law(*places) / self.size)
-
-    def settle(self, surface: Surface, unit: float) -> None:
-        """Add the correction."""
-        (u, w, heights), (e, f) = surface, self.correction
-        self.backend.settle(u, heights, e, self.bound, unit)
-        self.backend.add(w, f, unit)
+        """Add the correction; what the tangent of the law leaves of w, rms."""
+        self.backend.settle(surface, self.correction, self.bound, unit, 0.0)
+        own, change = (self.backend.unpacked(field, self.sites) for field in (self.lag, self.correction.f))
+        own += tangent.beside
+        change *= unit
+        left = tangent.error(own, change)
+        return math.sqrt(inner(left, left, np) / self.size)
 
     def equation(self) -> Two:
         """Fields and coefficients."""
         bed, spread, shift = map(np.float32, (self.bed, self.spread, self.shift))
-        return Two(*self.correction, self.bound, *self.source, bed, spread, self.lag, shift, self.sites)
+        creeping = self.diagonal, self.damping, self.inverse
+        return Two(*self.correction, self.bound, *self.source, bed, spread, *creeping, shift, self.sites)
 
     def moves(self) -> Moves:
         """What the coarse grids found, and the previous move, with their weights."""
         alpha, beta = map(np.float32, self.weights)
-        return Moves(self.hierarchy.joined, self.previous, alpha, beta, self.keeping)
+        return Moves(self.found, self.previous, alpha, beta, self.keeping)
 
-    def descend(self, *, correcting: bool, sweeping: bool = True, restricting: bool = True) -> Defects:
+    def descend(self, *, correcting: bool, restricting: bool = True) -> Defects:
         """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
-        places = (self.equation(), self.moves(), Pair(*self.hierarchy.grids[0].source))
-        return self.backend.cycle_2(
-            *places, correcting=correcting, sweeping=sweeping, restricting=restricting
-        )
+        places = (self.equation(), self.moves(), self.hierarchy.grids[0].source)
+        return self.backend.cycle_2(*places, correcting=correcting, restricting=restricting)
 
-    def judge(self, found: Defects) -> tuple[float, float]:
-        """What the sum of f lacks; what the equations leave, rms."""
+    def missing(self, found: Defects) -> float:
+        """What the sum of f lacks."""
         self.total_stretch = self.known_stretch + found.stretch
-        missing = 0.0 if self.wanted is None else self.wanted - found.stretch
-        left = max(math.sqrt(found.balance / self.size) / self.bed, math.sqrt(found.creep / self.size))
-        return missing, max(left, abs(missing) / self.size)
-
-    def strict(self, tolerance: float, contacts: float) -> float:
-        """What the equations may leave in the end."""
-        rounding = 4.0 * float(np.finfo(float).eps) * (8.0 / self.bed + 1.0)
-        return max(tolerance * abs(self.total_stretch) / max(contacts, 1.0), rounding)
+        return 0.0 if self.wanted is None else self.wanted - found.stretch
 
     def find_correction(
         self, contacts: float, missing: float, cycle: int, before: float
@@ -298,7 +321,7 @@ class TwoFields:
         """Ask the coarse grids; the size of their correction of u0, rms, and the rate of the cycles."""
         self.set_pins(contacts)
         shift = self.correct_on_grid(0, missing)
-        e, f = self.hierarchy.joined
+        e, f = self.found
         latest, self.latest = self.latest, e - f
         squares = np.vecdot(self.latest, self.latest)
         size = math.sqrt(float(np.mean(squares, dtype=float)) / self.latest.shape[1])
@@ -316,7 +339,7 @@ class TwoFields:
             if self.overshooting:
                 self.weights = (_relaxed(last, latest, self.latest), 0.0)
             else:
-                products = self.backend.products_2(self.equation(), self.moves())
+                products = self.backend.products(self.equation(), self.found, self.previous)
                 self.weights = self.stationary(products, shift, missing)
         alpha, beta = self.weights
         self.last_shift = alpha * shift + beta * self.last_shift
@@ -335,7 +358,7 @@ class TwoFields:
         self.factorized = True
         grid = self.hierarchy.grids[-1]
         lap, cells, lag = grid.laplacian, grid.areas.ravel(), self.coarse_lags[-1]
-        lags = grid.in_order(lag) if lag.ndim else self.mean_lag
+        lags = self.mean_lag if self.even else grid.in_order(lag)
         n = cells.size
         matrix = np.zeros((2 * n + 1, 2 * n + 1))
         # Without pins the matrix is singular: regularize by 1e-9.
@@ -364,9 +387,9 @@ class TwoFields:
             return float(found[-1])
         coarser = self.hierarchy.grids[level + 1]
         equations = grid.two(self.bed, self.spread, self.coarse_lags[level])
-        missing -= self.backend.descend_2(equations, Pair(*coarser.source))
+        missing -= self.backend.descend(equations, coarser.source)
         shift = self.correct_on_grid(level + 1, missing)
-        self.backend.ascend_2(equations, Pair(*coarser.joined), shift, Pair(*grid.joined))
+        self.backend.ascend(equations, coarser.joined, shift, grid.joined)
         return shift
 
     def stationary(self, products: Field, shift: float, missing: float) -> tuple[float, float]:

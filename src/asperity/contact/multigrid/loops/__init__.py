@@ -1,0 +1,23 @@
+"""The loops of multigrid, compiled; `asperity.contact.multigrid.processor` calls them."""
+
+from asperity.contact.multigrid.loops.one_field import CoarseOne, One
+from asperity.contact.multigrid.loops.rows import Fields, Pair, Single, Sites
+from asperity.contact.multigrid.loops.states import Measured, Past, Scales, Springs, Surface
+from asperity.contact.multigrid.loops.two_fields import CoarseTwo, Moves, Two
+
+__all__ = [
+    "CoarseOne",
+    "CoarseTwo",
+    "Fields",
+    "Measured",
+    "Moves",
+    "One",
+    "Pair",
+    "Past",
+    "Scales",
+    "Single",
+    "Sites",
+    "Springs",
+    "Surface",
+    "Two",
+]

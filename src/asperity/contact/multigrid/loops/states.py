@@ -1,0 +1,234 @@
+"""Between states and corrections, and from one state of creep to the next.
+
+States are double precision, rows in order. Sums are kept row by row, in double precision, and added up in
+their order.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from asperity.contact.compiled import compiled, inlined
+from asperity.contact.multigrid.loops.rows import (
+    Pair,
+    Scalar,
+    Single,
+    Sites,
+    end_of,
+    join,
+    larger,
+    neighbors,
+    part,
+    wrap,
+)
+from asperity.lattice import Field
+
+
+class Springs(NamedTuple):
+    """Stiffness k0 and k1; and ``spread L w + drag w``, what creeps in a unit of time or in a step."""
+
+    k0: float
+    k1: float
+    spread: float
+    drag: float
+
+
+class Surface(NamedTuple):
+    """A state and its obstacle: u, w = u - u0 and the heights; lengths, double precision, rows in order."""
+
+    u: Field
+    w: Field
+    heights: Field
+
+
+class Measured(NamedTuple):
+    """What a state asks of its correction: the bound and the source b; and the flow.
+
+    ``bound`` is the least correction of u that does not penetrate: minus the gap u - heights.
+    """
+
+    bound: Single
+    b: Single
+    flow: Single
+
+
+class Scales(NamedTuple):
+    """Units of force and length, and the level that rises are counted from, a length."""
+
+    force: float
+    length: float
+    level: float
+
+
+class Past(NamedTuple):
+    """What a stage is guessed from: weights of the last two changes; rate and flow at the step's start."""
+
+    last: Pair
+    before: Pair
+    ahead: Scalar
+    back: Scalar
+    rate: Single
+    flow: Single
+    tau: Scalar
+
+
+@inlined
+def stencil_row(a: float, x: Field, b: float, y: Field, i: int, sites: Sites, out: Field) -> None:
+    """Row i of a L x + b y, L minus the Laplacian."""
+    nx = x.shape[1]
+    above, below = neighbors(i, sites)
+    up, down, row, other = x[above], x[below], x[i], y[i]
+    for j in range(1, nx - 1):
+        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[j - 1] + row[j + 1])) + b * other[j]
+    first, last = (0, nx - 1) if sites.mirrored else (nx - 1, 0)
+    for j in (0, nx - 1):
+        left, right = j - 1 if j > 0 else first, j + 1 if j < nx - 1 else last
+        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[left] + row[right])) + b * other[j]
+
+
+@compiled
+def measure(
+    surface: Surface,
+    springs: Springs,
+    uniform: float,
+    flowing: bool,
+    scales: Scales,
+    into: Measured,
+    sites: Sites,
+    sums: Field,
+) -> None:
+    """Bound and source of a state with the force k0 L u + k1 w + uniform; and where it is flowing the flow.
+
+    The source is minus the force and the flow spread L w + drag w, both in their units. ``sums``: largest
+    force off contact, tension, largest u; sums of the force in contact and off it, contacts, w, u - level,
+    and of the squares of the last two.
+    """
+    u, w, heights = surface
+    bound, b, flow = into
+    k0, k1, spread, drag = springs
+    nx = u.shape[1]
+    force, line = np.empty(nx), np.empty(nx)
+    scale, inverse = -1.0 / scales.force, 1.0 / scales.length
+    for i in range(sites.rows):
+        row, stretch, rough = u[i], w[i], heights[i]
+        stencil_row(k0, u, k1, w, i, sites, force)
+        worst = tension = highest = load = imbalance = free_sites = 0.0
+        sum_w = sum_u = squares_w = squares_u = 0.0
+        for j in range(nx):  # no branches: the compiler makes vectors of it
+            free = 1.0 if row[j] > rough[j] else 0.0
+            total = force[j] + uniform
+            loose = total * free
+            carried = total - loose
+            load += carried
+            tension += -carried if carried < 0.0 else 0.0
+            free_sites += free
+            imbalance += loose
+            worst = larger(worst, abs(loose))
+            highest = larger(highest, abs(row[j]))
+            rise = row[j] - scales.level
+            sum_w += stretch[j]
+            sum_u += rise
+            squares_w += stretch[j] * stretch[j]
+            squares_u += rise * rise
+            force[j] = total * scale
+            line[j] = (rough[j] - row[j]) * inverse
+        found = sums[i]
+        found[0], found[1], found[2], found[3], found[4] = worst, tension, highest, load, imbalance
+        found[5], found[6], found[7], found[8], found[9] = nx - free_sites, sum_w, sum_u, squares_w, squares_u
+        part(line, bound[i])
+        part(force, b[i])
+        if flowing:
+            stencil_row(inverse * spread, w, inverse * drag, w, i, sites, line)
+            part(line, flow[i])
+
+
+@compiled
+def settle(surface: Surface, correction: Pair, bound: Single, unit: float, offset: float) -> None:
+    """Add corrections to u and w, and an offset to w, where w has rows; contact where a gap closes."""
+    u, w, heights = surface
+    nx = u.shape[1]
+    move, least = np.empty(nx, np.float32), np.empty(nx, np.float32)
+    for i in range(u.shape[0]):
+        join(correction.e[i], move)
+        join(bound[i], least)
+        row, rough = u[i], heights[i]
+        for j in range(nx):
+            moved = max(rough[j], row[j] + unit * move[j])
+            row[j] = moved if move[j] > least[j] else rough[j]
+        if i < w.shape[0]:
+            join(correction.f[i], move)
+            row = w[i]
+            for j in range(nx):
+                row[j] += unit * move[j] + offset
+
+
+@compiled
+def guess(
+    past: Past,
+    growth: Scalar,
+    offset: Scalar,
+    weights: tuple[Scalar, Scalar],
+    middle: Single,
+    bound: Single,
+    correction: Pair,
+    c: Single,
+    sites: Sites,
+    sums: Field,
+) -> None:
+    """Guess of a stage, from the stage before it (times ``growth``) and the last time steps, and its source.
+
+    The rate where the stage before ends, ``middle``, follows from its e, and its f plus an offset; the
+    source is minus the rates at the start and there with their weights, and minus tau flow. ``sums`` of e, f
+    and c.
+    """
+    last, before, ahead, back, rate, flow, tau = past
+    e, f = correction
+    first, second = weights
+    pace = np.float32(1.0) / tau
+    for i in range(sites.rows):
+        sum_e = sum_f = sum_c = np.float32(0.0)
+        for side in range(2):
+            for k in range(side, end_of(side, sites.columns)):
+                move, stretch = e[i, side, k], f[i, side, k] + offset
+                found = (move - stretch) * pace - rate[i, side, k]
+                source = -first * rate[i, side, k] - second * found - tau * flow[i, side, k]
+                path = growth * move + ahead * last.e[i, side, k] + back * before.e[i, side, k]
+                move = max(bound[i, side, k], path)
+                stretch = growth * stretch + ahead * last.f[i, side, k] + back * before.f[i, side, k]
+                e[i, side, k], f[i, side, k], c[i, side, k] = move, stretch, source
+                middle[i, side, k] = found
+                sum_e += move
+                sum_f += stretch
+                sum_c += source
+        wrap(e[i], sites)
+        wrap(f[i], sites)
+        sums[i, 0], sums[i, 1], sums[i, 2] = sum_e, sum_f, sum_c
+
+
+@compiled
+def finish_step(
+    correction: Pair,
+    offset: Scalar,
+    rate: Single,
+    middle: Single,
+    tau: Scalar,
+    weight: Scalar,
+    shares: tuple[Scalar, Scalar, Scalar],
+    rate_at_end: Single,
+    error: Single,
+) -> None:
+    """Rate at the end, f plus an offset, and the sum of the three rates with weights, rows in order."""
+    e, f = correction
+    first, second, third = shares
+    pace = np.float32(1.0) / tau
+    line = np.zeros((2, e.shape[2]), np.float32)
+    for i in range(error.shape[0]):
+        for side in range(2):
+            for k in range(side, end_of(side, error.shape[1])):
+                before, between = rate[i, side, k], middle[i, side, k]
+                found = (e[i, side, k] - f[i, side, k] - offset - weight * (before + between)) * pace
+                rate_at_end[i, side, k] = found
+                line[side, k] = first * before + second * between + third * found
+        join(line, error[i])
