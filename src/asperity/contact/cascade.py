@@ -35,7 +35,7 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
     lowered = interpolated(np.where(start.in_contact, coarser.force(start.u), 0.0))
     lowered /= problem.lattice.mean_over_modes(problem.stiffness)
     touching = u - problem.heights <= lowered
-    if problem.bound == np.inf:
+    if not problem.interface.yields:
         return Guess(u, touching)
     yielding = touching & (interpolated((start.u < coarser.heights).astype(float)) > 0.5)
     return Guess(u, touching, yielding=yielding)
@@ -64,7 +64,7 @@ def _coarsen(problem: SpectralProblem) -> SpectralProblem:
         stiffness=fine.long_waves(problem.stiffness, coarse),
         rhs=rhs,
         load_controlled=problem.load_controlled,
-        bound=problem.bound,
+        interface=problem.interface,
     )
 
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from asperity.contact.stencils import extremes
 from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
@@ -34,6 +36,14 @@ class Interface:
     def yields(self) -> bool:
         """Whether the rough surface yields under forces that are large enough."""
         return self.high < math.inf
+
+    def allowed(self, force: Field, in_contact: Mask) -> Field:
+        """Forces as the interface has them: within the bounds in contact, and 0 elsewhere."""
+        return np.asarray(np.clip(force, self.low, self.high) * in_contact)
+
+    def yielding(self, force: Field) -> int:
+        """Number of sites whose force is the upper bound, to the digits of published contacts."""
+        return int(np.count_nonzero(force >= (1 - 1e-6) * self.high))
 
     def wrong(
         self,
