@@ -43,32 +43,34 @@ from asperity.contact.problem import (
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
 
-_SUM_TOLERANCE = 0.002
-"""Largest sum of the forces off contact, relative to tolerance times load: it shifts the separation."""
 
-_LOAD_ERROR = 1e-5
-"""Largest sum of the forces off contact, relative to the load, where an error of u is allowed."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of the method."""
 
-_SMALLEST_FORCE = 1e-120
+    sum_tolerance: float = 0.002
+    """Largest sum of the forces off contact, over tolerance times load: it shifts the separation."""
+
+    load_error: float = 1e-5
+    """Largest sum of the forces off contact, over the load, where an error of u is allowed."""
+
+    digits: float = 1e-5
+    """How far single precision can reduce a residual in one correction, with room to spare."""
+
+    small: int = 2**14
+    """Number of sites up to which single precision saves no time."""
+
+    reduction_per_change: float = 4.0
+    """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
+
+    spreading: float = 3.0
+    """How much more u changes, rms over the sites, than at a site that changes sides."""
+
+
+TUNING = Tuning()
+
+_SMALLEST_FORCE = math.sqrt(float(np.finfo(float).tiny))
 """Forces below it count as 0: their squares underflow. In units of the problem."""
-
-_DIGITS = 1e-5
-"""How far single precision can reduce a residual in one correction, with room to spare."""
-
-_SMALL = 2**14
-"""Number of sites up to which single precision saves no time."""
-
-_STALLED = 30
-"""Iterations without progress after which single precision is taken to be exhausted."""
-
-_MOST_DIRECT = 500
-"""Direct solutions on lines after which conjugate gradients try."""
-
-_REDUCTION_PER_CHANGE = 4.0
-"""After a revision that moved the fraction x of the contacts, the residual is reduced to this times x."""
-
-_SPREADING = 3.0
-"""How much more u changes, rms over the sites, than at a site that changes sides."""
 
 
 @dataclass(frozen=True)
@@ -181,7 +183,7 @@ class _Run:
         self.record = problem.lattice.sites + 1
         self.patience = method.patience
         self.reduction = method.reduction
-        self.single = problem.lattice.sites > _SMALL
+        self.single = problem.lattice.sites > TUNING.small
         self.start(xp.asarray(guess.u))
 
     def start(self, u: Field) -> None:
@@ -215,6 +217,7 @@ class _Run:
         modes *= self.stiffness
         modes -= self.rhs
         self.force: Field = lattice.backward(modes, overwrite=True)
+        self.fresh = True
         if self.yielding is not None:
             self.force -= self.bound * self.xp.astype(self.yielding, self.force.dtype)
         rounding = largest(self.u, xp) * float(self.problem.stiffness.flat[0])
@@ -235,11 +238,13 @@ class _Run:
         self.load = abs(float(xp.sum(self.force)) - imbalance) + borne
         indentation = largest(self.u, xp)
         if not self.problem.load_controlled:  # the load is what comes out
-            self.allowed_imbalance = _LOAD_ERROR * self.load
+            self.allowed_imbalance = TUNING.load_error * self.load
         self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
 
     def reduce_residual(self) -> None:
         """Correct the free sites, until the largest force on them has fallen enough."""
+        if not self.fresh:
+            self.evaluate_force()
         target = self.worst * (1e-8 if self.is_careful() else self.reduction)
         while self.worst > target and not self.within_tolerance():
             before = self.worst
@@ -270,20 +275,20 @@ class _Run:
         goal, imbalance = target / self.worst, np.inf
         if target < 0.5 * acceptable:
             goal = min(0.3, 0.5 * acceptable / self.worst)
-            imbalance = 0.5 * _SUM_TOLERANCE * self.tolerance * self.load / self.worst
-        if self.single and goal < _DIGITS:
-            goal, imbalance = _DIGITS, np.inf
+            imbalance = 0.5 * TUNING.sum_tolerance * self.tolerance * self.load / self.worst
+        if self.single and goal < TUNING.digits:
+            goal, imbalance = TUNING.digits, np.inf
         accuracy = Accuracy(
             goal=goal,
             imbalance=imbalance,
             most=left,
-            patience=_STALLED if self.single else left,
             allowed_error=self.allowed_error,
             allowed_imbalance=self.allowed_imbalance,
         )
         correction = self.linear_problem().correct(self.force, self.worst, accuracy)
         self.left_over = correction.left_over
         self.u += correction.displacement
+        self.fresh = False
         self.force, self.worst, self.imbalance = correction.force, correction.worst, correction.imbalance
         self.iterations += max(1, correction.iterations)
         return correction.displacement
@@ -291,10 +296,9 @@ class _Run:
     def linear_problem(self) -> FreeSites | LineSites:
         """The linear problem on the present set of contacts, in the present precision."""
         xp = self.xp
-        direct = xp is library("numpy") and self.iterations < _MOST_DIRECT
-        if direct and isinstance(self.free_sites, LineSites):
+        if isinstance(self.free_sites, LineSites):
             return self.free_sites
-        if direct and self.free_sites is None:
+        if self.free_sites is None and xp is library("numpy"):
             direct_sites = line_sites(self.problem.lattice, self.problem.springs, self.in_contact)
             if direct_sites is not None:
                 self.free_sites = direct_sites
@@ -322,7 +326,7 @@ class _Run:
             return False
         # Forces off contact are small one by one and, zeroed together, leave the load unchanged.
         return self.imbalance <= max(
-            _SUM_TOLERANCE * self.tolerance * self.load, self.rounding * self.problem.lattice.sites
+            TUNING.sum_tolerance * self.tolerance * self.load, self.rounding * self.problem.lattice.sites
         )
 
     def wrong_sites(self) -> Mask:
@@ -337,7 +341,7 @@ class _Run:
             wrong: Mask = (self.in_contact & (self.force < low)) | (gap < -penetration)
             return wrong
         if self.is_careful():  # under the load of a whole number of yielding sites one bears what is left
-            tension += self.tolerance * self.load * (1 / self.touching + 2 * _SUM_TOLERANCE)
+            tension += self.tolerance * self.load * (1 / self.touching + 2 * TUNING.sum_tolerance)
         slack = tension, penetration
         return self.interface.wrong(self.force, gap, self.in_contact, self.yielding, slack)
 
@@ -355,8 +359,8 @@ class _Run:
         if self.left_over > self.allowed_error:
             return False
         xp, lattice = self.xp, self.problem.lattice
-        yields = _SPREADING / lattice.mean_over_modes(self.problem.stiffness)
-        wrong_by = xp.where(self.in_contact, self.force * yields, (self.u - self.heights) * _SPREADING)
+        yields = TUNING.spreading / lattice.mean_over_modes(self.problem.stiffness)
+        wrong_by = xp.where(self.in_contact, self.force * yields, (self.u - self.heights) * TUNING.spreading)
         wrong_by = xp.where(wrong, wrong_by, xp.asarray(0.0))
         return math.sqrt(inner(wrong_by, wrong_by, xp) / lattice.sites) <= self.allowed_error
 
@@ -371,7 +375,9 @@ class _Run:
                 f"try {advice}"
             )
         count = int(xp.count_nonzero(wrong))
-        self.reduction = min(self.method.reduction, _REDUCTION_PER_CHANGE * count / max(self.contacts, 1))
+        self.reduction = min(
+            self.method.reduction, TUNING.reduction_per_change * count / max(self.contacts, 1)
+        )
         if self.is_careful():
             if count < self.record:
                 self.record, self.patience = count, self.method.patience
@@ -394,7 +400,9 @@ class _Run:
 
         Or whether u is as accurate as it is to be.
         """
-        self.reduction = _DIGITS  # the contacts have settled: if not yet within tolerance, go all the way
+        self.reduction = (
+            TUNING.digits
+        )  # the contacts have settled: if not yet within tolerance, go all the way
         if self.left_over <= self.allowed_error:
             return True
         if not self.within_tolerance():
