@@ -379,6 +379,7 @@ class _Run:
             self.method.reduction, TUNING.reduction_per_change * count / max(self.contacts, 1)
         )
         if self.is_careful():
+            self.allowed_error = 0.0
             if count < self.record:
                 self.record, self.patience = count, self.method.patience
             elif self.patience > 0:
