@@ -15,6 +15,7 @@ from asperity.app.config import config_from, to_toml
 from asperity.app.config.models import RunConfig
 from asperity.app.config.python import to_python
 from asperity.base.parameters import parameters_of
+from asperity.contact import local_creep
 from asperity.creep import LAWS
 from asperity.errors import CheckpointError, ConvergenceError
 from asperity.results.parameters import PARAMETERS
@@ -159,7 +160,7 @@ def test_a_killed_run_ends_at_the_identical_result(solid, tmp_path, monkeypatch)
 
 
 def test_a_step_that_is_not_solved_raises(monkeypatch):
-    monkeypatch.setattr("asperity.contact.lattice_creep._MOST_CYCLES", 0)
+    monkeypatch.setattr("asperity.contact.local_creep.TUNING", local_creep.Tuning(most_revisions=0))
     with pytest.raises(ConvergenceError, match="steps shrank"):
         asp.age(asp.press(ROUGH, LATTICE, load=8.0), [1.0])
 

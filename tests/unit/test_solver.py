@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from asperity.contact import ActiveSet
+from asperity.contact.interface import RIGID
 from asperity.contact.pinning import effective_pinning
-from asperity.contact.problem import TOLERANCE, Guess, residual
+from asperity.contact.problem import TOLERANCE, Guess
 from asperity.errors import ConvergenceError
 from asperity.lattice import Lattice
 from tests.problems import problem_of
@@ -93,12 +94,14 @@ def test_a_set_of_contacts_that_does_not_settle_is_given_up():
 
 def test_residual_sees_forces_off_contact_and_pulls_in_contact():
     contact = np.array([True, True, False])
-    assert residual(np.array([1.0, 3.0, 0.0]), contact) == 0
-    assert residual(np.array([1.0, 3.0, -0.2]), contact) == pytest.approx(0.1)
-    assert residual(np.array([-1.0, 3.0, 0.0]), contact) == pytest.approx(1.0)
-    assert residual(np.array([0.0, 0.0, 0.2]), ~np.ones(3, bool), smallest_scale=4.0) == pytest.approx(0.05)
-    assert residual(np.zeros(3), np.ones(3, bool)) == 0
-    assert residual(np.ones(3), np.zeros(3, bool)) == np.inf
+    assert RIGID.violation(np.array([1.0, 3.0, 0.0]), contact) == 0
+    assert RIGID.violation(np.array([1.0, 3.0, -0.2]), contact) == pytest.approx(0.1)
+    assert RIGID.violation(np.array([-1.0, 3.0, 0.0]), contact) == pytest.approx(1.0)
+    assert RIGID.violation(np.array([0.0, 0.0, 0.2]), ~np.ones(3, bool), smallest_scale=4.0) == pytest.approx(
+        0.05
+    )
+    assert RIGID.violation(np.zeros(3), np.ones(3, bool)) == 0
+    assert RIGID.violation(np.ones(3), np.zeros(3, bool)) == np.inf
 
 
 @pytest.mark.parametrize("fraction", [1e-3, 0.1, 0.9])

@@ -77,7 +77,7 @@ def filtered(error: Modes, system: System, step: SpectralStep, in_contact: Mask)
             scaled: Any = (stiffness / unit).astype(np.float32)
             free = FreeSites(lattice, stiffness, unit, scaled, in_contact, np)
         most = _ITERATIONS
-        accuracy = Accuracy(_GOAL, imbalance=math.inf, most=most, patience=most)
+        accuracy = Accuracy(_GOAL, imbalance=math.inf, most=most)
         found = free.correct(force, worst, accuracy)
         u, iterations = lattice.forward(found.displacement), found.iterations
     left = error.copy()

@@ -39,43 +39,38 @@ from asperity.contact.problem import (
     Solution,
     SpectralProblem,
     mean_by_rounding,
-    residual,
 )
 from asperity.errors import ConvergenceError
-from asperity.lattice import Field, Mask, Modes
+from asperity.lattice import Field, Mask
 
-_SUM_TOLERANCE = 0.002
-"""Largest sum of the forces off contact, relative to tolerance times load: it shifts the separation."""
 
-_LOAD_ERROR = 1e-5
-"""Largest sum of the forces off contact, relative to the load, where an error of u is allowed."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of the method."""
 
-_SMALLEST_FORCE = 1e-120
+    sum_tolerance: float = 0.002
+    """Largest sum of the forces off contact, over tolerance times load: it shifts the separation."""
+
+    load_error: float = 1e-5
+    """Largest sum of the forces off contact, over the load, where an error of u is allowed."""
+
+    digits: float = 1e-5
+    """How far single precision can reduce a residual in one correction, with room to spare."""
+
+    small: int = 2**14
+    """Number of sites up to which single precision saves no time."""
+
+    reduction_per_change: float = 4.0
+    """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
+
+    spreading: float = 3.0
+    """How much more u changes, rms over the sites, than at a site that changes sides."""
+
+
+TUNING = Tuning()
+
+_SMALLEST_FORCE = math.sqrt(float(np.finfo(float).tiny))
 """Forces below it count as 0: their squares underflow. In units of the problem."""
-
-_DIGITS = 1e-5
-"""How far single precision can reduce a residual in one correction, with room to spare."""
-
-_TRUSTED = 1e-3
-"""How far forces predicted in single precision may fall before they are evaluated, to be reduced further."""
-
-_SMALL = 2**14
-"""Number of sites up to which single precision saves no time."""
-
-_PATIENT_REVISIONS = 3
-"""Revisions without fewer wrong sites after which each further one multiplies the target residual by 0.3."""
-
-_STALLED = 30
-"""Iterations without progress after which single precision is taken to be exhausted."""
-
-_MOST_DIRECT = 500
-"""Direct solutions on lines after which conjugate gradients try."""
-
-_REDUCTION_PER_CHANGE = 4.0
-"""After a revision that moved the fraction x of the contacts, the residual is reduced to this times x."""
-
-_SPREADING = 3.0
-"""How much more u changes, rms over the sites, than at a site that changes sides."""
 
 
 @dataclass(frozen=True)
@@ -176,25 +171,23 @@ class _Run:
         self.stiffest = float(waves.max())
         touching = guess.u <= problem.heights if guess.in_contact is None else guess.in_contact
         self.in_contact = xp.asarray(touching, copy=True)
-        self.bound = problem.bound
+        self.interface, self.bound = problem.interface, problem.interface.high
         self.yielding: Mask | None = None
-        if math.isfinite(self.bound):
+        if self.interface.yields:
             none = np.zeros(problem.lattice.shape, dtype=bool)
             self.yielding = xp.asarray(none if guess.yielding is None else guess.yielding, copy=True)
             self.in_contact &= ~self.yielding
             self.settle_accurately(self.yielding)
         self.iterations = 0
-        self.evaluated = 0.0
         self.set_changes = 0
-        self.record = self.fewest = problem.lattice.sites + 1
-        self.fruitless = 0
+        self.record = problem.lattice.sites + 1
         self.patience = method.patience
         self.reduction = method.reduction
-        self.single = problem.lattice.sites > _SMALL
-        self.start(xp.asarray(guess.u), guess.near)
+        self.single = problem.lattice.sites > TUNING.small
+        self.start(xp.asarray(guess.u))
 
-    def start(self, u: Field, near: tuple[Field, Modes] | None = None) -> None:
-        """Begin on the present set of contacts, with the modes of a surface near it if they are known."""
+    def start(self, u: Field) -> None:
+        """Begin on the present set of contacts."""
         xp = self.xp
         self.contacts = int(xp.count_nonzero(self.in_contact))
         if self.contacts == 0:
@@ -215,49 +208,21 @@ class _Run:
         self.u = xp.where(self.in_contact, self.heights, u)
         self.free_sites: FreeSites | LineSites | None = None
         self.left_over = math.inf
-        if self.single and self.set_changes and self.yielding is None:
-            self.update_force(self.u - u)
-        else:
-            self.evaluate_force(near if self.allowed_error and self.single else None)
+        self.evaluate_force()
 
-    def update_force(self, change: Field) -> None:
-        """Add what a small change of the surface does to the force, in single precision."""
-        xp = self.xp
-        scale = largest(change, xp)
-        if scale > 0 and self.working_stiffness.size:
-            change = xp.astype(change / scale, self.working_stiffness.dtype)
-            change = self.problem.lattice.apply(self.working_stiffness, change)
-            self.force += (scale * self.stiffest) * xp.astype(change, self.force.dtype)
-        elif scale > 0:
-            self.evaluate_force()
-            return
-        self.measure_force()
-        self.evaluated = max(self.evaluated, self.worst)
-
-    def evaluate_force(self, near: tuple[Field, Modes] | None = None) -> None:
-        """Evaluate the force afresh, in double precision; from a surface near it, to the digits of single."""
-        xp, lattice, scale = self.xp, self.problem.lattice, 1.0
-        if near is None:
-            modes = lattice.forward(self.u)
-        else:
-            modes = lattice.forward_near(self.u, *map(xp.asarray, near))
+    def evaluate_force(self) -> None:
+        """Evaluate the force afresh, in double precision, and measure it off contact."""
+        xp, lattice = self.xp, self.problem.lattice
+        modes = lattice.forward(self.u)
         modes *= self.stiffness
         modes -= self.rhs
-        if near is not None:
-            scale = float(xp.max(xp.abs(modes))) or 1.0
-            modes = xp.astype(modes / scale, xp.float32 if lattice.reflecting else xp.complex64)
-        force = lattice.backward(modes, overwrite=True)
-        self.force: Field = force if near is None else scale * xp.astype(force, self.heights.dtype)
+        self.force: Field = lattice.backward(modes, overwrite=True)
+        self.fresh = True
         if self.yielding is not None:
             self.force -= self.bound * self.xp.astype(self.yielding, self.force.dtype)
         rounding = largest(self.u, xp) * float(self.problem.stiffness.flat[0])
         self.force -= mean_by_rounding(self.force, self.in_contact, rounding, xp)
-        self.measure_force()
-        self.evaluated = self.worst
-
-    def measure_force(self) -> None:
-        """Measure the force off contact."""
-        xp, borne, self.touching = self.xp, 0.0, self.contacts
+        borne, self.touching = 0.0, self.contacts
         if self.yielding is not None:
             yielding = int(xp.count_nonzero(self.yielding))
             borne, self.touching = self.bound * yielding, self.contacts + yielding
@@ -273,12 +238,12 @@ class _Run:
         self.load = abs(float(xp.sum(self.force)) - imbalance) + borne
         indentation = largest(self.u, xp)
         if not self.problem.load_controlled:  # the load is what comes out
-            self.allowed_imbalance = _LOAD_ERROR * self.load
+            self.allowed_imbalance = TUNING.load_error * self.load
         self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
 
     def reduce_residual(self) -> None:
         """Correct the free sites, until the largest force on them has fallen enough."""
-        if self.single and self.worst < _TRUSTED * self.evaluated:
+        if not self.fresh:
             self.evaluate_force()
         target = self.worst * (1e-8 if self.is_careful() else self.reduction)
         while self.worst > target and not self.within_tolerance():
@@ -299,7 +264,8 @@ class _Run:
         left = self.method.max_iterations - self.iterations
         if left <= 0:
             scale = self.load / max(self.touching, 1)
-            left_over = residual(to_numpy(self.force), to_numpy(self.in_contact), scale)
+            force, touching = to_numpy(self.force), to_numpy(self.in_contact)
+            left_over = self.interface.violation(force, touching, None, scale)
             raise ConvergenceError(
                 f"contact solver: residual {left_over:.1e} after "
                 f"{self.iterations} iterations, expected {self.tolerance:.1e}; "
@@ -309,20 +275,20 @@ class _Run:
         goal, imbalance = target / self.worst, np.inf
         if target < 0.5 * acceptable:
             goal = min(0.3, 0.5 * acceptable / self.worst)
-            imbalance = 0.5 * _SUM_TOLERANCE * self.tolerance * self.load / self.worst
-        if self.single and goal < _DIGITS:
-            goal, imbalance = _DIGITS, np.inf
+            imbalance = 0.5 * TUNING.sum_tolerance * self.tolerance * self.load / self.worst
+        if self.single and goal < TUNING.digits:
+            goal, imbalance = TUNING.digits, np.inf
         accuracy = Accuracy(
             goal=goal,
             imbalance=imbalance,
             most=left,
-            patience=_STALLED if self.single else left,
             allowed_error=self.allowed_error,
             allowed_imbalance=self.allowed_imbalance,
         )
         correction = self.linear_problem().correct(self.force, self.worst, accuracy)
         self.left_over = correction.left_over
         self.u += correction.displacement
+        self.fresh = False
         self.force, self.worst, self.imbalance = correction.force, correction.worst, correction.imbalance
         self.iterations += max(1, correction.iterations)
         return correction.displacement
@@ -330,10 +296,9 @@ class _Run:
     def linear_problem(self) -> FreeSites | LineSites:
         """The linear problem on the present set of contacts, in the present precision."""
         xp = self.xp
-        direct = xp is library("numpy") and self.iterations < _MOST_DIRECT
-        if direct and isinstance(self.free_sites, LineSites):
+        if isinstance(self.free_sites, LineSites):
             return self.free_sites
-        if direct and self.free_sites is None:
+        if self.free_sites is None and xp is library("numpy"):
             direct_sites = line_sites(self.problem.lattice, self.problem.springs, self.in_contact)
             if direct_sites is not None:
                 self.free_sites = direct_sites
@@ -361,7 +326,7 @@ class _Run:
             return False
         # Forces off contact are small one by one and, zeroed together, leave the load unchanged.
         return self.imbalance <= max(
-            _SUM_TOLERANCE * self.tolerance * self.load, self.rounding * self.problem.lattice.sites
+            TUNING.sum_tolerance * self.tolerance * self.load, self.rounding * self.problem.lattice.sites
         )
 
     def wrong_sites(self) -> Mask:
@@ -372,13 +337,13 @@ class _Run:
             penetration = self.rounding / self.stiffest
         gap = self.u - self.heights
         if self.yielding is None:
-            wrong: Mask = (self.in_contact & (self.force < -tension)) | (gap < -penetration)
+            low = self.interface.low - tension
+            wrong: Mask = (self.in_contact & (self.force < low)) | (gap < -penetration)
             return wrong
         if self.is_careful():  # under the load of a whole number of yielding sites one bears what is left
-            tension += self.tolerance * self.load * (1 / self.touching + 2 * _SUM_TOLERANCE)
-        wrong = self.xp.where(self.yielding, gap > penetration, gap < -penetration)
-        wrong |= self.in_contact & ((self.force < -tension) | (self.force > self.bound + tension))
-        return wrong
+            tension += self.tolerance * self.load * (1 / self.touching + 2 * TUNING.sum_tolerance)
+        slack = tension, penetration
+        return self.interface.wrong(self.force, gap, self.in_contact, self.yielding, slack)
 
     def settle_accurately(self, yielding: Mask) -> None:
         """Allow no error where sites yield: accurate forces decide which, and they do so for good."""
@@ -394,8 +359,8 @@ class _Run:
         if self.left_over > self.allowed_error:
             return False
         xp, lattice = self.xp, self.problem.lattice
-        yields = _SPREADING / lattice.mean_over_modes(self.problem.stiffness)
-        wrong_by = xp.where(self.in_contact, self.force * yields, (self.u - self.heights) * _SPREADING)
+        yields = TUNING.spreading / lattice.mean_over_modes(self.problem.stiffness)
+        wrong_by = xp.where(self.in_contact, self.force * yields, (self.u - self.heights) * TUNING.spreading)
         wrong_by = xp.where(wrong, wrong_by, xp.asarray(0.0))
         return math.sqrt(inner(wrong_by, wrong_by, xp) / lattice.sites) <= self.allowed_error
 
@@ -410,11 +375,11 @@ class _Run:
                 f"try {advice}"
             )
         count = int(xp.count_nonzero(wrong))
-        self.fruitless = 0 if count < self.fewest else self.fruitless + 1
-        self.fewest = min(self.fewest, count)
-        self.reduction = min(self.method.reduction, _REDUCTION_PER_CHANGE * count / max(self.contacts, 1))
-        self.reduction *= 0.3 ** max(0, self.fruitless - _PATIENT_REVISIONS)
+        self.reduction = min(
+            self.method.reduction, TUNING.reduction_per_change * count / max(self.contacts, 1)
+        )
         if self.is_careful():
+            self.allowed_error = 0.0
             if count < self.record:
                 self.record, self.patience = count, self.method.patience
             elif self.patience > 0:
@@ -436,7 +401,9 @@ class _Run:
 
         Or whether u is as accurate as it is to be.
         """
-        self.reduction = _DIGITS  # the contacts have settled: if not yet within tolerance, go all the way
+        self.reduction = (
+            TUNING.digits
+        )  # the contacts have settled: if not yet within tolerance, go all the way
         if self.left_over <= self.allowed_error:
             return True
         if not self.within_tolerance():
@@ -454,7 +421,7 @@ def _free_surface(problem: SpectralProblem, yielding: Mask | None) -> Field:
     """Surface without contact, u = b / S; exactly constant where b is nothing but wave vector 0."""
     rhs = problem.rhs
     if yielding is not None and (borne := to_numpy(yielding)).any():
-        rhs = rhs + problem.lattice.forward(problem.bound * borne)
+        rhs = rhs + problem.lattice.forward(problem.interface.high * borne)
     modes = rhs / problem.stiffness
     if not modes.flat[1:].any():
         return np.full(problem.lattice.shape, modes.flat[0].real / problem.lattice.sites)

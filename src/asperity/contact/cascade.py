@@ -8,6 +8,8 @@ leaves some five revisions of the set of contacts, whatever the load and the siz
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from asperity.contact.asperities import level_of_overlap
@@ -15,27 +17,36 @@ from asperity.contact.problem import ContactSolver, Guess, SpectralProblem
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
 
-_COARSEST = 64
-"""Lattices of so many sites along each axis are not made coarser."""
 
-_TOLERANCE = 1e-2
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of the method."""
+
+    coarsest: int = 64
+    """Lattices of so many sites along each axis are not made coarser."""
+
+    tolerance: float = 1e-2
+    """To which a coarser lattice is solved, whose solution is only a guess."""
+
+
+TUNING = Tuning()
 
 
 def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
     """Guess the solution of a problem by solving it on a coarser lattice, where there is one."""
     shape = problem.lattice.shape
-    if any(n % 2 for n in shape) or problem.lattice.sites <= _COARSEST ** len(shape):
+    if any(n % 2 for n in shape) or problem.lattice.sites <= TUNING.coarsest ** len(shape):
         return independent_asperities(problem)
     coarser = _coarsen(problem)
     try:
-        start = solver.solve(coarser, cold_start(coarser, solver), _TOLERANCE)
+        start = solver.solve(coarser, cold_start(coarser, solver), TUNING.tolerance)
     except ConvergenceError:  # a bad start costs time, not accuracy
         return independent_asperities(problem)
     u = interpolated(start.u)
     lowered = interpolated(np.where(start.in_contact, coarser.force(start.u), 0.0))
     lowered /= problem.lattice.mean_over_modes(problem.stiffness)
     touching = u - problem.heights <= lowered
-    if problem.bound == np.inf:
+    if not problem.interface.yields:
         return Guess(u, touching)
     yielding = touching & (interpolated((start.u < coarser.heights).astype(float)) > 0.5)
     return Guess(u, touching, yielding=yielding)
@@ -64,7 +75,7 @@ def _coarsen(problem: SpectralProblem) -> SpectralProblem:
         stiffness=fine.long_waves(problem.stiffness, coarse),
         rhs=rhs,
         load_controlled=problem.load_controlled,
-        bound=problem.bound,
+        interface=problem.interface,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.lattice_creep import LatticeCreep
-from asperity.contact.local_creep import LocalCreepSolver
+from asperity.contact.local_creep import ByLaw
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.series_creep import SeriesCreep
@@ -20,13 +20,13 @@ def usual_solver(system: System) -> ContactSolver:
     return Multigrid() if Multigrid.suits(system.mechanics) else ActiveSet()
 
 
-def local_solver(system: System) -> LocalCreepSolver:
+def local_solver(system: System) -> ByLaw:
     """What solves implicit steps of a local law of creep."""
     mechanics = system.mechanics
     law, springs = mechanics.law, mechanics.spectral.solid.springs
     assert law is not None
     if springs is not None:
-        return LatticeCreep(springs, law, mechanics.lattice, system.heights, mechanics.bound)
+        return LatticeCreep(springs, law, mechanics.lattice, system.heights, mechanics.interface)
     spectra = mechanics.spectral.spectra
     whole, share = spectra.permanent + spectra.creeping[0], mechanics.spectral.creeping_share
     if spectra.rate.any() or not np.allclose(
@@ -37,7 +37,7 @@ def local_solver(system: System) -> LocalCreepSolver:
             expected="a lattice of springs, or a solid with one share of its stiffness in series with a law",
             got="another permanent stiffness, or other creep, beside it",
         )
-    of_site = mechanics.stressed_area, mechanics.lattice, system.heights, mechanics.bound
+    of_site = mechanics.stressed_area, mechanics.lattice, system.heights, mechanics.interface
     return SeriesCreep(whole, law, *of_site, share)
 
 

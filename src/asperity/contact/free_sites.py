@@ -29,29 +29,37 @@ from asperity.contact.arrays import inner, largest
 from asperity.contact.pinning import effective_pinning
 from asperity.lattice import Edges, Field, Lattice, Mask, Spectrum
 
-_SHORE = 0.05
-"""How fast the weight W_0 of a free site falls with the number of its neighbors in contact."""
 
-_PINNING = 0.4
-"""Factor on the mean pinning sigma, best by measurement; near contacts the weights add to it."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of the method."""
 
-_COARSER = 4
-"""Ratio of the lengths of successive lattices."""
+    shore: float = 0.05
+    """How fast the weight W_0 of a free site falls with the number of its neighbors in contact."""
 
-_COARSEST = 15
-"""Smallest length of a coarse lattice, sites."""
+    pinning: float = 0.4
+    """Factor on the mean pinning sigma; near contacts the weights add to it."""
 
-_CROWDING = 8.0
-"""How fast the weight W_1 falls with the density rho of contacts; half as fast on each further level."""
+    coarser: int = 4
+    """Ratio of the lengths of successive lattices."""
 
-_DENSITY_WIDTH = 0.6
-"""Width over which contacts make a density (standard deviation), in sites of the coarse lattice."""
+    coarsest: int = 15
+    """Smallest length of a coarse lattice, sites."""
 
-_EXTRA = 5
-"""Iterations that the sum of the forces off contact may cost beyond the largest of them."""
+    crowding: float = 8.0
+    """How fast the weight W_1 falls with the density rho of contacts; half as fast on each further level."""
 
-_USUAL_RATE = 0.3
-"""What an iteration leaves of an error (measured: 0.2 to 0.3)."""
+    density_width: float = 0.6
+    """Width over which contacts make a density (standard deviation), in sites of the coarse lattice."""
+
+    extra: int = 5
+    """Iterations that the sum of the forces off contact may cost beyond the largest of them."""
+
+    usual_rate: float = 0.3
+    """What an iteration is expected to leave of an error."""
+
+
+TUNING = Tuning()
 
 
 @dataclass(frozen=True)
@@ -59,15 +67,14 @@ class Accuracy:
     """When a correction of the free sites may end.
 
     No force on them exceeds ``goal`` times the worst. A few iterations more may bring the sum of the forces
-    off contact down to ``imbalance`` times the worst. It ends earlier after ``most`` iterations, after
-    ``patience`` of them without a record, or when the displacement is off by no more than ``allowed_error``,
-    rms over the sites, and the sum of the forces off contact is at most ``allowed_imbalance``.
+    off contact down to ``imbalance`` times the worst. It ends earlier after ``most`` iterations, or when the
+    displacement is off by no more than ``allowed_error``, rms over the sites, and the sum of the forces off
+    contact is at most ``allowed_imbalance``.
     """
 
     goal: float
     imbalance: float
     most: int
-    patience: int
     allowed_error: float = 0.0
     allowed_imbalance: float = math.inf
 
@@ -152,9 +159,9 @@ class FreeSites:
             neighbors += xp.roll(contacts, 1, axis=axis)
             neighbors += xp.roll(contacts, -1, axis=axis)
         self.free = 1.0 - contacts
-        mask = self.free / (1.0 + _SHORE * neighbors)
+        mask = self.free / (1.0 + TUNING.shore * neighbors)
 
-        pinning = _PINNING * _pinning(lattice, spectrum, contacts, neighbors, xp)
+        pinning = TUNING.pinning * _pinning(lattice, spectrum, contacts, neighbors, xp)
         longest = Lattice((2,) * lattice.dimension)
         lattices, cuts = [lattice], [math.inf]
         for coarse in _coarse_lattices(lattice.shape, lattice.edges):
@@ -191,9 +198,9 @@ class FreeSites:
         defect = xp.asarray(residual, copy=True)
         total = xp.zeros_like(residual)
         direction, slope, iterations = None, 1.0, 0
-        best, best_at, extra = 1.0, 0, 0
+        extra = 0
         unit, left_over = worst / self.unit, math.inf
-        while iterations < accuracy.most and iterations - best_at < accuracy.patience:
+        while iterations < accuracy.most:
             estimate = self.precondition(defect)
             previous, slope = slope, inner(residual, estimate, xp)
             found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
@@ -220,7 +227,7 @@ class FreeSites:
             left = largest(defect, xp)
             iterations += 1
             if allowed_error > 0:
-                left_over = unit * _USUAL_RATE * math.sqrt(found / lattice.sites)
+                left_over = unit * TUNING.usual_rate * math.sqrt(found / lattice.sites)
                 if left_over <= allowed_error and allowed_imbalance < math.inf:
                     share = worst * abs(float(xp.sum(defect, dtype=xp.float64))) / allowed_imbalance
                     left_over = max(left_over, allowed_error * share)
@@ -228,10 +235,8 @@ class FreeSites:
                     break
             if left <= accuracy.goal:
                 extra += 1
-                if extra > _EXTRA or abs(float(xp.sum(defect, dtype=xp.float64))) <= accuracy.imbalance:
+                if extra > TUNING.extra or abs(float(xp.sum(defect, dtype=xp.float64))) <= accuracy.imbalance:
                     break
-            if left < best:
-                best, best_at = left, iterations
         del direction, defect
         return self._correction(force, worst, total, residual, iterations, left_over)
 
@@ -269,8 +274,8 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
 def _coarse_lattices(shape: tuple[int, ...], edges: Edges) -> list[Lattice]:
     """Lattices coarser by four and four again."""
     lattices = []
-    while min(shape) // _COARSER >= _COARSEST:
-        shape = tuple(_odd_length(n // _COARSER) for n in shape)
+    while min(shape) // TUNING.coarser >= TUNING.coarsest:
+        shape = tuple(_odd_length(n // TUNING.coarser) for n in shape)
         lattices.append(Lattice(shape, edges=edges))
     return lattices
 
@@ -302,7 +307,7 @@ def _stiffness_of_waves(spectrum: Spectrum, coarse: Lattice) -> float:
 def _smoothing(coarse: Lattice) -> Spectrum:
     """What is left of a density, by modes, over the width in which contacts make one."""
     # The mean over a cell has a variance of 1/12.
-    exponent = sum(q**2 for q in coarse.angles) * ((_DENSITY_WIDTH**2 - 1 / 12) / 2)
+    exponent = sum(q**2 for q in coarse.angles) * ((TUNING.density_width**2 - 1 / 12) / 2)
     return np.asarray(np.exp(-exponent))
 
 
@@ -310,7 +315,7 @@ def _weights(in_contact: Mask, lattices: Sequence[Lattice], dtype: Any, xp: Any)
     """How far forces move the waves of each coarse lattice: 1 off contact, less where contacts crowd."""
     sums = _added_up(xp.astype(in_contact, xp.int32), xp)  # whole numbers add up several times faster
     densities = (_density(sums, coarse, dtype, xp) for coarse in lattices)
-    return [1.0 / (1.0 + _CROWDING / 2**level * density) for level, density in enumerate(densities)]
+    return [1.0 / (1.0 + TUNING.crowding / 2**level * density) for level, density in enumerate(densities)]
 
 
 def _added_up(cells: Any, xp: Any) -> Any:

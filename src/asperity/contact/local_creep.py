@@ -1,20 +1,44 @@
-"""What implicit steps of a local law of creep start from and lead to, whichever solid it is."""
+"""Implicit steps of a local law of creep: Newton's method, whichever solver finds the steps that are linear.
+
+A step of duration tau leads the forces s of the creeping springs to where, at every site that can move,
+
+    own s + tau v(s / a) = wanted,
+
+with a the area of a site, ``own`` its compliance for itself, and ``wanted`` what the rest of the solid, the
+rigid body and the rough surface leave for it. Newton's method linearizes v. Where the tangent errs too much
+the force of a site is found for itself, the rest staying as it is: there the equation has one root, which
+is bracketed, and no law overflows, however steep. Contacts are found on the way. (Newton's method for such
+problems: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).) A step is done when what the state
+lacks, measured afresh, is as little as it may be.
+"""
 
 from __future__ import annotations
 
+import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
+from functools import cached_property
 
 import numpy as np
 
+from asperity.contact.interface import Interface
 from asperity.creep import LocalCreep
+from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
 
-_EXACTLY = 1e-5
-"""Last change of a stress, relative to how far the law bends: Newton's method squares it."""
 
-_FEW, _MOST = 6, 100
-"""Iterations at a site before intervals are halved too, and at most; 60 halvings give all digits."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of the method."""
+
+    most_revisions: int = 60
+    """Linear problems after which a step is given up."""
+
+    unnoticed: float = 0.3
+    """Error of the law's tangent, in units of the error allowed, which need not be made up for."""
+
+
+TUNING = Tuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,69 +65,121 @@ class Stage:
     """An implicit step of duration ``tau`` from the creeping shape ``before``.
 
     Under load control ``load`` is the normal load; else it is None and ``position`` that of the rigid body.
-    At sites that are ``yielding`` the contact force is given, and the surface is not held up. A stage that
-    comes ``again`` follows one of the same duration, for which coarse grids have been prepared.
+    A stage that comes ``again`` follows one of the same duration, for which coarse grids have been prepared.
     """
 
     tau: float
     before: Field
     load: float | None
     position: float
-    yielding: Mask | None = None
     again: bool = False
 
 
-def stretches_of(
-    law: LocalCreep, own: Field | float, tau: float, stiffness: float, wanted: Field, start: Field
-) -> Field:
-    """Roots w of own w + tau v(stiffness w) = wanted, by Newton's method in intervals that hold them.
+class LinearLaw:
+    """A law, linear about the forces s at which a step of duration tau has arrived.
 
-    No law overflows in it: w is between 0 and wanted / own.
+    Attributes
+    ----------
+    force, velocity, slope
+        s, v(s / a) and v'(s / a).
+    """
+
+    def __init__(self, law: LocalCreep, tau: float, area: float, force: Field) -> None:
+        self.law, self.tau, self.area, self.force = law, tau, area, force
+        self.velocity, self.slope = law.velocity(force / area)
+
+    @cached_property
+    def creep(self) -> Field:
+        """How far the forces creep in the step, tau v(s / a)."""
+        return self.tau * self.velocity
+
+    @cached_property
+    def drag(self) -> Field:
+        """Derivative of the creep by s."""
+        return (self.tau / self.area) * self.slope
+
+    def bent(self, own: Field | float, change: Field, noticed: float) -> Mask:
+        """Sites at which the tangent errs by more than is noticed where their forces change so."""
+        bend = self.area * self.law.bend(self.force / self.area)
+        error = own * self.drag * change * change  # over a bend the slope changes by its own size
+        return np.asarray((own > 0) & ~(error <= noticed * bend * (own + self.drag)))
+
+    def found(self, own: Field | float, change: Field, sites: Mask) -> Field:
+        """Forces by the law at some sites, for what the tangent says of forces that change so."""
+        own, force, change = np.broadcast_to(own, sites.shape)[sites], self.force[sites], change[sites]
+        wanted = own * (force + change) + self.creep[sites] + self.drag[sites] * change
+        return forces_of(self.law, own, self.tau, self.area, wanted, force + change)
+
+
+def forces_of(law: LocalCreep, own: Field, tau: float, area: float, wanted: Field, start: Field) -> Field:
+    """Roots s of own s + tau v(s / area) = wanted, by Newton's method in intervals that hold them.
+
+    No law overflows in it: s is between 0 and wanted / own. An interval that Newton's method would leave, or
+    shortens by little as along an exponential, is halved. Ends where the last change, of which the next is
+    the square, is far below what bends the law.
     """
     low, high = np.minimum(wanted / own, 0.0), np.maximum(wanted / own, 0.0)
-    at = np.clip(start, low, high)
-    for step in range(_MOST):
-        value, slope = law.velocity(stiffness * at)
+    at = np.clip(np.nan_to_num(start), low, high)
+    for step in range(100):  # 60 halvings give all digits
+        value, slope = law.velocity(at / area)
         left = wanted - own * at - tau * value
         low, high = np.where(left > 0, at, low), np.where(left < 0, at, high)
-        closer = at + left / (own + tau * stiffness * slope)
+        closer = at + left / (own + tau / area * slope)
         outside = ~((closer > low) & (closer < high))
-        if step > _FEW:  # Newton's method creeps down an exponential
+        if step > 6:
             outside |= np.abs(closer - at) > 0.1 * (high - low)
         closer = np.where(outside & (high > low), 0.5 * (low + high), closer)
-        moved, at = stiffness * np.abs(closer - at), closer
-        if (moved <= _EXACTLY * law.bend(stiffness * at) + 4 * np.spacing(stiffness * np.abs(at))).all():
+        moved, at = np.abs(closer - at) / area, closer
+        if (moved <= 1e-5 * law.bend(at / area) + 4 * np.spacing(np.abs(at) / area)).all():
             break
     return at
 
 
-class LocalCreepSolver(Protocol):
+class LocalRun(ABC):
+    """One step being solved.
+
+    Attributes
+    ----------
+    rounding
+        Error of the creeping shape that rounding makes, a length.
+    """
+
+    rounding: float
+
+    @abstractmethod
+    def measure(self) -> float:
+        """Linearize the law, and revise the contacts; what the state lacks, a length, rms over the sites."""
+
+    @abstractmethod
+    def improve(self, allowed: float, noticed: float) -> int:
+        """Solve the linear step until no more than is allowed is left of it, or a small part; iterations.
+
+        Forces of sites at which the tangent errs by more than is noticed are found by the law.
+        """
+
+    @abstractmethod
+    def state(self) -> LocalState:
+        """The state that has been reached."""
+
+
+class ByLaw(ABC):
     """Solves implicit steps of one solid above one rough surface.
 
     Attributes
     ----------
+    law
+        The law of creep.
     heights
         The rough surface, which may yield between steps.
+    interface
+        Bounds of the force of a site.
     """
 
+    law: LocalCreep
     heights: Field
+    interface: Interface
 
-    def stretch(self, force: Field) -> Field:
-        """Stretch of the creeping springs under their force."""
-        ...
-
-    def indented(self, force: Field) -> float:
-        """How deep the largest force indents its site: under flat ones no other length tells rounding."""
-        ...
-
-    def balanced(self, state: LocalState, load: float | None) -> Field:
-        """Stretch with which the surface is in exact equilibrium, near that of the state."""
-        ...
-
-    def velocity(self, force: Field) -> Field:
-        """Velocity of the creeping shape."""
-        ...
-
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """Solve a step until the error of the creeping shape, rms, is allowed; and the iterations spent.
 
@@ -112,8 +188,43 @@ class LocalCreepSolver(Protocol):
         ConvergenceError
             The error did not fall that far.
         """
-        ...
+        run, spent, left = self.begin(stage, guess), 0, math.inf
+        allowed = max(allowed_error, run.rounding)
+        for revision in range(TUNING.most_revisions):
+            left = run.measure()
+            if left <= allowed and (revision or not left):
+                return run.state(), spent
+            if not math.isfinite(left):
+                break
+            spent += run.improve(allowed, TUNING.unnoticed * allowed)
+        raise ConvergenceError(
+            f"creep: a step of {stage.tau:.1e} lacks {left:.1e} after {spent} iterations, "
+            f"expected {allowed_error:.1e}; try a larger rtol"
+        )
 
+    @abstractmethod
+    def begin(self, stage: Stage, guess: LocalState) -> LocalRun:
+        """Begin to solve a step from a guess."""
+
+    @abstractmethod
+    def stretch(self, force: Field) -> Field:
+        """Stretch of the creeping springs under their force."""
+
+    @abstractmethod
+    def indented(self, force: Field) -> float:
+        """How deep the largest force indents its site: under flat ones no other length tells rounding."""
+
+    @abstractmethod
+    def balanced(self, state: LocalState, load: float | None) -> Field:
+        """Stretch with which the surface is in exact equilibrium, near that of the state."""
+
+    @abstractmethod
+    def velocity(self, force: Field) -> Field:
+        """Velocity of the creeping shape."""
+
+    @abstractmethod
     def damped(self, error: Field, stage: Stage, end: LocalState) -> Field:
-        """What an implicit step leaves of an error of the creeping shape, the contacts staying."""
-        ...
+        """What an implicit step leaves of an error of the creeping shape, the contacts staying.
+
+        The step must be the last that was solved.
+        """

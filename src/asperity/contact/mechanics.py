@@ -24,7 +24,6 @@ a small part of a transform. Fields of anchors and stretches have the branches a
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -35,6 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
+from asperity.contact.interface import RIGID, Interface, interface_of
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
@@ -110,8 +110,8 @@ class Mechanics(ABC):
         Largest H + sum of C_b of a wave; what holds the mean may be stiffer.
     fastest_creep
         Largest M_b C_b, the rate at which the fastest mode creeps at a given u.
-    bound
-        Upper bound on the force of a site, from the hardness of the solid.
+    interface
+        Bounds of the force of a site.
     """
 
     lattice: Lattice
@@ -122,7 +122,7 @@ class Mechanics(ABC):
     stressed_area: float
     greatest_stiffness: float
     fastest_creep: float
-    bound: float
+    interface: Interface
 
     @property
     def mean_stiffness(self) -> float:
@@ -175,7 +175,7 @@ class SpectralMechanics(Mechanics):
     def __init__(self, solid: Solid, lattice: Lattice) -> None:
         self.solid, self.lattice, self.branches = solid, lattice, len(solid.branches)
         self.law, self.stressed_area = solid.creep, lattice.cell if solid.in_lengths else 1.0
-        self.bound = solid.hardness * self.stressed_area
+        self.interface = interface_of(solid, lattice)
 
     @property
     def spectral(self) -> SpectralMechanics:
@@ -395,8 +395,8 @@ class SpectralStep(ImplicitStep):
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
         springs = self.springs(float(stiffness.flat[0]))
-        bound = mechanics.bound
-        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, springs, bound)
+        of_sites = springs, mechanics.interface
+        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, *of_sites)
 
     def springs(self, mean: float) -> SpringLaw | None:
         """S in terms of neighbors, on the lattice of springs; ``mean`` is S at wave vector 0."""
@@ -456,7 +456,7 @@ class SpringMechanics(Mechanics):
     def __init__(self, springs: SpringConstants, spectral: SpectralMechanics) -> None:
         self.springs, self._spectral, self.lattice = springs, spectral, spectral.lattice
         self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.R_viscous
-        self.law, self.stressed_area, self.bound = spectral.law, spectral.stressed_area, math.inf
+        self.law, self.stressed_area, self.interface = spectral.law, spectral.stressed_area, RIGID
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
         self.fastest_creep = springs.k1 * (8 * springs.R + springs.R_viscous)
 
@@ -547,7 +547,7 @@ class NeighborStep(ImplicitStep):
 def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:
     """Mechanics of a solid on a lattice: in terms of neighbors where there is such a form.
 
-    Forces that have a bound are found in Fourier modes: multigrid knows none.
+    Where the interface yields, forces are found in Fourier modes: multigrid knows no bound.
     """
     spectral, springs = SpectralMechanics(solid, lattice), solid.springs
     if springs is None or lattice.dimension != 2 or springs.k1 == 0 or solid.yields:

@@ -1,4 +1,4 @@
-r"""The contact problem that every solver solves, and the one residual by which each is judged.
+r"""The contact problem that every solver solves.
 
 Given a stiffness S >= 0, a right-hand side b and an obstacle xi, find the surface u with
 
@@ -8,7 +8,8 @@ which minimizes 1/2 u.S u - b.u over u >= xi. r is the contact force, site by si
 S vanishes at wave vector 0 the sum of r is fixed by the right-hand side: load control without feedback.
 
 Where the forces have an upper bound p, sites that reach it yield: r = p and u <= xi there. That minimizes the
-energy plus p times the sum of (xi - u) over the sites where it is positive, which is convex too.
+energy plus p times the sum of (xi - u) over the sites where it is positive, which is convex too. How far
+forces break these conditions `asperity.contact.interface` judges.
 
 A problem comes in one of two forms: `SpectralProblem`, in Fourier modes, for any solid; `SpringProblem`,
 in terms of neighbors, for the lattice of springs. The second can be turned into the first.
@@ -16,14 +17,13 @@ in terms of neighbors, for the lattice of springs. The second can be turned into
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
-from asperity.contact.stencils import extremes
+from asperity.contact.interface import RIGID, Interface
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 
 
@@ -65,8 +65,8 @@ class SpectralProblem:
         Whether the sum of the forces is prescribed.
     springs
         S in terms of neighbors, on a lattice of springs; on a line linear problems are solved so.
-    bound
-        Upper bound on the force of a site.
+    interface
+        Bounds of the force of a site.
     """
 
     lattice: Lattice
@@ -75,7 +75,7 @@ class SpectralProblem:
     rhs: Modes
     load_controlled: bool
     springs: SpringLaw | None = None
-    bound: float = math.inf
+    interface: Interface = RIGID
 
     def spectral(self) -> SpectralProblem:
         """Return the problem itself."""
@@ -189,21 +189,6 @@ class ContactSolver(Protocol):
 
 TOLERANCE = 1e-9
 """The tolerance to which published states are solved; the residual they carry shows it."""
-
-
-def residual(force: Field, in_contact: Mask, smallest_scale: float = 0.0) -> float:
-    """Largest violation of equilibrium, relative to the mean contact force.
-
-    Off contact any force is a violation; in contact a tensile (negative) one is. Penetration needs
-    no term: solvers hold u at the heights exactly. Where the mean contact force is below
-    ``smallest_scale``, or there is no contact, violations are measured against that instead.
-    """
-    if not math.isfinite(float(force.sum())):
-        return math.inf
-    worst, tension, load, contacts = extremes(force, in_contact)
-    worst = max(worst, tension)
-    scale = max(load / contacts if contacts else 0.0, smallest_scale)
-    return worst / scale if scale > 0 else (0.0 if worst == 0 else math.inf)
 
 
 def mean_by_rounding(force: Field, in_contact: Mask, size: float, xp: Any = np) -> float:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from asperity.contact.active_set import ActiveSet
+from asperity.contact.interface import Interface
 from asperity.contact.mechanics import Prescribed
 from asperity.contact.problem import TOLERANCE, Guess
 from asperity.contact.system import System
@@ -43,7 +44,7 @@ def normal_stiffness(system: System, in_contact: Mask) -> float:
         return 0.0
     flat = np.where(in_contact, 0.0, _DEEP)
     step = system.mechanics.spectral.implicit_step(0.0)
-    problem = replace(step.problem(flat, 0.0, Prescribed(1.0, 0.0)), bound=math.inf)
+    problem = replace(step.problem(flat, 0.0, Prescribed(1.0, 0.0)), interface=Interface(low=-math.inf))
     guess = Guess(np.zeros_like(flat), in_contact)
     u = ActiveSet().solve(problem, guess, TOLERANCE).u
     _, position = step.stretch(u, 0.0, Prescribed(1.0, 0.0))

@@ -13,7 +13,8 @@ import numpy as np
 from asperity.base import checks, views
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Control, Hold, Load, Separation
-from asperity.contact.problem import Solution, mean_by_rounding, residual
+from asperity.contact.interface import interface_of
+from asperity.contact.problem import Solution, mean_by_rounding
 from asperity.contact.response import RIM, normal_stiffness, rim_sides
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 
 _BLOCK = 2**20
 """Sites taken at a time where memory is spared."""
-
-_AT_THE_BOUND = 1e-6
-"""How far, relatively, a force may be from the hardness that still counts as it."""
 
 WHERE_FROM = "asperity.press(...), the `final` of a history, or asperity.results.load_contact(path, solid)"
 """Where a user gets a contact."""
@@ -180,8 +178,7 @@ class Contact(views.InNotebooks):
     @cached_property
     def yielding_area(self) -> int:
         """Number of sites in contact whose pressure is the hardness."""
-        bound = self.solid.hardness * (self.lattice.cell if self.solid.in_lengths else 1.0)
-        return int(np.count_nonzero(self.force >= (1 - _AT_THE_BOUND) * bound))
+        return interface_of(self.solid, self.lattice).yielding(self.force)
 
     @property
     def contact_fraction(self) -> float:
@@ -393,9 +390,7 @@ def contact_from(
         if system.load is None:
             size = float(np.abs(u).max()) * mechanics.mean_stiffness
             state.force[...] -= mean_by_rounding(state.force, in_contact, size)
-        left = residual(state.force, in_contact, floor)
-        if yielding is not None:
-            left = max(left, _excess(state.force, in_contact, yielding, mechanics.bound))
+        left = mechanics.interface.violation(state.force, in_contact, yielding, floor)
         if system.load and state.carried is not None:
             # The mean of the stretches is as accurate as waves are: a stiffer one follows from the load.
             most = system.sites * max(1.0, mechanics.mean_stiffness / mechanics.greatest_stiffness)
@@ -423,8 +418,7 @@ def contact_from(
         published = _rounded(anchors, surface, u, datum, mechanics.branches)
         state = _State.of(system, u - datum, published - datum, position)
     left, force = judged(state), state.force
-    np.clip(force, 0.0, mechanics.bound, out=force)
-    force *= in_contact
+    force = mechanics.interface.allowed(force, in_contact)
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
     return Contact._judged(
         heights=heights,
@@ -490,13 +484,6 @@ def _lowered(system: System, u: Field, bodies: Bodies | Contact) -> tuple[Field,
     lower = obstacle < bodies.heights - system.datum
     heights = np.where(lower, obstacle + system.datum, bodies.heights)
     return heights, before + (bodies.heights - heights)
-
-
-def _excess(force: Field, in_contact: Mask, yielding: Mask, bound: float) -> float:
-    """How far forces are from a bound, above it or where the surface yields, over their mean in contact."""
-    wrong = np.where(yielding, np.abs(force - bound), force - bound)
-    mean = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
-    return max(float(wrong.max()), 0.0) / mean if mean > 0 else 0.0
 
 
 def _smallest_force(system: System, u: Field) -> float:

@@ -74,8 +74,8 @@ class System:
 
     @property
     def yields(self) -> bool:
-        """Whether forces have a bound, above which the rough surface yields."""
-        return math.isfinite(self.mechanics.bound)
+        """Whether the rough surface yields under forces that are large enough."""
+        return self.mechanics.interface.yields
 
     def lowered(self, u: Field) -> System:
         """Return the system above the rough surface as a surface that may be below it leaves it."""
@@ -90,7 +90,7 @@ class System:
             The load is more than the whole surface can bear.
         """
         if self.load is not None:
-            most = _MOST_OF_ALL * self.mechanics.bound * self.sites
+            most = _MOST_OF_ALL * self.mechanics.interface.high * self.sites
             if self.load > most:
                 hardness = self.mechanics.spectral.solid.hardness
                 part = f"{_MOST_OF_ALL:g} of the hardness {hardness:g} times the nominal area"

@@ -1,0 +1,94 @@
+"""What the interface of two bodies allows: bounds of the force of a site, and how far forces break them.
+
+A site is off contact, where its force is 0; in contact, where its force is within the bounds; or yielding,
+where its force is the upper bound and the elastic surface is below the rough one. The judge of a published
+contact and every solver ask here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from asperity.contact.stencils import extremes
+from asperity.lattice import Field, Lattice, Mask
+from asperity.solids import Solid
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Bounds of the contact force of a site.
+
+    Attributes
+    ----------
+    low
+        Least force of a site in contact, at most 0: nothing sticks where it is 0.
+    high
+        Largest force, under which the rough surface yields; infinite where it is rigid.
+    """
+
+    low: float = 0.0
+    high: float = math.inf
+
+    @property
+    def yields(self) -> bool:
+        """Whether the rough surface yields under forces that are large enough."""
+        return self.high < math.inf
+
+    def allowed(self, force: Field, in_contact: Mask) -> Field:
+        """Forces as the interface has them: within the bounds in contact, and 0 elsewhere."""
+        return np.asarray(np.clip(force, self.low, self.high) * in_contact)
+
+    def yielding(self, force: Field) -> int:
+        """Number of sites whose force is the upper bound, to the digits of published contacts."""
+        return int(np.count_nonzero(force >= (1 - 1e-6) * self.high))
+
+    def wrong(
+        self,
+        force: Field,
+        gap: Field,
+        in_contact: Mask,
+        yielding: Mask,
+        slack: tuple[float, float] = (0.0, 0.0),
+    ) -> Mask:
+        """Sites that are not what their force and their gap say, by more than a slack of both.
+
+        Contacts whose force is beyond a bound, free sites that penetrate, and yielding ones that do not.
+        """
+        by_force, by_gap = slack
+        beyond = (force < self.low - by_force) | (force > self.high + by_force)
+        free = ~(in_contact | yielding)
+        return (in_contact & beyond) | (free & (gap < -by_gap)) | (yielding & (gap > by_gap))
+
+    def violation(
+        self, force: Field, in_contact: Mask, yielding: Mask | None = None, smallest_scale: float = 0.0
+    ) -> float:
+        """Largest violation of equilibrium, relative to the mean contact force.
+
+        Off contact any force is a violation; in contact one beyond a bound; where the surface is
+        ``yielding``, which is in contact, any other than the upper bound. Penetration needs no term: solvers
+        hold u at the heights exactly. Where the mean contact force is below ``smallest_scale``, or there is
+        no contact, violations are measured against that instead.
+        """
+        if not math.isfinite(float(force.sum())):
+            return math.inf
+        worst, tension, load, contacts = extremes(force, in_contact)
+        worst = max(worst, tension + self.low)
+        if self.yields:
+            excess = force - self.high
+            worst = max(worst, float(excess.max()))
+            if yielding is not None and yielding.any():
+                worst = max(worst, -float(excess[yielding].min()))
+        scale = max(load / contacts if contacts else 0.0, smallest_scale)
+        return worst / scale if scale > 0 else (0.0 if worst == 0 else math.inf)
+
+
+RIGID = Interface()
+"""Bodies that neither stick nor yield."""
+
+
+def interface_of(solid: Solid, lattice: Lattice) -> Interface:
+    """The interface between a solid and a rough surface whose hardness it knows."""
+    return Interface(high=solid.hardness * (lattice.cell if solid.in_lengths else 1.0))
