@@ -57,8 +57,9 @@ class Axis:
 
 
 def empty(sites: Sites, backend: Processor) -> Single:
-    """A field of zeros."""
-    return backend.packed(np.zeros(sites[:2]))
+    """A field of zeros, in memory that nothing has touched yet."""
+    row = backend.packed(np.zeros((1, sites.columns)))
+    return np.zeros((sites.rows, *row.shape[1:]), row.dtype)
 
 
 def together(fields: Iterable[Single]) -> Fields:
@@ -176,9 +177,7 @@ class Hierarchy:
                 fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
             softening = response.softening(level, mean)
-            above = np.maximum(fine.pins - np.float32(mean), np.float32(0.0))
-            soft = fine.pins / (np.float32(1.0) + np.float32(softening) * above)
-            self.backend.restrict(soft, fine.sites, coarse.pins)
+            self.backend.restrict(fine.pins, fine.sites, coarse.pins, softening, mean)
             held, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:

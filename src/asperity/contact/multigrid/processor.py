@@ -104,9 +104,14 @@ class Processor:
         rows.total(field, sites.columns, sums)
         return float(sums[:, 0].sum())
 
-    def restrict(self, field: Single, sites: Sites, out: Single) -> None:
-        """A field on the next coarser grid, by the transpose of interpolation."""
-        rows.restrict(field, sites, out)
+    def restrict(
+        self, field: Single, sites: Sites, out: Single, softening: float = 0.0, mean: float = 0.0
+    ) -> None:
+        """A field on the next coarser grid, by the transpose of interpolation.
+
+        Above the mean a value x becomes x / (1 + softening (x - mean)) before.
+        """
+        rows.restrict(field, sites, np.float32(softening), np.float32(mean), out)
 
     # From states to corrections, and back.
 

@@ -43,7 +43,7 @@ from asperity.contact.multigrid.loops import (
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
-from asperity.contact.stencils import lattice_force
+from asperity.contact.stencils import linearize
 from asperity.lattice import Field, Mask
 
 
@@ -98,6 +98,11 @@ class Tangent(NamedTuple):
     lagging: float
     beside: float
     bend: Any
+
+    def bends(self, shape: tuple[int, ...]) -> Field:
+        """How far stretches move until the slope is another, by site or in one row for all."""
+        scale = np.asarray(self.bend, dtype=float)
+        return np.ascontiguousarray(scale if scale.ndim == 2 else np.full((1, shape[1]), scale))
 
     def error(self, own: Field, change: Field) -> Field:
         """What it leaves of a stretch that changes, at sites whose lag and neighbors add up to ``own``.
@@ -251,29 +256,24 @@ class TwoFields:
         into, sites = Measured(self.bound, self.source.e, self.source.f), self.sites
         measured = Scales(*scales, 0.0)
         stretch = backend.measure(surface, springs, 0.0, measured, into, sites, flowing=False).stretch
-        lacking = lattice_force(w, w, springs.spread, tangent.lagging, mirrored=sites.mirrored)
-        np.subtract(u, lacking, out=lacking)
-        lacking -= law.anchors
-        lacking -= law.tau * law.velocity
-        lacking -= law.position
         own = (law.tau * springs.k1) * law.derivative
         own += tangent.lagging + tangent.beside
-        alone = lacking / own
-        left, squares = tangent.error(own, alone), inner(alone, alone, np)
+        bend, lacking, sums = tangent.bends(u.shape), np.empty(u.shape), np.empty((len(u), 4))
+        numbers = springs.spread, tangent.lagging, tangent.beside, law.position, law.tau, sites.mirrored
+        linearize(u, w, law.anchors, law.velocity, own, bend, *numbers, lacking, sums)
+        alone, squares, left, response = sums.sum(axis=0).tolist()
         lacking /= unit
         self.source.f[...] = backend.packed(lacking)
-        response = float(np.sum(1.0 / own)) if total is not None else 0.0
         own -= tangent.beside
         self.lag, self.even = backend.packed(np.minimum(own, law.largest, out=own)), False
         for field in self.correction:
             field.fill(0.0)
         self.shift, self.known_stretch, self.wanted = 0.0, stretch / unit, None
         if total is not None:
-            change = float(alone.sum())
             self.wanted = (total - stretch) / unit
-            self.shift = (self.wanted - change / unit) / (response or math.nan)
-            squares -= change * change / self.size
-        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(inner(left, left, np) / self.size)
+            self.shift = (self.wanted - alone / unit) / (response or math.nan)
+            squares -= alone * alone / self.size
+        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(left / self.size)
 
     def relag(self) -> None:
         """Bring the lag by site to the coarse grids."""
