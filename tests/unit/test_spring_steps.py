@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.aging.spring_steps import SpringSteps, extrapolation
-from asperity.aging.tr_bdf2 import Aim, FieldSteps
+from asperity.aging.field_steps import FieldSteps
+from asperity.aging.spring_steps import SpringSteps
+from asperity.aging.tr_bdf2 import Aim, extrapolation
 from asperity.contact import ActiveSet, Multigrid, Separation
 from asperity.contact.mechanics import SpringMechanics, mechanics_of
 from asperity.contact.multigrid import loops
@@ -74,10 +75,8 @@ def test_extrapolation_continues_polynomials(count):
         assert np.dot(weights, np.power(places, power)) == pytest.approx(3.3**power, rel=1e-12)
 
 
-def test_extrapolation_uses_no_place_that_would_multiply_errors():
+def test_one_state_is_all_that_is_known_at_first():
     assert extrapolation([1.0], 2.0) == [1.0]
-    weights = extrapolation([1.0, 0.9, 0.89], 1.5)
-    assert weights == pytest.approx([6.0, -5.0, 0.0])
 
 
 CASES = [
@@ -99,14 +98,10 @@ def test_a_step_agrees_with_one_of_whole_fields(heights, k1, p, R_viscous, held)
     quick = SpringSteps.begin(system, Multigrid(), contact)
     scale = contact.u.std()
     for duration in (0.1, 0.5, 3.0):
-        errors = [
-            steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (1e-9 * scale, 1e-9 * scale))).error
-            for steps in (quick, exact)
-        ]
-        assert quick.by_fields is None
-        # What is left of errors in contact is a mean in one and solved for in the other, which is less.
-        most = 1.01 if p < 0.02 else 1.5
-        assert 0.95 * errors[1] - 1e-6 * scale <= errors[0] <= most * errors[1] + 1e-6 * scale
+        aim = Aim((TOLERANCE, TOLERANCE), (1e-9 * scale, 1e-9 * scale))
+        errors = [steps.attempt(duration, aim).error for steps in (quick, exact)]
+        # What is left of errors in contact is solved for in the first and a mean in the other, which is more.
+        assert errors[1] / 1.7 - 1e-6 * scale <= errors[0] <= 1.05 * errors[1] + 1e-6 * scale
         for steps in (quick, exact):
             steps.accept(exact.time + duration if steps is quick else quick.time)
         fields = exact.point.u, contact.lattice.backward(exact.point.stretch)
@@ -154,8 +149,7 @@ def test_cycles_solve_every_step_where_the_creeping_springs_are_stiff():
     steps = SpringSteps.begin(contact.system(None), Multigrid(), contact)
     allowed, left, time, duration = 1e-4 * heights.std(), 0, 0.0, 1e-4
     while time < 100.0:
-        steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (allowed, allowed)))
-        left += steps.by_fields is not None
+        left += steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (allowed, allowed))).failure is not None
         time += duration
         steps.accept(time)
         duration = 0.15 * time

@@ -13,7 +13,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from asperity.aging.march import Frame, Midway, Pace, creep
+from asperity.aging.frames import Frame, Midway, Pace
+from asperity.aging.march import creep
 from asperity.contact.controls import Control, control_from
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
@@ -178,7 +179,7 @@ class _Way:
             steps=0,
             rejected=0,
             iterations=contact.iterations,
-            exact=False,
+            solved_by="",
         )
         return self.now
 
@@ -229,7 +230,7 @@ class _Way:
 
         def keep(midway: Midway) -> None:
             nonlocal told
-            told = Pace(midway.length if told is None else told.length, midway.deformation)
+            told = Pace(midway.controller.length if told is None else told.length, midway.deformation)
             if self.after_step is not None:
                 self.after_step(LegMidway(number, control, approach, midway, shifts, told))
 

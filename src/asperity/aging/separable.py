@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +98,8 @@ class SeparableSteps:
     modes, anchors
         Fourier modes of u and of u_b.
     """
+
+    kind: ClassVar[str] = "exact"
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> None:
         self.system, self.solver = system, solver
