@@ -6,7 +6,7 @@ does to all sites of that color at once, as a graphics card would.
 
 import numpy as np
 
-from asperity.contact.multigrid.processor import Creep, Defects, Extremes, Forces, Moments
+from asperity.contact.multigrid.processor import Defects, Extremes, Forces, Moments
 
 
 def around(x, sites):
@@ -161,22 +161,6 @@ class WholeFields:
     def correct_1(self, eq, coarse, previous, alpha, beta):
         previous[...] = (alpha * refined(coarse, eq.sites) + beta * previous) * (eq.e > eq.bound)
         eq.e[...] = np.maximum(eq.bound, eq.e + previous)
-
-    def begin_1(self, eq, e, least, c, spread, creep):
-        np.maximum(eq.e, eq.bound, out=eq.e)
-        creep[...], eq.b[...] = e - eq.e, (c + least) / spread
-
-    def begin_error_1(self, eq, touching, error, c, spread):
-        in_contact = touching[0] > touching[1]
-        eq.e.fill(0)
-        c[...], eq.bound[...] = -error, np.where(in_contact, -np.inf, 0.0)
-        eq.b[...] = np.where(in_contact, c / spread, -1e30)
-
-    def surface_1(self, eq, e, least, c, spread, creep):
-        lifted = spread * (lap(eq.e, eq.sites) + eq.bed * eq.e + eq.uniform) - c
-        e[...] = np.where(eq.e > eq.bound, least, lifted)
-        change, creep[...] = e - eq.e - creep, e - eq.e
-        return Creep((change**2).sum(), eq.e.sum(), (e**2).sum(), np.sum((least == 0) & (e > 0)))
 
     def smooth_1(self, grid, order):
         area = np.outer(grid.my, grid.mx)

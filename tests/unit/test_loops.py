@@ -53,7 +53,7 @@ def run_python(code, **environment):
     )
 
 
-NAMES = ("asperities", "branches", "line_sites", "loaded_sites", "multigrid.loops", "stencils")
+NAMES = ("asperities", "branches", "line_sites", "multigrid.loops", "stencils")
 MODULES = [f"asperity.contact.{name}" for name in NAMES]
 TREES = {name: ast.parse(inspect.getsource(importlib.import_module(name))) for name in MODULES}
 COMPILED_SO = {

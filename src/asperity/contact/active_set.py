@@ -32,7 +32,7 @@ from asperity.base import checks
 from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.free_sites import Accuracy, FreeSites
-from asperity.contact.loaded_sites import SpringSites, spring_sites
+from asperity.contact.line_sites import LineSites, line_sites
 from asperity.contact.problem import (
     ContactProblem,
     Guess,
@@ -213,7 +213,7 @@ class _Run:
             else:
                 u = xp.asarray(_free_surface(self.problem, self.yielding))
         self.u = xp.where(self.in_contact, self.heights, u)
-        self.free_sites: FreeSites | SpringSites | None = None
+        self.free_sites: FreeSites | LineSites | None = None
         self.left_over = math.inf
         if self.single and self.set_changes and self.yielding is None:
             self.update_force(self.u - u)
@@ -327,14 +327,14 @@ class _Run:
         self.iterations += max(1, correction.iterations)
         return correction.displacement
 
-    def linear_problem(self) -> FreeSites | SpringSites:
+    def linear_problem(self) -> FreeSites | LineSites:
         """The linear problem on the present set of contacts, in the present precision."""
         xp = self.xp
         direct = xp is library("numpy") and self.iterations < _MOST_DIRECT
-        if direct and isinstance(self.free_sites, SpringSites):
+        if direct and isinstance(self.free_sites, LineSites):
             return self.free_sites
         if direct and self.free_sites is None:
-            direct_sites = spring_sites(self.problem.lattice, self.problem.springs, self.in_contact)
+            direct_sites = line_sites(self.problem.lattice, self.problem.springs, self.in_contact)
             if direct_sites is not None:
                 self.free_sites = direct_sites
                 return direct_sites

@@ -93,6 +93,11 @@ class LineSites:
         return 2 * field - before - after
 
 
+def line_sites(lattice: Lattice, law: SpringLaw | None, in_contact: Mask) -> LineSites | None:
+    """The linear problem in terms of neighbors, on a line of springs; else None."""
+    return None if law is None or lattice.dimension > 1 else LineSites(lattice, law, in_contact)
+
+
 @compiled
 def factorize(
     k0: float,

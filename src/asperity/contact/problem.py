@@ -64,8 +64,7 @@ class SpectralProblem:
     load_controlled
         Whether the sum of the forces is prescribed.
     springs
-        S in terms of neighbors, on a lattice of springs; on a line, and where k0 = 0, linear problems are
-        solved in these terms.
+        S in terms of neighbors, on a lattice of springs; on a line linear problems are solved so.
     bound
         Upper bound on the force of a site.
     """

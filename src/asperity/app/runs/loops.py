@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact import asperities, branches, line_sites, loaded_sites, stencils
+from asperity.contact import asperities, branches, line_sites, stencils
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
 from asperity.contact.multigrid import loops
@@ -23,8 +23,8 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
     What takes so long is told before it begins, if anything has to be compiled; where the machine code is
     kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
-    of_sites = line_sites.substitute, loaded_sites.solve, branches.add_power
-    stamp = stamp_of(loops.wrap, stencils.forces, asperities.overlap_by_rows, *of_sites)
+    others = stencils.forces, asperities.overlap_by_rows, line_sites.substitute, branches.add_power
+    stamp = stamp_of(loops.wrap, *others)
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
         return

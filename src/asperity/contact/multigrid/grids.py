@@ -10,7 +10,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.contact.arrays import inner
 from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Pair, Single, Sites
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
@@ -18,13 +17,6 @@ from asperity.lattice import Field
 
 _COARSEST = 16
 """Most sites of the grid on which the problem is solved directly."""
-
-_RANDOM = 2.25
-"""Variance of what contacts at random add up to on a coarse site, in units of that of one site.
-
-They count 1, or 1/2 (four of them), or 1/4 (four); where all are alike the variance is 16 times one site's.
-"""
-
 
 _HARD = 1e3
 """Stiffness of a pin that does not give, in units of k0 (4 + bed)."""
@@ -165,32 +157,21 @@ class Hierarchy:
         """The corrections of two fields that the first coarse grid hands over."""
         return Pair(*self.grids[0].joined)
 
-    def set_pins(
-        self, e: Single, bound: Single, fraction: float, response: Response, *, crowds_give: bool = False
-    ) -> float:
+    def set_pins(self, e: Single, bound: Single, fraction: float, response: Response) -> None:
         """Set pins on all coarse grids; ``fraction`` is that of the sites in contact.
 
         A pin among others as stiff does not soften: where all sites that share a coarse one are held, so is
-        that. Unless ``crowds_give``: then a crowd holds the surface like one of them, and pins on the first
-        coarse grid are softer by the ratio of their variance to that of as many sites at random, which is
-        returned; at least 1.
+        that.
         """
         if fraction == 0:
             for grid in self.grids:
                 grid.pins.fill(0.0)
-            return 1.0
+            return
         sigma = response.coherent_potential(fraction)
         first, strength = self.grids[0], 1.0 / response.softening(0, sigma)
         self.backend.pin(e, bound, self.sites, strength, first.pins)
-        crowding = 1.0
-        if crowds_give and fraction < 1:
-            count, random = math.prod(first.sites[:2]), _RANDOM * strength**2 * fraction * (1.0 - fraction)
-            mean = float(first.pins.sum(dtype=float)) / count
-            variance = inner(first.pins, first.pins, np) / count - mean**2
-            crowding = max(variance / random, 1.0)
-            first.pins /= np.float32(crowding)
         # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.
-        held, hard, crowds = strength, _HARD * (4.0 + response.bed), not crowds_give
+        held, hard, crowds = strength, _HARD * (4.0 + response.bed), True
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
             if crowds:
                 full = fine.pins >= np.float32(_ALL * held) * fine.sharing
@@ -200,7 +181,6 @@ class Hierarchy:
             softening = response.softening(level, mean)
             self.backend.coarser_pins(fine.pins, fine.sites, softening, mean, coarse.pins)
             held, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
-        return crowding
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
         """A lag by site, on the coarse grids: its mean over a cell, weighted by how far its sites respond.

@@ -51,15 +51,6 @@ class Extremes(NamedTuple):
     contacts: float
 
 
-class Creep(NamedTuple):
-    """Of a stretch: squares of the last change of u0, sum of f, squares of e, contacts that opened."""
-
-    squares: float
-    stretch: float
-    moves: float
-    opened: float
-
-
 class Forces(NamedTuple):
     """Of a state: largest force off contact, largest tension in a row, load, contacts, imbalance."""
 
@@ -247,22 +238,6 @@ class Processor:
     def correct_1(self, eq: One, coarse: Single, previous: Single, alpha: float, beta: float) -> None:
         """Move free sites by alpha times the correction plus beta times the previous move, and project."""
         loops.correct_1(eq, coarse, previous, np.float32(alpha), np.float32(beta))
-
-    def begin_1(self, eq: One, e: Single, least: Single, c: Single, spread: float, creep: Single) -> None:
-        """From guesses of e and of eq.e: the latter within its bound, its source, and the difference."""
-        loops.begin_1(eq, e, least, c, np.float32(spread), creep)
-
-    def begin_error_1(
-        self, eq: One, touching: tuple[Single, Single], error: Single, c: Single, spread: float
-    ) -> None:
-        """The same for an error of u0, rows in order, off contact where the two fields are equal."""
-        loops.begin_error_1(eq, *touching, error, c, np.float32(spread))
-
-    def surface_1(self, eq: One, e: Single, least: Single, c: Single, spread: float, creep: Single) -> Creep:
-        """The change e of the surface that belongs to eq.e, and their difference."""
-        sums = self._sums(eq.sites)
-        loops.surface_1(eq, e, least, c, np.float32(spread), creep, sums)
-        return Creep(*sums[:, :4].sum(axis=0).tolist())
 
     def descend_1(self, grid: CoarseOne, coupling: float, out: Single) -> float:
         """A sweep from nothing and the defect on the next coarser grid; the sum of the correction."""

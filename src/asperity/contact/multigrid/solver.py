@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,6 @@ from asperity.contact.arrays import inner
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.cascade import interpolated
 from asperity.contact.mechanics import Mechanics, SpringMechanics
-from asperity.contact.multigrid.independent import IndependentSprings
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
@@ -37,7 +36,7 @@ _SMOOTH = 0.5
 _COARSE_TOLERANCE = 3e-2
 """Tolerance on coarser lattices, whose solution is only a guess; relative to the mean contact force."""
 
-W = TypeVar("W", OneField, TwoFields, IndependentSprings)
+W = TypeVar("W", OneField, TwoFields)
 
 _FEWEST_SITES = 4
 """Smallest length of an axis, in sites, for which multigrid is used."""
@@ -98,7 +97,7 @@ class Multigrid:
             )
         springs = problem.step
         if springs.k0 == 0:
-            if springs.spread > 0:  # steps of creep are `IndependentSprings`'s
+            if springs.spread > 0:
                 return ActiveSet().solve(problem, guess, tolerance)
             return _independent(springs, problem.heights)
         if guess is None:
@@ -152,14 +151,10 @@ class Multigrid:
         done, cycles = work.solve(springs, heights, u, stretch, tolerance, self.max_cycles)
         return done, cycles, stretch
 
-    def work_on(self, mechanics: SpringMechanics) -> TwoFields | IndependentSprings:
+    def work_on(self, mechanics: SpringMechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
         rows, columns = mechanics.lattice.shape
-        kind: Any = TwoFields if mechanics.springs.k0 else IndependentSprings
-        work: TwoFields | IndependentSprings = self._workspace(
-            kind, Sites(rows, columns, mechanics.lattice.reflecting)
-        )
-        return work
+        return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
 
     def stages(
         self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[np.floating]]

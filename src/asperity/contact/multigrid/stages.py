@@ -21,10 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
-from asperity.contact.multigrid.independent import IndependentSprings
 from asperity.contact.multigrid.loops import Measured, Pair, Past, Single, Springs, Surface
 from asperity.contact.multigrid.processor import Moments
-from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.multigrid.two_fields import SOFTEST, TwoFields
 from asperity.lattice import Field
 from asperity.solids import SpringConstants
 
@@ -48,14 +47,14 @@ class StageSolver:
 
     def __init__(
         self,
-        work: TwoFields | IndependentSprings,
+        work: TwoFields,
         springs: SpringConstants,
         heights: Field,
         arrays: Mapping[str, NDArray[Any]],
     ) -> None:
         self.work, self.backend, self.sites = work, work.backend, work.sites
         self.springs, self.heights = springs, np.ascontiguousarray(heights)
-        self.bed = springs.k1 / springs.k0 if springs.k0 else math.inf
+        self.k0 = max(springs.k0, SOFTEST * springs.k1)
         self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
         self.unit, self.level = map(float, arrays["scales"][:2])
         self.changes = [Pair(arrays[f"change_{n}_u"], arrays[f"change_{n}_stretch"]) for n in range(2)]
@@ -63,9 +62,7 @@ class StageSolver:
         self.measure()
 
     @staticmethod
-    def arrays(
-        work: TwoFields | IndependentSprings, u: Field, w: Field, rate: Field
-    ) -> dict[str, NDArray[Any]]:
+    def arrays(work: TwoFields, u: Field, w: Field, rate: Field) -> dict[str, NDArray[Any]]:
         """What a solver is made of, at the start of a history."""
         unit = max(largest(u, np), largest(w, np)) or 1.0
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
@@ -94,7 +91,7 @@ class StageSolver:
         """Set the duration of both stages and the weight of rates; guess the first by those of changes."""
         s = self.springs
         self.tau, self.weight = tau, weight
-        self.work.prepare(self.bed, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
+        self.work.prepare(s.k1 / self.k0, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
         places = (self.work.bound, self.work.correction, self.work.source.f, self.sites)
         self.sums = self.backend.guess_1(self._past(weights), *places)
 
@@ -187,8 +184,7 @@ class StageSolver:
     def _advance(self, offset: float) -> None:
         """Add the corrections, and an offset to w, and prepare for steps from there."""
         s, work = self.springs, self.work
-        stiffness = (1.0, self.bed) if s.k0 else (0.0, 1.0)
-        springs = Springs(*stiffness, s.k1 * s.R, s.k1 * s.R_viscous)
+        springs = Springs(s.k0 / self.k0, s.k1 / self.k0, s.k1 * s.R, s.k1 * s.R_viscous)
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, work.source.e, self.flow)
         scales = (self.unit, self.level, into, self.sites)
         self.moments: Moments = self.backend.advance(work.correction, offset, surface, springs, *scales)

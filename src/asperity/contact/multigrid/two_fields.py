@@ -61,13 +61,18 @@ _FORCE_ERROR, _LEAST_FORCE_ERROR = 1e-3, 1e-5
 """Error of the sum of the forces that is allowed even where an error of u0 is, and the least asked for."""
 
 _STIFF = 100.0
-"""k1/k0 from which the former falls with its square: errors of all steps have one sign, and add up."""
+"""k1/k0 from which the former falls with its square: errors of all steps have one sign, and add up.
+
+Also the most with which is estimated what a step leaves of an error."""
 
 _LEFT = 0.03, 8
 """How well what a step leaves of an error is known, in units of that error, and the most cycles for it."""
 
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
+
+SOFTEST = 1e-5
+"""Least k0/k1 in corrections, which need not be exact: the forces that they are to remove are."""
 
 
 class TwoFields:
@@ -187,7 +192,7 @@ class TwoFields:
         cycles do not solve them, all of the error is left.
         """
         work, backend = self.errors, self.backend
-        work.prepare(self.bed, spread, drag)
+        work.prepare(min(self.bed, _STIFF), spread, drag)
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
         squares, opened = backend.begin_error_2(self.correction.e, self.bound, error, work.equation())
         self.opened, scale = opened > 0, math.sqrt(squares / self.size)
