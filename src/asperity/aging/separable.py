@@ -195,9 +195,9 @@ class SeparableSteps:
         rhs = lattice.flat_modes(-total / system.sites)
         problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)
         if self.eager and isinstance(self.solver, ActiveSet):
-            passing, allowed = aim.allowed_errors
-            published = allowed < passing  # what it leaves is then the only error of the contacts
-            allowed = _PUBLISHED * allowed if published else passing
+            passing, ending = aim.allowed_errors
+            published = ending < passing  # what it leaves is then the only error of the contacts
+            allowed = ending if published else passing
             solution = self.solver.solve(problem, guess, aim.tolerances[1], allowed, settled=published)
         else:  # forces relax; what is left off contact stays in the anchors, and is to be small beside them
             solution = self.solver.solve(problem, guess, TOLERANCE * load / total)

@@ -20,6 +20,7 @@ All this happens to a correction (e, f) of the pair, in single precision and in 
 from __future__ import annotations
 
 import math
+from copy import copy
 from functools import cached_property
 from typing import Any
 
@@ -65,7 +66,7 @@ _STIFF = 100.0
 
 Also the most with which is estimated what a step leaves of an error."""
 
-_LEFT = 0.03, 8
+_LEFT = 0.2, 8
 """How well what a step leaves of an error is known, in units of that error, and the most cycles for it."""
 
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
@@ -96,8 +97,6 @@ class TwoFields:
         Number of sites that carry a force that is given, off the obstacle.
     known_stretch
         Sum of w before the correction, a length.
-    opened
-        Whether a site that was in contact before the correction no longer is; known after `left_of`.
     """
 
     def __init__(self, sites: Sites, backend: Processor) -> None:
@@ -109,7 +108,7 @@ class TwoFields:
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
         self.weights, self.last_shift, self.keeping, self.overshooting = (1.0, 0.0), 0.0, False, False
         self.wanted: float | None = None
-        self.yielding, self.opened = 0, False
+        self.yielding = 0
         self.latest: Single = np.zeros(0, np.float32)
 
     def pair(self) -> Pair:
@@ -181,22 +180,25 @@ class TwoFields:
         return False, max_cycles
 
     @cached_property
-    def errors(self) -> TwoFields:
-        """Work space for errors of the corrections."""
-        return TwoFields(self.sites, self.backend)
+    def spare(self) -> tuple[Pair, Pair, Pair, Single]:
+        """Places for an error of the correction."""
+        return self.pair(), self.pair(), self.pair(), self.backend.zeros(self.sites)
 
     def left_of(self, error: Single, spread: float, drag: float) -> float:
         """What an implicit step leaves of an error of u0, rms over the sites, while the contacts stay.
 
-        The error has its rows in order. The equations are those of a step, with e = 0 in contact. Where
-        cycles do not solve them, all of the error is left.
+        The error has its rows in order. The equations are those of a step, with e = 0 in contact, and the
+        pins are those of the correction, where the coefficients are. Where cycles do not solve them, all of
+        the error is left.
         """
-        work, backend = self.errors, self.backend
-        work.prepare(min(self.bed, _STIFF), spread, drag)
+        work, backend = copy(self), self.backend
+        work.correction, work.source, work.previous, work.bound = self.spare
+        if self.bed > _STIFF or (spread, 1.0 + drag) != (self.spread, self.mean_lag):
+            work.prepare(min(self.bed, _STIFF), spread, drag)
+            self.pinned, self.factorized = -math.inf, False
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
-        squares, opened = backend.begin_error_2(self.correction.e, self.bound, error, work.equation())
-        self.opened, scale = opened > 0, math.sqrt(squares / self.size)
-        goal, most = _LEFT
+        squares, _ = backend.begin_error_2(self.correction.e, self.bound, error, work.equation())
+        scale, (goal, most) = math.sqrt(squares / self.size), _LEFT
         done, _ = work.improve(goal * scale, most, total_counts=False)
         if not done:
             return scale
