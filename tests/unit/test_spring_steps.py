@@ -8,14 +8,11 @@ from asperity.aging.field_steps import FieldSteps
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim, extrapolation
 from asperity.contact import ActiveSet, Multigrid, Separation
-from asperity.contact.mechanics import SpringMechanics, mechanics_of
 from asperity.contact.multigrid import loops
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import _relaxed
 from asperity.contact.problem import TOLERANCE, residual
-from asperity.contact.stencils import damped_power
-from asperity.lattice import Lattice
 from tests.independent import laplacian
 from tests.surfaces import correlated, uncorrelated
 
@@ -48,23 +45,6 @@ def test_products_along_bonds_are_those_of_the_laplacian(shape):
     a, b, ny = packed(x), packed(y), shape[0]
     found = sum(loops.along_bonds(a[i], a[(i + 1) % ny], b[i], b[(i + 1) % ny], shape[1]) for i in range(ny))
     assert found == pytest.approx(-np.sum(x * laplacian(y.astype(float))), rel=1e-4, abs=1e-3)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("touching", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("tau", [0.0, 1.0, 1e4])
-def test_power_is_damped_as_the_spectra_say(shape, tau, touching):
-    solid = asp.solids.spring_lattice(k0=2.0, k1=0.7, R=1.5, R_viscous=0.3)
-    error = np.random.default_rng(1).normal(size=shape)
-    mechanics = mechanics_of(solid, Lattice(shape))
-    assert isinstance(mechanics, SpringMechanics)
-    lattice, s = mechanics.lattice, mechanics.spectral.spectra
-    H, (C,), (rate,) = s.permanent, s.creeping, s.rate
-    modes = lattice.forward(error)
-    damping = touching / (1 + tau * rate) + (1 - touching) / (1 + tau * rate * H / (H + C))
-    exact = lattice.mean_over_modes(np.abs(modes * damping) ** 2)
-    found = damped_power(modes.astype(np.complex64), shape, mechanics.springs, tau, touching)
-    assert found == pytest.approx(exact, rel=1e-4)
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])
@@ -129,10 +109,10 @@ def test_steps_that_cycles_do_not_solve_are_left_to_the_fourier_solver():
     contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
     times = np.geomspace(1e-2, 1e3, 6)
     usual, helped = (asp.age(contact, times, solver=Multigrid(max_cycles=n)) for n in (40, 0))
-    np.testing.assert_allclose(helped.final.u0, usual.final.u0, atol=1e-4)
+    np.testing.assert_allclose(helped.final.u0, usual.final.u0, atol=2e-4)
     assert helped.dataset["iterations"].values[1:].min() > 0
     mixed = asp.age(contact, times, solver=Multigrid(max_cycles=1))  # some by either
-    np.testing.assert_allclose(mixed.final.u0, usual.final.u0, atol=1e-4)
+    np.testing.assert_allclose(mixed.final.u0, usual.final.u0, atol=2e-4)
 
 
 @pytest.mark.parametrize(("part", "growth"), [(1.0, -2.7), (0.27, 0.5), (1.2, -0.99)])

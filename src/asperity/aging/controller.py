@@ -33,6 +33,11 @@ class Tuning:
 TUNING = Tuning()
 
 
+def step_tolerance(rtol: float) -> float:
+    """Error that one time step may have, in deformations, so that all err by ``rtol``."""
+    return float((TUNING.step_error * rtol) ** 1.5)
+
+
 @dataclass
 class Controller:
     """Chooses the length of the next time step.
@@ -57,11 +62,6 @@ class Controller:
     tried: int = 0
     since: float = 0.0
     wished: float = math.inf
-
-    @classmethod
-    def of_rtol(cls, rtol: float) -> Controller:
-        """For a bound on the error of all steps; see `Tuning`."""
-        return cls((TUNING.step_error * rtol) ** 1.5)
 
     def begin(self, deformation: float, speed: float) -> None:
         """Set the length of the first step: u0 changes by a small part of the deformation."""

@@ -52,14 +52,6 @@ class LegMidway:
     pace: Pace | None = None
 
 
-_AT_ONCE = 1e-3
-"""Part of the time to the first state of a ramp from no load, at the end of which the load of then is put on.
-
-Without a load there is no deformation that errors could be relative to. What creeps in the meantime is left
-out: half the square of this part of what has crept at the first state.
-"""
-
-
 def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
     """Refuse slides without periodic edges, along an axis that is none, or by parts of sites that yield.
 
@@ -219,7 +211,9 @@ class _Way:
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
         loading = control
         if control.load_controlled and control.value == 0:
-            begun += (late := _AT_ONCE * (float(stops[0]) - begun))
+            # Without a load there is no deformation that errors could be relative to: the load of a time is
+            # put on at once then. What creeps before is half the square of rtol of that at the first state.
+            begun += (late := self.rtol * (float(stops[0]) - begun))
             loading = replace(control, value=control.rate * late * leg.mobility)
             if here is None:
                 self.at_once(pressed_anew(now.contact, loading.at(0.0), self.solver), now)

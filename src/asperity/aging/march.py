@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
-from asperity.aging.controller import Controller
+from asperity.aging.controller import Controller, step_tolerance
 from asperity.aging.field_steps import FieldSteps
 from asperity.aging.frames import Counts, Frame, Midway, Origin, Pace, published
 from asperity.aging.local_steps import LocalSteps
@@ -218,7 +218,7 @@ class _March:
         after_step: Callable[[Midway], None] | None,
     ) -> None:
         self.start, self.system, self.solver, self.after_step = start, system, solver, after_step
-        self.controller = Controller.of_rtol(rtol)
+        self.controller = Controller(step_tolerance(rtol))
         self.passing = max(TOLERANCE, rtol / 2000)
         self.area: ConstantArea | None = None
         self.origin, self.counts = Origin(start.separation), Counts()
