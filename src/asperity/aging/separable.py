@@ -21,13 +21,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.controller import step_tolerance
-from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State
+from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State, Steps
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
@@ -90,7 +90,7 @@ class EffectiveLoad:
         return np.asarray((self.modes @ y / self.scale)[self.which])
 
 
-class SeparableSteps:
+class SeparableSteps(Steps):
     """A creeping state of a separable solid above a surface that keeps its contacts; see the module.
 
     Attributes
@@ -103,7 +103,7 @@ class SeparableSteps:
         Fourier modes of u and of u_b.
     """
 
-    kind: ClassVar[str] = "exact"
+    kind = "exact"
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> None:
         self.system, self.solver = system, solver

@@ -29,7 +29,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,71 +132,69 @@ class State(NamedTuple, Generic[Creep]):
     position: float
 
 
-class Steps(Protocol):
-    """A creeping state that takes time steps; fields relative to the system's datum."""
+class Steps(ABC):
+    """A creeping state that takes time steps; fields relative to the system's datum.
+
+    Attributes
+    ----------
+    kind
+        What checkpoints and frames call it.
+    system, time
+        The system, and the time of the state.
+    """
 
     kind: ClassVar[str]
-    """What a checkpoint and a frame call it."""
-
     system: System
+    time: float
 
-    @property
-    def time(self) -> float:
-        """Time of the state."""
-        ...
-
+    @abstractmethod
     def contacts_tried(self) -> int:
         """Number of sites in contact at the end of the time step that was tried."""
-        ...
 
+    @abstractmethod
     def state(self) -> State[Field | AnchorModes]:
         """What is to be published; not to be changed."""
-        ...
 
+    @abstractmethod
     def extent(self) -> Extent:
         """How large the deformation is."""
-        ...
 
+    @abstractmethod
     def speed(self) -> float:
         """Rate of the anchors, rms over the sites."""
-        ...
 
+    @abstractmethod
     def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Try a time step."""
-        ...
 
+    @abstractmethod
     def accept(self, time: float) -> None:
         """Make the end of the time step that was tried the state at a time."""
-        ...
 
+    @abstractmethod
     def resume_state(self) -> dict[str, NDArray[Any]]:
         """Arrays from which another march resumes, to identical results."""
-        ...
 
 
-class TrBdf2(ABC):
+class TrBdf2(Steps):
     """Steps of TR-BDF2; who inherits solves their stages.
 
     Attributes
     ----------
+    through
+        Number of states through which the polynomial that guesses a stage passes, where there are as many.
     times
         Those of the state and of the states before it from which stages are guessed, the latest first.
     origin
-        Time of the end of the first step, or 0: logarithms are of times since then, which are not short.
+        Time of the end of the first step, or 0: logarithms are of the sum of both, for times that are short.
     """
 
-    kind: ClassVar[str]
     through: ClassVar[int]
-    """Number of states through which the polynomial that guesses a stage passes, where there are as many."""
 
     def __init__(self, system: System, arrays: Arrays) -> None:
         self.system = system
         self.origin, *self.times = arrays["times"].tolist()
-
-    @property
-    def time(self) -> float:
-        """Time of the state."""
-        return float(self.times[0])
+        self.time = self.times[0]
 
     def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Try a time step; one whose stages are not solved has an infinite error."""
@@ -215,7 +213,7 @@ class TrBdf2(ABC):
 
     def accept(self, time: float) -> None:
         """Make the end of the time step that was tried the state at a time."""
-        self.times = [time, *self.times][: self.through]
+        self.time, self.times = time, [time, *self.times][: self.through]
         self.origin = self.origin or time
         self.advance()
 
@@ -238,22 +236,6 @@ class TrBdf2(ABC):
     @abstractmethod
     def arrays(self) -> dict[str, NDArray[Any]]:
         """What the state is made of."""
-
-    @abstractmethod
-    def contacts_tried(self) -> int:
-        """See `Steps`."""
-
-    @abstractmethod
-    def state(self) -> State[Field | AnchorModes]:
-        """See `Steps`."""
-
-    @abstractmethod
-    def extent(self) -> Extent:
-        """See `Steps`."""
-
-    @abstractmethod
-    def speed(self) -> float:
-        """See `Steps`."""
 
 
 def extrapolation(known: Sequence[float], x: float) -> list[float]:
