@@ -120,11 +120,11 @@ def creep(
             got=contact.area,
             advice="a larger surface or more load",
         )
-    march = _March(contact, system, chosen_solver(solver, system), rtol, after_step)
+    march = _March(contact, chosen_solver(solver, system), rtol, after_step)
     if midway is None:
-        march.begin(exact, keep_area, pace)
+        march.begin(system, exact, keep_area, pace)
     else:
-        march.resume(midway)
+        march.resume(system, midway)
         stops = stops[stops >= midway.time]
     return _frames(march, stops, from_start=midway is None)
 
@@ -138,7 +138,8 @@ def _begun(system: System, solver: ContactSolver, start: Contact, exact: bool) -
     if mechanics.law is not None:
         return LocalSteps.begin(system, solver, start)
     creeps = isinstance(mechanics, SpringMechanics) and mechanics.springs.creep
-    if creeps and isinstance(solver, Multigrid) and Multigrid.suits(mechanics):
+    hangs = start.area == 0 and system.load is None  # its surface is known to the last digit
+    if creeps and not hangs and isinstance(solver, Multigrid) and Multigrid.suits(mechanics):
         return SpringSteps.begin(system, solver, start)
     return FieldSteps.begin(system, solver, start)
 
@@ -178,6 +179,14 @@ def _check_pace(system: System, stops: Field) -> None:
         )
 
 
+def too_short(length: float, time: float, stop: float) -> ConvergenceError:
+    """Steps have become so short that a march does not get to a stop."""
+    return ConvergenceError(
+        f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
+        f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
+    )
+
+
 def _frames(march: _March, stops: Field, *, from_start: bool) -> Iterator[Frame]:
     """Integrate and publish."""
     start = march.start
@@ -212,20 +221,19 @@ class _March:
     def __init__(
         self,
         start: Contact,
-        system: System,
         solver: ContactSolver,
         rtol: float,
         after_step: Callable[[Midway], None] | None,
     ) -> None:
-        self.start, self.system, self.solver, self.after_step = start, system, solver, after_step
+        self.start, self.solver, self.after_step = start, solver, after_step
         self.controller = Controller(step_tolerance(rtol))
         self.passing = max(TOLERANCE, rtol / 2000)
         self.area: ConstantArea | None = None
         self.origin, self.counts = Origin(start.separation), Counts()
 
-    def begin(self, exact: bool, keep_area: bool, pace: Pace | None) -> None:
+    def begin(self, system: System, exact: bool, keep_area: bool, pace: Pace | None) -> None:
         """At the start."""
-        start, system = self.start, self.system
+        start = self.start
         if keep_area:  # the load falls, so that no contact is exact
             self.area = ConstantArea(float(start.area), 0.0, system.control.value, float(start.area))
         self.now = _begun(system, self.solver, start, exact and not keep_area)
@@ -235,15 +243,15 @@ class _March:
         if pace is not None:
             self.controller.length, self.deformation = pace.length, max(self.deformation, pace.deformation)
 
-    def resume(self, midway: Midway) -> None:
+    def resume(self, system: System, midway: Midway) -> None:
         """Where another march was."""
         self.origin, self.counts = replace(midway.origin), replace(midway.counts)
         self.controller = replace(midway.controller)
         self.deformation = midway.deformation
         if midway.area is not None:
             self.area = replace(midway.area)
-            self.system = replace(self.system, control=Load(self.area.load, since=self.area.time))
-        self.now = KINDS[midway.kind](self.system, self.solver, midway.resume_state)
+            system = replace(system, control=Load(self.area.load, since=self.area.time))
+        self.now = KINDS[midway.kind](system, self.solver, midway.resume_state)
         self.extent = self.now.extent()
 
     def midway(self) -> Midway:
@@ -267,7 +275,7 @@ class _March:
         """Set the scale of the error to the largest deformation so far."""
         self.extent = extent = self.now.extent()
         scale = extent.spread
-        if scale <= self.rounding() or self.system.free_mean:
+        if scale <= self.rounding() or self.now.system.free_mean:
             # A flat surface, or one whose mean creeps too: the stretch of the creeping springs.
             scale = max(scale, extent.stretch)
         self.deformation = max(self.deformation, scale)
@@ -291,13 +299,11 @@ class _March:
         while (time := self.now.time) < stop:
             length = controller.step(time, stop, self.area.longest() if self.area else math.inf)
             landing = length == stop - time
-            if controller.is_stuck(time, length) and not self.falls_back():
-                raise failure or ConvergenceError(
-                    f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
-                    f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
-                )
+            if controller.is_stuck(time, length):
+                self.fall_back(failure or too_short(length, time, stop))
+                continue
             if self.area:
-                self.prescribe(self.area.load_for(length))
+                self.now.system = replace(self.now.system, control=self.area.load_for(length))
             attempt = self.now.attempt(length, self.aim(landing))
             failure = attempt.failure
             self.counts.iterations += attempt.iterations
@@ -319,28 +325,22 @@ class _March:
             return Aim((self.passing, TOLERANCE), (passing, TUNING.published * allowed))
         return Aim((self.passing, self.passing), (passing, passing))
 
-    def prescribe(self, load: Load) -> None:
-        """Set the load of the next time step."""
-        self.system = self.now.system = replace(self.system, control=load)
-
-    def falls_back(self) -> bool:
-        """Go on by whole fields where steps in corrections get nowhere; whether that was possible.
+    def fall_back(self, failure: ConvergenceError) -> None:
+        """Go on by whole fields where steps in corrections get nowhere; any others fail.
 
         Near rest rounding in single precision, and what cycles leave, can look like errors of steps.
         """
-        if not isinstance(self.now, SpringSteps):
-            return False
         now = self.now
+        if not isinstance(now, SpringSteps):
+            raise failure
         self.now = FieldSteps.going_on(now.system, self.solver, now.time, now.state())
         self.controller.start_over(now.time)
-        return True
 
     def take(self, time: float) -> None:
         """Accept the step that was tried and ends at a time."""
-        since, control, contacts = self.now.time, self.system.control, self.now.contacts_tried()
+        since, control, contacts = self.now.time, self.now.system.control, self.now.contacts_tried()
         self.counts.steps += 1
         self.now.accept(time)
-        self.system = self.now.system
         self.origin.passed(control, since, time)
         if self.area:
             assert isinstance(control, Load)
