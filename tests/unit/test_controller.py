@@ -31,10 +31,9 @@ def test_a_step_too_long_is_shortened_by_its_error_and_at_most_to_a_fifth():
     assert controller.length == pytest.approx(0.45)
     assert not controller.accepts(0.45, math.inf)
     assert controller.length == pytest.approx(0.09)
-    assert controller.streak == 2
+    assert controller.unsolved == 1
     assert controller.accepts(0.09, 0.0)
     assert controller.length == pytest.approx(0.36)
-    assert controller.streak == 0
 
 
 def test_a_stop_is_met_by_two_even_steps_rather_than_by_a_long_and_a_short_one():
@@ -54,7 +53,7 @@ def test_a_short_step_to_a_stop_shortens_the_next_one_no_more_than_it_must():
 
 def test_it_tells_when_it_is_stuck_and_starts_over_where_it_was():
     controller = Controller(1e-3, 0.5)
-    for _ in range(TUNING.most_rejections + 1):
+    for _ in range(TUNING.most_unsolved + 1):
         assert not controller.is_stuck(1.0, controller.length)
         controller.accepts(controller.length, math.inf)
     assert controller.is_stuck(1.0, controller.length)

@@ -20,8 +20,8 @@ class Tuning:
     tests of ``rtol``, which hold with it.)
     """
 
-    most_rejections: int = 20
-    """Rejections in a row after which a step is not going to succeed."""
+    most_unsolved: int = 20
+    """Steps that are not solved, while time doubles, after which others are not going to succeed."""
 
     most_steps: float = 30.0
     """Time steps, taken or repeated, in which time must at least double, in units of tolerance^(-1/3).
@@ -48,18 +48,16 @@ class Controller:
         Error that one time step may have, in deformations.
     length
         That of the next step.
-    streak
-        Rejections in a row.
-    tried, since
-        Steps tried since a time, which is set anew whenever time has doubled.
+    tried, unsolved, since
+        Steps tried, and those not solved, since a time that is set anew whenever time has doubled.
     wished
-        Length at the first of the rejections in a row.
+        Length of the first of those not solved.
     """
 
     tolerance: float
     length: float = math.inf
-    streak: int = 0
     tried: int = 0
+    unsolved: int = 0
     since: float = 0.0
     wished: float = math.inf
 
@@ -71,7 +69,7 @@ class Controller:
     def step(self, time: float, stop: float, longest: float = math.inf) -> float:
         """Length of the step from a time toward a stop, exactly all that is left where it ends there."""
         if time > 2 * self.since:
-            self.tried, self.since = 0, time
+            self.tried, self.unsolved, self.since = 0, 0, time
         left, usual = stop - time, min(self.length, longest)
         if usual >= left * (1 - 1e-9):
             return left
@@ -81,24 +79,25 @@ class Controller:
     def is_stuck(self, time: float, length: float) -> bool:
         """Whether no step of a length from a time is of use any more."""
         many = self.tried * self.tolerance ** (1 / 3) > TUNING.most_steps
-        return many or self.streak > TUNING.most_rejections or not time + length > time
+        return many or self.unsolved > TUNING.most_unsolved or not time + length > time
 
     def accepts(self, length: float, error: float) -> bool:
-        """Whether a step that was tried was accurate; its error is in units of what is allowed.
+        """Whether a step that was tried was accurate, by its error in units of what is allowed.
 
-        The length of the next one follows: errors grow like its cube, and 0.9 leaves a margin.
+        That of a step that was not solved is infinite. The length of the next one follows: errors grow like its cube, and 0.9 leaves a margin.
         """
         self.tried += 1
         change = min(4.0, max(0.2, 0.9 * error ** (-1 / 3))) if error > 0 else 4.0
+        if not math.isfinite(error):
+            self.wished = self.wished if self.unsolved else length
+            self.unsolved += 1
         if error > 1:
-            self.wished = length if self.streak == 0 else self.wished
-            self.streak, self.length = self.streak + 1, length * change
+            self.length = length * change
             return False
-        self.streak = 0
         self.length = max(length * change, min(self.length, 4.0 * length))
         return True
 
     def start_over(self, time: float) -> None:
-        """Forget rejections, for another kind of steps takes over at a time."""
-        self.length = self.wished if self.streak else self.length
-        self.streak, self.tried, self.since = 0, 0, time
+        """Forget what was not solved, for another kind of steps takes over at a time."""
+        self.length = self.wished if self.unsolved else self.length
+        self.tried, self.unsolved, self.since = 0, 0, time
