@@ -10,9 +10,10 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.aging.frames import Frame
 from asperity.aging.legs import LegMidway, check_slides, follow
 from asperity.aging.limit import relaxed
-from asperity.aging.march import DEFAULT_RTOL, Frame, check_rtol
+from asperity.aging.march import DEFAULT_RTOL, check_rtol
 from asperity.base import checks, units
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver

@@ -5,7 +5,8 @@ import pytest
 import scipy.linalg
 
 import asperity as asp
-from asperity.aging.tr_bdf2 import Aim, FieldSteps
+from asperity.aging.field_steps import FieldSteps
+from asperity.aging.tr_bdf2 import Aim
 from asperity.contact import ActiveSet
 from asperity.contact.problem import TOLERANCE
 from asperity.contact.state import AnchorModes

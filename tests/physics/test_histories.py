@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.aging.field_steps import FieldSteps
 from asperity.aging.spring_steps import SpringSteps
-from asperity.aging.tr_bdf2 import Aim, FieldSteps
+from asperity.aging.tr_bdf2 import Aim
 from asperity.contact import ActiveSet, Load, Multigrid, Separation
 from asperity.contact.problem import TOLERANCE
 from tests.history_reference import explicit_history

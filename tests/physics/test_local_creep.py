@@ -7,6 +7,7 @@ import scipy.integrate
 import asperity as asp
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.tr_bdf2 import Aim
+from asperity.contact import ActiveSet
 from asperity.solids import CreepLaw, Eyring, Norton, spring_lattice
 from tests.independent import laplacian
 
@@ -130,7 +131,7 @@ def test_equal_steps_converge_at_second_order(hold):
 
     def end(count):
         system = start.system(control)
-        steps = LocalSteps.begin(system, start)
+        steps = LocalSteps.begin(system, ActiveSet(), start)
         for number in range(1, count + 1):
             steps.attempt(0.5 / count, Aim((1e-9, 1e-9), (1e-12, 1e-12)))
             steps.accept(0.5 * number / count)

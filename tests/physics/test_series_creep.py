@@ -9,6 +9,7 @@ import scipy.integrate
 import asperity as asp
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.tr_bdf2 import Aim
+from asperity.contact import ActiveSet
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
 from asperity.protocols import Hold, Step
@@ -258,7 +259,7 @@ def test_equal_steps_converge_at_second_order(permanent):
     assert start.area == 12
 
     def end(count):
-        steps = LocalSteps.begin(start.system(), start)
+        steps = LocalSteps.begin(start.system(), ActiveSet(), start)
         for number in range(1, count + 1):
             steps.attempt(0.05 / count, Aim((1e-9, 1e-9), (1e-22, 1e-22)))
             steps.accept(0.05 * number / count)

@@ -13,12 +13,12 @@ import xarray as xr
 
 import asperity as asp
 from asperity.aging import creep
-from asperity.aging.march import Midway
-from asperity.contact import ActiveSet
+from asperity.aging.frames import Midway
+from asperity.contact import ActiveSet, Multigrid
 from asperity.errors import CheckpointError, OutputError
 from asperity.results import Checkpoint
 from tests.refusals import refuses
-from tests.surfaces import correlated, uncorrelated
+from tests.surfaces import uncorrelated
 
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 CONTACT = asp.press(uncorrelated(16), SOLID, load=10.0)
@@ -64,14 +64,11 @@ SLIDES = [
 ]
 HEAVY = asp.press(uncorrelated(16), SOLID, load=60.0)
 IN_LEGS, BETWEEN_SHIFTS = [0.5, 1.0, 2.0, 4.0, 6.0, 7.5, 9.0], [0.25, 0.75, 1.0, 2.0, 2.6, 3.5, 4.5, 5.0]
-FORGOTTEN: dict[str, Any] = {
-    "contact": asp.press(correlated(48), asp.solids.spring_lattice(k0=1.0, k1=100.0), load=1e4),
-    "times": [1e-2, 1.0, 100.0],
-}
+LEFT_TO_FIELDS: dict[str, Any] = {"contact": CONTACT, "times": TIMES, "solver": Multigrid(max_cycles=0)}
 RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
     "once": ({"contact": CONTACT, "times": TIMES, "fields_at": KEEP}, [TIMES[6]]),
     "often": ({"contact": CONTACT, "times": TIMES, "fields_at": KEEP}, [TIMES[1], TIMES[5], TIMES[-1]]),
-    "where errors are forgotten": (FORGOTTEN, FORGOTTEN["times"][:2]),
+    "where cycles get nowhere": (LEFT_TO_FIELDS, [TIMES[1], TIMES[8]]),
     **{
         f"{name}, {of}": (
             {"contact": HEAVY, "times": times, "protocol": protocol, "fields_at": times, "solver": solver},
@@ -100,12 +97,11 @@ def test_stopped_and_resumed(tmp_path, name):
         np.testing.assert_array_equal(getattr(resumed.final, field), getattr(undisturbed.final, field))
 
 
-def test_errors_are_forgotten_where_the_test_above_stops():
+def test_whole_fields_take_over_where_cycles_get_nowhere_and_frames_say_so():
     moments: list[Midway] = []
-    list(creep(FORGOTTEN["contact"], FORGOTTEN["times"], after_step=moments.append))
-    forgetting = [bool(moment.resume_state["scales"][4]) for moment in moments]
-    assert forgetting == sorted(forgetting)
-    assert forgetting.count(True) > 10
+    frames = list(creep(**LEFT_TO_FIELDS, after_step=moments.append))
+    assert {moment.kind for moment in moments} == {"fields"}
+    assert [frame.solved_by for frame in frames] == ["", *len(TIMES) * ["fields"]]
 
 
 def test_a_finished_run_resumes_to_the_same(tmp_path):

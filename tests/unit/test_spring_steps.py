@@ -4,17 +4,15 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.aging.spring_steps import SpringSteps, extrapolation
-from asperity.aging.tr_bdf2 import Aim, FieldSteps
+from asperity.aging.field_steps import FieldSteps
+from asperity.aging.spring_steps import SpringSteps
+from asperity.aging.tr_bdf2 import Aim, extrapolation
 from asperity.contact import ActiveSet, Multigrid, Separation
 from asperity.contact.interface import RIGID
-from asperity.contact.mechanics import SpringMechanics, mechanics_of
 from asperity.contact.multigrid.loops import Sites, rows
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import _relaxed
 from asperity.contact.problem import TOLERANCE
-from asperity.contact.stencils import damped_power
-from asperity.lattice import Lattice
 from tests.surfaces import correlated, uncorrelated
 
 SHAPES = [(16, 24), (17, 9), (8, 31), (25, 16)]
@@ -40,23 +38,6 @@ def test_rows_come_back_in_order(shape, mirrored):
     np.testing.assert_array_equal(parted[:, 1 - last, -1], field[:, end])  # and the one after the last
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("touching", [0.0, 0.3, 1.0])
-@pytest.mark.parametrize("tau", [0.0, 1.0, 1e4])
-def test_power_is_damped_as_the_spectra_say(shape, tau, touching):
-    solid = asp.solids.spring_lattice(k0=2.0, k1=0.7, R=1.5, R_viscous=0.3)
-    error = np.random.default_rng(1).normal(size=shape)
-    mechanics = mechanics_of(solid, Lattice(shape))
-    assert isinstance(mechanics, SpringMechanics)
-    lattice, s = mechanics.lattice, mechanics.spectral.spectra
-    H, (C,), (rate,) = s.permanent, s.creeping, s.rate
-    modes = lattice.forward(error)
-    damping = touching / (1 + tau * rate) + (1 - touching) / (1 + tau * rate * H / (H + C))
-    exact = lattice.mean_over_modes(np.abs(modes * damping) ** 2)
-    found = damped_power(modes.astype(np.complex64), shape, mechanics.springs, tau, touching)
-    assert found == pytest.approx(exact, rel=1e-4)
-
-
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_extrapolation_continues_polynomials(count):
     places = [3.0, 2.5, 1.8, 1.2][:count]
@@ -65,10 +46,8 @@ def test_extrapolation_continues_polynomials(count):
         assert np.dot(weights, np.power(places, power)) == pytest.approx(3.3**power, rel=1e-12)
 
 
-def test_extrapolation_uses_no_place_that_would_multiply_errors():
+def test_one_state_is_all_that_is_known_at_first():
     assert extrapolation([1.0], 2.0) == [1.0]
-    weights = extrapolation([1.0, 0.9, 0.89], 1.5)
-    assert weights == pytest.approx([6.0, -5.0, 0.0])
 
 
 CASES = [
@@ -90,14 +69,10 @@ def test_a_step_agrees_with_one_of_whole_fields(heights, k1, p, R_viscous, held)
     quick = SpringSteps.begin(system, Multigrid(), contact)
     scale = contact.u.std()
     for duration in (0.1, 0.5, 3.0):
-        errors = [
-            steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (1e-9 * scale, 1e-9 * scale))).error
-            for steps in (quick, exact)
-        ]
-        assert quick.by_fields is None
-        # What is left of errors in contact is a mean in one and solved for in the other, which is less.
-        most = 1.01 if p < 0.02 else 1.5
-        assert 0.95 * errors[1] - 1e-6 * scale <= errors[0] <= most * errors[1] + 1e-6 * scale
+        aim = Aim((TOLERANCE, TOLERANCE), (1e-9 * scale, 1e-9 * scale))
+        errors = [steps.attempt(duration, aim).error for steps in (quick, exact)]
+        # What is left of errors in contact is solved for in the first and a mean in the other, which is more.
+        assert errors[1] / 1.7 - 1e-6 * scale <= errors[0] <= 1.05 * errors[1] + 1e-6 * scale
         for steps in (quick, exact):
             steps.accept(exact.time + duration if steps is quick else quick.time)
         fields = exact.point.u, contact.lattice.backward(exact.point.stretch)
@@ -125,10 +100,10 @@ def test_steps_that_cycles_do_not_solve_are_left_to_the_fourier_solver():
     contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
     times = np.geomspace(1e-2, 1e3, 6)
     usual, helped = (asp.age(contact, times, solver=Multigrid(max_cycles=n)) for n in (40, 0))
-    np.testing.assert_allclose(helped.final.u0, usual.final.u0, atol=1e-4)
+    np.testing.assert_allclose(helped.final.u0, usual.final.u0, atol=2e-4)
     assert helped.dataset["iterations"].values[1:].min() > 0
     mixed = asp.age(contact, times, solver=Multigrid(max_cycles=1))  # some by either
-    np.testing.assert_allclose(mixed.final.u0, usual.final.u0, atol=1e-4)
+    np.testing.assert_allclose(mixed.final.u0, usual.final.u0, atol=2e-4)
 
 
 @pytest.mark.parametrize(("part", "growth"), [(1.0, -2.7), (0.27, 0.5), (1.2, -0.99)])
@@ -145,8 +120,7 @@ def test_cycles_solve_every_step_where_the_creeping_springs_are_stiff():
     steps = SpringSteps.begin(contact.system(None), Multigrid(), contact)
     allowed, left, time, duration = 1e-4 * heights.std(), 0, 0.0, 1e-4
     while time < 100.0:
-        steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (allowed, allowed)))
-        left += steps.by_fields is not None
+        left += steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (allowed, allowed))).failure is not None
         time += duration
         steps.accept(time)
         duration = 0.15 * time

@@ -25,23 +25,28 @@ FEWEST_SITES = 20
 """Sites in contact of which the area can be kept: of fewer, one site is too large a part. 12 were enough in
 every case tried, 3 were not."""
 
-_LARGEST_CHANGE = 0.05
-"""Largest change of ln F in one step, at first."""
 
-_SHORTEST_LAPSE = 0.05
-"""Time steps are not shortened below it, in ln t: of few contacts one more or less is no growth to follow."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers chosen by measurement."""
 
-_ALLOWED = 0.002
-"""Largest relative error of the area that no repetition corrects, over the part of the lapse in a step.
+    largest_change: float = 0.05
+    """Largest change of ln F in one step, at first."""
 
-One site is allowed in any case.
-"""
+    allowed: float = 0.002
+    """Largest relative error of the area that no repetition corrects, over the part of the lapse in a step.
 
-_CORRECTED_OVER, _AVERAGED_OVER = 0.02, 0.1
-"""Lapses of ln t over which the area is corrected, and over which growth is averaged."""
+    One site is allowed in any case.
+    """
 
-_MOST_REPETITIONS = 4
-"""Attempts at one time step beyond the first; then the next one corrects the rest."""
+    lapse: float = 0.1
+    """Lapse of ln t over which the area is corrected and growth is averaged, and to which steps may shrink.
+
+    Of few contacts one more or less is no growth to follow.
+    """
+
+
+TUNING = Tuning()
 
 
 @dataclass
@@ -56,8 +61,8 @@ class ConstantArea:
         Where the last step ended.
     growth, since
         G and s.
-    correction, tries
-        What repetitions added to the change of ln F in this step, and how many they were.
+    correction, repeated
+        What a repetition added to the change of ln F in this step, and whether there was one.
     gain
         Part of what the area is off that this step corrects.
     """
@@ -69,36 +74,36 @@ class ConstantArea:
     growth: float = 0.0
     since: float = 0.0
     correction: float = 0.0
-    tries: int = 0
+    repeated: bool = False
     gain: float = 1.0
 
     def load_for(self, length: float) -> Load:
         """The load, linear in time, for a step of a length."""
         lapse = self._lapse(length)
-        self.gain = min(1.0, lapse / _CORRECTED_OVER) if self.since else 1.0
+        self.gain = min(1.0, lapse / TUNING.lapse) if self.since else 1.0
         change = self.gain * math.log(self.wanted / max(self.area, 1.0)) - self.growth * lapse
-        change = min(max(change, -_LARGEST_CHANGE), _LARGEST_CHANGE) + self.correction
+        change = min(max(change, -TUNING.largest_change), TUNING.largest_change) + self.correction
         return Load(self.load, self.load * math.expm1(change) / length, since=self.time)
 
     def longest(self) -> float:
         """Longest next step, so that the load changes little."""
         if self.since == 0 or self.growth == 0:
             return math.inf
-        lapse = min(max(_LARGEST_CHANGE / abs(self.growth), _SHORTEST_LAPSE), 50.0)
+        lapse = min(max(TUNING.largest_change / abs(self.growth), TUNING.lapse), 50.0)
         return (self.time + self.since) * math.expm1(lapse)
 
     def misses(self, area: int) -> bool:
-        """Whether a step that ends with this area is to be repeated; then the next load is better."""
-        off, allowed = abs(area - self.wanted), max(1.0, _ALLOWED * self.wanted)
-        if off * self.gain <= allowed or self.tries == _MOST_REPETITIONS:
+        """Whether a step that ends with this area is to be repeated, once; then the next load is better."""
+        off, allowed = abs(area - self.wanted), max(1.0, TUNING.allowed * self.wanted)
+        if off * self.gain <= allowed or self.repeated:
             return False
-        self.tries += 1
-        self.correction += self.gain * math.log(self.wanted / max(area, 1))
+        self.repeated = True
+        self.correction = self.gain * math.log(self.wanted / max(area, 1))
         return True
 
     def begin_step(self) -> None:
-        """Begin a step of another length: no repetitions so far."""
-        self.correction, self.tries = 0.0, 0
+        """Begin a step of another length."""
+        self.correction, self.repeated = 0.0, False
 
     def accept(self, time: float, area: int, load: Load) -> None:
         """Update the growth G, and begin at the end of a step that was taken."""
@@ -106,7 +111,7 @@ class ConstantArea:
         lapse = self._lapse(time - self.time)
         if lapse > 0:
             shown = (math.log(max(area, 1) / max(self.area, 1.0)) - math.log(reached / self.load)) / lapse
-            weight = min(0.5, lapse / _AVERAGED_OVER) if self.growth else 1.0
+            weight = min(0.5, lapse / TUNING.lapse) if self.growth else 1.0
             self.growth += weight * (shown - self.growth)
         self.since = self.since or time
         self.time, self.load, self.area = time, reached, float(area)

@@ -13,7 +13,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from asperity.aging.march import Frame, Midway, Pace, creep
+from asperity.aging.frames import Frame, Midway, Pace
+from asperity.aging.march import creep
 from asperity.contact.controls import Control, control_from
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
@@ -49,14 +50,6 @@ class LegMidway:
     midway: Midway
     shifts: int = 0
     pace: Pace | None = None
-
-
-_AT_ONCE = 1e-3
-"""Part of the time to the first state of a ramp from no load, at the end of which the load of then is put on.
-
-Without a load there is no deformation that errors could be relative to. What creeps in the meantime is left
-out: half the square of this part of what has crept at the first state.
-"""
 
 
 def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
@@ -178,7 +171,7 @@ class _Way:
             steps=0,
             rejected=0,
             iterations=contact.iterations,
-            exact=False,
+            solved_by="",
         )
         return self.now
 
@@ -218,7 +211,9 @@ class _Way:
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
         loading = control
         if control.load_controlled and control.value == 0:
-            begun += (late := _AT_ONCE * (float(stops[0]) - begun))
+            # Without a load there is no deformation that errors could be relative to: the load of a time is
+            # put on at once then. What creeps before is half the square of rtol of that at the first state.
+            begun += (late := self.rtol * (float(stops[0]) - begun))
             loading = replace(control, value=control.rate * late * leg.mobility)
             if here is None:
                 self.at_once(pressed_anew(now.contact, loading.at(0.0), self.solver), now)
@@ -229,7 +224,7 @@ class _Way:
 
         def keep(midway: Midway) -> None:
             nonlocal told
-            told = Pace(midway.length if told is None else told.length, midway.deformation)
+            told = Pace(midway.controller.length if told is None else told.length, midway.deformation)
             if self.after_step is not None:
                 self.after_step(LegMidway(number, control, approach, midway, shifts, told))
 

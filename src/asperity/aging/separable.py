@@ -20,12 +20,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State
+from asperity.aging.controller import step_tolerance
+from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State, Steps
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
@@ -34,21 +36,23 @@ from asperity.contact.system import System
 from asperity.lattice import Field, Spectrum
 from asperity.relaxation import PronySeries, interlacing
 
-_FLAT = 1e-3
-"""Largest elastic force off contact, over the mean in contact, of a surface of an elastic solid.
 
-Solvers leave up to 1e-4 at the default rtol. A load that fell by a millionth leaves 1e-3 where the rim was.
-"""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers chosen by measurement."""
 
-_BALANCED = 1e-6
-"""How exactly the loads of the branches add up."""
+    flat: float = 1e-3
+    """Largest elastic force off contact, over the mean in contact, of a surface of an elastic solid.
+
+    Solvers leave up to 1e-4 at the default rtol. A load that fell by a millionth leaves 1e-3 where the rim
+    was.
+    """
+
+    safety: float = 2.0
+    """Factor on the error of u between two steps."""
 
 
-_PUBLISHED = 0.1
-"""Error allowed in u where it is published, in units of what steps of creep may leave there."""
-
-_SAFETY = 2.0
-"""Factor on the error of u between two steps."""
+TUNING = Tuning()
 
 
 class EffectiveLoad:
@@ -86,7 +90,7 @@ class EffectiveLoad:
         return np.asarray((self.modes @ y / self.scale)[self.which])
 
 
-class SeparableSteps:
+class SeparableSteps(Steps):
     """A creeping state of a separable solid above a surface that keeps its contacts; see the module.
 
     Attributes
@@ -98,6 +102,8 @@ class SeparableSteps:
     modes, anchors
         Fourier modes of u and of u_b.
     """
+
+    kind = "exact"
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Mapping[str, NDArray[Any]]) -> None:
         self.system, self.solver = system, solver
@@ -129,12 +135,11 @@ class SeparableSteps:
             force = system.mechanics.lattice.apply(stiffness, surface - system.datum)
             lifted = force[free]
             loads.append(-float(lifted.mean()) * system.sites)
-            if largest(lifted - lifted.mean(), np) > _FLAT * max(loads[0], 0.0) / max(start.area, 1):
+            if largest(lifted - lifted.mean(), np) > TUNING.flat * max(loads[0], 0.0) / max(start.area, 1):
                 return None
         own = np.array(loads[1:])
-        if not -_BALANCED * loads[0] <= own.min() <= own.max() <= loads[0] * (1 + _BALANCED):
-            return None
-        if abs(control.value + float(shares @ own) - loads[0]) > _BALANCED * loads[0]:
+        most = TUNING.flat * loads[0]
+        if not -most <= own.min() <= own.max() <= loads[0] + most:
             return None
         own = np.maximum(own, 0.0)
         lattice = system.mechanics.lattice
@@ -194,9 +199,9 @@ class SeparableSteps:
         problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)
         if self.eager and isinstance(self.solver, ActiveSet):
             passing, allowed = aim.allowed_errors
-            published = allowed < passing  # what it leaves is then the only error of the contacts
-            allowed = _PUBLISHED * allowed if published else passing
-            solution = self.solver.solve(problem, guess, aim.tolerances[1], allowed, settled=published)
+            solution = self.solver.solve(
+                problem, guess, aim.tolerances[1], allowed, settled=allowed < passing
+            )
         else:  # forces relax; what is left off contact stays in the anchors, and is to be small beside them
             solution = self.solver.solve(problem, guess, TOLERANCE * load / total)
         error = 0.0
@@ -204,11 +209,10 @@ class SeparableSteps:
             surprise = solution.u - self.u - ahead * (self.u - self.before)
             error = float(np.std(surprise)) * ahead / (1 + ahead) / 4
         self.tried = solution.u, np.array([total, *own])
-        # Anchors are averages of u, so errors of steps do not add up. The march expects errors that do, and
-        # allows (3 rtol)^1.5 of the deformation in one step.
+        # Anchors are averages of u, so errors of steps do not add up, as the controller expects of errors.
         scale = float(np.std(solution.u))
-        relative = _SAFETY * error / scale if scale > 0 else 0.0
-        return Attempt(scale * (3 * relative) ** 1.5, solution.iterations)
+        relative = TUNING.safety * error / scale if scale > 0 else 0.0
+        return Attempt(scale * step_tolerance(relative), solution.iterations)
 
     def accept(self, time: float) -> None:
         """Make the end of the time step that was tried the state at a time."""

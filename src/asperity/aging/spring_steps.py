@@ -1,72 +1,46 @@
 r"""TR-BDF2 on the lattice of springs, by multigrid.
 
 `asperity.contact.multigrid.stages` solves both stages of a step in corrections to the state where it
-starts. Each begins from the polynomial in the logarithm of time, in which contacts grow evenly, that passes
-through the ends of the last two steps and the stage before; so good a guess that one cycle often does.
+starts, which are guessed so well that one cycle often does. Cycles also find what an implicit step leaves of
+an error.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.aging.step_errors import PASSING, rms
-from asperity.aging.tr_bdf2 import (
-    DIAGONAL,
-    ERROR_WEIGHTS,
-    WEIGHT,
-    Aim,
-    Attempt,
-    Extent,
-    Point,
-    State,
-    Step,
-    take_step,
-)
-from asperity.contact.active_set import ActiveSet
+from asperity.aging.tr_bdf2 import DIAGONAL, WEIGHT, Arrays, Extent, Stage, State, TrBdf2, rms
 from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid, StageSolver
-from asperity.contact.multigrid.loops import Single
 from asperity.contact.state import Contact
 from asperity.contact.system import System
+from asperity.errors import ConvergenceError
 from asperity.lattice import Field
 
-_LARGEST_WEIGHTS = 12.0
-"""Largest sum of the magnitudes of the weights of an extrapolation: the factor on errors of the values."""
 
-
-class SpringSteps:
+class SpringSteps(TrBdf2):
     """A creeping state on the lattice of springs, solved by multigrid.
 
     Attributes
     ----------
     stages
         The state and its stage solver.
-    times
-        Those of the state, of the one before and of the one before that, where there were any.
     mean_u0
         Mean of u0 where the separation is prescribed, a length.
-    origin
-        Time of the end of the first step.
-    forgetting
-        Whether the error of a step is what is left of it when the next state is published. That costs cycles,
-        and saves steps where many contacts close or open, and always where no springs join neighbors.
-    by_fields
-        The step that was tried, where cycles did not solve it.
     """
 
-    def __init__(self, system: System, solver: Multigrid, arrays: Mapping[str, NDArray[Any]]) -> None:
+    kind, through = "springs", 3
+
+    def __init__(self, system: System, solver: Multigrid, arrays: Arrays) -> None:
+        super().__init__(system, arrays)
         assert isinstance(system.mechanics, SpringMechanics)
-        self.system, self.max_cycles = system, solver.max_cycles
+        self.max_cycles = solver.max_cycles
         self.stages = solver.stages(system.mechanics, system.heights, arrays)
-        self.times: list[float] = arrays["times"].tolist()
-        self.mean_u0, self.origin = map(float, arrays["scales"][2:4])
-        self.forgetting = bool(arrays["scales"][4])
-        self.by_fields: Step | None = None
+        self.mean_u0 = float(arrays["mean_u0"])
 
     @classmethod
     def begin(cls, system: System, solver: Multigrid, start: Contact) -> SpringSteps:
@@ -75,26 +49,15 @@ class SpringSteps:
         u, stretch = np.maximum(start.u - system.datum, system.heights), start.u - start.anchors
         (rate,), w = system.creep_rate(stretch), stretch[0]
         arrays = StageSolver.arrays(solver.work_on(system.mechanics), u, w, rate)
-        arrays["scales"] = np.append(
-            arrays["scales"], [u.mean() - w.mean(), 0.0, system.mechanics.springs.k0 == 0]
-        )
-        return cls(system, solver, {**arrays, "times": np.array([0.0])})
+        arrays |= {"mean_u0": np.array(u.mean() - w.mean()), "times": np.zeros(2)}
+        return cls(system, solver, arrays)
 
-    def resume_state(self) -> dict[str, NDArray[Any]]:
-        """See `Steps`."""
-        arrays = self.stages.resume_state()
-        scales = np.append(arrays["scales"], [self.mean_u0, self.origin, self.forgetting])
-        return {**arrays, "scales": scales, "times": np.array(self.times)}
-
-    @property
-    def time(self) -> float:
-        """Time of the state."""
-        return self.times[0]
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """See `TrBdf2`."""
+        return self.stages.resume_state() | {"mean_u0": np.array(self.mean_u0)}
 
     def contacts_tried(self) -> int:
-        """Number of sites in contact at the end of the time step that was tried."""
-        if self.by_fields is not None:
-            return int(np.count_nonzero(self.by_fields.end.u <= self.system.heights))
+        """See `Steps`."""
         return self.stages.contacts_tried
 
     def state(self) -> State[Field]:
@@ -107,91 +70,39 @@ class SpringSteps:
         return State(u, stretch[np.newaxis], self.mean_u0)
 
     def extent(self) -> Extent:
-        """How large the deformation is."""
+        """See `Steps`."""
         return Extent(*self.stages.spread())
 
     def speed(self) -> float:
-        """Rate of u0, rms over the sites."""
+        """See `Steps`."""
         return rms(self.stages.rate_of_u0)
 
-    def attempt(self, duration: float, aim: Aim) -> Attempt:
-        """Try a time step; the tolerances are for the Fourier solver, where cycles do not converge."""
-        cycles = 0
-        self.by_fields = None
-        if self.system.control.load_controlled or self.stages.moments.contacts > 0:
-            done, cycles, error = self._attempt(duration, aim)
-            if done:
-                return Attempt(error, cycles)
-        point = Point.of(self.system, self.time, *self.state())
-        step = take_step(self.system, ActiveSet(), duration, point, None, tolerances=aim.tolerances)
-        self.by_fields = step
-        return Attempt(step.error, cycles + step.iterations)
-
-    def _attempt(self, duration: float, aim: Aim) -> tuple[bool, int, float]:
-        """Whether both stages were solved, the cycles taken and the error of the step."""
-        stages, tau = self.stages, DIAGONAL * duration
-        # Where errors of steps count by what is left of them, those of stages are not to be larger.
-        share = PASSING if self.forgetting else 1.0
-        allowed = [share * error for error in aim.allowed_errors]
-        # Logarithms of time, but for times that are short against the first step.
-        origin = self.origin or duration
-        points = [math.log(time + origin) for time in self.times]
-        middle, end = (math.log(self.time + h + origin) for h in (2 * DIAGONAL * duration, duration))
-
-        _, *weights = extrapolation(points, middle)
-        stages.begin(tau, WEIGHT * duration, weights)
-        done, cycles = self._improve(2 * tau, allowed[0])
+    def solve(self, stage: Stage) -> int:
+        """See `TrBdf2`."""
+        stages, tau = self.stages, stage.tau
+        if stage.is_last:
+            growth, _, *weights = stage.weights
+            stages.begin_second(growth, weights)
+        else:
+            stages.begin(tau, tau * (WEIGHT / DIAGONAL), stage.weights[1:])
+        mean, drift = self.system.at(stage.time).mean_stretch, self.system.drift
+        done, cycles = stages.improve(mean, drift, stage.allowed_error, self.max_cycles)
         if not done:
-            return False, cycles, math.nan
-        growth, _, *weights = extrapolation([middle, *points], end)
-        stages.begin_second(growth, weights)
-        done, more = self._improve(duration, allowed[1])
-        if not done:
-            return False, cycles + more, math.nan
-        error = stages.finish([duration * part for part in ERROR_WEIGHTS])
-        return True, cycles + more, self._left(error, max(aim.published - self.time - duration, 0.0))
+            raise ConvergenceError(
+                f"aging: {cycles} cycles did not solve a step of {tau:.1e}; "
+                "try Multigrid(max_cycles=...) with more, or solver=asperity.ActiveSet()"
+            )
+        return cycles
 
-    def _left(self, error: Single, ahead: float) -> float:
-        """What is left of the error of the step that was tried, a length; see `take_step`."""
-        stages = self.stages
-        if not self.forgetting:
-            touching = stages.moments.contacts / self.system.sites
-            return stages.unit * self.system.damped_rms(error, stages.tau, touching)
-        left = stages.left_of(error, stages.tau)
-        if ahead > 0 and not stages.work.opened:
-            left = max(PASSING * left, stages.left_of(error, stages.tau + ahead))
-        return left
+    def left_of(self, shares: Sequence[float]) -> float:
+        """See `TrBdf2`."""
+        error = self.stages.finish(shares)
+        if self.system.control.load_controlled:  # the load decides the mean
+            error -= error.mean(dtype=np.float64).astype(error.dtype)
+        return self.stages.left_of(error, self.stages.tau)
 
-    def _improve(self, ahead: float, allowed_error: float) -> tuple[bool, int]:
-        """Solve the stage that ends a time ahead; whether it was solved, and the cycles taken."""
-        mean = self.system.at(self.time + ahead).mean_stretch
-        return self.stages.improve(mean, self.system.drift, allowed_error, self.max_cycles)
-
-    def accept(self, time: float) -> None:
-        """Make the end of the time step that was tried the state at a time."""
-        self.times = [time, *self.times][:3]
-        self.origin = self.origin or time
-        if self.by_fields is not None:
-            end, lattice = self.by_fields.end, self.system.mechanics.lattice
-            u, (w,), (rate,) = end.u, lattice.backward(end.stretch), lattice.backward(end.rate(self.system))
-            if self.system.control.load_controlled:
-                rate -= rate.mean()
-            self.stages.replace(u, w, rate)
-            self.mean_u0 = float(u.mean()) - float(w.mean())
-            return
+    def advance(self) -> None:
+        """See `TrBdf2`."""
         if self.system.free_mean or self.system.drift:
             self.mean_u0 += self.stages.mean_change_of_u0()
         self.stages.advance()
-
-
-def extrapolation(known: Sequence[float], x: float) -> list[float]:
-    """Weights of the values at known points, the latest first, that give the value at x.
-
-    Lagrange's polynomial through the latest points: as many as make no weight too large, at least two.
-    """
-    for count in range(len(known), 1, -1):
-        points = known[:count]
-        weights = [math.prod((x - b) / (a - b) for b in points if b != a) for a in points]
-        if count == 2 or sum(map(abs, weights)) <= _LARGEST_WEIGHTS:
-            return weights + [0.0] * (len(known) - count)
-    return [1.0]

@@ -21,7 +21,7 @@ from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
 from asperity.contact.multigrid.loops import Sites, Springs, Surface
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.two_fields import SOFTEST, Tangent, TwoFields
+from asperity.contact.multigrid.two_fields import TUNING, Tangent, TwoFields
 from asperity.contact.multigrid.two_fields import ByLaw as LawByRows
 from asperity.contact.stencils import balanced, lattice_force
 from asperity.creep import LocalCreep
@@ -108,7 +108,7 @@ class _Run(LocalRun):
         self.springs = Springs(springs.k0, k1, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
         size = max(largest(field, np) for field in (self.u, self.w, self.before))
         self.unit, self.rounding = size or 1.0, 16 * float(np.finfo(float).eps) * size
-        self.stiffness = max(springs.k0, SOFTEST * k1)
+        self.stiffness = max(springs.k0, TUNING.softest * k1)
         self.lagging, self.beside = 1.0 + self.springs.drag, 4.0 * self.springs.spread
         if not stage.again:
             self.work.prepare(k1 / self.stiffness, self.springs.spread, self.springs.drag)

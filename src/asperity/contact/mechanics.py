@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
-from asperity.contact.stencils import balanced, bond_energy, damped_power, lattice_force
+from asperity.contact.stencils import balanced, bond_energy, lattice_force
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
 
@@ -504,11 +504,6 @@ class SpringMechanics(Mechanics):
         k0, k1, mirrored = self.springs.k0, self.springs.k1, self.lattice.reflecting
         w = balanced(u, stretch[0], heights, k0, k1, total, mirrored=mirrored)
         return np.asarray(w)[np.newaxis]
-
-    def damped_power(self, modes: Modes, tau: float, touching: float) -> float:
-        """See `asperity.contact.stencils.damped_power`."""
-        lattice = self.lattice
-        return damped_power(modes, lattice.shape, self.springs, tau, touching, mirrored=lattice.reflecting)
 
 
 @final

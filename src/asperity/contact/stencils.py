@@ -6,13 +6,11 @@ A lattice is periodic, or its edges are mirrors: the site beyond an edge is the 
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from asperity.contact.compiled import compiled, inlined
-from asperity.lattice import Field, Mask, Modes
-from asperity.solids import SpringConstants
+from asperity.lattice import Field, Mask
 
 
 def lattice_force(u: Field, stretch: Field, k0: float, k1: float, *, mirrored: bool = False) -> Field:
@@ -62,61 +60,6 @@ def bond_energies(u: Field, mirrored: bool, out: Field) -> None:
         for j in range(nx):
             total += (down[j] - row[j]) ** 2
         out[i] = total
-
-
-def damped_power(
-    modes: Modes,
-    shape: tuple[int, ...],
-    springs: SpringConstants,
-    tau: float,
-    touching: float,
-    *,
-    mirrored: bool = False,
-) -> float:
-    """Mean over all modes of a field of |a mode / (1 + tau z_c) + (1 - a) mode / (1 + tau z)|^2.
-
-    ``touching`` is the fraction a of the sites in contact, where a mode decays at the rate z_c = M C; off
-    contact z = M C H / (H + C). The rate of a mode is neither: the mean of both dampings errs on the safe
-    side, where the damping by the mean rate doubled errors at clustered contacts.
-    """
-    period = 2 if mirrored else 1
-    y, x = (4.0 * np.sin(np.pi * np.arange(n) / (period * n)).astype(np.float32) ** 2 for n in shape)
-    x = x[: modes.shape[1]]
-    k1 = springs.k1
-    numbers = (k1 / springs.k0, touching, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
-    bed, share, spreading, dragging = map(np.float32, numbers)
-    rows = np.empty((len(modes), 3))
-    damped_powers(modes.astype(np.complex64, copy=False), y, x, bed, share, spreading, dragging, rows)
-    whole, first, last = map(float, rows.sum(axis=0))
-    sites = shape[0] * shape[1]
-    if mirrored:
-        return whole / sites
-    return (2.0 * whole - first - (last if shape[1] % 2 == 0 else 0.0)) / sites
-
-
-@compiled
-def damped_powers(
-    modes: Any, y: Any, x: Any, bed: Any, touching: Any, spreading: Any, dragging: Any, out: Field
-) -> None:
-    """Sums by rows of squared modes, each times a / (1 + z) + (1 - a) / (1 + z lam / (lam + bed)).
-
-    z = spreading lam + dragging, a = ``touching``, lam = y + x, the eigenvalue of L. Modes that stand for
-    their conjugates too count twice; ``out[i, 1]`` is the part of the first column, ``out[i, 2]`` that of the
-    last.
-    """
-    for i in range(modes.shape[0]):
-        value = np.float32(0.0)
-        for j in range(x.shape[0]):
-            lam = y[i] + x[j]
-            rate = spreading * lam + dragging
-            free = (lam + bed) / (lam + bed + rate * lam)
-            damping = touching / (np.float32(1.0) + rate) + (np.float32(1.0) - touching) * free
-            power = (modes[i, j].real ** 2 + modes[i, j].imag ** 2) * damping * damping
-            value += power
-            if j == 0:
-                out[i, 1] = power
-            out[i, 2] = power
-        out[i, 0] = value
 
 
 def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:

@@ -6,9 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from asperity.contact.arrays import largest
 from asperity.contact.controls import Control
 from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, SpringMechanics, mechanics_of
 from asperity.contact.problem import ContactProblem, Solution
@@ -191,18 +189,3 @@ class System:
     def energy(self, u: Field, stretch: Field, position: float) -> float:
         """Elastic energy."""
         return self.mechanics.energy(u, stretch, self.held(position))
-
-    def damped_rms(self, error: NDArray[np.floating], tau: float, touching: float) -> float:
-        """Rms over the sites of an error of u0 on the lattice of springs, damped by an implicit step.
-
-        ``touching`` is the fraction of the sites in contact. Under load control the mean does not count.
-        Single precision does for the size of an error.
-        """
-        assert isinstance(self.mechanics, SpringMechanics)
-        scale = largest(error, np)
-        if not 0 < scale < math.inf:
-            return scale
-        modes = self.mechanics.lattice.forward((error / scale).astype(np.float32, copy=False))
-        if self.control.load_controlled:
-            modes.flat[0] = 0.0
-        return scale * math.sqrt(self.mechanics.damped_power(modes, tau, touching) / self.sites)

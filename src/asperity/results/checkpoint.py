@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.constant_area import ConstantArea
+from asperity.aging.controller import Controller
+from asperity.aging.frames import Counts, Midway, Origin, Pace
 from asperity.aging.legs import LegMidway
-from asperity.aging.march import Midway, Pace
 from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
@@ -177,6 +178,8 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
     here = facts["here"]
     area, pace = here["midway"]["area"], here["pace"]
     midway = here["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
+    parts: dict[str, Any] = {"controller": Controller, "origin": Origin, "counts": Counts}
+    midway |= {name: part(**midway[name]) for name, part in parts.items()}
     kind = Load if facts["control"] == Load.name else Separation
     restored = {"control": kind(**here["control"]), "midway": Midway(**midway), "pace": pace and Pace(**pace)}
     return Place(LegMidway(**here | restored), facts["rows"], snapshots)

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity.aging.march import Frame
+from asperity.aging.frames import Frame
 from asperity.base.version import __version__
 from asperity.contact.controls import Control
 from asperity.contact.state import Contact

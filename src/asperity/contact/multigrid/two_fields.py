@@ -20,6 +20,7 @@ All this happens to a correction (e, f) of the pair, in single precision and in 
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -64,7 +65,7 @@ class Tuning:
     stiff: float = 100.0
     """k1/k0 from which that falls with its square, for errors of all steps have one sign and add up; and the
     most with which is estimated what a step leaves of an error."""
-    left: float = 0.03
+    left: float = 0.2
     """How well what a step leaves of an error is known, in units of that error."""
     cycles_left: int = 8
     """Most cycles spent on that."""
@@ -137,8 +138,6 @@ class TwoFields:
         Number of sites that carry a force that is given, off the obstacle.
     known_stretch
         Sum of w before the correction, a length.
-    opened
-        Whether a site that was in contact before the correction no longer is; known after `left_of`.
     """
 
     def __init__(self, sites: Sites, backend: Processor) -> None:
@@ -151,7 +150,7 @@ class TwoFields:
         self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
         self.weights, self.last_shift, self.keeping, self.overshooting = (1.0, 0.0), 0.0, False, False
         self.wanted: float | None = None
-        self.yielding, self.opened = 0, False
+        self.yielding = 0
         self.latest: Single = np.zeros(0, np.float32)
         widths = [sites.columns, *(grid.sites.columns for grid in self.hierarchy.grids)]
         self.rows = [backend.packed(np.zeros((1, width))) for width in widths]
@@ -207,22 +206,25 @@ class TwoFields:
         return False, max_cycles
 
     @cached_property
-    def errors(self) -> TwoFields:
-        """Work space for errors of the corrections."""
-        return TwoFields(self.sites, self.backend)
+    def spare(self) -> tuple[Pair, Pair, Pair, Single]:
+        """Places for an error of the correction."""
+        return self.pair(), self.pair(), self.pair(), empty(self.sites, self.backend)
 
     def left_of(self, error: Single, spread: float, drag: float) -> float:
         """What an implicit step leaves of an error of u0, rms over the sites, while the contacts stay.
 
-        The error has its rows in order. The equations are those of a step, with e = 0 in contact. Where
-        cycles do not solve them, all of the error is left.
+        The error has its rows in order. The equations are those of a step, with e = 0 in contact, and the
+        pins are those of the correction, where the coefficients are. Where cycles do not solve them, all of
+        the error is left.
         """
-        work, backend, e, bound = self.errors, self.backend, self.correction.e, self.bound
-        work.prepare(min(self.bed, TUNING.stiff), spread, drag)
+        work, backend = copy(self), self.backend
+        work.correction, work.source, work.previous, work.bound = self.spare
+        if self.bed > TUNING.stiff or (spread, 1.0 + drag) != (self.spread, self.mean_lag):
+            work.prepare(min(self.bed, TUNING.stiff), spread, drag)
+            self.pinned, self.factorized = -math.inf, False
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
-        free, scale = e > bound, math.sqrt(inner(error, error, np) / self.size)
-        self.opened = bool((free & (bound == 0)).any())
-        work.hold(~free, error)
+        scale = math.sqrt(inner(error, error, np) / self.size)
+        work.hold(self.correction.e <= self.bound, error)
         done, _ = work.improve(TUNING.left * scale, TUNING.cycles_left, total_counts=False)
         if not done:
             return scale

@@ -1,0 +1,155 @@
+"""What a march publishes, and from what it resumes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from numpy.typing import NDArray
+
+from asperity.aging.constant_area import ConstantArea
+from asperity.aging.controller import Controller
+from asperity.aging.local_steps import LocalSteps
+from asperity.aging.separable import SeparableSteps
+from asperity.aging.tr_bdf2 import Steps
+from asperity.contact.controls import Control
+from asperity.contact.problem import Solution
+from asperity.contact.state import AnchorModes, Contact
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One moment of a creeping contact.
+
+    Attributes
+    ----------
+    time
+        Hold time since the start.
+    contact
+        The state.
+    approach
+        Rigid displacement of the upper body toward the lower since the start, length.
+    steps, rejected, iterations
+        Steps taken, steps repeated with a smaller length, and the solver's iterations, since the
+        previous frame.
+    leg
+        Number of the leg of the history that it belongs to, from 0.
+    solved_by
+        Kind of the time steps that led here: "exact" (see `asperity.aging.separable`), "springs" (by
+        multigrid), "fields" (by Fourier modes, also where cycles got nowhere) or "laws"; "" for none.
+    displacement, velocity
+        Length that the rough surface has slid since the start, and how fast it slides in this leg.
+    shift
+        Sites along each axis by which it has moved since the start.
+    at_a_shift
+        Whether it is to be recorded as the state just before or just after a shift.
+    passing
+        Whether more shifts follow at the same time.
+    """
+
+    time: float
+    contact: Contact
+    approach: float
+    steps: int
+    rejected: int
+    iterations: int
+    leg: int = 0
+    solved_by: str = ""
+    displacement: float = 0.0
+    velocity: float = 0.0
+    shift: tuple[Fraction, ...] = ()
+    at_a_shift: bool = False
+    passing: bool = False
+
+    @property
+    def exact(self) -> bool:
+        """Whether the contacts have no error of time steps."""
+        return self.solved_by == SeparableSteps.kind
+
+
+@dataclass(frozen=True, eq=False)
+class Midway:
+    """State from which a new march resumes, at a time between two frames, to identical results.
+
+    Attributes
+    ----------
+    time
+        The time, since the start of the march.
+    kind, resume_state
+        The kind of time steps, and their state: arrays of `Steps.resume_state`.
+    origin
+        What the rigid approach is measured from.
+    deformation, controller, counts
+        Scale of the error, how long the next step is, and steps, rejections and iterations since the last
+        frame.
+    area
+        How the area is kept constant, if it is.
+    """
+
+    time: float
+    kind: str
+    resume_state: Mapping[str, NDArray[Any]]
+    origin: Origin
+    deformation: float
+    controller: Controller
+    counts: Counts
+    area: ConstantArea | None = None
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How an earlier march of the same kind began: the length of its steps, and the scale of their errors."""
+
+    length: float
+    deformation: float
+
+
+@dataclass
+class Counts:
+    """Steps taken, steps repeated, and iterations since the last frame."""
+
+    steps: int = 0
+    rejected: int = 0
+    iterations: int = 0
+
+
+@dataclass
+class Origin:
+    """What the rigid approach is measured from.
+
+    Attributes
+    ----------
+    separation
+        Mean of u0 at the start.
+    impulse
+        Integral of the load over time since then, where the load is prescribed.
+    """
+
+    separation: float
+    impulse: float = 0.0
+
+    def passed(self, control: Control, since: float, time: float) -> None:
+        """Count a time step."""
+        if control.load_controlled:
+            self.impulse += control.at((since + time) / 2).value * (time - since)
+
+    def approach(self, now: Steps, separation: float) -> float:
+        """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
+        system = now.system
+        if system.load is None:
+            return -system.drift * now.time
+        if isinstance(now, LocalSteps):
+            return -now.position
+        return self.separation - separation + system.mechanics.mean_mobility * self.impulse / system.sites
+
+
+def published(start: Contact, now: Steps, origin: Origin, counts: Counts) -> Frame:
+    """The present state of what a contact has become, in exact equilibrium."""
+    system, (u, creep, position) = now.system.at(now.time), now.state()
+    anchors = creep if isinstance(creep, AnchorModes) else u - system.balanced_stretch(u, creep)
+    solution = Solution(u, u <= system.heights, counts.iterations, 0)
+    state = start.become(system, solution, anchors, position)
+    approach = origin.approach(now, state.separation)
+    return Frame(now.time, state, approach, **vars(counts), solved_by=now.kind)
