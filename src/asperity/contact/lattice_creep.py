@@ -157,6 +157,7 @@ class _Run(LocalRun):
         far = np.where(beyond, excess / (4 * springs.k0 + springs.k1), np.where(back, gap, 0.0))
         self.yielding ^= beyond | back
         self.heights = np.where(self.yielding, -np.inf, solver.heights)
+        self.u[back] = solver.heights[back]  # the surface has come back to it
         np.maximum(self.u, self.heights, out=self.u)
         return math.sqrt(inner(far, far, np) / far.size)
 
