@@ -70,8 +70,8 @@ class WholeFields:
         del sites
         return field.sum()
 
-    def restrict(self, field, sites, out):
-        out[...] = restricted(field, sites)
+    def restrict(self, field, sites, out, softening=0.0, mean=0.0):
+        out[...] = restricted(field / (1 + softening * np.maximum(field - mean, 0)), sites)
 
     def measure(self, surface, springs, uniform, scales, into, sites, *, flowing):
         (u, w, heights), (k0, k1, spread, drag) = surface, springs

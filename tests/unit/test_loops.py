@@ -19,7 +19,7 @@ import asperity as asp
 from asperity.app.cli import main
 from asperity.app.runs import loops
 from asperity.contact import compiled
-from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, One, Sites, Two, rows
+from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, One, Sites, Two, rows, two_fields
 from asperity.contact.stencils import forces
 from asperity.errors import Remark
 
@@ -240,6 +240,14 @@ def test_a_stamp_spares_the_second_run(tmp_path, monkeypatch):
     loops.compile_loops(told.append)
     assert told == [compiled.COMPILING]
     assert stamp.exists()
+
+
+def test_a_change_of_what_loops_call_makes_machine_code_old(tmp_path):
+    kept: Any = two_fields.cycle_2
+    assert compiled._digest(rows.__file__) in kept._cache._cache_file._source_stamp
+    for text in ("a", "b"):
+        (tmp_path / text).write_text(text)
+    assert compiled._digest(str(tmp_path / "a")) != compiled._digest(str(tmp_path / "b"))
 
 
 def test_compiling_on_the_way_is_remarked_once():

@@ -120,7 +120,9 @@ def test_a_crowd_of_contacts_does_not_give():
 
 @pytest.mark.parametrize("held", [False, True])
 @pytest.mark.parametrize("crowded", [False, True])
-@pytest.mark.parametrize(("bed", "spread", "drag"), [(3.0, 0.1, 0.0), (0.5, 30.0, 0.5), (60.0, 1.0, 0.0)])
+@pytest.mark.parametrize(
+    ("bed", "spread", "drag"), [(3.0, 0.1, 0.0), (0.5, 30.0, 0.5), (60.0, 1.0, 0.0), (1e5, 1.0, 0.0)]
+)
 def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held):
     shape, rng = (16, 12), np.random.default_rng(3)
     work = TwoFields(Sites(*shape, False), Processor())
@@ -149,7 +151,9 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
     left = found[:n] - found[n:-1]
     expected = np.sqrt(np.mean(left**2)) if held else left.std()
     estimate = work.left_of(error.astype(np.float32), spread, drag)
-    assert estimate == pytest.approx(expected, rel=0.1, abs=0.02 * error.std())
+    # Beyond k1/k0 = 100 it is estimated with that.
+    rel = 0.1 if bed <= 100 else 0.3
+    assert estimate == pytest.approx(expected, rel=rel, abs=0.02 * error.std())
 
 
 def test_fronts_of_smooth_contacts_under_stiff_springs_need_no_other_solver(monkeypatch):
@@ -277,6 +281,7 @@ def test_balanced_stretch_is_in_equilibrium():
 @pytest.mark.parametrize("edges", ["periodic", "reflecting"])
 def test_a_second_backend_finds_the_same_states(monkeypatch, edges, k0):
     operations = {name for name in vars(Processor) if not name.startswith("_")}
+    assert len(operations) <= 15  # what another backend has to write
     assert {name for name in vars(WholeFields) if not name.startswith("_")} >= operations
     heights = replace(asp.surfaces.Surface(uncorrelated(32)[:28, :23].copy()), edges=edges)
     solid = asp.solids.spring_lattice(k0=k0, k1=10.0, R_viscous=0.1)

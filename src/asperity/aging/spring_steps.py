@@ -131,7 +131,7 @@ class SpringSteps:
         """Whether both stages were solved, the cycles taken and the error of the step."""
         stages, tau = self.stages, DIAGONAL * duration
         # Where errors of steps count by what is left of them, those of stages are not to be larger.
-        share = PASSING if self.forgetting and stages.springs.k0 else 1.0
+        share = PASSING if self.forgetting else 1.0
         allowed = [share * error for error in aim.allowed_errors]
         # Logarithms of time, but for times that are short against the first step.
         origin = self.origin or duration

@@ -241,3 +241,45 @@ def carry(u: Field, w: Field, heights: Field, scale: float, out: Field) -> None:
         for j in range(u.shape[1]):
             force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
             row[j] += scale * force
+
+
+@compiled
+def linearize(
+    u: Field,
+    w: Field,
+    anchors: Field,
+    velocity: Field,
+    own: Field,
+    bend: Field,
+    spread: float,
+    lagging: float,
+    beside: float,
+    position: float,
+    tau: float,
+    mirrored: bool,
+    lacking: Field,
+    out: Field,
+) -> None:
+    """What an implicit step by a law lacks at stretches w, and what sites do about it one by one.
+
+    It lacks u - v - position - lagging w - spread L w - tau velocity; a site makes up for it, its neighbors
+    as they are, by that over ``own``, which is lagging + beside + the slope of the law. ``bend`` is how far
+    a stretch moves until that slope is another; one row may stand for all. ``out`` by rows: these changes,
+    their squares, those of what the tangent leaves of them, and what a shift of 1 would change.
+    """
+    for i in range(u.shape[0]):
+        row = lacking[i]
+        force_row(spread, w, lagging, w, i, mirrored, row)
+        bends = bend[i if bend.shape[0] > 1 else 0]
+        alone = squares = left = response = 0.0
+        for j in range(u.shape[1]):
+            row[j] = u[i, j] - anchors[i, j] - position - row[j] - tau * velocity[i, j]
+            yielding = 1.0 / own[i, j]
+            change = row[j] * yielding
+            error = (own[i, j] - lagging - beside) * change * change / (own[i, j] * bends[j] + 1e-300)
+            error = min(error, abs(change))
+            alone += change
+            squares += change * change
+            left += error * error
+            response += yielding
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = alone, squares, left, response

@@ -15,15 +15,6 @@ from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
 from asperity.lattice import Field
 
-_COARSEST = 16
-"""Most sites of the grid on which the problem is solved directly."""
-
-_HARD = 1e3
-"""Stiffness of a pin that does not give, in units of k0 (4 + bed)."""
-
-_ALL = 1.0 - 1e-4
-"""Part of the largest sum from which all sites that share a coarse site are pinned so."""
-
 
 @dataclass(frozen=True, eq=False)
 class Axis:
@@ -66,8 +57,9 @@ class Axis:
 
 
 def empty(sites: Sites, backend: Processor) -> Single:
-    """A field of zeros."""
-    return backend.packed(np.zeros(sites[:2]))
+    """A field of zeros, in memory that nothing has touched yet."""
+    row = backend.packed(np.zeros((1, sites.columns)))
+    return np.zeros((sites.rows, *row.shape[1:]), row.dtype)
 
 
 def together(fields: Iterable[Single]) -> Fields:
@@ -151,7 +143,7 @@ class Hierarchy:
         y, x = (Axis.fine(n, mirrored=sites.mirrored) for n in sites[:2])
         self.grids: list[Grid] = []
         finer = sites
-        while not self.grids or math.prod(finer[:2]) > _COARSEST:
+        while not self.grids or math.prod(finer[:2]) > 16:
             y, x = y.coarser, x.coarser
             self.grids.append(Grid(y, x, finer, fields, backend))
             finer = self.grids[-1].sites
@@ -177,17 +169,15 @@ class Hierarchy:
         self.backend.restrict((e <= bound).astype(np.float32), self.sites, first.pins)
         first.pins *= np.float32(strength)
         # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.
-        held, hard, crowds = strength, _HARD * (4.0 + response.bed), True
+        held, hard, crowds = strength, 1e3 * (4.0 + response.bed), True  # much stiffer than a site
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
             if crowds:
-                full = fine.pins >= np.float32(_ALL * held) * fine.sharing
+                full = fine.pins >= np.float32((1.0 - 1e-4) * held) * fine.sharing  # but for rounding
                 crowds = bool(full.any())
                 fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
             softening = response.softening(level, mean)
-            above = np.maximum(fine.pins - np.float32(mean), np.float32(0.0))
-            soft = fine.pins / (np.float32(1.0) + np.float32(softening) * above)
-            self.backend.restrict(soft, fine.sites, coarse.pins)
+            self.backend.restrict(fine.pins, fine.sites, coarse.pins, softening, mean)
             held, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:

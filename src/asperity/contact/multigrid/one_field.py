@@ -35,14 +35,20 @@ from asperity.contact.multigrid.processor import Extremes, Processor
 from asperity.contact.problem import SpringStep
 from asperity.lattice import Field
 
-_SUM_TOLERANCE = 1e-3
-"""Largest sum of the forces off contact, and of the tension in a row, relative to what one force may be off.
 
-The former, because forces that all have one sign would shift the separation; tension, because it is set to 0.
-"""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers that decide how accurate a state is beyond its tolerance."""
 
-_MARGIN = 0.1
-"""What of the tolerance is used: many small forces off contact together move the separation."""
+    margin: float = 0.1
+    """What of the tolerance is used: many small forces off contact together move the separation."""
+    sum_tolerance: float = 1e-3
+    """Largest sum of the forces off contact, and of the tension in a row, relative to what one force may be
+    off. The former, because forces that all have one sign would shift the separation; tension, because it is
+    set to 0."""
+
+
+TUNING = Tuning()
 
 SINGLE_PRECISION = 100 * float(np.finfo(np.float32).eps)
 """Defect that cycles in single precision reach, in units of the stiffness times the largest correction."""
@@ -140,9 +146,9 @@ class OneField:
         self.correction.fill(0.0)
         stiffest = 8.0 * self.springs.k0 + self.law.bed
         rounding = 4.0 * float(np.finfo(float).eps) * stiffest * self.unit
-        self.allowed = max(_MARGIN * tolerance * abs(found.load) / max(found.contacts, 1.0), rounding)
-        most = max(_SUM_TOLERANCE * tolerance * abs(found.load), rounding * math.sqrt(self.u.size))
-        tensile = found.tension > max(_SUM_TOLERANCE * self.allowed, rounding)
+        self.allowed = max(TUNING.margin * tolerance * abs(found.load) / max(found.contacts, 1.0), rounding)
+        most = max(TUNING.sum_tolerance * tolerance * abs(found.load), rounding * math.sqrt(self.u.size))
+        tensile = found.tension > max(TUNING.sum_tolerance * self.allowed, rounding)
         return uniform, found.worst <= self.allowed and not tensile and abs(found.imbalance) <= most
 
     def equation(self) -> One:

@@ -27,14 +27,17 @@ import cmath
 import math
 from dataclasses import dataclass
 
-_SHARED = 1.5
-"""Factor on the softening: interpolation shares a contact among up to four springs that soften less.
 
-Measured so that the springs of random contacts add up to N sigma, as a test checks.
-"""
+@dataclass(frozen=True)
+class Tuning:
+    """What decides how soft contacts are on coarse grids."""
 
-_HUGE = 1e6
-"""Stiffness on a site, in units of k0, beyond which its neighbors do not matter."""
+    shared: float = 1.5
+    """Factor on the softening: interpolation shares a contact among up to four springs that soften less.
+    With it the springs of random contacts add up to N sigma."""
+
+
+TUNING = Tuning()
 
 
 @dataclass(frozen=True)
@@ -53,10 +56,11 @@ class Response:
         """G_l(sigma), the compliance of a site of a coarse grid."""
         mass = 4.0**level
         bed, lag = self.bed * mass, 1.0 + self.drag
-        if bed / lag + sigma > _HUGE:
+        huge = 1e6  # stiffness on a site, in units of k0, beyond which its neighbors do not matter
+        if bed / lag + sigma > huge:
             return 1.0 / (bed / lag + sigma + 4.0)
         spread = self.spread / mass
-        if spread * (8.0 + _HUGE) < 1e-12 * lag:
+        if spread * (8.0 + huge) < 1e-12 * lag:
             return _mean_inverse(bed / lag + sigma).real
         # 1/(S + sigma) = (lag + spread lam) / (spread (lam + x)(lam + y))
         linear = (lag + sigma * spread) / spread
@@ -83,7 +87,7 @@ class Response:
     def softening(self, level: int, sigma: float) -> float:
         """1 / p_(l+1) - 1 / p_l."""
         change = self.compliance(level, sigma) - self.compliance(level + 1, 4.0 * sigma)
-        return max(_SHARED * change, 1e-9)
+        return max(TUNING.shared * change, 1e-9)
 
 
 def _mean_inverse(x: complex) -> complex:

@@ -37,8 +37,6 @@ from asperity.contact.multigrid.loops import (
 )
 from asperity.lattice import Field
 
-_MOST_SUMS = 10
-
 
 class Defects(NamedTuple):
     """Of two fields: squares of both defects, sum of f, contacts, squares of e."""
@@ -82,7 +80,7 @@ class Processor:
     def _sums(self, sites: Sites) -> Field:
         """A place for numbers by rows."""
         if sites.rows not in self._kept:
-            self._kept[sites.rows] = np.zeros((sites.rows, _MOST_SUMS))
+            self._kept[sites.rows] = np.zeros((sites.rows, len(Found._fields)))
         return self._kept[sites.rows]
 
     # Fields.
@@ -106,9 +104,14 @@ class Processor:
         rows.total(field, sites.columns, sums)
         return float(sums[:, 0].sum())
 
-    def restrict(self, field: Single, sites: Sites, out: Single) -> None:
-        """A field on the next coarser grid, by the transpose of interpolation."""
-        rows.restrict(field, sites, out)
+    def restrict(
+        self, field: Single, sites: Sites, out: Single, softening: float = 0.0, mean: float = 0.0
+    ) -> None:
+        """A field on the next coarser grid, by the transpose of interpolation.
+
+        Above the mean a value x becomes x / (1 + softening (x - mean)) before.
+        """
+        rows.restrict(field, sites, np.float32(softening), np.float32(mean), out)
 
     # From states to corrections, and back.
 

@@ -27,22 +27,21 @@ from asperity.contact.stencils import bond_energy
 from asperity.errors import InputError
 from asperity.lattice import Field
 
-_WORTH_COARSENING = 256
-"""Least number of sites along an axis for which a start from coarser lattices pays."""
 
-_SMOOTH = 0.5
-"""Mean square difference between neighbors, in units of the variance, below which heights are smooth."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers that decide how fast contacts are found, not which."""
 
-_COARSE_TOLERANCE = 3e-2
-"""Tolerance on coarser lattices, whose solution is only a guess; relative to the mean contact force."""
+    coarse_start: int = 256
+    """Least number of sites along an axis for which a start from a coarser lattice pays."""
+
+
+TUNING = Tuning()
 
 W = TypeVar("W", OneField, TwoFields)
 
-_FEWEST_SITES = 4
-"""Smallest length of an axis, in sites, for which multigrid is used."""
-
-_SOFTEST, _STIFFEST = 1e-6, 1e6
-"""Range of k1/k0; outside it one kind of spring hardly matters."""
+_RATIOS = 1e-6, 1e6
+"""Least and largest k1/k0; outside this one kind of spring hardly matters."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,10 +71,10 @@ class Multigrid:
     @staticmethod
     def suits(mechanics: Mechanics) -> bool:
         """Whether this solid on this lattice can be solved so."""
-        if not isinstance(mechanics, SpringMechanics) or min(mechanics.lattice.shape) < _FEWEST_SITES:
+        if not isinstance(mechanics, SpringMechanics) or min(mechanics.lattice.shape) < 4:
             return False
-        springs = mechanics.springs
-        return springs.k0 == 0 or _SOFTEST * springs.k0 <= springs.k1 <= _STIFFEST * springs.k0
+        springs, (least, most) = mechanics.springs, _RATIOS
+        return springs.k0 == 0 or least * springs.k0 <= springs.k1 <= most * springs.k0
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
@@ -124,9 +123,8 @@ class Multigrid:
         stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
         u = self._cold_start(stiffer, coarser)
         np.maximum(u, coarser, out=u)
-        OneField(_sites(coarser, springs), Processor()).solve(
-            stiffer, coarser, u, _COARSE_TOLERANCE, self.max_cycles
-        )
+        # To a few hundredths of the mean force of contacts: it is only a guess.
+        OneField(_sites(coarser, springs), Processor()).solve(stiffer, coarser, u, 0.03, self.max_cycles)
         return interpolated(u)
 
     def work_on(self, mechanics: SpringMechanics) -> TwoFields:
@@ -169,11 +167,11 @@ def _sites(heights: Field, springs: SpringStep) -> Sites:
 
 
 def _is_smooth(heights: Field) -> bool:
-    """Whether a start from every second site pays."""
-    if min(heights.shape) < _WORTH_COARSENING or any(n % 2 for n in heights.shape):
+    """Whether a start from every second site pays: neighbors differ by half as much as sites far apart."""
+    if min(heights.shape) < TUNING.coarse_start or any(n % 2 for n in heights.shape):
         return False
-    variance = inner(heights, heights, np) / heights.size - float(heights.mean()) ** 2
-    return bond_energy(heights) / (2 * heights.size) < _SMOOTH * variance
+    squares = inner(heights, heights, np) - heights.size * float(heights.mean()) ** 2
+    return bond_energy(heights) < squares
 
 
 def _level(springs: SpringStep, heights: Field) -> float:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from asperity.contact.arrays import largest
 from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
 from asperity.contact.multigrid.processor import Found
-from asperity.contact.multigrid.two_fields import SOFTEST, TwoFields
+from asperity.contact.multigrid.two_fields import TUNING, TwoFields
 from asperity.lattice import Field
 from asperity.solids import SpringConstants
 
@@ -54,7 +54,7 @@ class StageSolver:
     ) -> None:
         self.work, self.backend, self.sites = work, work.backend, work.sites
         self.springs, self.heights = springs, np.ascontiguousarray(heights)
-        self.k0 = max(springs.k0, SOFTEST * springs.k1)
+        self.k0 = max(springs.k0, TUNING.softest * springs.k1)
         self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
         self.unit, self.level = map(float, arrays["scales"][:2])
         self.changes = [Pair(arrays[f"change_{n}_u"], arrays[f"change_{n}_stretch"]) for n in range(2)]

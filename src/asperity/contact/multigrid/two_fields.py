@@ -20,6 +20,7 @@ All this happens to a correction (e, f) of the pair, in single precision and in 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -39,43 +40,42 @@ from asperity.contact.multigrid.loops import (
     Surface,
     Two,
 )
-from asperity.contact.multigrid.one_field import lowest
+from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
-from asperity.contact.stencils import lattice_force
+from asperity.contact.stencils import linearize
 from asperity.lattice import Field, Mask
 
-_SLOW = 0.4
-"""Ratio of successive corrections above which they are combined."""
 
-_OVERSHOOTING = 0.8
-"""Ratio of successive corrections above which all later ones are taken in part."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers that decide how many cycles a step takes."""
 
-_LEAST, _MOST = 0.1, 2.0
-"""Least and most part of a correction that is then taken."""
+    slow: float = 0.4
+    """Ratio of successive corrections above which they are combined."""
+    overshooting: float = 0.8
+    """Ratio of successive corrections above which all later ones are taken in part."""
+    usual_rate: float = 0.3
+    """Ratio of successive errors expected before two are known."""
+    moved: float = 0.02
+    """Part of the contacts that opens or closes before pins are set anew."""
+    force_error: float = 1e-3
+    """Error of the sum of the forces that is allowed even where an error of u0 is."""
+    stiff: float = 100.0
+    """k1/k0 from which that falls with its square, for errors of all steps have one sign and add up; and the
+    most with which is estimated what a step leaves of an error."""
+    left: float = 0.03
+    """How well what a step leaves of an error is known, in units of that error."""
+    cycles_left: int = 8
+    """Most cycles spent on that."""
+    softest: float = 1e-5
+    """Least k0/k1 in corrections, which need not be exact: the forces that they are to remove are."""
 
-_USUAL_RATE = 0.3
-"""Ratio of successive errors expected before two are known."""
 
-_FORCE_ERROR, _LEAST_FORCE_ERROR = 1e-3, 1e-5
-"""Error of the sum of the forces that is allowed even where an error of u0 is, and the least asked for."""
-
-_STIFF = 100.0
-"""k1/k0 from which the former falls with its square: errors of all steps have one sign, and add up.
-
-Also the most with which is estimated what a step leaves of an error."""
-
-_LEFT = 0.03, 8
-"""How well what a step leaves of an error is known, in units of that error, and the most cycles for it."""
+TUNING = Tuning()
 
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
-
-_HEAVY, _LEAST_STRETCH = 1e30, 1e-300
-"""What keeps contacts closed; and what keeps 0 / 0 from being asked."""
-
-SOFTEST = 1e-5
-"""Least k0/k1 in corrections, which need not be exact: the forces that they are to remove are."""
 
 
 class ByLaw(NamedTuple):
@@ -99,6 +99,11 @@ class Tangent(NamedTuple):
     beside: float
     bend: Any
 
+    def bends(self, shape: tuple[int, ...]) -> Field:
+        """How far stretches move until the slope is another, by site or in one row for all."""
+        scale = np.asarray(self.bend, dtype=float)
+        return np.ascontiguousarray(scale if scale.ndim == 2 else np.full((1, shape[1]), scale))
+
     def error(self, own: Field, change: Field) -> Field:
         """What it leaves of a stretch that changes, at sites whose lag and neighbors add up to ``own``.
 
@@ -107,7 +112,7 @@ class Tangent(NamedTuple):
         left = own - (self.lagging + self.beside)
         left *= change
         left *= change
-        left /= own * self.bend + _LEAST_STRETCH
+        left /= own * self.bend + 1e-300  # no 0 / 0
         return np.minimum(left, np.abs(change), out=left)
 
 
@@ -164,7 +169,7 @@ class TwoFields:
         self.lag, *self.coarse_lags = self.rows
         self.damp()
         self.response = Response(bed, spread, drag)
-        self.force_error = max(_FORCE_ERROR * min(1.0, _STIFF / bed) ** 2, _LEAST_FORCE_ERROR)
+        self.force_error = max(TUNING.force_error * min(1.0, TUNING.stiff / bed) ** 2, SINGLE_PRECISION)
 
     def damp(self) -> None:
         """Find what the sweeps take of the lag."""
@@ -213,13 +218,12 @@ class TwoFields:
         cycles do not solve them, all of the error is left.
         """
         work, backend, e, bound = self.errors, self.backend, self.correction.e, self.bound
-        work.prepare(min(self.bed, _STIFF), spread, drag)
+        work.prepare(min(self.bed, TUNING.stiff), spread, drag)
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
         free, scale = e > bound, math.sqrt(inner(error, error, np) / self.size)
         self.opened = bool((free & (bound == 0)).any())
         work.hold(~free, error)
-        goal, most = _LEFT
-        done, _ = work.improve(goal * scale, most, total_counts=False)
+        done, _ = work.improve(TUNING.left * scale, TUNING.cycles_left, total_counts=False)
         if not done:
             return scale
         left = backend.unpacked(work.correction.e - work.correction.f, self.sites)
@@ -229,7 +233,7 @@ class TwoFields:
     def hold(self, touching: Mask, error: NDArray[np.floating]) -> None:
         """Begin the equations of an error of u0, rows in order, for contacts that stay what they are."""
         self.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
-        self.source.e[...] = touching * np.float32(-_HEAVY)
+        self.source.e[...] = touching * np.float32(-1e30)  # keeps contacts closed
         self.source.f[...] = self.backend.packed(-error)
         for field in self.correction:
             field.fill(0.0)
@@ -252,29 +256,24 @@ class TwoFields:
         into, sites = Measured(self.bound, self.source.e, self.source.f), self.sites
         measured = Scales(*scales, 0.0)
         stretch = backend.measure(surface, springs, 0.0, measured, into, sites, flowing=False).stretch
-        lacking = lattice_force(w, w, springs.spread, tangent.lagging, mirrored=sites.mirrored)
-        np.subtract(u, lacking, out=lacking)
-        lacking -= law.anchors
-        lacking -= law.tau * law.velocity
-        lacking -= law.position
         own = (law.tau * springs.k1) * law.derivative
         own += tangent.lagging + tangent.beside
-        alone = lacking / own
-        left, squares = tangent.error(own, alone), inner(alone, alone, np)
+        bend, lacking, sums = tangent.bends(u.shape), np.empty(u.shape), np.empty((len(u), 4))
+        numbers = springs.spread, tangent.lagging, tangent.beside, law.position, law.tau, sites.mirrored
+        linearize(u, w, law.anchors, law.velocity, own, bend, *numbers, lacking, sums)
+        alone, squares, left, response = sums.sum(axis=0).tolist()
         lacking /= unit
         self.source.f[...] = backend.packed(lacking)
-        response = float(np.sum(1.0 / own)) if total is not None else 0.0
         own -= tangent.beside
         self.lag, self.even = backend.packed(np.minimum(own, law.largest, out=own)), False
         for field in self.correction:
             field.fill(0.0)
         self.shift, self.known_stretch, self.wanted = 0.0, stretch / unit, None
         if total is not None:
-            change = float(alone.sum())
             self.wanted = (total - stretch) / unit
-            self.shift = (self.wanted - change / unit) / (response or math.nan)
-            squares -= change * change / self.size
-        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(inner(left, left, np) / self.size)
+            self.shift = (self.wanted - alone / unit) / (response or math.nan)
+            squares -= alone * alone / self.size
+        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(left / self.size)
 
     def relag(self) -> None:
         """Bring the lag by site to the coarse grids."""
@@ -330,8 +329,8 @@ class TwoFields:
         last, self.weights = self.weights[0], (1.0, 0.0)
         if cycle == 0:
             self.keeping, self.last_shift, self.overshooting = False, 0.0, False
-        elif size > _SLOW * before or self.overshooting:
-            self.overshooting = self.overshooting or size > _OVERSHOOTING * before
+        elif size > TUNING.slow * before or self.overshooting:
+            self.overshooting = self.overshooting or size > TUNING.overshooting * before
             if not self.keeping:
                 self.keeping, self.last_shift = True, 0.0
                 for field in self.previous:
@@ -345,11 +344,11 @@ class TwoFields:
         self.last_shift = alpha * shift + beta * self.last_shift
         self.shift += self.last_shift
         # Where nothing creeps e = f, and there are no two errors to compare.
-        return size, min(max(size / before, 0.1), 0.9) if cycle and before > 0 else _USUAL_RATE
+        return size, min(max(size / before, 0.1), 0.9) if cycle and before > 0 else TUNING.usual_rate
 
     def set_pins(self, contacts: float) -> None:
         """Set pins on the coarse grids, where many have changed, and factorize the coarsest."""
-        moved = abs(contacts - self.pinned) > 0.02 * self.pinned
+        moved = abs(contacts - self.pinned) > TUNING.moved * self.pinned
         if self.factorized and not moved:
             return
         if moved:
@@ -414,4 +413,4 @@ def _relaxed(part: float, before: Single, now: Single) -> float:
     change = before - now
     square = inner(change, change, np)
     part *= inner(before, change, np) / square if square > 0 else 1.0
-    return min(max(part, _LEAST), _MOST)
+    return min(max(part, 0.1), 2.0)

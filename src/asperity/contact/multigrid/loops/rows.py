@@ -235,10 +235,11 @@ def fine_row(coarse_row: int, offset: int, sites: Sites) -> int:
 
 
 @compiled
-def restrict(field: Single, sites: Sites, out: Single) -> None:
-    """A field on the next coarser grid."""
+def restrict(field: Single, sites: Sites, softening: Scalar, mean: Scalar, out: Single) -> None:
+    """A field on the next coarser grid, where what stands out from a mean softens."""
     width = field.shape[2]
     rows, line = np.zeros((3, 2, width), np.float32), np.empty(width - 1, np.float32)
+    one, zero = np.float32(1.0), np.float32(0.0)
     for k in range(out.shape[0]):
         for offset in range(-1, 2):
             i, row = fine_row(k, offset, sites), rows[offset + 1]
@@ -247,7 +248,8 @@ def restrict(field: Single, sites: Sites, out: Single) -> None:
                 continue
             for side in range(2):
                 for j in range(side, end_of(side, sites.columns)):
-                    row[side, j] = field[i, side, j]
+                    value = field[i, side, j]
+                    row[side, j] = value / (one + softening * max(value - mean, zero))
         restrict_rows(rows[0], rows[1], rows[2], k, sites, line, out[k])
 
 
