@@ -233,3 +233,24 @@ def test_loads_beyond_the_hardness_and_parts_of_sites_are_refused():
         half_space(modulus=2.0, hardness=0.0)
     with refuses("units"):
         asp.press(rough, spring_lattice(k0=1.0, k1=3.0, hardness="1 GPa"), load=10.0)
+
+
+@pytest.mark.parametrize("R", [0.0, 0.5])
+def test_what_yields_by_a_local_law_comes_back_to_the_surface(R):
+    rough = np.random.default_rng(2).normal(size=(16, 16))
+    law = Eyring(rate=1e-3, stress=0.3)
+    contact = asp.press(
+        rough / rough.std(), spring_lattice(k0=1.0, k1=3.0, R=R, creep=law, hardness=0.5), load=51.2
+    )
+    areas = asp.age(contact, np.geomspace(1e-3, 1e4, 8)).dataset["area"].values
+    assert (np.diff(areas) >= 0).all()
+    assert areas[-1] == asp.relax(contact).area
+
+
+def test_crowded_sites_that_yield_by_a_local_law_take_few_steps():
+    rough = asp.surfaces.self_affine(64, hurst=0.8, delta=0.1, seed=1)
+    solid = spring_lattice(k0=1.0, k1=3.0, R=0.0, creep=Eyring(rate=1e-3, stress=0.3), hardness=0.5)
+    contact = asp.press(rough / rough.std(), solid, load=0.2 * rough.size)
+    data = asp.age(contact, np.geomspace(1e-3, 1e4, 8)).dataset
+    assert data["steps"].values.sum() < 100
+    assert data["area"].values[-1] > 1.5 * contact.area

@@ -5,7 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from asperity.contact import ActiveSet
+import asperity as asp
+from asperity.contact import ActiveSet, active_set
 from asperity.contact.arrays import library
 from asperity.contact.cascade import cold_start, independent_asperities
 from asperity.contact.free_sites import FreeSites, _added_up, _density
@@ -177,3 +178,13 @@ def test_a_solution_errs_no_more_than_it_may_and_takes_less(size):
     assert all(later <= earlier + 1 for earlier, later in more)  # one more revision is an iteration
     assert iterations[-1] < iterations[0]
     assert found.iterations < 0.5 * iterations[0]  # not settled, as a stage of a time step
+
+
+def test_contacts_that_go_round_in_circles_are_solved_accurately(monkeypatch):
+    # Nothing but an infinitely stiff apparatus holds the mean, and errors of it move all contacts.
+    monkeypatch.setattr(active_set, "TUNING", active_set.Tuning(load_error=np.inf))
+    heights = correlated(128, hurst=0.8)
+    solid = half_space(modulus=1.0, apparatus=np.inf, flow=(0.5, 1.0))
+    slope = np.sqrt(2) * np.std(np.roll(heights, 1, 0) - heights)
+    start = asp.press(heights, solid, load=0.03 * slope * heights.size)
+    assert asp.age(start, [1e3], hold="separation").final.load < start.load

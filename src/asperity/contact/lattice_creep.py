@@ -19,10 +19,11 @@ import numpy as np
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
+from asperity.contact.multigrid import two_fields
 from asperity.contact.multigrid.loops import Sites, Springs, Surface
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.two_fields import TUNING, Tangent, TwoFields
 from asperity.contact.multigrid.two_fields import ByLaw as LawByRows
+from asperity.contact.multigrid.two_fields import Tangent, TwoFields
 from asperity.contact.stencils import balanced, lattice_force
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
@@ -108,7 +109,7 @@ class _Run(LocalRun):
         self.springs = Springs(springs.k0, k1, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
         size = max(largest(field, np) for field in (self.u, self.w, self.before))
         self.unit, self.rounding = size or 1.0, 16 * float(np.finfo(float).eps) * size
-        self.stiffness = max(springs.k0, TUNING.softest * k1)
+        self.stiffness = max(springs.k0, two_fields.TUNING.softest * k1)
         self.lagging, self.beside = 1.0 + self.springs.drag, 4.0 * self.springs.spread
         if not stage.again:
             self.work.prepare(k1 / self.stiffness, self.springs.spread, self.springs.drag)
@@ -126,10 +127,10 @@ class _Run(LocalRun):
         largest_lag = _LARGEST * float(np.finfo(np.float32).eps)  # sums of lags stay in range
         law = LawByRows(self.before, self.law.velocity, self.law.slope, self.position, stage.tau, largest_lag)
         bend: Any = self.solver.law.bend(self.law.force) / springs.k1
-        self.tangent = Tangent(self.lagging, self.beside, bend)
+        tangent = Tangent(self.lagging, self.beside, bend)
         scales, surface = (self.stiffness * unit, unit), Surface(self.u, self.w, self.heights)
         total = None if stage.load is None else stage.load / springs.k1
-        found = work.measure_law(surface, law, springs, self.tangent, scales, total)
+        found = work.measure_law(surface, law, springs, tangent, scales, total)
         work.yielding = int(np.count_nonzero(self.yielding))
         if work.yielding:
             given = self.yielding * (self.solver.interface.high / scales[0])
@@ -157,6 +158,7 @@ class _Run(LocalRun):
         far = np.where(beyond, excess / (4 * springs.k0 + springs.k1), np.where(back, gap, 0.0))
         self.yielding ^= beyond | back
         self.heights = np.where(self.yielding, -np.inf, solver.heights)
+        self.u[back] = solver.heights[back]  # the surface has come back to it
         np.maximum(self.u, self.heights, out=self.u)
         return math.sqrt(inner(far, far, np) / far.size)
 
@@ -169,7 +171,8 @@ class _Run(LocalRun):
         done, cycles = work.improve(allowed / self.unit, _MOST_CYCLES)
         if not done:
             raise ConvergenceError(f"creep: {cycles} cycles did not solve a linear step; try a larger rtol")
-        work.settle_law(Surface(self.u, self.w, self.heights), self.tangent, self.unit)
+        surface = Surface(self.u, self.w, self.heights)
+        work.backend.settle(surface, work.correction, work.bound, self.unit, 0.0)
         self.position -= work.shift * self.unit
         return cycles
 

@@ -165,7 +165,8 @@ class Solution:
     ``u`` equals the heights on ``in_contact``, or is below where they yield, and exceeds them elsewhere;
     ``iterations`` counts
     conjugate-gradient iterations or multigrid cycles, and ``set_changes`` the times the set of
-    contacts was revised. ``stretch`` is u - u0 after the step, from solvers that find it on the way.
+    contacts was revised. ``stretch`` is u - u0 after the step, from solvers that find it on the way;
+    ``solver`` names who solved, where several may have.
     """
 
     u: Field
@@ -173,6 +174,7 @@ class Solution:
     iterations: int
     set_changes: int
     stretch: Field | None = None
+    solver: str = ""
 
 
 class ContactSolver(Protocol):

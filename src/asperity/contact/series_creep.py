@@ -51,13 +51,15 @@ class Tuning:
     reduction: float = 0.05
     """How far the residual of a linear problem falls before contacts and law are looked at again."""
 
+    most_iterations: int = 200
+    """Iterations on a linear problem, at most."""
+
     kept: float = 0.1
     """Part of the force of a contact that is left at least where its force is found by the law."""
 
 
 TUNING = Tuning()
 
-_MOST_ITERATIONS = 200
 _ROUNDING = 16 * float(np.finfo(float).eps)
 """Change of the creeping shape that rounding makes, in units of the largest length."""
 
@@ -165,7 +167,7 @@ class SeriesCreep(ByLaw):
 
     def creeping(self, x: Fields) -> Field:
         """The forces s."""
-        s = self.weights[0] * x[0]
+        s: Field = self.weights[0] * x[0]
         for weight, one in zip(self.weights[1:], x[1:], strict=True):
             s += weight * one
         return s
@@ -190,11 +192,11 @@ class _Run(LocalRun):
         if load is not None and not self.touching.any():
             self.touching.flat[int(np.argmax(heights - guess.u))] = True
         self.yielding = np.zeros_like(self.touching)
-        p, share = solver.pressing(guess, self.touching, load), solver.share
+        share, p = solver.share, solver.pressing(guess, self.touching, load)
         self.x = np.stack([p, *((guess.force - share * p) / b for b in solver.weights[1:])])
         position = float(guess.position if load is not None else stage.position)
         level = position + float(before.mean() + solver.compliance.flat[0] * p.mean() - guess.u.mean())
-        self.levels = np.array([position, *(b / share * level for b in solver.weights[1:])])
+        self.levels = np.append(position, solver.weights[1:] * (level / share))
         self.wanted = solver.sunk(before)
         self.wanted[0] += heights
 
@@ -365,7 +367,7 @@ class LinearStep:
         z = direction = self.projected(residual)
         slope = first = inner(residual, z, np)
         iterations = 0
-        while iterations < _MOST_ITERATIONS and slope > goal**2 * first:
+        while iterations < TUNING.most_iterations and slope > goal**2 * first:
             iterations += 1
             change = self.applied(direction)
             curvature = inner(direction, change, np)

@@ -15,6 +15,7 @@ from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import inner
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.cascade import interpolated
+from asperity.contact.first import First, UnsolvedError
 from asperity.contact.mechanics import Mechanics, SpringMechanics
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
@@ -78,7 +79,7 @@ class Multigrid:
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
-        """Solve the problem from a guess, or from a flat surface.
+        """Solve the problem from a guess, or from a flat surface; the solution says who solved it.
 
         Raises
         ------
@@ -87,6 +88,10 @@ class Multigrid:
         ConvergenceError
             Neither cycles nor `ActiveSet` reached the tolerance.
         """
+        return First((Cycles(self), ActiveSet())).solve(problem, guess, tolerance)
+
+    def cycles(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+        """Solve by cycles alone; `UnsolvedError` where they do not serve."""
         if not isinstance(problem, SpringProblem):
             raise InputError(
                 "solver",
@@ -96,14 +101,14 @@ class Multigrid:
             )
         springs = problem.step
         if not springs.relaxed and (springs.spread > 0 or springs.drag > 0):
-            return ActiveSet().solve(problem, guess, tolerance)  # steps of creep are `StageSolver`'s
+            raise UnsolvedError(guess)  # steps of creep are `StageSolver`'s
         if springs.k0 == 0:
             return _independent(springs, problem.heights)
         if guess is None:
             guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
         if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
-            return ActiveSet().solve(problem, guess, tolerance)
+            raise UnsolvedError(guess)
         heights = np.ascontiguousarray(problem.heights)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
         work = self._workspace(OneField, _sites(heights, springs))
@@ -111,9 +116,7 @@ class Multigrid:
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
-        start = Guess(u) if np.isfinite(u).all() else None
-        rest = ActiveSet().solve(problem, start, tolerance)
-        return Solution(rest.u, rest.in_contact, cycles + rest.iterations, rest.set_changes)
+        raise UnsolvedError(Guess(u) if np.isfinite(u).all() else None, cycles)
 
     def _cold_start(self, springs: SpringStep, heights: Field) -> Field:
         """A flat surface, or where heights are smooth that over every second site, solved."""
@@ -144,6 +147,17 @@ class Multigrid:
         if not isinstance(space, kind) or space.sites != sites:
             self._work["space"] = space = kind(sites, Processor())
         return space
+
+
+@dataclass(frozen=True)
+class Cycles:
+    """The cycles of multigrid as a solver, which may fail."""
+
+    multigrid: Multigrid
+
+    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+        """See `Multigrid.cycles`."""
+        return self.multigrid.cycles(problem, guess, tolerance)
 
 
 def _independent(springs: SpringStep, heights: Field) -> Solution:

@@ -105,17 +105,6 @@ class Tangent(NamedTuple):
         scale = np.asarray(self.bend, dtype=float)
         return np.ascontiguousarray(scale if scale.ndim == 2 else np.full((1, shape[1]), scale))
 
-    def error(self, own: Field, change: Field) -> Field:
-        """What it leaves of a stretch that changes, at sites whose lag and neighbors add up to ``own``.
-
-        Over a bend the slope changes by its own size.
-        """
-        left = own - (self.lagging + self.beside)
-        left *= change
-        left *= change
-        left /= own * self.bend + 1e-300  # no 0 / 0
-        return np.minimum(left, np.abs(change), out=left)
-
 
 class TwoFields:
     """Work space for one lattice, and the correction on it.
@@ -285,15 +274,6 @@ class TwoFields:
         if self.pinned < 0:
             self.mean_lag = float(np.mean(self.hierarchy.grids[-1].in_order(self.coarse_lags[-1])))
             self.response = Response(self.bed, self.spread, self.mean_lag - 1.0)
-
-    def settle_law(self, surface: Surface, tangent: Tangent, unit: float) -> float:
-        """Add the correction; what the tangent of the law leaves of w, rms."""
-        self.backend.settle(surface, self.correction, self.bound, unit, 0.0)
-        own, change = (self.backend.unpacked(field, self.sites) for field in (self.lag, self.correction.f))
-        own += tangent.beside
-        change *= unit
-        left = tangent.error(own, change)
-        return math.sqrt(inner(left, left, np) / self.size)
 
     def equation(self) -> Two:
         """Fields and coefficients."""

@@ -1,0 +1,43 @@
+"""One solver after another: the only way in which one takes over from another; the solution says which."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from asperity.contact.problem import ContactProblem, ContactSolver, Guess, Solution
+from asperity.errors import ConvergenceError
+
+
+class UnsolvedError(ConvergenceError):
+    """A solver has not solved a problem; another may go on from where it got."""
+
+    def __init__(self, guess: Guess | None, iterations: int = 0) -> None:
+        super().__init__("contact solver: cycles did not converge; try solver=ActiveSet()")
+        self.guess, self.iterations = guess, iterations
+
+
+@dataclass(frozen=True)
+class First:
+    """Solvers in the order in which they are tried."""
+
+    solvers: tuple[ContactSolver, ...]
+
+    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+        """Solve by the first solver that can; each goes on from where the one before got.
+
+        Raises
+        ------
+        ConvergenceError
+            The last solver did not reach the tolerance.
+        """
+        *others, last = self.solvers
+        spent = 0
+        for solver in others:
+            try:
+                found = solver.solve(problem, guess, tolerance)
+            except UnsolvedError as left:
+                guess, spent = left.guess, spent + left.iterations
+            else:
+                return replace(found, iterations=spent + found.iterations, solver=type(solver).__name__)
+        found = last.solve(problem, guess, tolerance)
+        return replace(found, iterations=spent + found.iterations, solver=type(last).__name__)
