@@ -12,6 +12,7 @@ drag by site; the cycles find the contacts too.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,10 +31,22 @@ from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
 from asperity.solids import SpringConstants
 
-_MOST_CYCLES = 60
-"""Cycles on one linear step after which a step is given up."""
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of the method."""
+
+    most_cycles: int = 60
+    """Cycles on one linear step after which a step is given up."""
+
+    damped: float = 0.3
+    """How well what a step leaves of an error is known, in units of that error."""
+
+
+TUNING = Tuning()
 
 _LARGEST = float(np.finfo(np.float32).max)
+"""Largest number in single precision: a force that keeps contacts closed, and with the last digit a lag."""
 
 
 class LatticeCreep(ByLaw):
@@ -168,7 +181,7 @@ class _Run(LocalRun):
             self.follow_law(noticed)
         work = self.work
         work.relag()
-        done, cycles = work.improve(allowed / self.unit, _MOST_CYCLES)
+        done, cycles = work.improve(allowed / self.unit, TUNING.most_cycles)
         if not done:
             raise ConvergenceError(f"creep: {cycles} cycles did not solve a linear step; try a larger rtol")
         surface = Surface(self.u, self.w, self.heights)
@@ -196,7 +209,7 @@ class _Run(LocalRun):
         work.shift = 0.0
         for field in work.correction:
             field.fill(0.0)
-        if not work.improve(0.3, _MOST_CYCLES, total_counts=False)[0]:
+        if not work.improve(TUNING.damped, TUNING.most_cycles, total_counts=False)[0]:
             return error
         e, f = work.correction
         left = work.backend.unpacked(e - f, work.sites)

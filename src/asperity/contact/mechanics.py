@@ -43,7 +43,7 @@ from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
 _LEAST_CREEPING_SHARE = 1e-2
 """Least share of creeping branches in the stiffness with which anchors take up forces."""
 
-_ALIKE = 1e-13
+_ALIKE = 512 * float(np.finfo(float).eps)
 """How nearly the stiffnesses of branches are to be multiples of each other."""
 
 

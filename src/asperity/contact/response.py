@@ -20,9 +20,6 @@ RIM = (math.pi - 1 + math.log(2)) / 24
 V. A. Yastrebov, G. Anciaux, J.-F. Molinari, Tribol. Int. 114, 161 (2017), DOI 10.1016/j.triboint.2017.04.023.
 """
 
-_DEEP = -1e200
-"""Height of an obstacle that nothing reaches."""
-
 
 def rim_sides(in_contact: Mask, lattice: Lattice) -> int:
     """Number of pairs of neighbors of which one is in contact, over periodic edges too."""
@@ -42,7 +39,7 @@ def normal_stiffness(system: System, in_contact: Mask) -> float:
     """
     if not in_contact.any():
         return 0.0
-    flat = np.where(in_contact, 0.0, _DEEP)
+    flat = np.where(in_contact, 0.0, -np.inf)
     step = system.mechanics.spectral.implicit_step(0.0)
     problem = replace(step.problem(flat, 0.0, Prescribed(1.0, 0.0)), interface=Interface(low=-math.inf))
     guess = Guess(np.zeros_like(flat), in_contact)

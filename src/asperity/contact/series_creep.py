@@ -225,9 +225,8 @@ class _Run(LocalRun):
         ways = solver.ways(touching)
         lack = (ways * lacking).sum(axis=0) * (solver.softest / (solver.softest + law.drag))
         if self.missing.size:  # what the sums lack is up to the contacts
-            lack += solver.own(ways) * (
-                float(np.abs(self.missing).max()) / max(np.count_nonzero(touching), 1)
-            )
+            lost = float(np.abs(self.missing).max())
+            lack += solver.own(ways) * (lost / max(int(np.count_nonzero(touching)), 1))
         return math.sqrt(inner(lack, lack, np) / lack.size)
 
     def improve(self, allowed: float, noticed: float) -> int:

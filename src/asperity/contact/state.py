@@ -27,9 +27,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-_BLOCK = 2**20
-"""Sites taken at a time where memory is spared."""
-
 WHERE_FROM = "asperity.press(...), the `final` of a history, or asperity.results.load_contact(path, solid)"
 """Where a user gets a contact."""
 
@@ -522,8 +519,6 @@ def _rounded_keeping_load(anchors: Field | float, surface: Field, u: Field, datu
 
 
 def _sum_of_difference(field: Field, other: Field | float) -> float:
-    """Sum over the sites of a difference, a block of rows at a time to spare memory."""
-    rows = max(1, _BLOCK * len(field) // field.size)
-    starts = range(0, len(field), rows)
-    other = np.broadcast_to(other, field.shape)
-    return math.fsum(float(np.sum(field[i : i + rows] - other[i : i + rows])) for i in starts)
+    """Sum over the sites of a difference, row by row to spare memory."""
+    rows = zip(np.atleast_2d(field), np.atleast_2d(np.broadcast_to(other, field.shape)), strict=True)
+    return math.fsum(float(np.sum(a - b)) for a, b in rows)

@@ -55,7 +55,6 @@ class Eyring(LocalCreep):
     stress: Stress
 
     formula = "v0 sinh(s/s0)"
-    smooth = True
 
     if TYPE_CHECKING:
 

@@ -41,9 +41,6 @@ class LocalCreep(Checked, ABC):
     greatest_stress: float = math.inf
     """Largest magnitude of the stress that the law takes."""
 
-    smooth: bool = False
-    """Whether `bend` bounds how fast the derivative changes: then it tells the error of a tangent."""
-
     @property
     def parameters(self) -> Mapping[str, float]:
         """Numbers to record with every result."""
