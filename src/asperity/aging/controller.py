@@ -84,8 +84,8 @@ class Controller:
     def accepts(self, length: float, error: float) -> bool:
         """Whether a step that was tried was accurate, by its error in units of what is allowed.
 
-        That of a step that was not solved is infinite. The length of the next one follows: errors grow like its
-        cube, and 0.9 leaves a margin.
+        That of a step that was not solved is infinite. The length of the next one follows: errors grow like
+        its cube, and 0.9 leaves a margin.
         """
         self.tried += 1
         change = min(4.0, max(0.2, 0.9 * error ** (-1 / 3))) if error > 0 else 4.0
