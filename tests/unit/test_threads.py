@@ -23,9 +23,8 @@ def test_threads_follow_the_environment(monkeypatch):
 @pytest.mark.parametrize(
     ("shape", "solid"),
     [
-        ((300, 250), asp.solids.spring_lattice(k0=1.0, k1=3.0)),
-        ((301, 249), asp.solids.spring_lattice(k0=1.0, k1=3.0)),
         ((64, 64), asp.solids.half_space(modulus=1.0, branches=[(0.5, 1.0)])),
+        ((65, 63), asp.solids.half_space(modulus=1.0, branches=[(0.5, 1.0)])),
     ],
 )
 def test_results_do_not_depend_on_the_number_of_threads(monkeypatch, shape, solid):

@@ -46,7 +46,7 @@ class Tuning:
     unnoticed: float = 0.3
     """Error of u0 that a solver may leave in one stage, in units of what one time step may err."""
 
-    published: float = 0.1
+    published: float = 0.01
     """The same in the last stage before a frame."""
 
 

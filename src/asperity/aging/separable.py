@@ -193,7 +193,7 @@ class SeparableSteps(Steps):
         total = max(load + float(effective.shares @ own), float(self.loads[0]))
         ahead = self._ahead(total)
         u = self.u + ahead * (self.u - self.before)
-        guess = Guess(u, disposable=True, near=(self.u, self.modes))
+        guess = Guess(u, disposable=True)
         lattice = system.mechanics.lattice
         rhs = lattice.flat_modes(-total / system.sites)
         problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)

@@ -183,6 +183,8 @@ class ByLaw(ABC):
     def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
         """Solve a step until the error of the creeping shape, rms, is allowed; and the iterations spent.
 
+        An error that rounding makes is as good, once it hardly falls any more.
+
         Raises
         ------
         ConvergenceError
@@ -191,8 +193,9 @@ class ByLaw(ABC):
         run, spent, left = self.begin(stage, guess), 0, math.inf
         allowed = max(allowed_error, run.rounding)
         for revision in range(TUNING.most_revisions):
-            left = run.measure()
-            if left <= allowed and (revision or not left):
+            before, left = left, run.measure()
+            enough = left <= allowed_error or before / 2 < left <= run.rounding
+            if enough and (revision or not left):
                 return run.state(), spent
             if not math.isfinite(left):
                 break

@@ -148,14 +148,12 @@ class Guess:
 
     If no sites are named, those that the surface does not clear. A solver may write into the surface of
     a guess that is disposable. Contacts that may be ``yielding`` are those where the surface is to be found.
-    ``near`` is a surface not far from it with its Fourier modes, which spares a solver transforms.
     """
 
     u: Field
     in_contact: Mask | None = None
     disposable: bool = False
     yielding: Mask | None = None
-    near: tuple[Field, Modes] | None = None
 
 
 @dataclass(frozen=True, eq=False)

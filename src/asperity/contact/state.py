@@ -519,6 +519,7 @@ def _rounded_keeping_load(anchors: Field | float, surface: Field, u: Field, datu
 
 
 def _sum_of_difference(field: Field, other: Field | float) -> float:
-    """Sum over the sites of a difference, row by row to spare memory."""
-    rows = zip(np.atleast_2d(field), np.atleast_2d(np.broadcast_to(other, field.shape)), strict=True)
-    return math.fsum(float(np.sum(a - b)) for a, b in rows)
+    """Sum over the sites of a difference, some rows at a time to spare memory."""
+    rows, some = np.atleast_2d(field), np.atleast_2d(np.broadcast_to(other, field.shape))
+    parts = range(0, len(rows), 128)
+    return math.fsum(float(np.sum(rows[i : i + 128] - some[i : i + 128])) for i in parts)
