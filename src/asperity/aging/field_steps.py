@@ -142,7 +142,9 @@ class FieldSteps(TrBdf2):
         problem = self.implicit.problem_of_modes(system.heights, before, held)
         latest = self.tried[-1]
         surfaces = [*(point.u for point in reversed(self.tried[:-1])), *self.earlier]
-        guess = Guess(extrapolated(latest.u, *zip(stage.weights[1:], surfaces, strict=False)), disposable=True)
+        guess = Guess(
+            extrapolated(latest.u, *zip(stage.weights[1:], surfaces, strict=False)), disposable=True
+        )
         if self.eager and isinstance(self.solver, ActiveSet):
             allowed, settled = stage.allowed_error, stage.is_last
             solution = self.solver.solve(problem, guess, stage.tolerance, allowed, settled=settled)
