@@ -85,10 +85,11 @@ def test_whole_sites_are_nearly_short_shifts_where_slip_is_resolved(waves):
                 dataclasses.replace(leg, substeps=substeps) if isinstance(leg, asp.protocols.Slide) else leg
                 for leg in protocol
             ]
-            history = asp.age(contact, times=[10.0], protocol=legs, rtol=0.05)
+            history = asp.age(contact, times=[10.0], protocol=legs, rtol=1e-3)
             fits.append(F.rate_and_state(F.record_of(history, shear_strength=1.0)))
         whole, short = fits
         assert short.D_c > 2.0
-        assert -0.025 < whole.D_c / short.D_c - 1 < 0.07
-        assert -0.015 < whole.b / short.b - 1 < 0.035
-        assert 0.002 < whole.mu_0 / short.mu_0 - 1 < 0.0075
+        # With time steps that no longer matter: 0.006 to 0.078, -0.016 to 0.041 and -0.0006 to 0.0061.
+        assert -0.01 < whole.D_c / short.D_c - 1 < 0.085
+        assert -0.025 < whole.b / short.b - 1 < 0.045
+        assert -0.002 < whole.mu_0 / short.mu_0 - 1 < 0.0075
