@@ -6,6 +6,7 @@ import pytest
 import asperity
 from asperity.errors import InputError
 from asperity_research import experiments
+from asperity_research.experiments.comparing import COMPARISONS
 
 FILE = """
 title = "A contact"
@@ -110,7 +111,7 @@ def test_each_number_that_comes_with_the_package_has_a_source(name):
     assert one.missing
     numbers = [*one.inputs.values(), *one.columns.values()]
     assert all(number.source in one.sources for number in numbers)
-    assert name in experiments.COMPARISONS
+    assert name in COMPARISONS
 
 
 def test_the_room_is_one_of_asperity():
