@@ -401,9 +401,8 @@ class _Run:
 
         Or whether u is as accurate as it is to be.
         """
-        self.reduction = (
-            TUNING.digits
-        )  # the contacts have settled: if not yet within tolerance, go all the way
+        # The contacts have settled: if not yet within tolerance, go all the way.
+        self.reduction = TUNING.digits
         if self.left_over <= self.allowed_error:
             return True
         if not self.within_tolerance():

@@ -19,7 +19,7 @@ import numpy as np
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
-from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
+from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
 from asperity.contact.multigrid import two_fields
 from asperity.contact.multigrid.loops import Sites, Springs, Surface
 from asperity.contact.multigrid.processor import Processor
@@ -45,8 +45,8 @@ class Tuning:
 
 TUNING = Tuning()
 
-_LARGEST = float(np.finfo(np.float32).max)
-"""Largest number in single precision: a force that keeps contacts closed, and with the last digit a lag."""
+_LARGEST_LAG = float(np.finfo(np.float32).max) * float(np.finfo(np.float32).eps)
+"""Sums of lags up to it stay in the range of single precision."""
 
 
 class LatticeCreep(ByLaw):
@@ -121,7 +121,7 @@ class _Run(LocalRun):
         k1, tau = springs.k1, stage.tau
         self.springs = Springs(springs.k0, k1, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
         size = max(largest(field, np) for field in (self.u, self.w, self.before))
-        self.unit, self.rounding = size or 1.0, 16 * float(np.finfo(float).eps) * size
+        self.unit, self.rounding = size or 1.0, ROUNDING * size
         self.stiffness = max(springs.k0, two_fields.TUNING.softest * k1)
         self.lagging, self.beside = 1.0 + self.springs.drag, 4.0 * self.springs.spread
         if not stage.again:
@@ -137,8 +137,8 @@ class _Run(LocalRun):
         """Begin a correction to the stretches; rms changes that sites would make alone; what tangents err."""
         work, stage, springs, unit = self.work, self.stage, self.springs, self.unit
         self.law = LinearLaw(self.solver.law, stage.tau, 1.0, springs.k1 * self.w)
-        largest_lag = _LARGEST * float(np.finfo(np.float32).eps)  # sums of lags stay in range
-        law = LawByRows(self.before, self.law.velocity, self.law.slope, self.position, stage.tau, largest_lag)
+        at_sites = self.before, self.law.velocity, self.law.slope
+        law = LawByRows(*at_sites, self.position, stage.tau, _LARGEST_LAG)
         bend: Any = self.solver.law.bend(self.law.force) / springs.k1
         tangent = Tangent(self.lagging, self.beside, bend)
         scales, surface = (self.stiffness * unit, unit), Surface(self.u, self.w, self.heights)
@@ -200,15 +200,10 @@ class _Run(LocalRun):
         if not 0 < scale < math.inf:
             return error
         work = self.work  # with the law as it was linearized last
-        touching = work.correction.e <= work.bound
-        work.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
-        work.source.e[...] = np.where(touching, np.float32(-_LARGEST), np.float32(0.0))  # keeps them closed
-        work.source.f[...] = work.backend.packed(error / -scale)
+        work.hold(work.correction.e <= work.bound, error / scale)
         if work.wanted is not None:
             work.wanted = 0.0
         work.shift = 0.0
-        for field in work.correction:
-            field.fill(0.0)
         if not work.improve(TUNING.damped, TUNING.most_cycles, total_counts=False)[0]:
             return error
         e, f = work.correction

@@ -40,6 +40,9 @@ class Tuning:
 
 TUNING = Tuning()
 
+ROUNDING = 16 * float(np.finfo(float).eps)
+"""Change of the creeping shape that rounding makes, in units of the largest length."""
+
 
 @dataclass(frozen=True, eq=False)
 class LocalState:

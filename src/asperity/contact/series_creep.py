@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
-from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
+from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
 from asperity.contact.stencils import bounded
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
@@ -59,9 +59,6 @@ class Tuning:
 
 
 TUNING = Tuning()
-
-_ROUNDING = 16 * float(np.finfo(float).eps)
-"""Change of the creeping shape that rounding makes, in units of the largest length."""
 
 
 class SeriesCreep(ByLaw):
@@ -187,7 +184,7 @@ class _Run(LocalRun):
         self.solver, self.stage = solver, stage
         heights, load, before = solver.heights, stage.load, stage.before
         lengths = largest(heights, np), largest(before, np), solver.indented(guess.force)
-        self.rounding = _ROUNDING * max(lengths)
+        self.rounding = ROUNDING * max(lengths)
         self.touching = guess.u <= heights + self.rounding
         if load is not None and not self.touching.any():
             self.touching.flat[int(np.argmax(heights - guess.u))] = True

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
 from asperity_research.commands.ensembles import Ensembles
-from asperity_research.commands.study import command_of, say_estimate, say_findings, worked_through
+from asperity_research.commands.study import answer, say_what_one_takes
 from asperity_research.experiments import load, names
 from asperity_research.experiments.comparing import comparison_of, write_verdicts
 from asperity_research.experiments.record import Column, Quantity
-from asperity_research.studies import conclude
-from asperity_research.studies.study import Study
 
 
 def say_experiments() -> None:
@@ -49,25 +46,12 @@ def _said(it: Quantity | Column) -> tuple[str, str, str, str]:
     return it.unit, error, it.source, it.how
 
 
-def _study(name: str, scans: Sequence[Path]) -> Study:
-    return comparison_of(name).on(scans)
-
-
 def say_what_it_takes(name: str, out: Path, scans: Sequence[Path], ensembles: Ensembles) -> None:
     """Say how many runs and how much disk, without leaving anything behind."""
-    one = _study(name, scans)
-    say_estimate(one.home, out, partial(one.prepared_in, quick=ensembles.quick, seed=ensembles.seed))
+    say_what_one_takes(comparison_of(name).on(scans), out, ensembles)
 
 
 def compare(name: str, out: Path, scans: Sequence[Path], ensembles: Ensembles, work: Work) -> None:
     """Run what is missing, compare, and write the report; `AsperityError` as for a study."""
-    one = _study(name, scans)
     words = ["experiment", name, *(word for scan in scans for word in ("--surface", str(scan)))]
-    command = command_of(words, out, ensembles)
-    preparing = one.prepared_in(out, quick=ensembles.quick, seed=ensembles.seed)
-    with worked_through("campaign", preparing, work) as (prepared, voice):
-        voice.say("computing the numbers and drawing the figure")
-        done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
-        write_verdicts(out, done)
-    if not work.quiet:
-        say_findings(done)
+    write_verdicts(out, answer(comparison_of(name).on(scans), words, out, ensembles, work))

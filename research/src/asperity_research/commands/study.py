@@ -32,7 +32,11 @@ def say_studies() -> None:
 
 def say_what_it_takes(name: str, out: Path, ensembles: Ensembles, _: Work) -> None:
     """Say how many runs and how much disk, without leaving anything behind."""
-    one = named(name)
+    say_what_one_takes(named(name), out, ensembles)
+
+
+def say_what_one_takes(one: Study, out: Path, ensembles: Ensembles) -> None:
+    """Say it of a study."""
     say_estimate(one.home, out, partial(_prepared, one, ensembles))
 
 
@@ -56,16 +60,24 @@ def study(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
     refused, or some runs failed.
     """
     one = named(name)
-    command = command_of(["study", one.name], out, ensembles)
+    answer(one, ["study", one.name], out, ensembles, work)
+
+
+def answer(one: Study, words: list[str], out: Path, ensembles: Ensembles, work: Work) -> Concluded:
+    """Run what is missing of a study, write its report, and say what was found, number by number.
+
+    ``words`` are those of the command, for the report.
+    """
+    command = command_of(words, out, ensembles)
     with worked_through("campaign", _prepared(one, ensembles, out), work) as (prepared, voice):
         voice.say("computing the numbers and drawing the figure")
         done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
     if not work.quiet:
-        say_findings(done)
+        _say_findings(done)
+    return done
 
 
-def say_findings(done: Concluded) -> None:
-    """Say what was found, number by number, and where the report is."""
+def _say_findings(done: Concluded) -> None:
     for finding in done.outcome.findings:
         rows = [("", plain(m.what), plain(str(interval(m.estimate)))) for m in finding.measured]
         sys.stdout.write(f"{finding.verdict.value}: {plain(finding.claim)}\n{aligned(rows)}\n")

@@ -16,8 +16,9 @@ from asperity_research import doors, studies
 from asperity_research.experiments import pmma_2018, printed_2017, ptfe_2009
 from asperity_research.experiments.library import names
 from asperity_research.studies.campaigns import Campaign
-from asperity_research.studies.report import ledger_table, write_table
+from asperity_research.studies.report import write_table
 from asperity_research.studies.study import Concluded, Study
+from asperity_research.studies.typeset import plain
 
 
 @dataclass(frozen=True)
@@ -107,18 +108,18 @@ def run(
 
 def write_verdicts(folder: Path, done: Concluded) -> None:
     """Write ``verdicts.csv``: a row a number, with its interval, the range that is claimed, and verdict."""
-    ledger = ledger_table(done.outcome.findings)
-    each = [one.verdict.value for finding in done.outcome.findings for one in finding.measured]
-    table = pd.DataFrame(
+    rows = [
         {
-            "claim": ledger["claim"],
-            "what": ledger["what"],
-            "value": ledger["value"],
-            "low": ledger["low"],
-            "high": ledger["high"],
-            "expected_low": ledger["range_low"],
-            "expected_high": ledger["range_high"],
-            "verdict": each,
+            "claim": plain(finding.claim),
+            "what": plain(one.what),
+            "value": float(one.estimate.value),
+            "low": float(one.estimate.low),
+            "high": float(one.estimate.high),
+            "expected_low": one.low,
+            "expected_high": one.high,
+            "verdict": one.verdict.value,
         }
-    )
-    write_table(folder, "verdicts", table)
+        for finding in done.outcome.findings
+        for one in finding.measured
+    ]
+    write_table(folder, "verdicts", pd.DataFrame(rows))
