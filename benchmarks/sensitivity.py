@@ -183,7 +183,7 @@ def main() -> int:
             most = max(changes, key=lambda case: abs(changes[case][0]))
             areas = max(found[1] for found in changes.values())
             print(
-                f"{full:44} {value:10.4g} {factor:6} {changes[most][0]:+8.1%} {areas:8.1e}  {most}",
+                f"{full:44} {value:10.4g} {factor:6} {changes[most][0]:+8.1%} {areas:8.1e}  {most if changes[most][0] else 'none'}",
                 flush=True,
             )
             rows += [(full, value, factor, case, *found) for case, found in changes.items() if any(found)]

@@ -149,15 +149,6 @@ class StageSolver:
         self.changes, work.correction = [work.correction, last], before
         self.rate, work.source = work.source.f, Pair(work.source.e, self.rate)
 
-    def replace(self, u: Field, w: Field, rate: Field) -> None:
-        """Make a state that was found otherwise the next one."""
-        packed, (last, before) = self.backend.packed, self.changes
-        for change, now, then in zip(before, (u, w), (self.u, self.w), strict=True):
-            change[...] = packed((now - then) / self.unit)
-        self.changes = [before, last]
-        self.u, self.w, self.rate = u, w, packed(rate / self.unit)
-        self.measure()
-
     def mean_change_of_u0(self) -> float:
         """How far the step that was tried moved the mean of u0."""
         e, f = (self._mean(field) for field in self.work.correction)
