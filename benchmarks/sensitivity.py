@@ -181,6 +181,7 @@ def main() -> int:
                 case: change(usual[case], with_value(module, name, other, run)) for case, run in cases.items()
             }
             most = max(changes, key=lambda case: abs(changes[case][0]))
+            where = most if changes[most][0] else "none"
             areas = max(found[1] for found in changes.values())
             print(
                 f"{full:44} {value:10.4g} {factor:6} {changes[most][0]:+8.1%} {areas:8.1e}  {most if changes[most][0] else 'none'}",
