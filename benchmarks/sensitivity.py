@@ -184,7 +184,7 @@ def main() -> int:
             where = most if changes[most][0] else "none"
             areas = max(found[1] for found in changes.values())
             print(
-                f"{full:44} {value:10.4g} {factor:6} {changes[most][0]:+8.1%} {areas:8.1e}  {most if changes[most][0] else 'none'}",
+                f"{full:44} {value:10.4g} {factor:6} {changes[most][0]:+8.1%} {areas:8.1e}  {where}",
                 flush=True,
             )
             rows += [(full, value, factor, case, *found) for case, found in changes.items() if any(found)]
