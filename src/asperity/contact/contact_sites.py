@@ -36,7 +36,7 @@ Vector = NDArray[np.float32]
 class Tuning:
     """Numbers of the method."""
 
-    most: float = 0.01
+    most: float = 0.005
     """Part of the sites up to which contacts are few."""
 
     near: float = 16.0
@@ -45,62 +45,54 @@ class Tuning:
     solved: float = 1e-3
     """How far conjugate gradients on the contacts reduce an error, in the norm of the preconditioner."""
 
-
 TUNING = Tuning()
 
 
-@dataclass(frozen=True, eq=False)
-class Found:
-    """A surface with its contacts, how far it is off there, and the rounds it took."""
+def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float) -> tuple[Guess, int]:
+    """A better guess, from the contacts of one, and the rounds it took; the same where they are not few.
 
-    guess: Guess
-    error: float
-    rounds: int
-
-
-def solved_on_contacts(
-    problem: SpectralProblem, guess: Guess, tolerance: float, allowed_error: float
-) -> Found | None:
-    """Solve a problem of few contacts, from those of a guess; None where they are not few.
-
-    The error of u on the contacts is at most ``allowed_error`` or what leaves a residual of ``tolerance``,
-    unless that was out of reach.
+    Rounds end where the error of u on the contacts leaves a residual of ``tolerance``, or falls no more.
     """
     lattice, stiffness, heights = problem.lattice, problem.stiffness, problem.heights
     in_contact = np.array(guess.u <= heights if guess.in_contact is None else guess.in_contact)
     few = 0 < np.count_nonzero(in_contact) <= TUNING.most * lattice.sites
     plain = lattice.dimension == 2 and not lattice.reflecting and not problem.interface.yields
     if not (few and plain and min(_reach(lattice)) > 0):
-        return None
-    compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
-    stiffest = float(stiffness.max())
-    load = -float(problem.rhs.flat[0].real) if problem.load_controlled else None
-    kernel, close = _Kernel(lattice, stiffness, stiffest), None
-    force, u = np.zeros(lattice.shape), np.zeros(lattice.shape)
+        return guess, 0
+    stiffest, load = float(stiffness.max()), None
+    compliance = _inverse(stiffness)
+    if problem.load_controlled:
+        load = -float(problem.rhs.flat[0].real)
     free = lattice.backward(compliance * problem.rhs) if problem.rhs.flat[1:].any() or load is None else 0.0
+    kernel, close = _Kernel(lattice, stiffness, stiffest), None
+    force, off, level = np.zeros(lattice.shape), heights - free, 0.0
     error, wrong, rounds = math.inf, lattice.sites, 0
-    u += free
     while True:
         if close is None or (in_contact & ~close.sites).any():
             close = _CloseSites(kernel, in_contact)
-        released = close.balance(force, heights - u, in_contact, load)
-        before, wrong_before = error, wrong
+        released = close.balance(force, off, in_contact, load)
         if not in_contact.any():
-            return None
+            return guess, rounds
         modes = lattice.forward(force)
         modes *= compliance
         u = lattice.backward(modes, overwrite=True)
         u += free
         off = heights - u
-        level = float(off[in_contact].mean()) if problem.load_controlled else 0.0
+        if load is not None:
+            level = float(off[in_contact].mean())
         penetrating = (off > level) & ~in_contact
-        error = float(np.abs(off[in_contact] - level).max())
-        wrong, rounds = released + int(np.count_nonzero(penetrating)), rounds + 1
-        mean_force = float(force.sum()) / np.count_nonzero(in_contact)
-        accurate = error <= max(allowed_error, tolerance * mean_force / stiffest)
+        error, before = float(np.abs(off[in_contact] - level).max()), error
+        wrong, wrong_before = released + int(np.count_nonzero(penetrating)), wrong
+        rounds += 1
+        accurate = error * stiffest <= tolerance * float(force.sum()) / np.count_nonzero(in_contact)
         if (wrong == 0 and accurate) or not (wrong < wrong_before or error < before / 2):
-            return Found(Guess(u + level, in_contact, disposable=True), error, rounds)
+            return Guess(u + level, in_contact, disposable=True), rounds
         in_contact |= penetrating
+
+
+def _inverse(spectrum: Spectrum) -> Spectrum:
+    """1 / S, and 0 where S vanishes: that is the level's."""
+    return np.divide(1.0, spectrum, out=np.zeros_like(spectrum), where=spectrum > 0)
 
 
 class _Kernel:
@@ -114,9 +106,9 @@ class _Kernel:
         sampled = stiffness[:: strides[0], :: strides[1]] / unit
         small = Lattice(tuple(n // stride for n, stride in zip(lattice.shape, strides, strict=True)))
         near = [np.arange(-reach, reach + 1) for reach in self.reach]
-        compliance = np.divide(1.0, sampled, out=np.zeros_like(sampled), where=sampled > 0)
         kernel, self.stiffness = (
-            small.backward(spectrum.astype(complex))[np.ix_(*near)] for spectrum in (compliance, sampled)
+            small.backward(spectrum.astype(complex))[np.ix_(*near)]
+            for spectrum in (_inverse(sampled), sampled)
         )
         distance = np.hypot(*np.meshgrid(*map(np.multiply, near, self.scale), indexing="ij")) / TUNING.near
         ring = (distance > 0.7) & (distance <= 1)
@@ -130,7 +122,7 @@ class _Kernel:
             )
         )
         long = lattice.long_waves(stiffness, self.coarse) / unit
-        long = np.divide(1.0, long, out=np.zeros_like(long), where=long > 0) - self._long_waves(near)
+        long = _inverse(long) - self._long_waves(near)
         for angle in self.coarse.angles:
             long /= np.sinc(angle / (2 * np.pi)) ** 8
         self.long = (long * (self.coarse.sites / lattice.sites)).astype(np.float32)
@@ -194,8 +186,8 @@ class _CloseSites:
         right = (wanted / scale).astype(np.float32)
         change = np.where(active, 0.0, -old / unit).astype(np.float32)
         before = np.count_nonzero(active)
+        missing = None if load is None else (load - float(old.sum())) / unit
         while True:
-            missing = None if load is None else (load - float(old.sum())) / unit
             self._solve(change, right, active, missing)
             new = old + unit * change.astype(float)
             tension = active & (new < 0)
