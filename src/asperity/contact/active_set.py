@@ -136,7 +136,9 @@ class ActiveSet:
         if modes.springs is not None:  # few solutions, or none that may stop early
             allowed_error = 0.0
         guess, rounds = guess or cold_start(modes, self), 0
-        if self.arrays == "numpy" and allowed_error == 0:  # where an error is allowed, few iterations are left
+        if (
+            self.arrays == "numpy" and allowed_error == 0
+        ):  # where an error is allowed, few iterations are left
             guess, rounds = solved_on_contacts(modes, guess, tolerance)
         run = _Run(self, modes, guess, tolerance, allowed_error)
         run.iterations = rounds
