@@ -37,8 +37,8 @@ Vector = NDArray[Any]
 class Tuning:
     """Numbers of the method."""
 
-    most: float = 0.005
-    """Part of the sites up to which contacts are few."""
+    most: float = 0.35
+    """Crowding up to which contacts are few."""
 
     near: float = 16.0
     """Distance below which sites are close, and four times the spacing of the coarser lattice, sites."""
@@ -57,9 +57,8 @@ def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float)
     """
     lattice, stiffness, heights = problem.lattice, problem.stiffness, problem.heights
     in_contact = np.array(guess.u <= heights if guess.in_contact is None else guess.in_contact)
-    few = 0 < np.count_nonzero(in_contact) <= TUNING.most * lattice.sites
     plain = lattice.dimension == 2 and not lattice.reflecting and not problem.interface.yields
-    if not (few and plain and min(_reach(lattice)) > 0):
+    if not (plain and min(_reach(lattice)) > 0 and 0 < _crowding(in_contact, lattice) <= TUNING.most):
         return guess, 0
     stiffest, load = float(stiffness.max()), None
     compliance = _inverse(stiffness)
@@ -73,23 +72,33 @@ def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float)
         if close is None or (in_contact & ~close.sites).any():
             close = _CloseSites(kernel, in_contact)
         released = close.balance(force, off, in_contact, load)
-        if not in_contact.any() or not np.isfinite(force).all():
+        contacts, total = np.count_nonzero(in_contact), float(force.sum())
+        if not (contacts and math.isfinite(total)):
             return guess, rounds
         modes = lattice.forward(force)
         modes *= compliance
         u = lattice.backward(modes, overwrite=True)
         u += free
         off = heights - u
+        left = off[in_contact]
         if load is not None:
-            level = float(off[in_contact].mean())
-        penetrating = (off > level) & ~in_contact
-        error, before = float(np.abs(off[in_contact] - level).max()), error
+            level = float(left.mean())
+        penetrating = off > level
+        penetrating &= ~in_contact
+        error, before = float(np.abs(left - level).max()), error
         wrong, wrong_before = released + int(np.count_nonzero(penetrating)), wrong
         rounds += 1
-        accurate = error * stiffest <= tolerance * float(force.sum()) / np.count_nonzero(in_contact)
+        accurate = error * stiffest <= tolerance * total / contacts
         if (wrong == 0 and accurate) or not (wrong < wrong_before or error < before / 2):
             return Guess(u + level, in_contact, disposable=True), rounds
         in_contact |= penetrating
+
+
+def _crowding(in_contact: Mask, lattice: Lattice) -> float:
+    """Pairs of contacts in the same cell, as wide as close sites are apart, over all: work and memory."""
+    (y, x), (height, width) = np.nonzero(in_contact), _reach(lattice)
+    counts = np.bincount(y // height * in_contact.shape[1] + x // width)
+    return float(np.sum(counts.astype(float) ** 2)) / in_contact.size
 
 
 def _inverse(spectrum: Spectrum) -> Spectrum:
@@ -144,22 +153,23 @@ class _CloseSites:
 
     def __init__(self, kernel: _Kernel, sites: Mask) -> None:
         self.kernel, self.sites = kernel, sites.copy()
-        shape, places = kernel.lattice.shape, np.argwhere(sites)
-        tree = KDTree(places * kernel.scale, boxsize=np.array(shape) * kernel.scale)
+        shape, self.places = kernel.lattice.shape, np.flatnonzero(sites)
+        places = np.unravel_index(self.places, shape)
+        tree = KDTree(np.transpose(places) * kernel.scale, boxsize=np.array(shape) * kernel.scale)
         pairs = tree.query_pairs(TUNING.near, output_type="ndarray")
         first, second = pairs.T.astype(np.int32)
         apart = [
             (x[first] - x[second] + reach) % n
-            for x, reach, n in zip(places.T.astype(np.int32), kernel.reach, shape, strict=True)
+            for x, reach, n in zip(np.asarray(places, dtype=np.int32), kernel.reach, shape, strict=True)
         ]
         offset = apart[0] * (2 * kernel.reach[1] + 1) + apart[1]
-        count = len(places)
+        count = len(self.places)
         order = scipy.sparse.csr_array((offset, (first, second)), shape=(count, count))
         self.short, self.stiffness = (
             _symmetric(order, window.astype(np.float32)) for window in (kernel.short, kernel.stiffness)
         )
         weights, cells = [], []
-        for x, n, m in zip(places.T, shape, kernel.coarse.shape, strict=True):
+        for x, n, m in zip(places, shape, kernel.coarse.shape, strict=True):
             cell, part = np.divmod(x * (m / n), 1.0)
             weights.append(_cubic(part))
             cells.append((cell[:, np.newaxis].astype(np.int32) + np.arange(-1, 3)) % m)
@@ -181,7 +191,8 @@ class _CloseSites:
 
         Writes into the forces and the contacts, and returns how many were released.
         """
-        old, off, active = force[self.sites], target[self.sites], in_contact[self.sites]
+        forces, contacts = force.reshape(-1), in_contact.reshape(-1)
+        old, off, active = forces[self.places], target.reshape(-1)[self.places], contacts[self.places]
         wanted = off - (off[active].mean() if load is not None else 0.0)
         scale = float(np.abs(wanted[active]).max()) or 1.0
         unit = scale * self.kernel.unit
@@ -198,8 +209,7 @@ class _CloseSites:
             change[tension] = -old[tension] / unit
             active &= ~tension
         new[~active] = 0.0
-        force[self.sites] = new
-        in_contact[self.sites] = active
+        forces[self.places], contacts[self.places] = new, active
         return int(before - np.count_nonzero(active))
 
     def _solve(self, change: Vector, right: Vector, active: Mask, total: float | None) -> None:
