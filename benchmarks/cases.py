@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import synthetic
@@ -95,6 +95,10 @@ HALF_SPACE = [
     for n in (512, 1024, 2048)
 ]
 
+FREE = [
+    replace(case, name=f"free-{case.name}", law=Law("free half-space"), quick=False) for case in HALF_SPACE
+]
+
 STEP = [Case("step-1024", "white", 1024, Law("lattice", k1=3.0), 0.05, state="step")]
 STEP_FROM, STEP_TO, STEP_TAU = 10.0, 100.0, 0.5
 """Asperity ages from the first time to the second (unit 1 / (k0 R); contact grows from 4.5 to 5.2 %), and
@@ -102,7 +106,7 @@ every contact problem on the way is a warm step. Peers do one of them: an implic
 that a stage has at the first time (measured: 14 steps a decade, stages of 0.29 of a step), from the forces
 there."""
 
-CASES: tuple[Case, ...] = (*LATTICE, *RELAXED, *HALF_SPACE, *STEP)
+CASES: tuple[Case, ...] = (*LATTICE, *RELAXED, *HALF_SPACE, *FREE, *STEP)
 CURVES = {
     "curve-200": ("springs", 200),
     "curve-1024": ("springs", 1024),
