@@ -76,13 +76,14 @@ def main() -> None:
                         growth = (ended.sum() / begun.sum()) / (last / first)
                         found = begun.sum() / first, growth, at_edges(begun)
                         rows.setdefault((name, share, edges), []).append(found)
-    print(
-        f"{'surface':26} {'p/(E* slope)':>12} {'edges':>11} {'area':>6} {'spread':>7} {'growth':>7} {'at edges':>9}"
-    )
+    names = ("p/(E* slope)", "edges", "area", "spread", "growth", "at edges")
+    print(f"{'surface':26}" + "".join(f"{name:>13}" for name in names))
     for (name, share, edges), found in rows.items():
         area, growth, near = np.median(found, axis=0)
         spread = np.exp(np.std(np.log([one[0] for one in found])))
-        print(f"{name:26} {share:12g} {edges:>11} {area:6.3f} {spread:7.3f} {growth:7.3f} {near:9.2f}")
+        print(
+            f"{name:26}{share:13g}{edges:>13}" + "".join(f"{x:13.3f}" for x in (area, spread, growth, near))
+        )
 
 
 if __name__ == "__main__":
