@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
+from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 from asperity.surfaces import Surface, check_square
@@ -52,4 +53,19 @@ def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:
         check_square(heights)
         rough = check_heights(heights)
     edges = heights.edges if isinstance(heights, Surface) else "periodic"
+    if edges == "free":
+        _check_free(solid, rough.ndim)
     return Bodies(rough, Lattice(rough.shape, spacing, edges), solid, origin, si)
+
+
+def _check_free(solid: Solid, dimension: int) -> None:
+    """Refuse what cannot have free edges; some solids refuse themselves, by their spectra."""
+    got = {
+        "a line contact": dimension == 1,
+        "a solid that is defined on sites": not solid.in_lengths,
+        "permanent stiffness beside a law of creep": solid.creep is not None
+        and "permanent" in solid.parameters,
+    }
+    if wrong := [what for what, is_so in got.items() if is_so]:
+        expected = "a half-space under a surface of two dimensions, where they are free"
+        raise InputError("edges", expected=expected, got=wrong[0], advice="edges='reflecting'")

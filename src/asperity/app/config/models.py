@@ -6,6 +6,7 @@ from the surface and the solid. The flags of the command line are made of these 
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import math
 from collections.abc import Mapping
@@ -90,6 +91,11 @@ class SurfaceSection(Section):
     only_powers_of_two: ClassVar[bool] = False
 
     kind: str
+    edges: Literal["periodic", "reflecting", "free"] | None = Field(
+        default=None,
+        description="What lies beyond the edges: the surface again, its mirror image, or nothing, for the "
+        "body ends there. By default what the kind of surface, or how a scan is made periodic, says.",
+    )
 
     @property
     def lattice(self) -> tuple[int, ...] | None:
@@ -114,15 +120,21 @@ class SurfaceSection(Section):
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What the function of `asperity.surfaces` that makes it takes: the lattice, and what has a name."""
-        facts = self.model_dump(exclude_none=True, exclude={"kind"})
+        facts = self.model_dump(exclude_none=True, exclude={"kind", "edges"})
         return tuple(facts.pop("shape")) if "shape" in facts else facts.pop("size"), facts
 
     def build(self) -> Surface:
         """Make or read the surface, and let it know where it comes from."""
+        made = self.made()
+        return made if self.edges is None else dataclasses.replace(made, edges=self.edges)
+
+    def made(self) -> Surface:
+        """The same, with the edges that surfaces of this kind have."""
         import asperity.surfaces as surfaces
 
         lattice, facts = self.arguments
-        return surfaces.Surface(getattr(surfaces, self.kind)(lattice, **facts), provenance=self.model_dump())
+        heights = getattr(surfaces, self.kind)(lattice, **facts)
+        return surfaces.Surface(heights, provenance=self.model_dump(exclude={"edges"}))
 
 
 class Independent(SurfaceSection):
@@ -202,11 +214,11 @@ class Waves(SurfaceSection):
         """Make the heights."""
         raise NotImplementedError
 
-    def build(self) -> Surface:
-        """Make the heights, with their units."""
+    def made(self) -> Surface:
+        """See `SurfaceSection`."""
         from asperity.surfaces import Surface
 
-        origin = self.model_dump(exclude_none=True)
+        origin = self.model_dump(exclude_none=True, exclude={"edges"})
         origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
         heights = self.heights()
         if self.file is not None:
@@ -330,15 +342,27 @@ class MeasuredSurface(SurfaceSection):
     )
 
     @property
+    def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
+        """What `asperity.surfaces.read` is to do about the edges."""
+        match self.edges:
+            case "free":
+                return "free"
+            case "reflecting":
+                return "reflect"
+            case "periodic" if self.periodic == "reflect":
+                return "wrap"
+        return self.periodic
+
+    @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What `asperity.surfaces.read` takes: the file, and how to prepare it."""
-        facts = self.model_dump(exclude={"kind"})
+        facts = self.model_dump(exclude={"kind", "edges"}) | {"periodic": self.rule}
         if self.pixel_size is not None and len(self.pixel_size) == 1:
             facts["pixel_size"] = self.pixel_size[0]
         return facts.pop("path"), facts
 
-    def build(self) -> Surface:
-        """Read the file, and prepare what it holds."""
+    def made(self) -> Surface:
+        """See `SurfaceSection`."""
         from asperity.surfaces import read
 
         path, facts = self.arguments
