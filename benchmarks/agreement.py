@@ -56,7 +56,7 @@ number of contacts, at the shortest step."""
 
 PATCHES = [(edges, seed, rms) for edges in ("periodic", "free") for seed in range(3) for rms in (0.217, 4.34)]
 """Edges, seed, and rms height in spacings: 5 to 7 % of contact, or a twentieth."""
-PATCH_LIMIT = 1e-7
+PATCH_LIMIT = 1e-9
 """Largest difference in pressure at any site, over the largest; the sets of contacts are to be equal."""
 
 

@@ -24,7 +24,6 @@ MODULES = {
     "tamaas": "tamaas_pkr",
     "contactmechanics": "contact_mechanics",
     "aspher": "aspher_nested",
-    "aspher-h2": "aspher_h2",
 }
 MARCHES = {"tamaas-maxwell": "tamaas_maxwell"}
 """What only ages; `agreement.py` alone asks for it."""

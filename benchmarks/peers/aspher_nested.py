@@ -1,7 +1,7 @@
 """ASPHER: nested lattices, preconditioned Polonsky-Keer, in single and then in double precision; its fastest.
 
 Half-spaces, with free edges by exact convolution, on square lattices of 64 times a power of two.
-``tolerance`` is the one it certifies.
+``tolerance`` is the one it certifies. Its hierarchical operator is no faster up to 1024^2, and leaves 1e-4.
 """
 
 from importlib.metadata import version
@@ -15,7 +15,7 @@ KINDS = ["half-space", "free half-space"]
 BACKENDS = {"half-space": "periodic", "free half-space": "fft"}
 
 
-def solve(problem: Problem, tolerance: float, backend: str = "") -> Answer:
+def solve(problem: Problem, tolerance: float) -> Answer:
     n, _ = problem.heights.shape
     gap = np.ascontiguousarray((problem.heights.max() - problem.heights).ravel())
     with Watch() as watch:
@@ -26,7 +26,7 @@ def solve(problem: Problem, tolerance: float, backend: str = "") -> Answer:
             domain_size=problem.sizes[0],
             E_star=problem.law.modulus,
             tol=tolerance,
-            backend=backend or BACKENDS[problem.law.kind],
+            backend=BACKENDS[problem.law.kind],
             precision="float_then_double",
             precond_engine="fft",
         )
