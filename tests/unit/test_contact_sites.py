@@ -29,8 +29,8 @@ def stiffness_of(law, lattice):
     return np.sqrt(one**2 + two**2 + one * two)
 
 
-def contact_problem(law, shape=(128, 128), spacing=(), load=2e-4, crept=False, level=0.1):
-    lattice = Lattice(shape, spacing)
+def contact_problem(law, shape=(128, 128), spacing=(), load=2e-4, crept=False, level=0.1, edges="periodic"):
+    lattice = Lattice(shape, spacing, edges).embedding
     heights = 3 * correlated(max(shape), hurst=0.8)[: shape[0], : shape[1]]
     stiffness = stiffness_of(law, lattice)
     pull = stiffness * lattice.forward(0.2 * np.roll(heights, 7, axis=1)) if crept else 0 * stiffness + 0j
@@ -38,7 +38,7 @@ def contact_problem(law, shape=(128, 128), spacing=(), load=2e-4, crept=False, l
     pull.flat[0] = lattice.sites * (
         -stiffness.flat[0] * level * np.ptp(heights) if held else -load * lattice.cell
     )
-    return problem_of(lattice, heights, stiffness, pull)
+    return problem_of(lattice, lattice.extended(heights, -np.inf), stiffness, pull)
 
 
 CASES: dict[str, dict[str, Any]] = {
@@ -51,6 +51,7 @@ CASES: dict[str, dict[str, Any]] = {
     "held": {"law": "held half-space"},
     "held and crept": {"law": "held half-space", "crept": True},
     "layer": {"law": "layer", "level": 0.02},
+    "free": {"law": "half-space", "shape": (100, 128), "edges": "free"},
     "slanted": {"law": "slanted", "shape": (125, 131)},
 }
 

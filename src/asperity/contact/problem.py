@@ -161,9 +161,8 @@ class Solution:
     """A solved contact problem.
 
     ``u`` equals the heights on ``in_contact``, or is below where they yield, and exceeds them elsewhere;
-    ``iterations`` counts
-    conjugate-gradient iterations or multigrid cycles, and ``set_changes`` the times the set of
-    contacts was revised. ``stretch`` is u - u0 after the step, from solvers that find it on the way;
+    ``iterations`` counts conjugate-gradient iterations, multigrid cycles or rounds on few contacts, and
+    ``set_changes`` the times the set of contacts was revised. ``stretch`` is u - u0 after the step, from solvers that find it on the way;
     ``solver`` names who solved, where several may have.
     """
 

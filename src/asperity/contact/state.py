@@ -79,7 +79,7 @@ class Contact(views.InNotebooks):
     residual_scale
         The force to which `residual` is relative.
     iterations
-        Iterations spent: multigrid cycles, or those of conjugate gradients.
+        Iterations spent: multigrid cycles, those of conjugate gradients, or rounds on few contacts.
     surface
         Where the heights came from, as far as known.
     si
