@@ -162,8 +162,8 @@ class Solution:
 
     ``u`` equals the heights on ``in_contact``, or is below where they yield, and exceeds them elsewhere;
     ``iterations`` counts conjugate-gradient iterations, multigrid cycles or rounds on few contacts, and
-    ``set_changes`` the times the set of contacts was revised. ``stretch`` is u - u0 after the step, from solvers that find it on the way;
-    ``solver`` names who solved, where several may have.
+    ``set_changes`` the times the set of contacts was revised. ``stretch`` is u - u0 after the step, from
+    solvers that find it on the way; ``solver`` names who solved, where several may have.
     """
 
     u: Field
