@@ -136,9 +136,8 @@ class ActiveSet:
         if modes.springs is not None:  # few solutions, or none that may stop early
             allowed_error = 0.0
         guess, rounds = guess or cold_start(modes, self), 0
-        if (
-            self.arrays == "numpy" and allowed_error == 0
-        ):  # where an error is allowed, few iterations are left
+        # Where an error is allowed few iterations are left: forces from nothing take no less time.
+        if self.arrays == "numpy" and allowed_error == 0:
             guess, rounds = solved_on_contacts(modes, guess, tolerance)
         run = _Run(self, modes, guess, tolerance, allowed_error)
         run.iterations = rounds
