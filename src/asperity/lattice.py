@@ -33,7 +33,7 @@ Spectrum = NDArray[np.float64]
 Modes = NDArray[np.complex128]
 Mask = NDArray[np.bool_]
 ModesOrSpectrum = TypeVar("ModesOrSpectrum", Modes, Spectrum)
-Edges = Literal["periodic", "reflecting"]
+Edges = Literal["periodic", "reflecting", "free"]
 
 _WORTH_SHARING = 2**19
 """Number of sites from which transforms gain from a second thread."""

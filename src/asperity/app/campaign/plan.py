@@ -35,7 +35,7 @@ from asperity.results.parameters import IN_A_LEG
 Value = float | int | str
 _NOT_SWEPT = (
     *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample", "despike"),
-    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation", "extrapolate"),
+    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "edges", "relaxation", "extrapolate"),
     *("pixel", "blur", "threshold"),
 )
 _STORE_FORMAT = 3
@@ -85,7 +85,7 @@ class Plan:
     axes
         The swept parameters, without the seed.
     seeds
-        The seeds; empty for measured surfaces, which have none.
+        The seeds; empty for surfaces that are not random, which have none.
     zipped
         Whether the axes go pairwise, along one dimension ``point``.
     runs
@@ -270,10 +270,10 @@ def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
 
 
 def _seeds(given: object, first: object, kind: str, problems: list[str]) -> tuple[int, ...]:
-    """Seeds from a number, which begin with the first, or a list; a measured surface has none."""
-    if kind == "file":
+    """Seeds from a number, which begin with the first, or a list; a surface that is not random has none."""
+    if (model := KINDS["surface"].get(kind)) and "seed" not in model.model_fields:
         if given is not None:
-            problems.append("[sweep] seeds: a measured surface has no seed")
+            problems.append(f"[sweep] seeds: a surface of kind {kind!r} has no seed")
         return ()
     if given is None:
         given = [first]

@@ -47,6 +47,7 @@ _METAVARS = {
     "times": "T",
     "maps_at": "T",
     "crop": "N",
+    "places": "Y X",
     "branches": "SHARE TIME",
     "base_branches": "SHARE TIME",
     "flow": "MOBILITY POWER",

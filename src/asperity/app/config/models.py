@@ -11,13 +11,14 @@ import math
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
 from asperity.app.config.sections import (
     Duration,
     FirstForce,
+    Place,
     Position,
     Positive,
     Pressure,
@@ -56,6 +57,11 @@ def _name_or_number(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int | str):
         raise ValueError("expected the name or the number of a channel")
     return value
+
+
+def _only(value: object) -> object:
+    """Take a list of one for what it holds: flags of several kinds of surfaces are lists."""
+    return value[0] if isinstance(value, list) and len(value) == 1 else value
 
 
 def _power_of_two(value: int) -> int:
@@ -122,7 +128,12 @@ class SurfaceSection(Section):
         import asperity.surfaces as surfaces
 
         lattice, facts = self.arguments
-        return surfaces.Surface(getattr(surfaces, self.kind)(lattice, **facts), provenance=self.model_dump())
+        made = getattr(surfaces, self.kind)(lattice, **facts)
+        return (
+            made
+            if isinstance(made, surfaces.Surface)
+            else surfaces.Surface(made, provenance=self.model_dump())
+        )
 
 
 class Independent(SurfaceSection):
@@ -268,6 +279,68 @@ class Spectrum(Waves):
         return from_spectrum(lattice, table, **facts)
 
 
+class Asperities(SurfaceSection):
+    """Single asperities, in SI; see `asperity.surfaces.sphere`."""
+
+    shape: Shape = Field(default=[200, 200], description=_SHAPE)
+    pixel_size: Annotated[list[Size], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
+        description="Distance between sites: one number, or between rows and between columns."
+    )
+    edges: Literal["free", "periodic", "reflecting"] = Field(
+        default="free",
+        description="What lies beyond the edges: nothing, the same again, or its mirror image.",
+    )
+
+    @property
+    def lattice(self) -> tuple[int, ...]:
+        """Sites along each axis."""
+        return tuple(self.shape)
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What the function that makes it takes."""
+        lattice, facts = super().arguments
+        return lattice, facts | ({"pixel_size": self.pixel_size[0]} if len(self.pixel_size) == 1 else {})
+
+
+class Paraboloid(Asperities):
+    """A paraboloid; see `asperity.surfaces.paraboloid`."""
+
+    kind: Literal["paraboloid"] = "paraboloid"
+    radius: Annotated[list[Size], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
+        description="Radius; of curvature of a paraboloid (one, or one an axis), of the face of a punch."
+    )
+
+
+class Sphere(Asperities):
+    """A ball; see `asperity.surfaces.sphere`."""
+
+    kind: Literal["sphere"] = "sphere"
+    radius: Annotated[Size, BeforeValidator(_only)] = Field(description="Radius of the ball.")
+
+
+class Punch(Asperities):
+    """A flat punch; see `asperity.surfaces.punch`."""
+
+    kind: Literal["punch"] = "punch"
+    radius: Annotated[Size, BeforeValidator(_only)] = Field(description="Radius of its flat face.")
+
+
+class Array(Asperities):
+    """Balls at given places; see `asperity.surfaces.array`."""
+
+    kind: Literal["array"] = "array"
+    places: Annotated[list[Place], Field(min_length=1)] = Field(
+        description="Where balls are: pairs y x, counted from the first site, in m."
+    )
+    radii: Annotated[list[Size], Field(min_length=1), BeforeValidator(listed)] = Field(
+        description="Radii of the balls: one, or one a ball."
+    )
+    heights: Annotated[list[Position], Field(min_length=1), BeforeValidator(listed)] = Field(
+        default=[0.0], description="Heights of their summits: one, or one a ball."
+    )
+
+
 class MeasuredSurface(SurfaceSection):
     """Heights from a file; see `asperity.surfaces.read`."""
 
@@ -323,7 +396,7 @@ class MeasuredSurface(SurfaceSection):
     ) = Field(
         default=None,
         description="Distance between pixels in a file that does not say: one number, or between rows "
-        "and between columns.",
+        "and between columns. Of a ball, a paraboloid, a punch and an array it is that between sites, in m.",
     )
     length_unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
         default=None, description="Unit of that distance."
@@ -353,10 +426,9 @@ class Scan(MeasuredSurface):
     )
 
 
-SURFACES = by_kind(Gaussian, Exponential, SelfAffine, Spectral, Spectrum, MeasuredSurface)
-AnySurface = Annotated[
-    Gaussian | Exponential | SelfAffine | Spectral | Spectrum | MeasuredSurface, Field(discriminator="kind")
-]
+Made = Gaussian | Exponential | SelfAffine | Spectral | Spectrum | Paraboloid | Sphere | Punch | Array
+AnySurface = Annotated[Made | MeasuredSurface, Field(discriminator="kind")]
+SURFACES = by_kind(*get_args(Made), MeasuredSurface)
 
 
 KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid": SOLIDS}

@@ -125,5 +125,7 @@ def field_of(parameter: Parameter) -> Any:
 
 Branch = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], Duration], BeforeValidator(_paired)]
 """A share of the modulus, and a relaxation time."""
+Place = Annotated[tuple[Position, Position], BeforeValidator(_paired)]
+"""A place on the lattice."""
 Power = Annotated[tuple[Positive, Annotated[float, Field(ge=-2, le=4)]], BeforeValidator(_paired)]
 """A mobility, and the power of the wave number with which it goes."""

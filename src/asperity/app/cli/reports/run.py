@@ -212,11 +212,14 @@ def _surface(outcome: Outcome) -> str:
         rules += ", resampled" if chosen["resample"] else ""
         rules += ", spikes filled" if chosen["despike"] else ""
         return f"{chosen['path']}: {lattice} sites ({rules})"
-    described = [f"{name} = {_word(value, ' x ')}" for name, value in chosen.items() if name != "kind"]
+    apart = {"places": " ", "radii": " ", "heights": " "}
+    described = [f"{k} = {_word(one, apart.get(k, ' x '))}" for k, one in chosen.items() if k != "kind"]
     return f"{chosen['kind']}: {', '.join(described)}"
 
 
 def _word(value: object, between: str) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(_word(one, between) for one in value)})"
     if isinstance(value, list):
         return between.join(_word(one, between) for one in value)
     return f"{value:g}" if isinstance(value, float | int) else str(value)
