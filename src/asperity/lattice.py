@@ -3,7 +3,9 @@ r"""The lattice of sites and its Fourier transforms: the only home of transform 
 A *spectrum* is a real array of shape `Lattice.spectral_shape`; it stands for the operator that
 multiplies each Fourier mode by it. On a periodic lattice modes are the half spectrum of a real field. Where
 edges reflect, they are cosines (the transform DCT-II): those of the lattice joined to its mirror
-images, which has four times the sites. The nearest-neighbour Laplacian is minus the operator with spectrum
+images, which has four times the sites. A body with free edges ends there: it is one part of a periodic
+lattice, `Lattice.embedding`, whose other sites are empty space. The nearest-neighbour Laplacian is minus the
+operator with spectrum
 
     lam(q) = sum over axes of (2 - 2 cos q_axis),        q in radians per site,
 
@@ -35,6 +37,9 @@ Mask = NDArray[np.bool_]
 ModesOrSpectrum = TypeVar("ModesOrSpectrum", Modes, Spectrum)
 Edges = Literal["periodic", "reflecting", "free"]
 
+_COARSEST = 32
+"""Length of a body, sites, from which its embedding can be halved."""
+
 _WORTH_SHARING = 2**19
 """Number of sites from which transforms gain from a second thread."""
 
@@ -50,12 +55,15 @@ class Lattice:
     spacing
         Distance between sites along each axis, in any unit of length; by default 1.
     edges
-        Whether the lattice is periodic, or its edges reflect.
+        Whether the lattice is periodic, its edges reflect, or nothing lies beyond them.
+    body
+        Of an `embedding`: number of sites along each axis, from the first, that a body with free edges has.
     """
 
     shape: tuple[int, ...]
     spacing: tuple[float, ...] = ()
     edges: Edges = "periodic"
+    body: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", checks.lattice_shape(self.shape))
@@ -84,6 +92,38 @@ class Lattice:
         """Whether edges reflect."""
         return self.edges == "reflecting"
 
+    @cached_property
+    def embedding(self) -> Lattice:
+        """The lattice on which fields are transformed: of free edges a periodic one, else itself.
+
+        It has at least twice the length along each axis, so that no image of the body reaches the body (R. W.
+        Hockney, Methods Comput. Phys. 9, 135 (1970)), and one that is quick to transform and to halve.
+        """
+        if self.edges != "free":
+            return self
+        halvings = max(0, int(math.log2(min(self.shape) / _COARSEST)))
+        lengths = (
+            2**halvings * scipy.fft.next_fast_len(-(-2 * n // 2**halvings), real=True) for n in self.shape
+        )
+        return Lattice(tuple(lengths), self.spacing, body=self.shape)
+
+    @property
+    def body_sites(self) -> int:
+        """Number of sites that are no empty space."""
+        return math.prod(self.body or self.shape)
+
+    def cut(self, field: Any) -> Any:
+        """The part of a field, or of several, that is no empty space."""
+        return field[(..., *map(slice, self.body))] if self.body else field
+
+    def extended(self, field: Any, beyond: float) -> Any:
+        """A field over the body, or several, with a number in the empty space."""
+        if not self.body:
+            return field
+        whole = np.full((*field.shape[: -self.dimension], *self.shape), beyond, dtype=field.dtype)
+        self.cut(whole)[...] = field
+        return whole
+
     @property
     def spectral_shape(self) -> tuple[int, ...]:
         """Shape of a spectrum."""
@@ -106,15 +146,26 @@ class Lattice:
 
     @property
     def wave_number(self) -> Spectrum:
-        """Magnitude of the wave vector, radians per unit of length."""
+        """Magnitude of the wave vector, radians per unit of length; `InputError` where a body ends."""
+        self._check_endless()
         squares = ((angle / length) ** 2 for angle, length in zip(self.angles, self.spacing, strict=True))
         return np.sqrt(sum(squares))
 
     @cached_property
     def lam(self) -> Spectrum:
-        """Eigenvalues of minus the lattice Laplacian; from 0 to 4 per dimension."""
+        """Eigenvalues of minus the lattice Laplacian; from 0 to 4 per dimension. Errors as `wave_number`."""
+        self._check_endless()
         # 4 sin^2(q/2) rather than 2 - 2 cos q: the same number without the cancellation at small q.
         return np.asarray(sum(4 * np.sin(q / 2) ** 2 for q in self.angles))
+
+    def _check_endless(self) -> None:
+        if self.body or self.edges == "free":
+            raise InputError(
+                "edges",
+                expected="'periodic' or 'reflecting' for this solid: it has no closed form where a body ends",
+                got="'free'",
+                advice="a half-space that is elastic, has branches, or a law of creep without permanent",
+            )
 
     @cached_property
     def multiplicity(self) -> Spectrum:

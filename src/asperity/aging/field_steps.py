@@ -80,8 +80,8 @@ class FieldSteps(TrBdf2):
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> FieldSteps:
         """At the start of a history."""
-        u, position = start.u - system.datum, start.separation - system.datum
-        return cls.going_on(system, solver, 0.0, State(u, start.u - start.anchors, position))
+        (u, anchors, _), position = start.whole, start.separation - system.datum
+        return cls.going_on(system, solver, 0.0, State(u - system.datum, u - anchors, position))
 
     @classmethod
     def going_on(cls, system: System, solver: ContactSolver, time: float, state: State[Field]) -> FieldSteps:

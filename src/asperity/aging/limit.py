@@ -44,14 +44,15 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
             got="some without, along which the limit depends on the path",
             advice="asperity.age with late times",
         )
-    before, position = contact.anchors - system.datum, contact.separation - system.datum
+    u, anchors, in_contact = contact.whole
+    before, position = anchors - system.datum, contact.separation - system.datum
     step = mechanics.implicit_step(np.inf)
     if some_soft:
         solution = _without_stiffness(system, step, before, position)
     elif system.free_mean:
         return contact.become(system, *_unloaded(contact, system), position)
     else:
-        guess = Guess(contact.u - system.datum, contact.in_contact, disposable=True)
+        guess = Guess(u - system.datum, in_contact, disposable=True)
         problem = system.problem(step, before)
         solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
     stretch, position = system.stretch(step, solution, before, position)

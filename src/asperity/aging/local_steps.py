@@ -60,8 +60,8 @@ class LocalSteps(TrBdf2):
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> LocalSteps:
         """At the start of a history."""
-        u = np.maximum(start.u - system.datum, system.heights)
-        shape = start.anchors[0] - system.datum
+        u, anchors, _ = start.whole
+        u, shape = np.maximum(u - system.datum, system.heights), anchors[0] - system.datum
         force = system.mechanics.creeping_force((u - shape)[np.newaxis], system.load)
         check_stress(system, force)
         arrays = {

@@ -124,14 +124,15 @@ class SeparableSteps(Steps):
             start.solid.separable and control.load_controlled and control.rate >= 0 and len(start.anchors)
         ):
             return None
-        free = ~start.in_contact
+        u, anchors, in_contact = start.whole
+        free = ~in_contact
         if not free.any():
             return None
         stiffness, shares, _ = parts_of(system)
         if not (shares > 0).all():
             return None
         loads = []
-        for surface in (start.u, *start.anchors):
+        for surface in (u, *anchors):
             force = system.mechanics.lattice.apply(stiffness, surface - system.datum)
             lifted = force[free]
             loads.append(-float(lifted.mean()) * system.sites)
@@ -145,9 +146,9 @@ class SeparableSteps(Steps):
         lattice = system.mechanics.lattice
         arrays = {
             "loads": np.array([0.0, math.nan, control.value + float(shares @ own), *own]),
-            "u": start.u - system.datum,
-            "before": start.u - system.datum,
-            "anchors": lattice.forward(start.anchors - system.datum),
+            "u": u - system.datum,
+            "before": u - system.datum,
+            "anchors": lattice.forward(anchors - system.datum),
         }
         return cls(system, solver, arrays)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
+from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 from asperity.surfaces import Surface, check_square
@@ -52,4 +53,8 @@ def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:
         check_square(heights)
         rough = check_heights(heights)
     edges = heights.edges if isinstance(heights, Surface) else "periodic"
+    if edges == "free" and (rough.ndim == 1 or not solid.in_lengths):
+        what = "a line contact" if rough.ndim == 1 else "a solid that is defined on sites"
+        expected, advice = "a half-space under a surface of two dimensions", "edges='reflecting'"
+        raise InputError("edges", expected=f"{expected}, where they are free", got=what, advice=advice)
     return Bodies(rough, Lattice(rough.shape, spacing, edges), solid, origin, si)

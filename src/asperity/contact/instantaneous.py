@@ -32,7 +32,8 @@ def first_contact(
         checks.instance("start", start, Contact, "asperity.press(...), or leave it out")
         if start.heights.shape != heights.shape:
             raise InputError("start", expected=f"a contact of shape {heights.shape}", got=start.heights.shape)
-        guess = Guess(start.u - system.datum, start.in_contact)
+        u, _, in_contact = start.whole
+        guess = Guess(u - system.datum, in_contact)
     level = 0.0 if control.load_controlled else control.value - system.datum
     if system.load == 0:  # nothing is deformed, and the highest sites just touch
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
@@ -58,7 +59,8 @@ def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | Non
     """
     system = contact.system(control)
     place = contact.separation if system.load is not None else control.value
-    return _anew(contact, contact, system, (contact.u, contact.in_contact), place, solver)
+    u, _, in_contact = contact.whole
+    return _anew(contact, contact, system, (u, in_contact), place, solver)
 
 
 def check_whole(by: Sequence[Fraction]) -> None:
@@ -121,7 +123,7 @@ def _anew(
     if system.load == 0:
         expected = "a load above 0, as 0 is for heights that nothing was pressed on yet"
         raise InputError("load", expected=expected, got="0", advice="a small load")
-    anchors, position = contact.anchors - system.datum, place - system.datum
+    anchors, position = contact.whole[1] - system.datum, place - system.datum
     if place != contact.separation:
         anchors += place - contact.separation
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)

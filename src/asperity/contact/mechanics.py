@@ -131,8 +131,11 @@ class Mechanics(ABC):
 
     @property
     def hangs_on_one_branch(self) -> bool:
-        """Whether the rigid body is where the anchors of the only branch are, on average."""
-        return self.branches == 1 and self.hanging[0] == 0 and self.hanging[1] > 0
+        """Whether the rigid body is where the anchors of the only branch are, on average.
+
+        Never where edges are free: the body is then known from afar, by all that displaces its surface.
+        """
+        return self.branches == 1 and self.hanging[0] == 0 and self.hanging[1] > 0 and not self.lattice.body
 
     @property
     @abstractmethod

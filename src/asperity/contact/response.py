@@ -26,7 +26,7 @@ def rim_sides(in_contact: Mask, lattice: Lattice) -> int:
     sides = 0
     for axis in range(lattice.dimension):
         differ = in_contact != np.roll(in_contact, 1, axis)
-        if lattice.reflecting:
+        if lattice.edges != "periodic":
             differ = differ[(slice(None),) * axis + (slice(1, None),)]
         sides += int(np.count_nonzero(differ))
     return sides

@@ -58,8 +58,6 @@ class Contact(views.InNotebooks):
         The elastic solid above it.
     control
         What is prescribed: `Load` or `Separation`.
-    u
-        Height of the elastic surface, length; equal to `heights` in contact, above it elsewhere.
     permanent_indentation
         By how much the rough surface is lower than it was before it yielded, length.
     force
@@ -92,7 +90,7 @@ class Contact(views.InNotebooks):
     lattice: Lattice
     solid: Solid
     control: Control
-    u: Field
+    _u: Field
     _anchors: Field | Callable[[], Field]
     permanent_indentation: Field
     force: Field
@@ -124,11 +122,11 @@ class Contact(views.InNotebooks):
         self._close()
 
     def __getstate__(self) -> dict[str, object]:
-        return vars(self) | {"_anchors": self.anchors}
+        return vars(self) | {"_anchors": self._whole_anchors}
 
     def _close(self) -> None:
         indentation = self.permanent_indentation
-        for field in (self.heights, self.u, indentation, self.force, self.in_contact):
+        for field in (self.heights, self._u, indentation, self.force, self.in_contact):
             field.flags.writeable = False  # the residual vouches for exactly these numbers
 
     def __repr__(self) -> str:
@@ -138,6 +136,17 @@ class Contact(views.InNotebooks):
             f"<Contact: {self.area} of {shape} sites touch, load {self.load:g}{force}, "
             f"separation {self.separation:g}{length}, residual {self.residual:.1e}>"
         )
+
+    @property
+    def u(self) -> Field:
+        """Height of the elastic surface, length; equal to `heights` in contact, above it elsewhere."""
+        return np.asarray(self.lattice.embedding.cut(self._u))
+
+    @property
+    def whole(self) -> tuple[Field, Field, Mask]:
+        """The surface, the anchors and the contacts, beyond free edges too: fields for solvers."""
+        embedding = self.lattice.embedding
+        return self._u, self._whole_anchors, embedding.extended(self.in_contact, beyond=False)
 
     @property
     def anchors(self) -> Field:
@@ -150,6 +159,10 @@ class Contact(views.InNotebooks):
         ConvergenceError
             The residual of these fields exceeds 1e-8, for the load is too small for the heights.
         """
+        return np.asarray(self.lattice.embedding.cut(self._whole_anchors))
+
+    @property
+    def _whole_anchors(self) -> Field:
         fields = self._anchors
         if callable(fields):
             fields = fields()
@@ -246,7 +259,7 @@ class Contact(views.InNotebooks):
         apparatus, the approach of a half-space is that of the mean of its surface; so a single contact of
         radius a in a square of side L is stiffer than 2 E* a, see `asperity.theory.hertz`.
         """
-        return normal_stiffness(self.system(), self.in_contact)
+        return normal_stiffness(self.system(), self.whole[2])
 
     def plot(self, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True) -> Axes:
         """Draw where it touches and with which pressure; see `asperity.figures.plot_contact`.
@@ -299,7 +312,7 @@ class Contact(views.InNotebooks):
         Nothing in the equations tells sites apart, so the residual is that of the same numbers.
         """
         axes = tuple(range(-self.lattice.dimension, 0))
-        names = ("heights", "u", "permanent_indentation", "force", "in_contact")
+        names = ("heights", "_u", "permanent_indentation", "force", "in_contact")
         fields = {name: np.roll(getattr(self, name), sites, axis=axes) for name in names}
         fields["_anchors"] = np.roll(self.anchors, sites, axis=axes)
         return Contact._judged(**(vars(self) | fields))
@@ -373,8 +386,9 @@ def contact_from(
     ConvergenceError
         In double precision the heights cannot resolve a load this small.
     """
-    heights, indentation = _lowered(system, solution.u, bodies)
     datum, mechanics, lattice = system.datum, system.mechanics, system.mechanics.lattice
+    lowered, indentation = _lowered(system, lattice.cut(solution.u), bodies)
+    heights = lattice.extended(lowered, -math.inf)
     surface, u = solution.u, solution.u + datum
     np.maximum(u, heights, out=u)
     np.copyto(u, heights, where=solution.in_contact)
@@ -418,15 +432,15 @@ def contact_from(
     force = mechanics.interface.allowed(force, in_contact)
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
     return Contact._judged(
-        heights=heights,
+        heights=lowered,
         lattice=bodies.lattice,
         solid=bodies.solid,
         control=system.control,
-        u=u,
+        _u=u,
         _anchors=published,
         permanent_indentation=indentation,
-        force=force,
-        in_contact=in_contact,
+        force=lattice.cut(force),
+        in_contact=lattice.cut(in_contact),
         separation=datum + state.position,
         energy=state.energy(),
         residual=left,
@@ -477,7 +491,7 @@ def _lowered(system: System, u: Field, bodies: Bodies | Contact) -> tuple[Field,
     before = np.broadcast_to(bodies.permanent_indentation, u.shape)
     if not system.yields:
         return bodies.heights, before
-    obstacle = np.minimum(system.heights, u)
+    obstacle = np.minimum(system.mechanics.lattice.cut(system.heights), u)
     lower = obstacle < bodies.heights - system.datum
     heights = np.where(lower, obstacle + system.datum, bodies.heights)
     return heights, before + (bodies.heights - heights)
@@ -486,7 +500,8 @@ def _lowered(system: System, u: Field, bodies: Bodies | Contact) -> tuple[Field,
 def _smallest_force(system: System, u: Field) -> float:
     """Force whose last trusted digit is rounding: the scale where there is no load to speak of."""
     stiffest = system.mechanics.greatest_stiffness
-    largest = max(float(np.abs(field).max()) for field in (u, u - system.datum, system.heights))
+    heights = system.mechanics.lattice.cut(system.heights)
+    largest = max(float(np.abs(field).max()) for field in (u, u - system.datum, heights))
     return 4 * float(np.spacing(largest)) * stiffest / ACCEPTED_RESIDUAL
 
 

@@ -23,7 +23,7 @@ class System:
     """A solid, a rough surface and what is prescribed.
 
     Heights, u, u_b and the position of the rigid body are measured from `datum`, the highest point of the
-    rough surface.
+    rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf.
     """
 
     mechanics: Mechanics
@@ -41,7 +41,7 @@ class System:
             The solid cannot be used, or not with this control.
         """
         datum = float(heights.max())
-        mechanics = mechanics_of(solid, lattice)
+        mechanics = mechanics_of(solid, lattice.embedding)
         if mechanics.mean_stiffness == 0 and not control.load_controlled:
             raise InputError(
                 "separation",
@@ -49,7 +49,7 @@ class System:
                 got="one that carries the load as a rigid body, whose separation moves with it",
                 advice="load=..., or half_space(..., apparatus=math.inf)",
             )
-        return cls(mechanics, heights - datum, datum, control)
+        return cls(mechanics, mechanics.lattice.extended(heights - datum, -math.inf), datum, control)
 
     def at(self, time: float) -> System:
         """Return the system with what is prescribed at a time, constant from there."""
@@ -58,7 +58,8 @@ class System:
     def above(self, heights: Field) -> System:
         """Return the system above other heights."""
         datum = float(heights.max())
-        return replace(self, heights=heights - datum, datum=datum)
+        above = self.mechanics.lattice.extended(heights - datum, -math.inf)
+        return replace(self, heights=above, datum=datum)
 
     @property
     def sites(self) -> int:
@@ -88,7 +89,7 @@ class System:
             The load is more than the whole surface can bear.
         """
         if self.load is not None:
-            most = _MOST_OF_ALL * self.mechanics.interface.high * self.sites
+            most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
             if self.load > most:
                 hardness = self.mechanics.spectral.solid.hardness
                 part = f"{_MOST_OF_ALL:g} of the hardness {hardness:g} times the nominal area"

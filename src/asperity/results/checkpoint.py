@@ -128,7 +128,7 @@ def fingerprint_of(
 ) -> str:
     """Hash all that a history depends on."""
     solid = start.solid
-    laws = () if solid.springs else tuple(vars(solid.on(start.lattice)).values())
+    laws = () if solid.springs else tuple(vars(solid.on(start.lattice.embedding)).values())
     facts: tuple[object, ...] = (
         __version__,
         start.control,

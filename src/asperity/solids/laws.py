@@ -13,7 +13,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from asperity.base import checks
+from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
+from asperity.solids.pixels import compliance_of_pixels
 
 SpectrumOf = Callable[[Lattice], Spectrum]
 
@@ -43,17 +45,24 @@ class LaplacianSpectrum(Numbers):
 
     def __call__(self, lattice: Lattice) -> Spectrum:
         """Evaluate on a lattice."""
+        if self.laplacian == 0:
+            return np.full(lattice.spectral_shape, self.uniform)
         return self.laplacian * lattice.lam + self.uniform
 
 
 @dataclass(frozen=True)
 class WaveNumberSpectrum(Numbers):
-    """The spectrum ``slope * abs(q)`` for each unit of area: a half-space under normal load."""
+    """The spectrum ``slope * abs(q)`` for each unit of area: a half-space under normal load.
+
+    Where the rough body has free edges, the inverse of the compliance of pixels under even pressure.
+    """
 
     slope: float
 
     def __call__(self, lattice: Lattice) -> Spectrum:
         """Evaluate on a lattice."""
+        if lattice.body:
+            return 2 * self.slope * lattice.cell / compliance_of_pixels(lattice)
         return self.slope * lattice.wave_number * lattice.cell
 
 
@@ -130,6 +139,11 @@ class WithApparatus:
         """Evaluate on a lattice."""
         spectrum = self.law(lattice)
         rigid = math.isinf(self.stiffness)
+        if lattice.body and rigid:  # the position of a body from afar is known as it is
+            return spectrum
+        if lattice.body:
+            expected, advice = "no apparatus, or a rigid one, where edges are free", "apparatus=math.inf"
+            raise InputError("apparatus", expected=expected, got=f"{self.stiffness:g}", advice=advice)
         spectrum.flat[0] = RIGID * self.whole(lattice).max() if rigid else self.stiffness / lattice.sites
         return spectrum
 

@@ -106,14 +106,14 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
         looked = now
         if client.nthreads():
             there, told = now, False
+        elif now - there >= _TELL and not told:  # said before it ends, however slow the machine
+            told = True
+            warnings.warn("waiting for workers: 0 connected", Remark, stacklevel=2)
         elif now - there >= _PATIENCE:
             raise AsperityError(
                 f"scheduler: expected workers, got none for {_PATIENCE:.0f} seconds; finished runs are kept; "
                 "start some, and the same command does the rest"
             )
-        elif now - there >= _TELL and not told:
-            told = True
-            warnings.warn("waiting for workers: 0 connected", Remark, stacklevel=2)
 
 
 def _connected(scheduler: str) -> Client:
