@@ -370,11 +370,11 @@ class Slide(Leg):
 
 def check_edges(lattice: Lattice) -> None:
     """Refuse to slide a surface that does not go around."""
-    if lattice.reflecting:
+    if lattice.edges != "periodic":
         raise InputError(
             "slide",
             expected="a surface with periodic edges",
-            got="one whose edges reflect, which has no other side to come from",
+            got=f"one whose edges are {lattice.edges}, which has no other side to come from",
             advice="a surface that is made periodic",
         )
 

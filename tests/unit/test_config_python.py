@@ -15,7 +15,7 @@ from tests.refusals import refuses
 
 GAUSSIAN = {"kind": "gaussian", "shape": [16, 12], "rms": 0.7, "seed": 3}
 WAVES = {"kind": "spectral", "shape": [16, 16], "rms_slope": 0.1, "spacing": [2e-6], "unit": "m", "seed": 2}
-BALL = {"shape": [16, 12], "pixel_size": 1e-6, "edges": "periodic"}
+BALL = {"shape": [16, 12], "pixel_size": 1e-6}
 SPRINGS = {"kind": "spring_lattice", "k1": 5.0, "R_viscous": 0.3}
 MAXWELL = {"kind": "half_space", "modulus": 3.1e9, "branches": [[0.3, 0.1], [0.2, 7.0]]}
 SHORT = {"first": 0.1, "last": 20.0, "per_decade": 2}
@@ -50,7 +50,7 @@ CASES: dict[str, dict[str, Any]] = {
             "apparatus": float("inf"),
         },
     },
-    "ball": {"surface": BALL | {"kind": "sphere", "radius": "10 um"}, "solid": MAXWELL},
+    "ball": {"surface": BALL | {"kind": "sphere", "radius": "10 um", "edges": "periodic"}, "solid": MAXWELL},
     "punch": {"surface": BALL | {"kind": "punch", "radius": 5e-6}, "solid": MAXWELL},
     "paraboloid": {
         "surface": BALL | {"kind": "paraboloid", "radius": ["50 um", 3e-5], "pixel_size": [1e-6, "2 um"]},

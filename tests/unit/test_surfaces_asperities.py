@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
 
-from asperity.app.config.models import Asperities
 from asperity.lattice import Edges
 from asperity.surfaces import Surface, array, paraboloid, punch, sphere
 from tests.refusals import refuses
@@ -146,7 +145,3 @@ def test_what_is_no_asperity_is_refused() -> None:
         assert isinstance(make(**given), Surface)
         with refuses(name):
             make(**given | wrong)
-
-
-def test_a_configuration_knows_all_edges() -> None:
-    assert set(get_args(Asperities.model_fields["edges"].annotation)) == set(get_args(Edges))

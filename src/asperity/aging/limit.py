@@ -44,6 +44,13 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
             got="some without, along which the limit depends on the path",
             advice="asperity.age with late times",
         )
+    if some_soft and mechanics.lattice.body:
+        raise InputError(
+            "solid",
+            expected="permanent stiffness above 0 where edges are free",
+            got="none, so that the body sinks for ever",
+            advice="asperity.age with late times",
+        )
     u, anchors, in_contact = contact.whole
     before, position = anchors - system.datum, contact.separation - system.datum
     step = mechanics.implicit_step(np.inf)

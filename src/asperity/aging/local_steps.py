@@ -40,6 +40,8 @@ class LocalSteps(TrBdf2):
         The creeping shape u_c, from the rigid body, its mean taken out where the load is prescribed.
     crept
         What has been taken out.
+    begun_at
+        Position of the rigid body at the start.
     rates
         Velocities of u_c: at the start of the step, and at the ends of the stages that were tried.
     tried
@@ -54,7 +56,11 @@ class LocalSteps(TrBdf2):
         self.solver = local_solver(system)
         states = zip(arrays["u"], arrays["force"], arrays["position"].tolist(), strict=True)
         self.known = [LocalState(*state) for state in states]
-        self.shape, self.crept = arrays["shape"], float(arrays["crept"])
+        self.shape, self.crept, self.begun_at = (
+            arrays["shape"],
+            float(arrays["crept"]),
+            float(arrays["begun_at"]),
+        )
         self.rates, self.tried = [arrays["rate"]], self.known[:1]
 
     @classmethod
@@ -72,13 +78,14 @@ class LocalSteps(TrBdf2):
             "shape": shape,
             "rate": local_solver(system).velocity(force),
             "crept": np.zeros(()),
+            "begun_at": np.array(start.separation - system.datum),
         }
         return cls(system, solver, arrays)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """See `TrBdf2`."""
         states = {name: [getattr(one, name) for one in self.known] for name in ("u", "force", "position")}
-        own = {"shape": self.shape, "rate": self.rates[0], "crept": self.crept}
+        own = {"shape": self.shape, "rate": self.rates[0], "crept": self.crept, "begun_at": self.begun_at}
         return {name: np.array(value) for name, value in (states | own).items()}
 
     @property
@@ -94,7 +101,7 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         now = self.known[0]
         stretch = self.solver.balanced(now, self.system.at(self.time).load)
-        return State(now.u, stretch[np.newaxis], float(now.u.mean() - stretch.mean()))
+        return State(now.u, stretch[np.newaxis], self.begun_at + self.position)
 
     def extent(self) -> Extent:
         """See `Steps`."""

@@ -7,7 +7,8 @@ Gaussian of unit weight, has made of it,
 
 which is exact here, axis by axis: the integral of G over an interval of x and one of y is a second
 difference of z Phi(z/s) + s phi(z/s), with the standard deviation s of G and the normal distribution Phi and
-density phi. Beyond periodic edges comes the map again, beyond reflecting ones its mirror image.
+density phi. Beyond periodic edges comes the map again, beyond reflecting ones its mirror image; beyond free
+ones it is dark.
 
 Microscopes see contacts so: J. H. Dieterich, B. D. Kilgore, Pure Appl. Geophys. 143, 283 (1994), DOI
 10.1007/BF00874332. B. Weber et al., Nat. Commun. 9, 888 (2018), DOI 10.1038/s41467-018-02981-y, convolve
@@ -19,6 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 import scipy.special
@@ -116,7 +118,7 @@ def observe(
         Of an array: distance between sites along each axis, or one for all; by default 1, so that lengths
         are in sites. A contact and a dataset bring theirs.
     edges
-        Of an array: "periodic", the default, or "reflecting".
+        Of an array: "periodic", the default, "reflecting" or "free".
 
     Returns
     -------
@@ -168,6 +170,8 @@ def _weights(n: int, site: float, pixel: float, deviation: float, edges: Edges) 
     place = np.arange(-reach, n + reach) % (n if edges == "periodic" else 2 * n)
     place = np.where(place < n, place, 2 * n - 1 - place)
     weights = np.zeros((n, count))
+    if edges == "free":
+        place, seen = np.arange(n), seen[:, reach : reach + n]
     np.add.at(weights, place, seen.T)
     return np.asarray(weights.T)
 
@@ -197,8 +201,8 @@ def _scene(
     given = np.ones(1) if spacing is None else checks.positive("spacing", spacing).reshape(-1)
     if given.size not in (1, brightness.ndim):
         raise InputError("spacing", expected=f"one length, or {brightness.ndim}", got=given.size)
-    if edges not in (None, "periodic", "reflecting"):
-        raise InputError("edges", expected="'periodic' or 'reflecting'", got=checks.shown(edges))
+    if edges is not None:
+        checks.choice("edges", edges, get_args(Edges))
     return brightness, tuple(np.broadcast_to(given, brightness.ndim).tolist()), edges or "periodic", False
 
 

@@ -53,8 +53,19 @@ def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:
         check_square(heights)
         rough = check_heights(heights)
     edges = heights.edges if isinstance(heights, Surface) else "periodic"
-    if edges == "free" and (rough.ndim == 1 or not solid.in_lengths):
-        what = "a line contact" if rough.ndim == 1 else "a solid that is defined on sites"
-        expected, advice = "a half-space under a surface of two dimensions", "edges='reflecting'"
-        raise InputError("edges", expected=f"{expected}, where they are free", got=what, advice=advice)
+    if edges == "free":
+        _check_free(solid, rough.ndim)
     return Bodies(rough, Lattice(rough.shape, spacing, edges), solid, origin, si)
+
+
+def _check_free(solid: Solid, dimension: int) -> None:
+    """Refuse what cannot have free edges; some solids refuse themselves, by their spectra."""
+    got = {
+        "a line contact": dimension == 1,
+        "a solid that is defined on sites": not solid.in_lengths,
+        "permanent stiffness beside a law of creep": solid.creep is not None
+        and "permanent" in solid.parameters,
+    }
+    if wrong := [what for what, is_so in got.items() if is_so]:
+        expected = "a half-space under a surface of two dimensions, where they are free"
+        raise InputError("edges", expected=expected, got=wrong[0], advice="edges='reflecting'")

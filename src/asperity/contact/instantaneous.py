@@ -123,9 +123,27 @@ def _anew(
     if system.load == 0:
         expected = "a load above 0, as 0 is for heights that nothing was pressed on yet"
         raise InputError("load", expected=expected, got="0", advice="a small load")
-    anchors, position = contact.whole[1] - system.datum, place - system.datum
+    anchors = contact.whole[1] - system.datum
     if place != contact.separation:
         anchors += place - contact.separation
+    return above_anchors(anchors, place - system.datum, bodies, system, near, solver)
+
+
+def above_anchors(
+    anchors: Field,
+    position: float,
+    bodies: Bodies | Contact,
+    system: System,
+    near: tuple[Field, Mask],
+    solver: ContactSolver | None = None,
+) -> Contact:
+    """Solve for the surface above anchors, which may be overwritten, relative to the datum of the system.
+
+    Raises
+    ------
+    ConvergenceError
+        The solver did not reach its tolerance.
+    """
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
     u, in_contact = near
     guess = Guess(u - system.datum, in_contact, disposable=True)

@@ -182,12 +182,14 @@ class _Run(LocalRun):
 
     def __init__(self, solver: SeriesCreep, stage: Stage, guess: LocalState) -> None:
         self.solver, self.stage = solver, stage
-        heights, load, before = solver.heights, stage.load, stage.before
+        self.body = np.isfinite(solver.heights)
+        self.heights = heights = np.where(self.body, solver.heights, 0.0)
+        load, before = stage.load, stage.before
         lengths = largest(heights, np), largest(before, np), solver.indented(guess.force)
         self.rounding = ROUNDING * max(lengths)
-        self.touching = guess.u <= heights + self.rounding
+        self.touching = guess.u <= solver.heights + self.rounding
         if load is not None and not self.touching.any():
-            self.touching.flat[int(np.argmax(heights - guess.u))] = True
+            self.touching.flat[int(np.argmax(solver.heights - guess.u))] = True
         self.yielding = np.zeros_like(self.touching)
         share, p = solver.share, solver.pressing(guess, self.touching, load)
         self.x = np.stack([p, *((guess.force - share * p) / b for b in solver.weights[1:])])
@@ -209,7 +211,7 @@ class _Run(LocalRun):
         self.below = below = lacking[0] - solver.share * creep
         lacking -= solver.by_row(solver.weights) * law.creep
         rounding = self.rounding
-        entering = np.where(self.yielding, below < -rounding, ~touching & (below > rounding))
+        entering = np.where(self.yielding, below < -rounding, ~touching & self.body & (below > rounding))
         touching |= entering
         self.yielding &= ~entering
         if self.stage.load is not None and not touching.any() and self.yielding.any():  # one bears the rest
@@ -272,8 +274,8 @@ class _Run(LocalRun):
     def state(self) -> LocalState:
         """See `LocalRun`."""
         solver, touching = self.solver, self.touching
-        u = solver.heights - self.below
-        u[touching] = solver.heights[touching]
+        u = self.heights - self.below
+        u[touching] = self.heights[touching]
         np.maximum(u, solver.heights, out=u, where=~self.yielding)
         return LocalState(u, self.law.force, float(self.levels[0]))
 

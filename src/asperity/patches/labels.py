@@ -118,7 +118,7 @@ def patches(in_contact: ArrayLike, connectivity: int = 1, *, edges: Edges = "per
     connectivity
         1: sites are joined to their nearest neighbors, as by the springs k0; 2: diagonally too.
     edges
-        "periodic": the last site of an axis is a neighbor of the first; "reflecting": it is not.
+        "periodic": the last site of an axis is a neighbor of the first; "reflecting", "free": it is not.
 
     Raises
     ------
@@ -140,8 +140,7 @@ def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
     """
     expected = "1 (nearest neighbors) or 2 (diagonals too)"
     connectivity = checks.integer("connectivity", connectivity, least=1, most=2, expected=expected)
-    if edges not in get_args(Edges):
-        raise InputError("edges", expected="'periodic' or 'reflecting'", got=checks.shown(edges))
+    checks.choice("edges", edges, get_args(Edges))
     structure = scipy.ndimage.generate_binary_structure(touching.ndim, min(connectivity, touching.ndim))
     labels, count = scipy.ndimage.label(touching, structure)
     joined, turns = np.empty((0, 2), dtype=np.int32), np.empty((0, touching.ndim), dtype=np.int64)

@@ -115,7 +115,7 @@ def _perimeter(
     total = np.zeros(count)
     for axis, step in enumerate(spacing):
         rows = np.moveaxis(touching, axis, 0)
-        ends = (rows[:1], rows[-1:]) if edges == "reflecting" else (rows[-1:], rows[:1])
+        ends = (rows[-1:], rows[:1]) if edges == "periodic" else (rows[:1], rows[-1:])
         sides = np.diff(np.concatenate([ends[0], rows, ends[1]]), axis=0).astype(np.float64)
         free = np.moveaxis(sides[:-1] + sides[1:], 0, axis).ravel()[sites]
         total += _over_patches(numbers, count, free) * (math.prod(spacing) / step)

@@ -10,6 +10,7 @@ import xarray as xr
 from asperity.base import checks, views
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Load, Separation
+from asperity.contact.instantaneous import above_anchors
 from asperity.contact.problem import Solution
 from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
@@ -75,7 +76,11 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
     bodies = Bodies(heights, lattice, solid, json.loads(facts["surface"]), bool(facts["si"]), indentation)
     kind = Load if facts["held"] == Load.name else Separation
     system = System.of(heights, lattice, solid, kind(facts[f"held_{kind.name}"]))
-    surface, touching = data["u"].values - system.datum, data["in_contact"].values
+    position, touching = float(data["separation"]) - system.datum, data["in_contact"].values
+    surface, anchors = (data[name].values - system.datum for name in ("u", "anchors"))
+    whole = lattice.embedding
+    if whole.body:  # what lies beyond free edges follows from the rest, whatever is taken for it
+        near = whole.extended(surface, position) + system.datum, whole.extended(touching, beyond=False)
+        return above_anchors(whole.extended(anchors, position), position, bodies, system, near)
     solution = Solution(surface, touching, int(data["iterations"]), 0)
-    anchors, position = data["anchors"].values - system.datum, float(data["separation"]) - system.datum
     return contact_from(system, solution, anchors, position, bodies=bodies, load_may_vanish=True)

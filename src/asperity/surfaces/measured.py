@@ -23,7 +23,7 @@ from asperity.surfaces.raw import RawSurface
 from asperity.surfaces.surface import Provenance, Surface
 
 Undefined = Literal["fill", "refuse"]
-Periodic = Literal["mirror", "reflect", "taper", "wrap"]
+Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
 Length = Literal["m", "mm", "um", "nm", "pm"]
 Unit = Literal["m", "mm", "um", "nm", "pm", "rms"]
 CropUnit = Literal["pixel", "m", "mm", "um", "nm", "pm"]
@@ -88,7 +88,8 @@ def read(
         is altered. "reflect" leaves it as it is, for a solver that knows edges which reflect: what "mirror"
         describes, without the images (`Surface.edges`). "taper" brings a border of 10 % of each axis, on
         either side, to the mean by a cosine; under a heavy load or after long creep the flat border touches
-        too, and counts as contact. "wrap" takes it as it is: the seam keeps its step.
+        too, and counts as contact. "wrap" takes it as it is: the seam keeps its step. "free" takes it as a
+        body that ends there, which half-spaces know.
     channel
         Name or number of the channel, for instrument files with several, or of the array in a ``.npz``
         file; None for the file's default.
@@ -172,7 +173,8 @@ def read(
         if wave is not None:
             done[name] = wave
     origin: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
-    edges: Edges = "reflecting" if periodic == "reflect" else "periodic"
+    beyond: dict[Periodic, Edges] = {"reflect": "reflecting", "free": "free"}
+    edges = beyond.get(periodic, "periodic")
     return Surface(final, final_unit, size, raw.length_unit, {**origin, **done}, edges)
 
 

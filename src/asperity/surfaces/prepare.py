@@ -238,7 +238,7 @@ def make_periodic(heights: Field, rule: str) -> Field:
     """Make a surface periodic by a rule of `asperity.surfaces.read`."""
     if rule == "mirror":
         return np.pad(heights, [(0, n) for n in heights.shape], mode="symmetric")
-    if rule in ("wrap", "reflect"):
+    if rule in ("wrap", "reflect", "free"):
         return heights
     from scipy.signal.windows import tukey  # scipy.signal is slow to import
 

@@ -190,7 +190,7 @@ def power_spectrum(
     sizes = sizes or (1.0,) * heights.ndim
     limits = checked_band(longest, shortest)
     measured = statistics(heights)
-    fits = edges != "reflecting" and measured.seam_ratio <= _FITTING_SEAM
+    fits = edges in ("", "periodic") and measured.seam_ratio <= _FITTING_SEAM
     if fits:
         level = heights - heights.mean()
         axes = [(1.0, np.ones(n)) for n in heights.shape]

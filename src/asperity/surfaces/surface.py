@@ -51,7 +51,7 @@ class Surface(views.InNotebooks):
         Where it comes from, and everything that was done to it.
     edges
         What lies beyond its edges: "periodic", the surface again; "reflecting", its mirror image along
-        each axis. A solver that knows periodic surfaces only must not take a reflecting one.
+        each axis; "free", nothing, as the body ends there. Free edges are for half-spaces.
     """
 
     heights: Field
@@ -175,7 +175,8 @@ class Surface(views.InNotebooks):
         Returns
         -------
         Surface
-            With edges that reflect, unless it is the whole: where it is cut, a period would be a cliff.
+            With edges that reflect where they were periodic, unless it is the whole: a period would be a
+            cliff where it is cut.
 
         Raises
         ------
@@ -186,7 +187,8 @@ class Surface(views.InNotebooks):
         facts = {name: value for name, value in self.provenance.items() if name != "periodic_rule"}
         cut = [edge for axis in part for edge in (axis.start, axis.stop)]
         heights = self.heights[part]
-        edges: Edges = self.edges if heights.size == self.heights.size else "reflecting"
+        kept = heights.size == self.heights.size or self.edges == "free"
+        edges: Edges = self.edges if kept else "reflecting"
         return dataclasses.replace(self, heights=heights, edges=edges, provenance={**facts, "crop": cut})
 
     def level(self, tilt: levelling.Tilt = "plane", *, despike: bool = False) -> Surface:
@@ -225,7 +227,8 @@ class Surface(views.InNotebooks):
         Returns
         -------
         Surface
-            Of the waves that a lattice with its edges has, those in the band, unaltered.
+            Of the waves that a lattice with its edges has, those in the band, unaltered; with free edges the
+            waves are those of reflecting ones.
 
         Raises
         ------
@@ -233,7 +236,7 @@ class Surface(views.InNotebooks):
             If a wavelength is not positive, or the shortest is not below the longest.
         """
         limits = prepare.checked_band(longest, shortest)
-        heights = prepare.band(self.heights, self.pixel_size, limits, reflecting=self.edges == "reflecting")
+        heights = prepare.band(self.heights, self.pixel_size, limits, reflecting=self.edges != "periodic")
         names = zip(("longest", "shortest"), limits, strict=True)
         facts: Provenance = {name: value for name, value in names if value is not None}
         return dataclasses.replace(self, heights=heights, provenance={**self.provenance, **facts})

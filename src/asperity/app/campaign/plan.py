@@ -35,7 +35,7 @@ from asperity.results.parameters import IN_A_LEG
 Value = float | int | str
 _NOT_SWEPT = (
     *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample", "despike"),
-    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "edges", "relaxation", "extrapolate"),
+    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation", "extrapolate"),
     *("pixel", "blur", "threshold"),
 )
 _STORE_FORMAT = 3

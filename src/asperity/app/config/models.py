@@ -6,6 +6,7 @@ from the surface and the solid. The flags of the command line are made of these 
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import math
 from collections.abc import Mapping
@@ -96,6 +97,11 @@ class SurfaceSection(Section):
     only_powers_of_two: ClassVar[bool] = False
 
     kind: str
+    edges: Literal["periodic", "reflecting", "free"] | None = Field(
+        default=None,
+        description="What lies beyond the edges: the surface again, its mirror image, or nothing, for the "
+        "body ends there. By default what the kind of surface, or how a scan is made periodic, says.",
+    )
 
     @property
     def lattice(self) -> tuple[int, ...] | None:
@@ -120,20 +126,23 @@ class SurfaceSection(Section):
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What the function of `asperity.surfaces` that makes it takes: the lattice, and what has a name."""
-        facts = self.model_dump(exclude_none=True, exclude={"kind"})
+        facts = self.model_dump(exclude_none=True, exclude={"kind", "edges"})
         return tuple(facts.pop("shape")) if "shape" in facts else facts.pop("size"), facts
 
     def build(self) -> Surface:
         """Make or read the surface, and let it know where it comes from."""
+        made = self.made()
+        return made if self.edges is None else dataclasses.replace(made, edges=self.edges)
+
+    def made(self) -> Surface:
+        """The same, with the edges that surfaces of this kind have."""
         import asperity.surfaces as surfaces
 
         lattice, facts = self.arguments
-        made = getattr(surfaces, self.kind)(lattice, **facts)
-        return (
-            made
-            if isinstance(made, surfaces.Surface)
-            else surfaces.Surface(made, provenance=self.model_dump())
-        )
+        found = getattr(surfaces, self.kind)(lattice, **facts)
+        if isinstance(found, surfaces.Surface):
+            return found
+        return surfaces.Surface(found, provenance=self.model_dump(exclude={"edges"}))
 
 
 class Independent(SurfaceSection):
@@ -213,11 +222,11 @@ class Waves(SurfaceSection):
         """Make the heights."""
         raise NotImplementedError
 
-    def build(self) -> Surface:
-        """Make the heights, with their units."""
+    def made(self) -> Surface:
+        """See `SurfaceSection`."""
         from asperity.surfaces import Surface
 
-        origin = self.model_dump(exclude_none=True)
+        origin = self.model_dump(exclude_none=True, exclude={"edges"})
         origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
         heights = self.heights()
         if self.file is not None:
@@ -280,15 +289,11 @@ class Spectrum(Waves):
 
 
 class Asperities(SurfaceSection):
-    """Single asperities, in SI; see `asperity.surfaces.sphere`."""
+    """Single asperities, in SI, with free edges; see `asperity.surfaces.sphere`."""
 
     shape: Shape = Field(default=[200, 200], description=_SHAPE)
     pixel_size: Annotated[list[Size], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
         description="Distance between sites: one number, or between rows and between columns."
-    )
-    edges: Literal["free", "periodic", "reflecting"] = Field(
-        default="free",
-        description="What lies beyond the edges: nothing, the same again, or its mirror image.",
     )
 
     @property
@@ -300,7 +305,9 @@ class Asperities(SurfaceSection):
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What the function that makes it takes."""
         lattice, facts = super().arguments
-        return lattice, facts | ({"pixel_size": self.pixel_size[0]} if len(self.pixel_size) == 1 else {})
+        if len(self.pixel_size) == 1:
+            facts["pixel_size"] = self.pixel_size[0]
+        return lattice, facts | ({"edges": self.edges} if self.edges else {})
 
 
 class Paraboloid(Asperities):
@@ -403,15 +410,27 @@ class MeasuredSurface(SurfaceSection):
     )
 
     @property
+    def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
+        """What `asperity.surfaces.read` is to do about the edges."""
+        match self.edges:
+            case "free":
+                return "free"
+            case "reflecting":
+                return "reflect"
+            case "periodic" if self.periodic == "reflect":
+                return "wrap"
+        return self.periodic
+
+    @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What `asperity.surfaces.read` takes: the file, and how to prepare it."""
-        facts = self.model_dump(exclude={"kind"})
+        facts = self.model_dump(exclude={"kind", "edges"}) | {"periodic": self.rule}
         if self.pixel_size is not None and len(self.pixel_size) == 1:
             facts["pixel_size"] = self.pixel_size[0]
         return facts.pop("path"), facts
 
-    def build(self) -> Surface:
-        """Read the file, and prepare what it holds."""
+    def made(self) -> Surface:
+        """See `SurfaceSection`."""
         from asperity.surfaces import read
 
         path, facts = self.arguments

@@ -239,7 +239,7 @@ def predict_config(
     if not isinstance(section, HalfSpace):
         raise no_half_space("[solid] kind", section.kind)
     chosen = config.surface
-    if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
+    if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         if config.contact.load is not None:
             expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
             got = "'mirror'" if "periodic" in chosen.model_fields_set else "none, which is 'mirror'"

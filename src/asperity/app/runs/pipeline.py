@@ -218,7 +218,7 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
     if not contact.model_dump(exclude_none=True):
         contact, remark = _usual_contact(config, rough)
         remarks += (remark,)
-    if isinstance(chosen, MeasuredSurface) and chosen.periodic == "mirror":
+    if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         copies = 2**rough.heights.ndim
         remarks += (
             f"loads and areas are those of {copies} mirrored copies of the scan; "

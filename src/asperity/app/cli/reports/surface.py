@@ -24,7 +24,7 @@ def drawn_and_told(settings: MeasuredSurface) -> tuple[Figure, str]:
     found = settings.model_copy(update=as_found).build()
     prepared = settings.build()
     # A border that was brought to the mean is no part of what was measured.
-    tapered = settings.periodic == "taper"
+    tapered = settings.rule == "taper"
     scan = settings.model_copy(update={"periodic": "wrap"}).build() if tapered else prepared
     spectrum, done = power_spectrum(scan), _preparation(prepared)
     shape = " × ".join(map(str, _listed(prepared.provenance["original_shape"])))

@@ -1,0 +1,248 @@
+"""Half-spaces with free edges beside dense matrices of Love's closed form, written here on their own."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, lsq_linear, nnls
+
+import asperity as asp
+from asperity.lattice import Lattice
+from tests.refusals import refuses
+
+SHAPE, SMALL, SPACING = (13, 10), (7, 6), (1.0, 0.7)
+LOAD = 0.6
+
+
+def rough(shape=SHAPE, spacing=SPACING, rms=0.3, seed=3, edges="free"):
+    heights = rms * np.random.default_rng(seed).normal(size=shape)
+    return asp.surfaces.Surface(heights, pixel_size=spacing, edges=edges)
+
+
+def displacement_by_rectangle(y, x, a, b):
+    """Love's displacement at (y, x) by unit pressure on a rectangle of half sides a and b, over E* = 1."""
+    total = 0.0
+    for sy in (1, -1):
+        for sx in (1, -1):
+            p, q = y + sy * a, x + sx * b
+            r = np.hypot(p, q)
+            total += sy * sx * (p * np.log(q + r) + q * np.log(p + r))
+    return total / math.pi
+
+
+def compliance(shape=SHAPE, spacing=SPACING):
+    """Displacement of each site by a unit force on each, E* = 1."""
+    y, x = (
+        axis.ravel()
+        for axis in np.meshgrid(
+            *(s * np.arange(n) for s, n in zip(spacing, shape, strict=True)), indexing="ij"
+        )
+    )
+    sides = spacing[0] / 2, spacing[1] / 2
+    return displacement_by_rectangle(y[:, None] - y, x[:, None] - x, *sides) / math.prod(spacing)
+
+
+def pressed(matrix, rest, heights, load=None, position=None, most=np.inf):
+    """Forces and the position of the body, by bounded least squares: u = X + rest + matrix p >= heights."""
+    lower = np.linalg.cholesky(matrix)
+    gap = (heights - rest).ravel()
+
+    def forces(x):
+        target = np.linalg.solve(lower, gap - x)
+        if most == np.inf:
+            return nnls(lower.T, target)[0]
+        return lsq_linear(lower.T, target, bounds=(0, most), tol=1e-14).x
+
+    if position is not None:
+        return forces(position), position
+    position = brentq(lambda x: forces(x).sum() - load, gap.max() - 50.0, gap.max(), xtol=1e-14, rtol=1e-14)
+    return forces(position), position
+
+
+def same(contact, force, position, rtol=1e-6):
+    __tracebackhide__ = True
+    force = force.reshape(contact.force.shape)
+    np.testing.assert_array_equal(contact.in_contact, force > 1e-9 * force.max())
+    np.testing.assert_allclose(contact.force, force, atol=rtol * force.max())
+    assert contact.separation == pytest.approx(position, rel=rtol, abs=rtol)
+
+
+def test_pressed_by_a_load_and_at_a_separation():
+    surface, matrix = rough(), compliance() / 2.0
+    solid = asp.solids.half_space(modulus=2.0)
+    force, position = pressed(matrix, 0.0, surface.heights, load=LOAD)
+    contact = asp.press(surface, solid, load=LOAD)
+    same(contact, force, position)
+    np.testing.assert_allclose(contact.u.ravel(), position + matrix @ force, atol=1e-8)
+    assert contact.energy == pytest.approx(force @ matrix @ force / 2, rel=1e-8)
+    assert contact.nominal_area == pytest.approx(13 * 10 * 0.7)
+    held = asp.press(surface, solid, separation=position)
+    same(held, force, position)
+
+
+def test_stiffness_is_that_of_the_frozen_contacts():
+    contact = asp.press(rough(), asp.solids.half_space(modulus=2.0), load=LOAD)
+    touching = contact.in_contact.ravel()
+    frozen = compliance()[np.ix_(touching, touching)] / 2.0
+    assert contact.normal_stiffness == pytest.approx(np.linalg.inv(frozen).sum(), rel=1e-7)
+
+
+def test_a_surface_that_yields():
+    surface, most = rough(), 0.02
+    contact = asp.press(surface, asp.solids.half_space(modulus=2.0, hardness=most / 0.7), load=LOAD)
+    force, position = pressed(compliance() / 2.0, 0.0, surface.heights, load=LOAD, most=most)
+    assert contact.yielding_area == np.count_nonzero(force > 0.999 * most) > 3
+    np.testing.assert_allclose(contact.force.ravel(), force, atol=1e-5 * most)
+    assert contact.separation == pytest.approx(position, abs=1e-5)
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_branches_under_a_load_that_drops(exact):
+    """Backward Euler in time with dense matrices, each step a contact: first order, so in many steps."""
+    surface, share, tau = rough(SMALL), 0.6, 1.0
+    solid = asp.solids.half_space(modulus=2.0, branches=[(share, tau)])
+    legs = [asp.protocols.Hold(1.0), asp.protocols.Step(load=LOAD / 3), asp.protocols.Hold(0.5)]
+    history = asp.age(asp.press(surface, solid, load=LOAD), [1.0, 1.5], protocol=legs, exact=exact, rtol=1e-4)
+    matrix, heights = compliance(SMALL) / 2.0, surface.heights.ravel()
+    ends = []
+    for steps in (40, 80):
+        shape, body = np.zeros(heights.size), None
+        for load, duration in ((LOAD, 1.0), (LOAD / 3, 0.5)):
+            h = duration / steps
+            left = 1 / (1 + h / tau)
+            stiffness = 1 - share + share * left
+            for _ in range(steps):
+                # p = K (stiffness (u - X) - share left shape), shape the anchors from the body
+                rest = share * left / stiffness * shape
+                force, body = pressed(matrix / stiffness, rest, heights, load=load)
+                u = rest + matrix @ force / stiffness
+                shape = shape + (1 - left) * (u - shape)
+        ends.append((body, force))
+    position = 2 * ends[1][0] - ends[0][0]
+    force = 2 * ends[1][1] - ends[0][1]
+    assert history.final.separation == pytest.approx(position, abs=2e-3 * abs(position))
+    np.testing.assert_allclose(history.final.force.ravel(), force, atol=0.01 * force.max())
+    assert history.final.load == pytest.approx(LOAD / 3, rel=1e-7)
+
+
+@pytest.mark.parametrize("hold", ["load", "separation"])
+def test_a_law_of_creep(hold):
+    """The same for Eyring's law: explicit small steps of the creep of each site."""
+    surface, stress = rough(SMALL), 0.2
+    law = asp.solids.Eyring(rate=0.02, stress=stress)
+    solid = asp.solids.half_space(modulus=2.0, creep=law)
+    start = asp.press(surface, solid, load=LOAD)
+    final = asp.age(start, [1.0], hold=hold, rtol=1e-4).final
+    matrix, cell = compliance(SMALL) / 2.0, 0.7
+    ends = []
+    for steps in (50, 100):
+        shape, body = np.zeros(surface.heights.size), start.separation
+        held = {"load": LOAD} if hold == "load" else {"position": body}
+        for _ in range(steps):
+            force, body = pressed(matrix, shape, surface.heights.ravel(), **held)
+            shape = shape + 0.02 * np.sinh(force / cell / stress) / steps
+        ends.append((body, pressed(matrix, shape, surface.heights.ravel(), **held)))
+    force = 2 * ends[1][1][0] - ends[0][1][0]
+    position = 2 * ends[1][1][1] - ends[0][1][1]
+    np.testing.assert_allclose(final.force.ravel(), force, atol=0.01 * force.max())
+    assert final.separation == pytest.approx(position, abs=2e-3)
+
+
+def test_a_load_that_stays_is_an_elastic_contact_at_a_later_compliance():
+    """E. H. Lee, J. R. M. Radok (1960): the area is that of a softer half-space; and of the relaxed state."""
+    surface = rough((40, 60))
+    start = asp.press(surface, asp.solids.half_space(modulus=1.0, branches=[(0.6, 2.0)]), load=3.0)
+    soft = 0.4 + 0.6 * 1.0  # E(t) = 0.4 + 0.6 exp(-t/2); J(t) = 2.5 - 1.5 exp(-t / 5)
+    assert soft == 1.0
+    for time in (0.5, 5.0):
+        aged = asp.age(start, [time]).final
+        elastic = asp.press(
+            surface, asp.solids.half_space(modulus=1 / (2.5 - 1.5 * math.exp(-time / 5))), load=3.0
+        )
+        np.testing.assert_array_equal(aged.in_contact, elastic.in_contact)
+        assert aged.separation == pytest.approx(elastic.separation, rel=1e-3)
+    limit = asp.relax(start)
+    elastic = asp.press(surface, asp.solids.half_space(modulus=0.4), load=3.0)
+    np.testing.assert_array_equal(limit.in_contact, elastic.in_contact)
+    assert limit.separation == pytest.approx(elastic.separation, rel=1e-7)
+
+
+def test_the_empty_space_around_does_not_matter(monkeypatch):
+    surface, solid = rough((24, 24)), asp.solids.half_space(modulus=1.0, branches=[(0.5, 1.0)])
+    once = asp.age(asp.press(surface, solid, load=1.0), [1.0, 10.0]).final
+    longer = property(
+        lambda self: Lattice((80, 64), self.spacing, body=self.shape) if self.edges == "free" else self
+    )
+    monkeypatch.setattr(Lattice, "embedding", longer)
+    again = asp.age(asp.press(surface, solid, load=1.0), [1.0, 10.0]).final
+    np.testing.assert_array_equal(once.in_contact, again.in_contact)
+    np.testing.assert_allclose(once.force, again.force, atol=1e-4 * once.force.max())
+    assert once.separation == pytest.approx(again.separation, rel=1e-3)
+    assert once.energy == pytest.approx(again.energy, rel=1e-4)
+
+
+def test_a_saved_contact_ages_on(tmp_path):
+    solid = asp.solids.half_space(modulus=1.0, branches=[(0.3, 1.0), (0.3, 10.0)])
+    aged = asp.age(asp.press(rough((24, 24)), solid, load=1.0), [1.0]).final
+    aged.save(tmp_path / "contact.zarr")
+    read = asp.results.load_contact(tmp_path / "contact.zarr", solid)
+    np.testing.assert_array_equal(read.in_contact, aged.in_contact)
+    np.testing.assert_allclose(read.force, aged.force, atol=1e-7 * aged.force.max())
+    one, other = (asp.age(contact, [1.0, 10.0]).final for contact in (aged, read))
+    np.testing.assert_array_equal(one.in_contact, other.in_contact)
+    assert one.separation == pytest.approx(other.separation, rel=2e-3)
+
+
+def test_nothing_joins_or_shines_beyond_the_edges():
+    heights = np.full((24, 24), -5.0)
+    heights[:2], heights[-2:] = 0.0, 0.0
+    surface = asp.surfaces.Surface(heights, pixel_size=1.0, edges="free")
+    contact = asp.press(surface, asp.solids.half_space(modulus=1.0), load=1.0)
+    assert asp.analysis.patches(contact.in_contact, edges="free").sizes.tolist() == [48, 48]
+    seen = asp.observe(contact, blur=2.0)
+    assert seen.image.sum() < 0.85 * contact.area  # the rest falls beyond the edges
+    mirrored = asp.observe(contact.in_contact, blur=2.0, edges="reflecting")
+    assert mirrored.image.sum() == pytest.approx(contact.area, rel=1e-9)
+
+
+def test_a_free_body_is_softer_than_one_among_its_images():
+    """Beyond free edges nothing presses: the same load brings the body nearer, and the area is alike."""
+    surface = rough((48, 48))
+    free = asp.press(surface, asp.solids.half_space(modulus=1.0), load=2.0)
+    among = asp.press(
+        dataclasses.replace(surface, edges="periodic"), asp.solids.half_space(modulus=1.0), load=2.0
+    )
+    assert free.area == pytest.approx(among.area, rel=0.1)
+    assert free.energy > among.energy
+
+
+HALF_SPACE = asp.solids.half_space
+REFUSED = {
+    "springs": (lambda: asp.solids.spring_lattice(k0=1.0, k1=1.0, R=1.0), "edges"),
+    "layer": (lambda: asp.solids.layer(modulus=1.0, poisson=0.3, thickness=3.0), "edges"),
+    "flow": (lambda: HALF_SPACE(modulus=1.0, flow=(1.0, 0.0)), "edges"),
+    "apparatus": (lambda: HALF_SPACE(modulus=1.0, apparatus=3.0), "apparatus"),
+    "permanent": (
+        lambda: HALF_SPACE(modulus=1.0, permanent=0.3, creep=asp.solids.Eyring(rate=1.0, stress=1.0)),
+        "edges",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_solids_that_cannot_end_say_so(name):
+    solid, which = REFUSED[name]
+    with refuses(which):
+        asp.press(rough(), solid(), load=LOAD)
+
+
+def test_what_a_free_body_cannot_do():
+    surface, fluid = rough(), HALF_SPACE(modulus=1.0, branches=[(1.0, 1.0)])
+    with refuses("edges"):
+        asp.press(asp.surfaces.Surface(surface.heights[0], edges="free"), fluid, load=LOAD)
+    contact = asp.press(surface, fluid, load=LOAD)
+    with refuses("slide"):
+        asp.slide(contact, shift=(0, 1))
+    with refuses("solid"):
+        asp.relax(contact)
