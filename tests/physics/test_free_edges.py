@@ -107,7 +107,7 @@ def test_branches_under_a_load_that_drops(exact):
     matrix, heights = compliance(SMALL) / 2.0, surface.heights.ravel()
     ends = []
     for steps in (40, 80):
-        shape, body = np.zeros(heights.size), None
+        shape, body = np.zeros(heights.size), 0.0
         for load, duration in ((LOAD, 1.0), (LOAD / 3, 0.5)):
             h = duration / steps
             left = 1 / (1 + h / tau)
@@ -197,7 +197,7 @@ def test_a_saved_contact_ages_on(tmp_path):
 def test_nothing_joins_or_shines_beyond_the_edges():
     heights = np.full((24, 24), -5.0)
     heights[:2], heights[-2:] = 0.0, 0.0
-    surface = asp.surfaces.Surface(heights, pixel_size=1.0, edges="free")
+    surface = asp.surfaces.Surface(heights, pixel_size=(1.0, 1.0), edges="free")
     contact = asp.press(surface, asp.solids.half_space(modulus=1.0), load=1.0)
     assert asp.analysis.patches(contact.in_contact, edges="free").sizes.tolist() == [48, 48]
     seen = asp.observe(contact, blur=2.0)

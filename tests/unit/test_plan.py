@@ -118,7 +118,7 @@ def test_every_mistake_is_named_before_anything_starts(tmp_path):
         "[sweep] laod: no such key; did you mean 'load'?",
         "[sweep] k1: expected a list of values, got 3.0",
         "[sweep] seed: cannot be swept; try seeds",
-        "[sweep] times: cannot be swept; these can: shape, rms, creep, creep_rate, creep_stress, "
+        "[sweep] times: cannot be swept; these can: edges, shape, rms, creep, creep_rate, creep_stress, "
         "creep_exponent, k0, k1, R, R_viscous, hardness, load, pressure, separation, hold, rtol, "
         "shear_strength, rate_coefficient, reference_velocity",
         "[sweep] R: expected different values, got [1.0, 1.0]",

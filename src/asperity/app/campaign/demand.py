@@ -67,7 +67,9 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
         shape = config.surface.lattice or measured.get(name) or config.surface.build().shape
         measured[name] = shape
         maps, sites = len(config.output.maps_at or ()), math.prod(shape)
-        memory[point] = sites * bytes_a_site(config.solid.build(), shape, maps)
+        memory[point] = sites * bytes_a_site(
+            config.solid.build(), shape, maps, free=config.surface.edges == "free"
+        )
         space[point] = _space(config, shape)
     disk = sum(space[run.point] for run in todo.values())
     return Estimate(len(todo), max(memory.values(), default=0), disk)

@@ -32,7 +32,14 @@ from asperity.app.predict.asked import (
 )
 from asperity.app.predict.words import remarks_on
 from asperity.app.runs.defaults import USUAL_MAPS
-from asperity.app.runs.pipeline import bytes_a_site, check_units, completed, recorded_times
+from asperity.app.runs.pipeline import (
+    bytes_a_site,
+    check_units,
+    completed,
+    embedded,
+    recorded_times,
+    remarks_on_edges,
+)
 from asperity.base import checks
 from asperity.base.machine import require
 from asperity.errors import InputError
@@ -316,8 +323,13 @@ def _predicted(
         raise no_half_space("material", solid.kind)
     branches = len(solid.branches)
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
-    separable = _SITE + branches * (_BRANCH + 8 * len(maps))
-    require(separable if solid.separable else bytes_a_site(solid, scan.shape, len(maps)), scan.shape)
+    free = scan.edges == "free"
+    needed = bytes_a_site(solid, scan.shape, len(maps), free=free)
+    if solid.separable:
+        needed = round((_SITE + branches * _BRANCH) * embedded(scan.shape, free=free)) + 8 * branches * len(
+            maps
+        )
+    require(needed, scan.shape)
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
     # There is no contact without a load but where the scan is highest: a ramp begins there.
     legs = [Ramp(ramp, **pressed), Hold(float(times[-1]) - ramp)] if ramp else None
@@ -352,7 +364,9 @@ def _predicted(
             observe(dataset.isel(field_time=n), **instrument) for n in range(len(maps) if instrument else 0)
         ),
     )
-    return replace(prediction, remarks=(*scan.remarks, *remarks_on(prediction, scan)))
+    return replace(
+        prediction, remarks=(*scan.remarks, *remarks_on_edges(scan), *remarks_on(prediction, scan))
+    )
 
 
 def _origin(table: object, found: Fit) -> dict[str, object]:

@@ -30,7 +30,7 @@ from asperity.contact import Contact
 from asperity.contact.bodies import bodies_of
 from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
-from asperity.lattice import Field
+from asperity.lattice import Field, Lattice
 from asperity.progress import Progress
 from asperity.protocols import Ramp, Schedule
 from asperity.results import Checkpoint, History
@@ -135,19 +135,24 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
 
 def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
     """Refuse a run that would be killed for want of memory after minutes or hours."""
-    maps = config.output.maps_at
-    needed = bytes_a_site(solid, shape, USUAL_MAPS if maps is None else len(maps))
+    maps, free = config.output.maps_at, config.surface.edges == "free"
+    needed = bytes_a_site(solid, shape, USUAL_MAPS if maps is None else len(maps), free=free)
     require(needed, shape, power_of_two=config.surface.only_powers_of_two)
 
 
-def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int) -> int:
-    """Bytes of memory a site that a run needs, with so many maps."""
+def embedded(shape: Sequence[int], *, free: bool) -> float:
+    """Sites on which a contact is computed, for each site of a surface; see `Lattice.embedding`."""
+    return math.prod(Lattice(tuple(shape), edges="free").embedding.shape) / math.prod(shape) if free else 1.0
+
+
+def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int, *, free: bool) -> int:
+    """Bytes of memory a site that a run needs, with so many maps; more where edges are free."""
     springs, more = solid.springs, max(len(solid.branches) - 1, 0)
     cycles = len(shape) == 2 and min(shape) >= 4 and springs is not None and springs.k0 > 0
     needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
     if springs is None and solid.creep is not None:
         needed = _SHARED if "permanent" in solid.parameters else _LOCAL
-    return needed + maps * (_MAP + _MAPPED_BRANCH * more)
+    return round(needed * embedded(shape, free=free)) + maps * (_MAP + _MAPPED_BRANCH * more)
 
 
 def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
@@ -218,6 +223,7 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
     if not contact.model_dump(exclude_none=True):
         contact, remark = _usual_contact(config, rough)
         remarks += (remark,)
+    remarks += remarks_on_edges(rough)
     if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         copies = 2**rough.heights.ndim
         remarks += (
@@ -250,6 +256,18 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
         "output": config.output.model_copy(update={"maps_at": maps_at}),
     }
     return config.model_copy(update=completed), remarks
+
+
+def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
+    """Which edges a scan was given, and why."""
+    if "periodic_rule" not in rough.provenance or rough.edges == "periodic":
+        return ()
+    if rough.edges == "free":
+        return ("edges are free: the body ends with the scan, and does not tilt",)
+    return (
+        "edges reflect, as for a part of a larger surface; for a body that ends with the scan: "
+        "edges = 'free' (--edges free)",
+    )
 
 
 def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, str]:
