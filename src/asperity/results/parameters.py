@@ -30,6 +30,7 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "rms_slope": ("rms slope", "height unit / length unit"),
     "rms_curvature": ("rms mean curvature", "height unit / length unit^2"),
     "delta": ("roughness at the scale of the lattice", _HEIGHT),
+    "edges": ("what lies beyond the edges", ""),
     "radius": ("radius of the asperity", "length"),
     "places": ("places y and x of the balls", "length"),
     "radii": ("radii of the balls", "length"),
