@@ -66,7 +66,7 @@ class Contact(views.InNotebooks):
         Whether a site is in contact.
     separation
         Position of the rigid body, length. On the lattice of springs it is the mean of u0; on a half-space
-        without an apparatus, the mean of u.
+        without an apparatus, the mean of u, or with free edges the position far away.
     energy
         Elastic energy, force times length (Jagla, Eq. e).
     residual
@@ -255,9 +255,9 @@ class Contact(views.InNotebooks):
     def normal_stiffness(self) -> float:
         """Normal contact stiffness dF / d(approach) at once, force / length.
 
-        The contacts stay what they are, and nothing creeps; so it solves one linear problem. Without an
-        apparatus, the approach of a half-space is that of the mean of its surface; so a single contact of
-        radius a in a square of side L is stiffer than 2 E* a, see `asperity.theory.hertz`.
+        The contacts stay what they are, and nothing creeps; so it solves one linear problem. The approach is
+        that of `separation`: with free edges one contact of radius a has 2 E* a; with others, where the
+        approach is that of the mean of the surface, it is stiffer, see `asperity.theory.hertz`.
         """
         return normal_stiffness(self.system(), self.whole[2])
 

@@ -82,7 +82,7 @@ _RESULT, _SHOWN, _SOLVED, _ALL = RUN | CAMPAIGN, RUN | PAGE | CAMPAIGN, RUN | PR
 _field, _coordinate = partial(Quantity, home="field"), partial(Quantity, home="coordinate")
 _of_map = partial(Quantity, home="map", tables=_RESULT)
 _MEAN_U0 = "separation, the mean of u0"
-_POSITION = "separation, the position of the body; without an apparatus, the mean of u"
+_POSITION = "separation, the position of the body; without an apparatus and free edges, the mean of u"
 _AREA = "real contact area"
 _RIM = f"{_AREA} less what counting sites adds at the rim"
 _SCALE = "mean contact force, or where the load has died out the smallest that the heights resolve"

@@ -117,7 +117,8 @@ def half_space(
     Notes
     -----
     Without an apparatus nothing holds the mean of the surface: the load is prescribed, and the separation
-    is the mean of u.
+    is the mean of u. Under a surface with free edges the half-space is held far away: a separation can be
+    prescribed, and counts from there. It then has no flow, and nothing permanent beside a law of creep.
 
     References
     ----------
