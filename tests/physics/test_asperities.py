@@ -40,15 +40,15 @@ def test_a_ball_is_pressed_as_hertz_has_it():
     a, radius = 64 * pixel, 1000 * 64 * pixel
     load = 4 * E * a**3 / (3 * radius)
     largest, approach = 3 * load / (2 * np.pi * a**2), a**2 / radius
-    misses = []
+    found = []
     for y, x in OFFSETS:
         places = [[(sites / 2 + y) * pixel, (sites / 2 + x) * pixel]]
         ball = asp.surfaces.array((sites, sites), places=places, radii=radius, pixel_size=pixel)
         contact = asp.press(ball, SOLID, load=load)
         counted = np.sqrt(np.array([contact.contact_area, contact.contact_area_corrected]) / np.pi)
-        found = *counted / a, contact.normal_stiffness / (2 * E * a), radius_of(contact) / a
-        misses.append([*found, contact.largest_pressure / largest, -contact.separation / approach])
-    misses = np.array(misses) - 1
+        measured = *counted / a, contact.normal_stiffness / (2 * E * a), radius_of(contact) / a
+        found.append([*measured, contact.largest_pressure / largest, -contact.separation / approach])
+    misses = np.array(found) - 1
     counted, corrected, stiffness = misses.mean(axis=0)[:3]
     assert 0 < counted < 2.5e-3
     assert abs(corrected) < 1e-3

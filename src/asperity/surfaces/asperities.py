@@ -7,8 +7,10 @@ Dataset; it has the height of the body at this very point.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from asperity.base import checks, units
 from asperity.errors import InputError
@@ -17,7 +19,7 @@ from asperity.surfaces.heights import sides_of_pixels
 from asperity.surfaces.surface import Surface
 
 Length = float | str
-Lengths = Length | tuple[Length, ...] | list[float] | list[str] | NDArray[np.float64]
+Lengths = Length | Sequence[Length] | NDArray[np.float64]
 """One number, or several; each in m, or a text with a unit."""
 
 _ROUNDING = 1e-12
@@ -98,7 +100,7 @@ def punch(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges:
 def array(
     shape: tuple[int, int],
     *,
-    places: ArrayLike | list[tuple[str, str]],
+    places: Sequence[Sequence[Length]] | NDArray[np.float64],
     radii: Lengths,
     pixel_size: Lengths,
     heights: Lengths = 0.0,
