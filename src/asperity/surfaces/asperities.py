@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.base import checks, units
-from asperity.errors import InputError
+from asperity.errors import LARGEST, InputError
 from asperity.lattice import Edges, Field, Lattice
 from asperity.surfaces.heights import sides_of_pixels
 from asperity.surfaces.surface import Surface
@@ -53,8 +53,8 @@ def sphere(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges
         A number is out of its range, or has a unit that is none of length.
     """
     lattice = _lattice(shape, pixel_size)
-    middle, size = _middle(lattice), _radii("radius", radius, 1, "", lattice)
-    heights = _balls(lattice, middle, size, np.zeros(1), edges)
+    size = _lengths("radius", radius, least=max(lattice.spacing))
+    heights = _balls(lattice, _middle(lattice)[np.newaxis], size, np.zeros(1), edges)
     return _made("sphere", lattice, heights, edges, radius=float(size[0]))
 
 
@@ -71,9 +71,9 @@ def paraboloid(
     Other arguments, result and errors are those of `sphere`.
     """
     lattice = _lattice(shape, pixel_size)
-    radii = _radii("radius", radius, 2, "an axis", lattice)
-    y, x = _offsets(lattice, _middle(lattice)[0], edges)
-    heights = -(y[:, np.newaxis] ** 2 / (2 * radii[0]) + x**2 / (2 * radii[1]))
+    radii = _lengths("radius", radius, 2, "an axis", least=max(lattice.spacing))
+    y, x = _offsets(lattice, _middle(lattice), edges)
+    heights = -(y**2 / (2 * radii[0]) + x**2 / (2 * radii[1]))
     return _made("paraboloid", lattice, heights, edges, radius=radii.tolist())
 
 
@@ -91,9 +91,9 @@ def punch(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges:
     Other arguments, result and errors are those of `sphere`.
     """
     lattice = _lattice(shape, pixel_size)
-    size = float(_radii("radius", radius, 1, "", lattice)[0])
-    y, x = _offsets(lattice, _middle(lattice)[0], edges)
-    face = y[:, np.newaxis] ** 2 + x**2 <= (size * (1 + _ROUNDING)) ** 2
+    size = float(_lengths("radius", radius, least=max(lattice.spacing))[0])
+    y, x = _offsets(lattice, _middle(lattice), edges)
+    face = y**2 + x**2 <= (size * (1 + _ROUNDING)) ** 2
     return _made("punch", lattice, np.where(face, 0.0, -size), edges, radius=size)
 
 
@@ -124,13 +124,11 @@ def array(
     """
     lattice = _lattice(shape, pixel_size)
     where = _places(places, lattice)
-    size = _radii("radii", radii, len(where), "a ball", lattice)
-    tops = _each("heights", heights, len(where), "a ball")
-    facts = {"y": where[:, 0].tolist(), "x": where[:, 1].tolist()}
-    facts |= {"radii": size.tolist(), "heights": tops.tolist()}
-    return _made(
-        "array", lattice, _balls(lattice, where / lattice.spacing, size, tops, edges), edges, **facts
-    )
+    size = _lengths("radii", radii, len(where), "a ball", least=max(lattice.spacing))
+    tops = _lengths("heights", heights, len(where), "a ball")
+    made = _balls(lattice, where / lattice.spacing, size, tops, edges)
+    told = {"y": where[:, 0], "x": where[:, 1], "radii": size, "heights": tops}
+    return _made("array", lattice, made, edges, **{name: one.tolist() for name, one in told.items()})
 
 
 def _made(kind: str, lattice: Lattice, made: Field, edges: Edges, **facts: float | list[float]) -> Surface:
@@ -144,8 +142,8 @@ def _balls(lattice: Lattice, places: Field, radii: Field, tops: Field, edges: Ed
     heights = np.full(lattice.shape, floor)
     for place, R, top in zip(places, radii, tops, strict=True):
         y, x = _offsets(lattice, place, edges)
-        there = np.ix_(np.abs(y) <= R, np.abs(x) <= R)
-        squares = y[there[0]] ** 2 + x[there[1]] ** 2
+        there = np.ix_(np.abs(y[:, 0]) <= R, np.abs(x[0]) <= R)
+        squares = y[there[0][:, 0]] ** 2 + x[:, there[1][0]] ** 2
         # sqrt(R^2 - r^2) - R without the difference of two large numbers.
         fall = squares / (R + np.sqrt(np.maximum(R**2 - squares, 0.0)))
         heights[there] = np.maximum(heights[there], np.where(squares <= R**2, top - fall, floor))
@@ -153,60 +151,52 @@ def _balls(lattice: Lattice, places: Field, radii: Field, tops: Field, edges: Ed
 
 
 def _offsets(lattice: Lattice, place: Field, edges: Edges) -> tuple[Field, Field]:
-    """How far sites are from a place, in sites, along each axis; shapes (n,) and (m,), lengths."""
+    """How far sites are from a place, in sites, along each axis: lengths, shapes (n, 1) and (1, m)."""
     found = []
     for n, step, there in zip(lattice.shape, lattice.spacing, place, strict=True):
         sites = np.arange(n) - there
-        if edges == "periodic":
-            sites -= n * np.rint(sites / n)
-        found.append(step * sites)
-    return found[0], found[1]
+        found.append(step * (sites - n * np.rint(sites / n) if edges == "periodic" else sites))
+    return found[0][:, np.newaxis], found[1][np.newaxis]
 
 
 def _middle(lattice: Lattice) -> Field:
-    return np.array([[(n - 1) / 2 for n in lattice.shape]])
+    """The middle of a lattice, in sites."""
+    return (np.array(lattice.shape) - 1) / 2
 
 
 def _lattice(shape: tuple[int, int], pixel_size: Lengths) -> Lattice:
     lengths = checks.lattice_shape(shape, advice="(256, 256)")
     if len(lengths) != 2:
         raise InputError("shape", expected="two lengths", got=checks.shown(shape), advice="(256, 256)")
-    sides, _ = sides_of_pixels(pixel_size, 2, "m")
-    return Lattice(lengths, sides)
+    return Lattice(lengths, sides_of_pixels(pixel_size, 2, "m")[0])
 
 
 def _places(value: object, lattice: Lattice) -> Field:
     """Places on the lattice, shape (balls, 2)."""
-    several = isinstance(value, list | tuple)
-    pairs = [units.numbers("places", pair, "m") for pair in value] if several else value  # type: ignore[attr-defined]
+    if isinstance(value, list | tuple):
+        value = [units.numbers("places", pair, "m") for pair in value]
     expected, advice = "a pair of lengths (y, x) for each ball", 'places=[("40 um", "60 um")]'
-    places = checks.floats("places", pairs, expected=expected, advice=advice)
+    places = checks.floats("places", value, expected=expected, advice=advice)
     if places.ndim != 2 or places.shape[1] != 2 or not len(places):
         raise InputError("places", expected=expected, got=f"shape {places.shape}", advice=advice)
-    steps, ends = np.array(lattice.spacing), np.array(lattice.shape)
-    outside = ~((places >= -0.5 * steps) & (places <= (ends - 0.5) * steps)).all(axis=1)
+    sites = places / lattice.spacing
+    outside = ~((sites >= -0.5) & (sites <= np.array(lattice.shape) - 0.5)).all(axis=1)
     if outside.any():
-        y, x = ((n - 1) * step for n, step in zip(lattice.shape, lattice.spacing, strict=True))
+        y, x = 2 * _middle(lattice) * lattice.spacing
         got = "({:g}, {:g})".format(*places[outside][0])
         raise InputError("places", expected=f"y from 0 to {y:g} m and x from 0 to {x:g} m", got=got)
     return places
 
 
-def _radii(name: str, value: object, count: int, each: str, lattice: Lattice) -> Field:
-    """Radii that sites can show, shape (count,)."""
-    radii = _each(name, value, count, each)
-    if not (radii >= (least := max(lattice.spacing))).all():
-        raise InputError(name, expected=f"a pixel or more, {least:g} m", got=float(radii.min()))
-    return radii
-
-
-def _each(name: str, value: object, count: int, each: str) -> Field:
-    """One finite length for all, or one each; shape (count,)."""
+def _lengths(name: str, value: object, count: int = 1, each: str = "", least: float = -LARGEST) -> Field:
+    """One length for all, or one each, finite and not below the least; shape (count,)."""
     expected = f"one length, or {count}, one {each}" if count > 1 else "one length"
     advice = "a number in m, or a text such as '1 mm'"
     found = checks.floats(name, units.numbers(name, value, "m"), expected=expected, advice=advice)
     if found.shape not in ((), (1,), (count,)):
         raise InputError(name, expected=expected, got=f"shape {found.shape}", advice=advice)
-    if not np.isfinite(found).all():
-        raise InputError(name, expected="finite lengths", got="inf", advice=advice)
+    if not ((found >= least) & (found <= LARGEST)).all():
+        expected = "finite lengths" if least < 0 else f"finite lengths of a pixel, {least:g} m, or more"
+        got = float(found.min() if (found < least).any() else found.max())
+        raise InputError(name, expected=expected, got=got, advice=advice)
     return np.broadcast_to(found, (count,))

@@ -427,5 +427,5 @@ def _label(value: object) -> Value:
         words = (f"{one:g}" if isinstance(one, float | int) else str(one) for pair in value for one in pair)
         return " ".join(words)
     if isinstance(value, list | tuple):
-        return "x".join(map(str, value))
+        return _label(value[0]) if len(value) == 1 else "x".join(map(str, value))
     return value if isinstance(value, float | int | str) else repr(value)

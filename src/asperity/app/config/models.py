@@ -60,11 +60,6 @@ def _name_or_number(value: object) -> object:
     return value
 
 
-def _only(value: object) -> object:
-    """Take a list of one for what it holds: flags of several kinds of surfaces are lists."""
-    return value[0] if isinstance(value, list) and len(value) == 1 else value
-
-
 def _power_of_two(value: int) -> int:
     if value < 2 or value & (value - 1):
         below = 1 << (max(value, 2).bit_length() - 1)
@@ -106,7 +101,8 @@ class SurfaceSection(Section):
     @property
     def lattice(self) -> tuple[int, ...] | None:
         """Sites along each axis; None where only making the surface tells."""
-        return None
+        shape = getattr(self, "shape", None)
+        return None if shape is None else tuple(shape)
 
     @property
     def law(self) -> HeightLaw | None:
@@ -151,11 +147,6 @@ class Independent(SurfaceSection):
     shape: Shape = Field(default=[200, 200], description=_SHAPE)
     rms: Positive = Field(default=1.0, description=_RMS)
     seed: Seed = Field(default=0, description=_SEED)
-
-    @property
-    def lattice(self) -> tuple[int, ...]:
-        """Sites along each axis."""
-        return tuple(self.shape)
 
     @property
     def law(self) -> HeightLaw:
@@ -207,11 +198,6 @@ class Waves(SurfaceSection):
         default=None, description="Unit of the spacing and of all heights and wavelengths."
     )
     seed: Seed = Field(default=0, description=_SEED)
-
-    @property
-    def lattice(self) -> tuple[int, ...]:
-        """Sites along each axis."""
-        return tuple(self.shape)
 
     @property
     def pixel_size(self) -> tuple[float, ...]:
@@ -297,11 +283,6 @@ class Asperities(SurfaceSection):
     )
 
     @property
-    def lattice(self) -> tuple[int, ...]:
-        """Sites along each axis."""
-        return tuple(self.shape)
-
-    @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What the function that makes it takes."""
         lattice, facts = super().arguments
@@ -310,27 +291,13 @@ class Asperities(SurfaceSection):
         return lattice, facts | ({"edges": self.edges} if self.edges else {})
 
 
-class Paraboloid(Asperities):
-    """A paraboloid; see `asperity.surfaces.paraboloid`."""
+class Asperity(Asperities):
+    """One ball, paraboloid or flat punch in the middle."""
 
-    kind: Literal["paraboloid"] = "paraboloid"
+    kind: Literal["sphere", "paraboloid", "punch"] = "sphere"
     radius: Annotated[list[Size], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
         description="Radius; of curvature of a paraboloid (one, or one an axis), of the face of a punch."
     )
-
-
-class Sphere(Asperities):
-    """A ball; see `asperity.surfaces.sphere`."""
-
-    kind: Literal["sphere"] = "sphere"
-    radius: Annotated[Size, BeforeValidator(_only)] = Field(description="Radius of the ball.")
-
-
-class Punch(Asperities):
-    """A flat punch; see `asperity.surfaces.punch`."""
-
-    kind: Literal["punch"] = "punch"
-    radius: Annotated[Size, BeforeValidator(_only)] = Field(description="Radius of its flat face.")
 
 
 class Array(Asperities):
@@ -445,7 +412,7 @@ class Scan(MeasuredSurface):
     )
 
 
-Made = Gaussian | Exponential | SelfAffine | Spectral | Spectrum | Paraboloid | Sphere | Punch | Array
+Made = Gaussian | Exponential | SelfAffine | Spectral | Spectrum | Asperity | Array
 AnySurface = Annotated[Made | MeasuredSurface, Field(discriminator="kind")]
 SURFACES = by_kind(*get_args(Made), MeasuredSurface)
 
