@@ -28,6 +28,11 @@ CASES: dict[str, dict[str, Any]] = {
     "waves without units": {"surface": {"kind": "spectral", "shape": [16, 16], "spacing": [1.0, 1.0]}},
     "half-space": {"surface": WAVES, "solid": MAXWELL, "contact": {"pressure": "2 MPa"}},
     "half-space without units": {"surface": GAUSSIAN, "solid": MAXWELL | {"modulus": 2.0}},
+    "free edges": {"surface": WAVES | {"edges": "free"}, "solid": MAXWELL, "contact": {"pressure": "2 MPa"}},
+    "free edges without units": {
+        "surface": GAUSSIAN | {"edges": "free"},
+        "solid": MAXWELL | {"modulus": 2.0},
+    },
     "two bodies": {
         "surface": WAVES,
         "solid": {"kind": "half_space", "young": ["3 GPa", "70 GPa"], "poisson": [0.35, 0.22]},
