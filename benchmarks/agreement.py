@@ -1,14 +1,15 @@
 """Hold Asperity to its peers in SI: contact, pressures and gap of one solid on one scan, and its aging.
 
-    python benchmarks/agreement.py [--only press march] [--peers-python PYTHON ...] [--store FILE]
+    python benchmarks/agreement.py [--only press march patches] [--peers-python PYTHON ...] [--store FILE]
 
 Scans come from the folder that ASPERITY_DATA names, levelled and taken as periodic; there is a surface made
 from a seed too. Each is pressed onto a half-space of 3 GPa at three mean pressures by Asperity, and by each
 peer at tolerances that tighten until its pressures no longer come closer to those of Asperity. Asperity
 is asked twice: as users do, and for as much as double precision gives (`Strict`). Then a half-space of
-two Maxwell branches ages, by Asperity and by implicit Euler steps of Tamaas that are halved.
+two Maxwell branches ages, by Asperity and by implicit Euler steps of Tamaas that are halved. Rough patches
+are pressed by ASPHER too, periodic and with free edges.
 
-Prints two tables. The exit status is 1 where a difference exceeds its limit (`LIMITS`, `MARCH_LIMITS`), 0
+Prints three tables. The exit status is 1 where a difference exceeds its limit (`LIMITS`, `MARCH_LIMITS`), 0
 otherwise; a peer or a scan that is absent is said and skipped.
 """
 
@@ -27,6 +28,7 @@ from pathlib import Path
 import numpy as np
 import solvers
 import synthetic
+from cases import MEAN_PRESSURE
 from check import judge
 from numpy.typing import NDArray
 from peers.problem import Law, Problem
@@ -51,6 +53,11 @@ STEPS = (1 / 8, 1 / 16, 1 / 32)
 MARCH_LIMITS = {"order": 0.1, "extrapolated": 1e-3, "sites": 20, "gap_in_contact": 1e-8}
 """How far the order may be from 1; the pressures extrapolated to no step from those of Asperity, rms; and the
 number of contacts, at the shortest step."""
+
+PATCHES = [(edges, seed, rms) for edges in ("periodic", "free") for seed in range(3) for rms in (0.217, 4.34)]
+"""Edges, seed, and rms height in spacings: 5 to 7 % of contact, or a twentieth."""
+PATCH_LIMIT = 1e-9
+"""Largest difference in pressure at any site, over the largest; the sets of contacts are to be equal."""
 
 
 @dataclass(frozen=True)
@@ -197,6 +204,7 @@ def start(names: Iterable[str], pythons: Sequence[str]) -> dict[str, Worker]:
     return workers
 
 
+TABLES = ["press", "march", "patches"]
 HEAD = (
     "| surface | MPa | contact | between | tolerance | sites | pressure | mean pressure | mean gap | gap "
     "| residual |"
@@ -320,11 +328,34 @@ def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
     return rows, wrong
 
 
+def patches_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
+    """Rows, and what disagrees."""
+    rows, wrong = ["| edges | seed | contact | sites that differ | pressure |", "|---|---|---|---|---|"], []
+    for edges, seed, rms in PATCHES:
+        heights = rms * synthetic.self_affine(256, seed)
+        load = MEAN_PRESSURE * heights.size
+        ours = asp.press(
+            asp.surfaces.Surface(heights, edges=edges), asp.solids.half_space(modulus=1.0), load=load
+        )
+        law = Law("half-space" if edges == "periodic" else "free half-space")
+        path, out = _written(Problem(heights, law, load), folder), folder / "answer.npz"
+        worker.ask({"do": "solve", "problem": str(path), "tolerance": 1e-12, "out": str(out)}, LIMIT)
+        with np.load(out) as answer:
+            force = answer["force"]
+        sites = int(np.count_nonzero((force > 0) != ours.in_contact))
+        off = float(np.abs(force - ours.force).max() / ours.force.max())
+        rows.append(f"| {edges} | {seed} | {100 * ours.contact_fraction:.2f} % | {sites} | {off:.1e} |")
+        if sites or not off <= PATCH_LIMIT:
+            wrong.append(f"{edges}, seed {seed}, rms {rms:g}: {sites} sites, pressure {off:.1e}")
+    print("", *rows, sep="\n", flush=True)
+    return rows, wrong
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--only", nargs="+", choices=["press", "march"], default=["press", "march"])
+    parser.add_argument("--only", nargs="+", choices=TABLES, default=TABLES)
     parser.add_argument("--peers-python", nargs="+", default=[], metavar="PYTHON")
     parser.add_argument("--store", type=Path, help="write the tables to this file")
     options = parser.parse_args()
@@ -338,9 +369,10 @@ def main() -> int:
             wrong += failures
             for worker in workers.values():
                 worker.close()
-        if "march" in options.only:
-            for worker in start(solvers.MARCHES, options.peers_python).values():
-                rows, failures = march_table(worker, folder)
+        others = {"march": (solvers.MARCHES, march_table), "patches": (["aspher"], patches_table)}
+        for names, table in (others[name] for name in others if name in options.only):
+            for worker in start(names, options.peers_python).values():
+                rows, failures = table(worker, folder)
                 tables.append([f"Peer: {worker.version}", "", *rows])
                 wrong += failures
                 worker.close()

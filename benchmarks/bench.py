@@ -181,7 +181,7 @@ def _once(run: Run, task: prepare.Task, worker: Worker, options: argparse.Namesp
         return
     with np.load(out) as fields:
         run.in_contact = fields["in_contact"]
-        run.verdict = judge(task.problem, fields["u"], run.in_contact)
+        run.verdict = judge(task.problem, fields["u"], run.in_contact, fields.get("force"))
     run.seconds.append(reply["seconds"])
     run.cpu_seconds.append(reply["cpu_seconds"])
     run.iterations, run.note = reply["iterations"], reply["note"]

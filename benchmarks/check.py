@@ -2,7 +2,8 @@
 
 On the lattice the force is a sum over the four neighbors (`numpy.roll`); on the half-space it is evaluated
 by complex transforms of `numpy.fft`, which no solver here calls. In a step of creep, u - u0 solves an
-equation that is checked by the same sums over neighbors.
+equation that is checked by the same sums over neighbors. With free edges the displacement is evaluated
+from the forces, by complex transforms of Love's closed form on twice the sides.
 """
 
 from __future__ import annotations
@@ -69,11 +70,39 @@ def force_of(problem: Problem, u: Field) -> Field:
     return law.k0 * minus_laplacian(shape) + spring * pulled + problem.mean_force
 
 
-def judge(problem: Problem, u: Field, in_contact: Mask) -> Verdict:
+def free_displacement(force: Field, modulus: float) -> Field:
+    """Displacement of a half-space by forces on square pixels of side 1, and none beyond (Love 1929)."""
+    n, m = force.shape
+    y, x = np.meshgrid(np.arange(-n, n + 1) - 0.5, np.arange(-m, m + 1) - 0.5, indexing="ij")
+    corner = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
+    kernel = np.diff(np.diff(corner, axis=0), axis=1) / (np.pi * modulus)
+    padded = np.zeros(kernel.shape)
+    padded[:n, :m] = force
+    return np.fft.ifft2(np.fft.fft2(np.fft.ifftshift(kernel)) * np.fft.fft2(padded)).real[:n, :m]
+
+
+def judge_forces(problem: Problem, force: Field, in_contact: Mask) -> Verdict:
+    """Judge forces with free edges: errors of the gap count as forces, by the shortest wave's stiffness."""
+    gap = free_displacement(force, problem.law.modulus) - problem.heights
+    gap -= gap[in_contact].mean()
+    stiffest, mean_force = np.pi * problem.law.modulus / np.sqrt(2), problem.load / int(in_contact.sum())
+    worst = max(float(np.abs(gap[in_contact]).max()), -float(gap.min())) * stiffest
+    return Verdict(
+        residual=max(worst, -float(force.min()), float(np.abs(force[~in_contact]).max())) / mean_force,
+        penetration=max(0.0, -float(gap.min())) / float(problem.heights.std()),
+        load_error=abs(float(force.sum()) / problem.load - 1),
+        contact_fraction=float(in_contact.mean()),
+    )
+
+
+def judge(problem: Problem, u: Field, in_contact: Mask, force: Field | None = None) -> Verdict:
     """Judge a surface, known up to a constant, and the sites that it is said to touch."""
     heights = problem.heights
     if not in_contact.any():
         return Verdict(np.inf, np.inf, 1.0, 0.0)
+    if problem.law.kind == "free half-space":
+        assert force is not None
+        return judge_forces(problem, force, in_contact)
     gap = u - heights
     gap = gap - gap[in_contact].mean()
     settled = np.where(in_contact, heights, heights + np.maximum(gap, 0.0))

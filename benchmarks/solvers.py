@@ -23,6 +23,7 @@ MODULES = {
     "slippy": "slippy_pk",
     "tamaas": "tamaas_pkr",
     "contactmechanics": "contact_mechanics",
+    "aspher": "aspher_nested",
 }
 MARCHES = {"tamaas-maxwell": "tamaas_maxwell"}
 """What only ages; `agreement.py` alone asks for it."""

@@ -57,6 +57,8 @@ def _aged(problem: Problem, until: float) -> asp.Contact:
 
 
 def _surface(problem: Problem) -> np.ndarray | asp.surfaces.Surface:
+    if problem.law.kind == "free half-space":
+        return asp.surfaces.Surface(problem.heights, edges="free")
     if not problem.spacing:
         return problem.heights
     return asp.surfaces.Surface(problem.heights, unit="m", pixel_size=problem.spacing, length_unit="m")
@@ -64,6 +66,6 @@ def _surface(problem: Problem) -> np.ndarray | asp.surfaces.Surface:
 
 def _solid(problem: Problem) -> asp.solids.Solid:
     law = problem.law
-    if law.kind != "half-space":
+    if "half-space" not in law.kind:
         return asp.solids.spring_lattice(k0=law.k0, k1=law.k1, R=law.R)
     return asp.solids.half_space(modulus=law.modulus, branches=[tuple(branch) for branch in law.branches])

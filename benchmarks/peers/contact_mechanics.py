@@ -12,6 +12,7 @@ from problem import Answer, Problem, Watch
 from SurfaceTopography import Topography
 
 VERSION = f"ContactMechanics {ContactMechanics.__version__}"
+KINDS = ["lattice", "relaxed", "step", "half-space"]
 
 
 def solve(problem: Problem, tolerance: float) -> Answer:

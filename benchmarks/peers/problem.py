@@ -31,9 +31,9 @@ class Law:
     """How stiff the surface is against a wave.
 
     ``kind`` is "lattice" (k0 lam + k1), "relaxed" (k0 lam: the same lattice after infinite time),
-    "step" (k0 lam + k1 / (1 + tau k1 R lam): an implicit step of its creep) or
-    "half-space" (modulus |q| / 2). ``branches`` of a half-space are the shares of the modulus that relax, and
-    the relaxation times.
+    "step" (k0 lam + k1 / (1 + tau k1 R lam): an implicit step of its creep),
+    "half-space" (modulus |q| / 2) or "free half-space", whose rough body ends at its edges: it has no modes.
+    ``branches`` of a half-space are the shares of the modulus that relax, and the relaxation times.
     """
 
     kind: str
@@ -92,6 +92,7 @@ class Problem:
             tau = law.tau if law.kind == "step" else 0.0
             values = law.k0 * lam + law.k1 / (1 + tau * law.k1 * law.R * lam)
         values[0, 0] = 0.0
+        assert law.kind != "free half-space", "its modes have no stiffness of their own"
         return values
 
     def compliance(self) -> Field:

@@ -10,6 +10,7 @@ from problem import THREADS, Answer, Problem, Watch
 from slippy.core import plan_convolve, polonsky_and_keer
 
 VERSION = f"slippy {slippy.__version__}"
+KINDS = ["lattice", "relaxed", "step", "half-space"]
 slippy.CORES = THREADS
 
 

@@ -9,6 +9,7 @@ import tamaas as tm
 from problem import THREADS, Answer, Problem, Watch
 
 VERSION = f"Tamaas {tm.__version__}"
+KINDS = ["lattice", "relaxed", "step", "half-space"]
 tm.set_log_level(tm.LogLevel.error)
 tm.initialize(THREADS)
 

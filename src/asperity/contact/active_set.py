@@ -31,6 +31,7 @@ import numpy as np
 from asperity.base import checks
 from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
+from asperity.contact.contact_sites import solved_on_contacts
 from asperity.contact.free_sites import Accuracy, FreeSites
 from asperity.contact.line_sites import LineSites, line_sites
 from asperity.contact.problem import (
@@ -134,7 +135,13 @@ class ActiveSet:
         modes = problem.spectral()
         if modes.springs is not None:  # few solutions, or none that may stop early
             allowed_error = 0.0
-        run = _Run(self, modes, guess or cold_start(modes, self), tolerance, allowed_error)
+        guess, rounds = guess or cold_start(modes, self), 0
+        if (
+            self.arrays == "numpy" and allowed_error == 0
+        ):  # where an error is allowed, few iterations are left
+            guess, rounds = solved_on_contacts(modes, guess, tolerance)
+        run = _Run(self, modes, guess, tolerance, allowed_error)
+        run.iterations = rounds
         while True:
             run.reduce_residual()
             wrong = run.wrong_sites()
@@ -220,7 +227,8 @@ class _Run:
         self.fresh = True
         if self.yielding is not None:
             self.force -= self.bound * self.xp.astype(self.yielding, self.force.dtype)
-        rounding = largest(self.u, xp) * float(self.problem.stiffness.flat[0])
+        indentation = largest(self.u, xp)
+        rounding = indentation * float(self.problem.stiffness.flat[0])
         self.force -= mean_by_rounding(self.force, self.in_contact, rounding, xp)
         borne, self.touching = 0.0, self.contacts
         if self.yielding is not None:
@@ -236,7 +244,6 @@ class _Run:
         imbalance = float(xp.sum(off_contact))
         self.imbalance = abs(imbalance)
         self.load = abs(float(xp.sum(self.force)) - imbalance) + borne
-        indentation = largest(self.u, xp)
         if not self.problem.load_controlled:  # the load is what comes out
             self.allowed_imbalance = TUNING.load_error * self.load
         self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
@@ -407,6 +414,8 @@ class _Run:
             return True
         if not self.within_tolerance():
             return False
+        if self.fresh:
+            return True
         self.evaluate_force()
         return self.within_tolerance() and not bool(self.xp.any(self.wrong_sites()))
 

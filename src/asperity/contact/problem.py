@@ -197,6 +197,8 @@ def mean_by_rounding(force: Field, in_contact: Mask, size: float, xp: Any = np) 
     ``size`` is the largest u times the stiffness at wave vector 0. Where the mean is held stiffly, its force
     is known better by the equilibrium off contact than by a difference that has lost its digits.
     """
+    if size == 0:
+        return 0.0
     free = force.size - int(xp.count_nonzero(in_contact))
     mean = float(xp.sum(xp.where(in_contact, xp.asarray(0.0), force))) / max(free, 1)
     return mean if abs(mean) <= 4 * float(np.finfo(float).eps) * size else 0.0
