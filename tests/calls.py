@@ -135,6 +135,22 @@ CALLS: list[Call] = [
             {"rms_curvature": 2.0},
         )
     ),
+    *(
+        call(make, shape=(4, 6), radius=radius, pixel_size=[0.5, 2.0])
+        for make, radius in (
+            (asp.surfaces.sphere, 8.0),
+            (asp.surfaces.paraboloid, [8.0, 4.0]),
+            (asp.surfaces.punch, 2.0),
+        )
+    ),
+    call(
+        asp.surfaces.array,
+        shape=(4, 6),
+        places=[[0.5, 2.0], [1.0, 8.0]],
+        radii=[4.0, 2.0],
+        heights=[0.0, 0.5],
+        pixel_size=[0.5, 2.0],
+    ),
     call(asp.surfaces.Surface, heights=ROUGH, unit="nm", pixel_size=[0.5, 2.0]),
     call(
         asp.surfaces.from_spectrum,

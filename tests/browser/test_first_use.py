@@ -105,6 +105,24 @@ def test_what_was_typed_stays_with_another_solid(live):
     assert config["surface"]["hurst"] == 0.6
 
 
+def test_balls_stay_with_another_solid_and_are_pressed(live):
+    page = live()
+    page.select_option("[id='surface.kind']", "array")
+    for name, text in (
+        ("shape", "48 48"),
+        ("pixel_size", "1 um"),
+        ("places", "20um 12um\n20um 34um"),
+        ("radii", "1 mm"),
+    ):
+        page.fill(f"[id='surface.{name}']", text)
+    page.select_option("[id='solid.kind']", "half_space")
+    page.fill("[id='contact.pressure']", "1 MPa")
+    after = again(page, lambda: page.click("#press"))
+    assert after["config"]["surface"]["kind"] == "array"
+    assert page.locator("#number-load").text_content().endswith("N")
+    assert rows(page)["contact_fraction"][0] > 0.02
+
+
 @pytest.mark.parametrize(("how", "time"), [("step", 0.0), ("ramp", 5.0)])
 def test_a_branch_shows_the_end_of_its_change(live, how, time):
     page = live(reduced_motion="no-preference")

@@ -157,3 +157,38 @@ def test_mistakes_are_named_before_anything_starts(tmp_path, sweep, line):
         read_plan(written(tmp_path, HALF_SPACES + sweep))
     (problem,) = caught.value.problems
     assert line in problem
+
+
+def test_the_distance_of_two_balls_and_their_radius_can_be_swept(tmp_path):
+    text = """
+    [surface]
+    kind = "array"
+    shape = [24, 48]
+    places = [["12 um", "10 um"], ["12 um", "22 um"]]
+    radii = "1 mm"
+    pixel_size = "1 um"
+    [solid]
+    kind = "half_space"
+    modulus = "1 GPa"
+    branches = [[0.5, 1.0]]
+    [contact]
+    load = "1 mN"
+    [aging]
+    times = [1.0]
+    [sweep]
+    """
+    do_here(read_plan(written(tmp_path, f'{text}\n"places.1.1" = ["20 um", "30 um"]\n')), tmp_path / "far")
+    data = campaign.open(tmp_path / "far")
+    assert data["places.1.1"].values.tolist() == pytest.approx([20e-6, 30e-6])
+    assert data["places.1.1"].attrs["units"] == "m"
+    for number, x in enumerate([20e-6, 30e-6]):
+        balls = asp.surfaces.array((24, 48), places=[(12e-6, 10e-6), (12e-6, x)], radii=1e-3, pixel_size=1e-6)
+        solid = asp.solids.half_space(modulus=1e9, branches=[(0.5, 1.0)])
+        contact = asp.press(balls, solid, load=1e-3)
+        assert float(data["separation"][number, 0]) == pytest.approx(contact.separation, rel=1e-9)
+    do_here(read_plan(written(tmp_path, f'{text}\nradii = ["1 mm", "2 mm"]\n')), tmp_path / "large")
+    data = campaign.open(tmp_path / "large")
+    assert data.attrs["places_x"] == pytest.approx([10e-6, 22e-6])
+    assert float(data["contact_area"][1, 0]) > 1.2 * float(data["contact_area"][0, 0])
+    with pytest.raises(ConfigError, match="a surface of kind 'array' has no seed"):
+        read_plan(written(tmp_path, f"{text}\nseeds = 3\n"))

@@ -81,7 +81,17 @@ OF_RUNS = """
     --leg 'slide 8'
     --leg 'hold 3 hold=height'
     --leg 'slide distance=2 velocity=inf' --shear-strength 4 --rate-coefficient 0.1 --reference-velocity 1
+    --surface sphere --radius 1mm
+    --surface sphere --radius 1mm --pixel-size 1um
+    --surface sphere --radius 1 --pixel-size 1
+    --surface sphere --radius 1mm 2mm --pixel-size 1um {ball}
+    --surface sphere --radius 1nm --pixel-size 1um {ball}
+    --surface sphere --radius 1mm --pixel-size 1um --shape 64 {ball}
+    --surface array --place '20um 3mm' --radii 1mm --pixel-size 1um {ball}
+    --surface array --place 20um --radii 1mm --pixel-size 1um {ball}
+    --surface punch --radius 1mm --pixel-size '1 s' {ball}
 """
+BALL = "--solid half_space --modulus 3GPa"
 SCAN = "--solid half_space --modulus '3.8 GPa' --file-unit um --pixel-size 0.4 0.8 --length-unit um"
 
 FILES = {
@@ -99,7 +109,7 @@ FILES = {
 
 
 def calls(table: str) -> list[list[str]]:
-    return [shlex.split(line.replace("{scan}", SCAN)) for line in table.splitlines() if line.strip()]
+    return [shlex.split(line.format(scan=SCAN, ball=BALL)) for line in table.splitlines() if line.strip()]
 
 
 def test_words_that_are_none(refused: Refused) -> None:

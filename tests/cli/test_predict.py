@@ -83,6 +83,33 @@ def table_of(folder: Path) -> dict[str, list[float]]:
     return {name: [float(row[name]) for row in rows] for name in rows[0]}
 
 
+def test_edges_are_free_where_asked_and_the_page_says_so(
+    files: Path, finished: Path, prediction: Prediction, tmp_path: Path
+) -> None:
+    assert (
+        main([*words(files, "--pressure", "40MPa", "--quiet", "--edges", "free", "--out", tmp_path / "out")])
+        == 0
+    )
+    stored, said = asp.results.load(tmp_path / "out"), (tmp_path / "out" / "summary.txt").read_text("utf-8")
+    free = asp.surfaces.read(
+        files / "scan.txt", periodic="free", file_unit="nm", pixel_size=50.0, length_unit="nm"
+    )
+    same = asp.predict(files / "relaxation.csv", free, pressure="40 MPa")
+    np.testing.assert_array_equal(stored["in_contact"], same.dataset["in_contact"])
+    assert (stored["contact_area"].values != prediction.dataset["contact_area"].values).all()
+    assert "edges are free: the body ends with the scan" in said
+    assert "edges reflect, as for a part" in (finished / "summary.txt").read_text("utf-8")
+    page, usual = ((folder / "prediction.html").read_text("utf-8") for folder in (tmp_path / "out", finished))
+    assert [said in page for said in ("ends at the edges of the scan", "its own mirror image")] == [
+        True,
+        False,
+    ]
+    assert [said in usual for said in ("ends at the edges of the scan", "its own mirror image")] == [
+        False,
+        True,
+    ]
+
+
 def test_the_command_and_the_function_agree(finished: Path, prediction: Prediction) -> None:
     assert sorted(path.name for path in finished.iterdir()) == [
         *("contacts.png", "growth.png", "history.csv", "history.zarr", "observed.png"),

@@ -67,6 +67,28 @@ def test_a_run_is_what_python_gives_in_si(scan, done):
     assert float(data["largest_pressure"][0]) == contact.largest_pressure
 
 
+def test_a_run_of_balls_is_what_python_gives(tmp_path):
+    out = tmp_path / "balls"
+    words = shlex.split(
+        "run --surface array --shape 32x40 --place '10um 12um' --place '2e-5 3e-5' --radii 1mm 2mm "
+        "--heights=0 --heights=-10nm --pixel-size 1um --load 2mN --times 1 --quiet"
+    )
+    assert main([*words, *SOLID, "--branch", "0.3 1", "--out", str(out)]) == 0
+    data = asp.results.load(out / "history.zarr")
+    balls = asp.surfaces.array(
+        (32, 40),
+        places=[("10 um", "12 um"), ("20 um", "30 um")],
+        radii=["1 mm", "2 mm"],
+        heights=[0, "-10 nm"],
+        pixel_size="1 um",
+    )
+    contact = asp.press(balls, asp.solids.half_space(modulus="3.8 GPa", branches=[(0.3, 1.0)]), load="2 mN")
+    assert (data.attrs["edges"], data.attrs["surface_kind"]) == ("free", "array")
+    assert data["separation"].values[0] == pytest.approx(contact.separation, rel=1e-9)
+    assert data.attrs["surface_x"] == pytest.approx([12e-6, 30e-6])
+    told("\n".join((out / "summary.txt").read_text().splitlines()[:1]))
+
+
 def test_every_variable_names_its_unit(done):
     data = asp.results.load(done / "history.zarr")
     units = {str(name): data[name].attrs["units"] for name in data.variables}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from asperity import results
-from asperity.surfaces import gaussian, spectral, statistics
+from asperity.surfaces import gaussian, spectral, sphere, statistics
 from tests.cli.conftest import Asperity, Refused, told
 
 DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
@@ -45,6 +45,18 @@ def test_an_array(asperity: Asperity) -> None:
     assert row(text, "tilt").endswith("per pixel to the right")
     assert row(text, "figure written:") == "rough.png"
     assert Path("rough.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_the_file_of_a_run_asks_for(asperity: Asperity) -> None:
+    keys = 'kind = "sphere"\nradius = "1 mm"\npixel_size = "1 um"\nshape = [32, 48]'
+    Path("run.toml").write_text(f"[surface]\n{keys}\n")
+    status, text, error = asperity("surface", "run.toml", "--out", "ball.png")
+    assert (status, error) == (0, "")
+    ball = sphere((32, 48), radius=1e-3, pixel_size=1e-6)
+    assert row(text, "edges") == ball.edges
+    assert float(row(text, "rms height").split()[0]) == pytest.approx(1e9 * ball.heights.std(), rel=1e-4)
+    told(text.splitlines()[0])
+    assert Path("ball.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_profile_in_text_with_options(asperity: Asperity) -> None:
@@ -147,10 +159,11 @@ def test_bow_and_spikes_are_remarked_and_removed(asperity: Asperity) -> None:
     # The same in a run: remarked, prepared, and recorded.
     options = ("--periodic", "reflect", "--load", "30", "--times", "0", "--figures", "")
     _, _, error = asperity("run", "--file", "bow.npy", *options, "--out", "before")
-    assert [line for line in error.splitlines() if line.startswith("remark: ") and "edges" in line]
+    assert len([line for line in error.splitlines() if line.startswith("remark: ") and "edges" in line]) == 2
     status, text, error = asperity("run", "--file", "bow.npy", *words, *options, "--out", "after")
     assert status == 0
-    assert "remark" not in error
+    said = [line for line in error.splitlines() if line.startswith("remark: ")]
+    assert [line.partition(",")[0] for line in said] == ["remark: edges reflect"]
     assert "tilt = quadratic" in text
     assert "spikes filled" in text
     config = Path("after/config.toml").read_text()

@@ -15,6 +15,7 @@ from tests.refusals import refuses
 
 GAUSSIAN = {"kind": "gaussian", "shape": [16, 12], "rms": 0.7, "seed": 3}
 WAVES = {"kind": "spectral", "shape": [16, 16], "rms_slope": 0.1, "spacing": [2e-6], "unit": "m", "seed": 2}
+BALL = {"shape": [16, 12], "pixel_size": 1e-6}
 SPRINGS = {"kind": "spring_lattice", "k1": 5.0, "R_viscous": 0.3}
 MAXWELL = {"kind": "half_space", "modulus": 3.1e9, "branches": [[0.3, 0.1], [0.2, 7.0]]}
 SHORT = {"first": 0.1, "last": 20.0, "per_decade": 2}
@@ -27,6 +28,11 @@ CASES: dict[str, dict[str, Any]] = {
     "waves without units": {"surface": {"kind": "spectral", "shape": [16, 16], "spacing": [1.0, 1.0]}},
     "half-space": {"surface": WAVES, "solid": MAXWELL, "contact": {"pressure": "2 MPa"}},
     "half-space without units": {"surface": GAUSSIAN, "solid": MAXWELL | {"modulus": 2.0}},
+    "free edges": {"surface": WAVES | {"edges": "free"}, "solid": MAXWELL, "contact": {"pressure": "2 MPa"}},
+    "free edges without units": {
+        "surface": GAUSSIAN | {"edges": "free"},
+        "solid": MAXWELL | {"modulus": 2.0},
+    },
     "two bodies": {
         "surface": WAVES,
         "solid": {"kind": "half_space", "young": ["3 GPa", "70 GPa"], "poisson": [0.35, 0.22]},
@@ -48,6 +54,22 @@ CASES: dict[str, dict[str, Any]] = {
             "base_branches": [[0.5, 1.0]],
             "apparatus": float("inf"),
         },
+    },
+    "ball": {"surface": BALL | {"kind": "sphere", "radius": "10 um", "edges": "periodic"}, "solid": MAXWELL},
+    "punch": {"surface": BALL | {"kind": "punch", "radius": 5e-6}, "solid": MAXWELL},
+    "paraboloid": {
+        "surface": BALL | {"kind": "paraboloid", "radius": ["50 um", 3e-5], "pixel_size": [1e-6, "2 um"]},
+        "solid": MAXWELL,
+    },
+    "balls": {
+        "surface": BALL
+        | {
+            "kind": "array",
+            "places": [[4e-6, 4e-6], ["1e-5 m", "8 um"]],
+            "radii": 6e-6,
+            "heights": [0, -1e-7],
+        },
+        "solid": MAXWELL,
     },
     "separation": {"surface": GAUSSIAN, "contact": {"separation": 1.2}},
     "hold": {"surface": GAUSSIAN, "aging": SHORT | {"hold": "separation", "rtol": 1e-3}},

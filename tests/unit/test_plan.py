@@ -143,7 +143,10 @@ def test_mistakes_in_any_run_are_named_once(tmp_path):
             "[sweep]\ncombine='zip'\nload=[1.0,2.0]\nk1=[1.0]",
             "lists of one length for combine = 'zip', got load 2, k1 1",
         ),
-        ("[surface]\npath='x.npy'\n[sweep]\nseeds = 3", "[sweep] seeds: a measured surface has no seed"),
+        (
+            "[surface]\npath='x.npy'\n[sweep]\nseeds = 3",
+            "[sweep] seeds: a surface of kind 'file' has no seed",
+        ),
         ("[surface]\npath='none.npy'", "none.npy: No such file"),
         ("[contact]\nseparation=1.0\n[sweep]\nload=[1.0]", "expected load or separation, got both"),
         ("[sweep]\nseeds = [1, -1]", "[surface] seed: expected a number of at least 0, got -1"),

@@ -36,6 +36,8 @@ _EXAMPLES = {
     "K": ("a temperature", "25 degC"),
     "J/mol": ("an energy per mole", "100 kJ/mol"),
     "J/m^2": ("an energy per area", "50 mJ/m^2"),
+    "ohm m": ("a resistivity", "17 nohm m"),
+    "W/m/K": ("a thermal conductivity", "0.2 W/m/K"),
 }
 
 
@@ -119,7 +121,7 @@ def factor(unit: str, target: str) -> float | None:
 
 def _converted(amount: float, unit: str, target: str) -> float | None:
     unit = unit.replace("⁻", "-").replace("¹", "1").replace("²", "2").replace("³", "3").replace("·", "*")
-    unit = _EXPONENT.sub(r"^\1", unit)
+    unit = _EXPONENT.sub(r"^\1", unit).replace("Ohm", "ohm")
     if len(unit) > 40 or not _UNIT.fullmatch(unit):
         return None
     import pint

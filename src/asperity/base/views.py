@@ -23,7 +23,7 @@ def maker(function: _Maker) -> _Maker:
 
 def made_by(name: str) -> Callable[..., Any]:
     """Return the function that was registered by a name."""
-    for room in ("asperity.results", "asperity.figures"):
+    for room in ("asperity.contact.instantaneous", "asperity.results", "asperity.figures"):
         if name not in _MAKERS:
             importlib.import_module(room)
     return _MAKERS[name]
@@ -33,7 +33,7 @@ class Brief:
     """A base of dataclasses with arrays, made with ``repr=False``: says in one line what it holds."""
 
     def __repr__(self) -> str:
-        names = (field.name for field in fields(self))  # type: ignore[arg-type]
+        names = (field.name for field in fields(self) if field.repr)  # type: ignore[arg-type]
         said = ", ".join(f"{name} {_brief(getattr(self, name))}" for name in names)
         return f"<{type(self).__name__}: {said}>"
 

@@ -7,11 +7,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from asperity.base import checks
+from asperity.base import checks, units, views
 from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
-from asperity.contact.controls import Control
+from asperity.contact.controls import Control, Load
+from asperity.contact.partial_slip import PartialSlip
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
+from asperity.contact.response import check_half_space
 from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
@@ -61,6 +63,18 @@ def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | Non
     place = contact.separation if system.load is not None else control.value
     u, _, in_contact = contact.whole
     return _anew(contact, contact, system, (u, in_contact), place, solver)
+
+
+@views.maker
+def partial_slip(
+    contact: Contact, shear: float | str, friction: float, poisson: float | None = None
+) -> PartialSlip:
+    """Shear a contact; see `Contact.partial_slip`."""
+    check_half_space("partial_slip", contact.solid, contact.lattice)
+    force = checks.number("shear", units.converted("shear", shear, "N", si=contact.si), above=0)
+    mu = checks.number("friction", friction, above=0)
+    ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
+    return PartialSlip.of(contact, lambda load: pressed_anew(contact, Load(load)), force, mu, ratio)
 
 
 def check_whole(by: Sequence[Fraction]) -> None:

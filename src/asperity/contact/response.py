@@ -1,4 +1,4 @@
-"""What else a contact measures: the rim of its area, and how stiffly it resists a little more load."""
+"""What else a contact measures: the rim of its area, how it resists more load, and what it conducts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from asperity.contact.interface import Interface
 from asperity.contact.mechanics import Prescribed
 from asperity.contact.problem import TOLERANCE, Guess
 from asperity.contact.system import System
+from asperity.errors import InputError
 from asperity.lattice import Lattice, Mask
+from asperity.solids import Solid
 
 RIM = (math.pi - 1 + math.log(2)) / 24
 """Part of the area of a site by which each of its sides on the rim overestimates a smooth contact.
@@ -46,3 +48,43 @@ def normal_stiffness(system: System, in_contact: Mask) -> float:
     u = ActiveSet().solve(problem, guess, TOLERANCE).u
     _, position = step.stretch(u, 0.0, Prescribed(1.0, 0.0))
     return -1.0 / position if position < 0 else math.inf
+
+
+def resistance(solid: Solid, lattice: Lattice, stiffness: float, resistivity: tuple[float, float]) -> float:
+    r"""Constriction resistance of a contact, from its normal stiffness k_n.
+
+    1 / R = 2 k_n / (E* (rho_1 + rho_2)), with the resistivities of the two half-spaces (J. R. Barber, Proc.
+    R. Soc. A 459, 53 (2003), DOI 10.1098/rspa.2002.1038); of one disc R is (rho_1 + rho_2) / (4 a), as R.
+    Holm has it.
+
+    Raises
+    ------
+    InputError
+        The solid is no half-space, or the contact is that of a line.
+    """
+    check_half_space("resistance", solid, lattice)
+    modulus = float(solid.parameters["modulus"])  # type: ignore[arg-type]
+    return modulus * sum(resistivity) / (2 * stiffness) if stiffness > 0 else math.inf
+
+
+def check_half_space(name: str, solid: Solid, lattice: Lattice) -> None:
+    """Refuse what depends on the compliance of a half-space elsewhere; `InputError`."""
+    if solid.kind != "half_space" or lattice.dimension == 1:
+        got = "a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}"
+        raise InputError(
+            name,
+            expected="a half-space under a surface of two dimensions, whose normal displacements tell it",
+            got=got,
+            advice="asperity.solids.half_space(modulus=...)",
+        )
+
+
+def shear_ratio(poisson: float | None) -> float:
+    """Tangential over normal stiffness of a contact on a half-space, 2 (1 - nu) / (2 - nu).
+
+    K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 7.2. `InputError` without Poisson's ratio.
+    """
+    if poisson is None:
+        expected, advice = "Poisson's ratio, which displacements under shear depend on", "poisson=0.3"
+        raise InputError("poisson", expected=expected, got="none", advice=advice)
+    return 2 * (1 - poisson) / (2 - poisson)

@@ -10,12 +10,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from asperity.base import checks, views
+from asperity.base import checks, units, views
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.interface import interface_of
+from asperity.contact.partial_slip import PartialSlip
 from asperity.contact.problem import Solution, mean_by_rounding
-from asperity.contact.response import RIM, normal_stiffness, rim_sides
+from asperity.contact.response import (
+    RIM,
+    check_half_space,
+    normal_stiffness,
+    resistance,
+    rim_sides,
+    shear_ratio,
+)
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field, Lattice, Mask, Modes
@@ -29,6 +37,9 @@ if TYPE_CHECKING:
 
 WHERE_FROM = "asperity.press(...), the `final` of a history, or asperity.results.load_contact(path, solid)"
 """Where a user gets a contact."""
+
+Each = float | str | Sequence[float | str]
+"""A number of both bodies, or a pair: one of each."""
 
 ACCEPTED_RESIDUAL = 1e-8
 """No fields are returned whose residual, evaluated on these very fields, is larger."""
@@ -261,6 +272,104 @@ class Contact(views.InNotebooks):
         """
         return normal_stiffness(self.system(), self.whole[2])
 
+    def tangential_stiffness(self, poisson: float) -> float:
+        """Stiffness against a small shear force, before anything slips, force / length.
+
+        That is 2 (1 - nu) / (2 - nu) times `normal_stiffness`; of half-spaces alone.
+
+        Parameters
+        ----------
+        poisson
+            Poisson's ratio nu, from -1 to 0.5.
+
+        Raises
+        ------
+        InputError
+            The solid is no half-space, or the ratio is out of its range.
+
+        References
+        ----------
+        K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 7.2.
+        """
+        check_half_space("tangential_stiffness", self.solid, self.lattice)
+        return shear_ratio(checks.number("poisson", poisson, above=-1, most=0.5)) * self.normal_stiffness
+
+    def resistance(self, resistivity: Each) -> float:
+        """Electrical resistance of the constrictions between two half-spaces.
+
+        The current passes where the bodies touch, whatever crept before: what counts are the contacts. Films
+        of oxide are not in it.
+
+        Parameters
+        ----------
+        resistivity
+            Of both bodies alike, or a pair, > 0; with units in ohm m, or a text: ``"17 nohm m"``.
+
+        Returns
+        -------
+        float
+            In ohm; without contact infinite. Where edges are not free, between the means of the surfaces.
+
+        Raises
+        ------
+        InputError
+            The solid is no half-space, or the number is none.
+
+        References
+        ----------
+        J. R. Barber, Proc. R. Soc. A 459, 53 (2003), DOI 10.1098/rspa.2002.1038.
+        """
+        both = _of_both("resistivity", resistivity, "ohm m", si=self.si)
+        return resistance(self.solid, self.lattice, self.normal_stiffness, both)
+
+    def thermal_resistance(self, conductivity: Each) -> float:
+        """Thermal resistance of the constrictions between two half-spaces; see `resistance`.
+
+        Parameters
+        ----------
+        conductivity
+            Of both bodies alike, or a pair, > 0; with units in W/m/K, or a text: ``"0.2 W/m/K"``.
+
+        Returns
+        -------
+        float
+            In K/W. What the gas between the bodies and radiation conduct is not in it.
+
+        Raises
+        ------
+        InputError
+            As `resistance`.
+        """
+        one, other = _of_both("conductivity", conductivity, "W/m/K", si=self.si)
+        return resistance(self.solid, self.lattice, self.normal_stiffness, (1 / one, 1 / other))
+
+    def partial_slip(self, shear: float | str, friction: float, poisson: float | None = None) -> PartialSlip:
+        """Where the contact sticks and slips under a shear force that does not make it slide.
+
+        At once, under a constant normal load: see `asperity.contact.partial_slip` for the equations.
+
+        Parameters
+        ----------
+        shear
+            Shear force, force; with units N, or a text: ``"2 mN"``. Less than friction times load.
+        friction
+            Coefficient of friction of a site, > 0.
+        poisson
+            Poisson's ratio, for the displacement, the stiffness and the energy lost.
+
+        Returns
+        -------
+        PartialSlip
+            ``stick`` and ``slip`` (masks), ``traction``, ``displacement``, ``stiffness``, ``energy_lost``.
+
+        Raises
+        ------
+        InputError
+            The bodies slide, the solid is no half-space, or a number is out of its range.
+        """
+        slip: PartialSlip = views.made_by("partial_slip")(self, shear, friction, poisson)
+        return slip
+
     def plot(self, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True) -> Axes:
         """Draw where it touches and with which pressure; see `asperity.figures.plot_contact`.
 
@@ -326,6 +435,15 @@ class Contact(views.InNotebooks):
     ) -> Contact:
         """Publish what the same bodies have become; see `contact_from`. The load may have died out."""
         return contact_from(system, solution, anchors, position, bodies=self, load_may_vanish=True)
+
+
+def _of_both(name: str, given: Each, unit: str, *, si: bool) -> tuple[float, float]:
+    """A number of two bodies, from one for both or a pair."""
+    pair = given if isinstance(given, list | tuple) else (given, given)
+    if len(pair) != 2:
+        raise InputError(name, expected="one number, or one of each body", got=checks.shown(given))
+    one, other = (checks.number(name, units.converted(name, value, unit, si=si), above=0) for value in pair)
+    return one, other
 
 
 def control_of(contact: Contact, hold: Hold | None) -> Control:

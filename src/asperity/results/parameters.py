@@ -30,6 +30,11 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "rms_slope": ("rms slope", "height unit / length unit"),
     "rms_curvature": ("rms mean curvature", "height unit / length unit^2"),
     "delta": ("roughness at the scale of the lattice", _HEIGHT),
+    "edges": ("what lies beyond the edges", ""),
+    "radius": ("radius of the asperity", "length"),
+    "places": ("places y and x of the balls", "length"),
+    "radii": ("radii of the balls", "length"),
+    "heights": ("heights of the summits of the balls", "length"),
     "path": ("surface file", ""),
     "undefined": ("what is done about undefined pixels", ""),
     "max_undefined": ("largest fraction of undefined pixels to fill", "1"),
@@ -123,7 +128,7 @@ def plain(name: str, value: object) -> dict[str, Plain]:
     """A parameter as attributes that need no parsing, and that every format can hold.
 
     A table becomes an attribute for each key, ``surface_rms``; pairs become two lists, ``branch_shares`` and
-    ``branch_times``; what is empty or not given is left out.
+    ``branch_times``, ``places_y`` and ``places_x``; what is empty or not given is left out.
     """
     if isinstance(value, Mapping):
         return {
@@ -138,7 +143,10 @@ def plain(name: str, value: object) -> dict[str, Plain]:
             return {name: list(value)}
         if all(len(pair) == 2 for pair in value):
             one = name.removesuffix("es")
-            return {f"{one}_shares": [share for share, _ in value], f"{one}_times": [t for _, t in value]}
+            names = ("places_y", "places_x") if name == "places" else (f"{one}_shares", f"{one}_times")
+            return {
+                which: list(column) for which, column in zip(names, zip(*value, strict=True), strict=True)
+            }
         return {name: json.dumps(value)}
     if isinstance(value, bool):
         return {name: int(value)}

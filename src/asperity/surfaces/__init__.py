@@ -1,5 +1,6 @@
-"""Heights of rough surfaces: made at random, or measured; and what a surface measures."""
+"""Heights of surfaces: made at random, measured, or of single asperities; and what a surface measures."""
 
+from asperity.surfaces.asperities import array, paraboloid, punch, sphere
 from asperity.surfaces.heights import check_heights
 from asperity.surfaces.measured import read
 from asperity.surfaces.midpoints import self_affine
@@ -15,17 +16,21 @@ __all__ = [
     "SelfAffineRange",
     "Statistics",
     "Surface",
+    "array",
     "check_heights",
     "check_square",
     "combined",
     "exponential",
     "from_spectrum",
     "gaussian",
+    "paraboloid",
     "power_spectrum",
+    "punch",
     "read",
     "read_spectrum",
     "self_affine",
     "spectral",
+    "sphere",
     "statistics",
 ]
 __dir__ = __all__.copy  # dir() lists the public names alone

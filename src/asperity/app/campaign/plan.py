@@ -85,7 +85,7 @@ class Plan:
     axes
         The swept parameters, without the seed.
     seeds
-        The seeds; empty for measured surfaces, which have none.
+        The seeds; empty for surfaces that are not random, which have none.
     zipped
         Whether the axes go pairwise, along one dimension ``point``.
     runs
@@ -270,10 +270,10 @@ def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
 
 
 def _seeds(given: object, first: object, kind: str, problems: list[str]) -> tuple[int, ...]:
-    """Seeds from a number, which begin with the first, or a list; a measured surface has none."""
-    if kind == "file":
+    """Seeds from a number, which begin with the first, or a list; a surface that is not random has none."""
+    if (model := KINDS["surface"].get(kind)) and "seed" not in model.model_fields:
         if given is not None:
-            problems.append("[sweep] seeds: a measured surface has no seed")
+            problems.append(f"[sweep] seeds: a surface of kind {kind!r} has no seed")
         return ()
     if given is None:
         given = [first]
@@ -427,5 +427,5 @@ def _label(value: object) -> Value:
         words = (f"{one:g}" if isinstance(one, float | int) else str(one) for pair in value for one in pair)
         return " ".join(words)
     if isinstance(value, list | tuple):
-        return "x".join(map(str, value))
+        return _label(value[0]) if len(value) == 1 else "x".join(map(str, value))
     return value if isinstance(value, float | int | str) else repr(value)

@@ -47,6 +47,7 @@ _METAVARS = {
     "times": "T",
     "maps_at": "T",
     "crop": "N",
+    "places": "Y X",
     "branches": "SHARE TIME",
     "base_branches": "SHARE TIME",
     "flow": "MOBILITY POWER",
@@ -229,6 +230,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         negative=(),
         consume_multiple=key.several and not paired,
         show_default=False,
-        allow_leading_hyphen=key.unit == "K" or (bool(key.unit) and (key.least or 0) < 0),  # as in -40degC
+        # as in -40degC; a list would take the flags behind it for more of it
+        allow_leading_hyphen=bool(key.unit) and not key.several and (key.unit == "K" or (key.least or 0) < 0),
     )
     return Annotated[(list[str] if key.several or paired else str) | None, parameter]

@@ -21,15 +21,18 @@ def surface(
     Parameters
     ----------
     file
-        A surface file of an instrument, a .npy array, or a text matrix.
+        A surface file of an instrument, a .npy array, or a text matrix; or a TOML file as for asperity run,
+        for the surface that it asks for.
     out
         Figure to write (.png, .pdf or .svg); by default the file's name with .png, in the current folder.
     overwrite
         Replace the figure if it exists.
     """
-    from asperity.app.config.reading import file_surface
+    from asperity.app.config.reading import file_surface, read_config
 
-    settings = file_surface(file, given(keys).get("surface", {}))
+    flags = given(keys)
+    of_run = file.suffix.lower() == ".toml"
+    settings = read_config(file, flags).surface if of_run else file_surface(file, flags.get("surface", {}))
     target = Path(f"{file.stem or 'surface'}.png") if out is None else out
     check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
     from asperity.app.cli.output import write_figure  # takes a second: mistakes are told before

@@ -35,6 +35,7 @@ def flag_of(section: str, key: str) -> str:
     names = {
         ("surface", "kind"): "surface",
         ("surface", "path"): "file",
+        ("surface", "places"): "place",
         ("solid", "kind"): "solid",
         ("solid", "branches"): "branch",
         ("solid", "base_branches"): "base-branch",

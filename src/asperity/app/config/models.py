@@ -12,13 +12,14 @@ import math
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
 from asperity.app.config.sections import (
     Duration,
     FirstForce,
+    Place,
     Position,
     Positive,
     Pressure,
@@ -100,7 +101,8 @@ class SurfaceSection(Section):
     @property
     def lattice(self) -> tuple[int, ...] | None:
         """Sites along each axis; None where only making the surface tells."""
-        return None
+        shape = getattr(self, "shape", None)
+        return None if shape is None else tuple(shape)
 
     @property
     def law(self) -> HeightLaw | None:
@@ -133,8 +135,10 @@ class SurfaceSection(Section):
         import asperity.surfaces as surfaces
 
         lattice, facts = self.arguments
-        heights = getattr(surfaces, self.kind)(lattice, **facts)
-        return surfaces.Surface(heights, provenance=self.model_dump(exclude={"edges"}))
+        found = getattr(surfaces, self.kind)(lattice, **facts)
+        if isinstance(found, surfaces.Surface):
+            return found
+        return surfaces.Surface(found, provenance=self.model_dump(exclude={"edges"}))
 
 
 class Independent(SurfaceSection):
@@ -143,11 +147,6 @@ class Independent(SurfaceSection):
     shape: Shape = Field(default=[200, 200], description=_SHAPE)
     rms: Positive = Field(default=1.0, description=_RMS)
     seed: Seed = Field(default=0, description=_SEED)
-
-    @property
-    def lattice(self) -> tuple[int, ...]:
-        """Sites along each axis."""
-        return tuple(self.shape)
 
     @property
     def law(self) -> HeightLaw:
@@ -199,11 +198,6 @@ class Waves(SurfaceSection):
         default=None, description="Unit of the spacing and of all heights and wavelengths."
     )
     seed: Seed = Field(default=0, description=_SEED)
-
-    @property
-    def lattice(self) -> tuple[int, ...]:
-        """Sites along each axis."""
-        return tuple(self.shape)
 
     @property
     def pixel_size(self) -> tuple[float, ...]:
@@ -280,6 +274,47 @@ class Spectrum(Waves):
         return from_spectrum(lattice, table, **facts)
 
 
+class Asperities(SurfaceSection):
+    """Single asperities, in SI, with free edges; see `asperity.surfaces.sphere`."""
+
+    shape: Shape = Field(default=[200, 200], description=_SHAPE)
+    pixel_size: Annotated[list[Size], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
+        description="Distance between sites: one number, or between rows and between columns."
+    )
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What the function that makes it takes."""
+        lattice, facts = super().arguments
+        if len(self.pixel_size) == 1:
+            facts["pixel_size"] = self.pixel_size[0]
+        return lattice, facts | ({"edges": self.edges} if self.edges else {})
+
+
+class Asperity(Asperities):
+    """One ball, paraboloid or flat punch in the middle."""
+
+    kind: Literal["sphere", "paraboloid", "punch"] = "sphere"
+    radius: Annotated[list[Size], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
+        description="Radius; of curvature of a paraboloid (one, or one an axis), of the face of a punch."
+    )
+
+
+class Array(Asperities):
+    """Balls at given places; see `asperity.surfaces.array`."""
+
+    kind: Literal["array"] = "array"
+    places: Annotated[list[Place], Field(min_length=1)] = Field(
+        description="Where balls are: pairs y x, counted from the first site, in m."
+    )
+    radii: Annotated[list[Size], Field(min_length=1), BeforeValidator(listed)] = Field(
+        description="Radii of the balls: one, or one a ball."
+    )
+    heights: Annotated[list[Position], Field(min_length=1), BeforeValidator(listed)] = Field(
+        default=[0.0], description="Heights of their summits: one, or one a ball."
+    )
+
+
 class MeasuredSurface(SurfaceSection):
     """Heights from a file; see `asperity.surfaces.read`."""
 
@@ -335,7 +370,7 @@ class MeasuredSurface(SurfaceSection):
     ) = Field(
         default=None,
         description="Distance between pixels in a file that does not say: one number, or between rows "
-        "and between columns.",
+        "and between columns. Of a ball, a paraboloid, a punch and an array it is that between sites, in m.",
     )
     length_unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
         default=None, description="Unit of that distance."
@@ -377,10 +412,9 @@ class Scan(MeasuredSurface):
     )
 
 
-SURFACES = by_kind(Gaussian, Exponential, SelfAffine, Spectral, Spectrum, MeasuredSurface)
-AnySurface = Annotated[
-    Gaussian | Exponential | SelfAffine | Spectral | Spectrum | MeasuredSurface, Field(discriminator="kind")
-]
+Made = Gaussian | Exponential | SelfAffine | Spectral | Spectrum | Asperity | Array
+AnySurface = Annotated[Made | MeasuredSurface, Field(discriminator="kind")]
+SURFACES = by_kind(*get_args(Made), MeasuredSurface)
 
 
 KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid": SOLIDS}

@@ -78,14 +78,15 @@ def _surface(config: RunConfig) -> str:
         facts = {name: value for name, value in facts.items() if value != usual[name]}
         return _call("asp.surfaces.read", repr(first), **facts)
     heights = _call(f"asp.surfaces.{chosen.kind}", repr(first), **facts)
+    edges = {} if chosen.edges is None else {"edges": chosen.edges}
     if not isinstance(chosen, Waves):
-        return heights
+        return _call("asp.surfaces.Surface", heights, **edges) if edges else heights
     if isinstance(chosen, Spectrum):
         line = {"dimension": 1} if len(chosen.shape) == 1 else {}
         table = _call("asp.surfaces.read_spectrum", repr(chosen.path), unit=chosen.unit, **line)
         heights = _call("asp.surfaces.from_spectrum", repr(first), table, **facts)
     units = {} if chosen.unit is None else {"unit": chosen.unit, "length_unit": chosen.unit}
-    return _call("asp.surfaces.Surface", heights, pixel_size=chosen.pixel_size, **units)
+    return _call("asp.surfaces.Surface", heights, pixel_size=chosen.pixel_size, **units, **edges)
 
 
 def _solid(config: RunConfig) -> str:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass
 from types import NoneType
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
@@ -24,8 +24,8 @@ class Section(BaseModel):
 
 
 def by_kind(*models: type[Section]) -> dict[str, type[Section]]:
-    """Models by the kind that each is of; the first is the usual one."""
-    return {model.model_fields["kind"].default: model for model in models}
+    """Models by the kind, or the kinds, that each is of; the first is the usual one."""
+    return {kind: model for model in models for kind in get_args(model.model_fields["kind"].annotation)}
 
 
 @dataclass(frozen=True)
@@ -125,5 +125,7 @@ def field_of(parameter: Parameter) -> Any:
 
 Branch = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], Duration], BeforeValidator(_paired)]
 """A share of the modulus, and a relaxation time."""
+Place = Annotated[tuple[Position, Position], BeforeValidator(_paired)]
+"""A place on the lattice."""
 Power = Annotated[tuple[Positive, Annotated[float, Field(ge=-2, le=4)]], BeforeValidator(_paired)]
 """A mobility, and the power of the wave number with which it goes."""

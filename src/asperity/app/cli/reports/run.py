@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from asperity.analysis import AgingSummary
     from asperity.app.config import RunConfig
+    from asperity.app.config.models import SurfaceSection
     from asperity.app.runs import Outcome
 
 _ELECTRONVOLT = 1.602176634e-19
@@ -212,11 +213,19 @@ def _surface(outcome: Outcome) -> str:
         rules += ", resampled" if chosen["resample"] else ""
         rules += ", spikes filled" if chosen["despike"] else ""
         return f"{chosen['path']}: {lattice} sites ({rules})"
-    described = [f"{name} = {_word(value, ' x ')}" for name, value in chosen.items() if name != "kind"]
-    return f"{chosen['kind']}: {', '.join(described)}"
+    return described(outcome.config.surface)
+
+
+def described(surface: SurfaceSection) -> str:
+    """What a surface is made of, in a line."""
+    facts, apart = surface.model_dump(exclude_none=True, exclude={"kind"}), ("places", "radii", "heights")
+    words = (f"{k} = {_word(value, ' ' if k in apart else ' x ')}" for k, value in facts.items())
+    return f"{surface.kind}: {', '.join(words)}"
 
 
 def _word(value: object, between: str) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(_word(one, between) for one in value)})"
     if isinstance(value, list):
         return between.join(_word(one, between) for one in value)
     return f"{value:g}" if isinstance(value, float | int) else str(value)

@@ -10,14 +10,20 @@ from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable
 from asperity.app.cli.report import Row, aligned
-from asperity.app.config.models import MeasuredSurface
+from asperity.app.cli.reports.run import described
+from asperity.app.config.models import MeasuredSurface, SurfaceSection
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
 
 
-def drawn_and_told(settings: MeasuredSurface) -> tuple[Figure, str]:
-    """Read a surface, draw it and describe it; `AsperityError` if the file cannot be used."""
+def drawn_and_told(settings: SurfaceSection) -> tuple[Figure, str]:
+    """Make or read a surface, draw it and describe it; `AsperityError` if it, or its file, cannot be used."""
+    if not isinstance(settings, MeasuredSurface):
+        made = settings.build()
+        facts = [("surface", described(settings)), ("edges", made.edges)]
+        figure = surface_figure(made, title=settings.kind.replace("_", " "))
+        return figure, f"{aligned(facts)}\n\n{aligned(_comparison(made=made.describe()))}"
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
     as_found |= dict.fromkeys(("crop", "longest", "shortest"))
@@ -32,7 +38,7 @@ def drawn_and_told(settings: MeasuredSurface) -> tuple[Figure, str]:
     figure = surface_figure(prepared, title=Path(settings.path).name, note=note, spectrum=spectrum)
     blocks: tuple[list[Any], ...] = (
         _origin(found, prepared),
-        _comparison(found.describe(), prepared.describe()),
+        _comparison(**{"in the file": found.describe(), "prepared": prepared.describe()}),
         _spectrum(spectrum),
         [(name, said) for name, said, _ in done],
     )
@@ -65,8 +71,8 @@ def _origin(found: Surface, prepared: Surface) -> list[Row]:
     return rows + [("remark", remark) for remark in remarks]
 
 
-def _comparison(before: Statistics, after: Statistics) -> list[tuple[str, ...]]:
-    """Statistics of the file's heights and of those that a run would get."""
+def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
+    """Statistics of heights: of the file's and those that a run would get, or of those that were made."""
     entries: list[tuple[str, Callable[[Statistics], str]]] = [
         ("sites", lambda s: " x ".join(map(str, s.shape))),
         ("minimum", lambda s: _lengths(s.unit, s.minimum, digits=5)),
@@ -78,7 +84,7 @@ def _comparison(before: Statistics, after: Statistics) -> list[tuple[str, ...]]:
         ("kurtosis (Gaussian: 3)", lambda s: f"{s.kurtosis:.3g}"),
         ("step at the seam / usual step", lambda s: f"{s.seam_ratio:.3g}"),
     ]
-    return [("", "in the file", "prepared"), *((name, text(before), text(after)) for name, text in entries)]
+    return [("", *columns), *((name, *map(text, columns.values())) for name, text in entries)]
 
 
 def _spectrum(spectrum: PowerSpectrum) -> list[Row]:

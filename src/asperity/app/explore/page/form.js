@@ -173,7 +173,7 @@ class Form {
     if (["modulus", "young", "branches", "relaxation", "flow", "creep"].every(blank)) this.give("solid", POLYMER.solid);
     this.note = "";
     if (lattice(before) === lattice(this.kinds.solid)) return;
-    const units = this.keys("surface").some(({ name }) => name === "unit") && Boolean(this.values.surface.unit);
+    const units = this.keys("surface").some(({ name, unit }) => unit === "m" || (name === "unit" && Boolean(this.values.surface.unit)));
     if (this.kinds.surface !== "file" && units === lattice(this.kinds.solid)) this.take("surface", units ? {} : POLYMER.surface);
     this.values.contact = {};
     this.takeHistory([]);

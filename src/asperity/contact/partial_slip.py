@@ -1,0 +1,143 @@
+r"""A shear force below the friction limit: where a contact sticks, where it slips, and how far it gives way.
+
+Under a constant normal load P a shear force Q makes a contact slip from its rim, and the rest sticks. If
+normal and tangential displacements do not couple, the tangential traction is mu times the difference of two
+normal pressures of the same bodies, whatever their shape,
+
+    q = mu [p(P) - p(P')],    P' = P - Q / mu,    delta_t(Q) = mu (k_n / k_t) [delta(P) - delta(P')],
+
+with the approach delta; the contact at P' is what sticks (M. Ciavarella, Int. J. Solids Struct. 35, 2349
+(1998), DOI 10.1016/S0020-7683(97)00154-6; J. Jaeger, J. Tribol. 120, 677 (1998), DOI 10.1115/1.2833765).
+k_n / k_t = (2 - nu) / (2 (1 - nu)) on a half-space. Displacements couple, unless the two bodies are alike or
+incompressible; that is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from asperity.base import views
+from asperity.contact.response import shear_ratio
+from asperity.errors import InputError
+from asperity.lattice import Field, Mask
+
+_NODES = 12
+"""Shear forces at which Gauss's rule asks for the displacement, for the energy lost in a cycle."""
+
+
+class Pressed(Protocol):
+    """What of a contact counts here."""
+
+    @property
+    def in_contact(self) -> Mask:
+        """See `Contact`."""
+
+    @property
+    def pressure(self) -> Field:
+        """See `Contact`."""
+
+    @property
+    def load(self) -> float:
+        """See `Contact`."""
+
+    @property
+    def separation(self) -> float:
+        """See `Contact`."""
+
+    @property
+    def normal_stiffness(self) -> float:
+        """See `Contact`."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PartialSlip(views.Brief):
+    """A contact under a shear force that does not make it slide; lengths and forces are those of the contact.
+
+    Attributes
+    ----------
+    shear
+        Q, force.
+    friction
+        mu.
+    stick, slip
+        Sites that stick, and the other sites in contact: masks of the shape of the contact.
+    traction
+        Tangential traction, force / length^2: mu times the pressure where it slips, less where it sticks.
+    poisson
+        Poisson's ratio, or None; displacement, stiffness and energy ask for one.
+    """
+
+    shear: float
+    friction: float
+    stick: Mask
+    slip: Mask
+    traction: Field
+    poisson: float | None
+    _whole: Pressed = field(repr=False)
+    _stuck: Callable[[float], Pressed] = field(repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        whole: Pressed,
+        pressed: Callable[[float], Pressed],
+        shear: float,
+        friction: float,
+        poisson: float | None,
+    ) -> PartialSlip:
+        """From a contact, and what it becomes at once under a smaller load.
+
+        Raises
+        ------
+        InputError
+            The bodies slide.
+        """
+        limit = friction * whole.load
+        if shear >= limit:
+            expected = f"less than friction times load, {limit:.6g}: from there on the bodies slide"
+            raise InputError(
+                "shear", expected=expected, got=f"{shear:.6g}", advice="less shear, or more load"
+            )
+
+        def stuck(force: float) -> Pressed:
+            return pressed(whole.load - force / friction)
+
+        rest = stuck(shear)
+        stick = rest.in_contact & whole.in_contact
+        traction = friction * (whole.pressure - rest.pressure)
+        return cls(shear, friction, stick, whole.in_contact & ~stick, traction, poisson, whole, stuck)
+
+    @property
+    def stick_fraction(self) -> float:
+        """Share of the contact that sticks."""
+        return float(np.count_nonzero(self.stick)) / int(np.count_nonzero(self.stick | self.slip))
+
+    @cached_property
+    def displacement(self) -> float:
+        """How far the bodies are displaced along the shear force, length; after loading in one way."""
+        return self._given_way(self.shear)
+
+    @cached_property
+    def stiffness(self) -> float:
+        """Tangential stiffness dQ / d(displacement) at this shear force, force / length."""
+        return shear_ratio(self.poisson) * self._stuck(self.shear).normal_stiffness
+
+    @cached_property
+    def energy_lost(self) -> float:
+        """Energy lost in a cycle between Q and -Q at constant load, force times length.
+
+        Each way back follows the first one at twice its scale (Masing's rule, which Jaeger shows), so that it
+        is 4 Q delta_t(Q) less 8 times the integral of delta_t from 0 to Q.
+        """
+        places, weights = np.polynomial.legendre.leggauss(_NODES)
+        ways = [self._given_way(force) for force in (self.shear * (1 + places) / 2).tolist()]
+        return 4 * self.shear * (self.displacement - float(weights @ np.array(ways)))
+
+    def _given_way(self, shear: float) -> float:
+        ratio = shear_ratio(self.poisson)
+        return self.friction / ratio * (self._stuck(shear).separation - self._whole.separation)

@@ -1,0 +1,202 @@
+"""Single asperities: balls, a paraboloid, a flat punch; of exact shape, in metres.
+
+Each is a `Surface` in SI with free edges. Its highest point is at height 0 and in the middle of the lattice,
+unless places and heights are given. Site (i, j) is at (i dy, j dx), as in the coordinates y and x of a
+Dataset; it has the height of the body at this very point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.base import checks, units
+from asperity.errors import LARGEST, InputError
+from asperity.lattice import Edges, Field, Lattice
+from asperity.surfaces.heights import sides_of_pixels
+from asperity.surfaces.surface import Surface
+
+Length = float | str
+Lengths = Length | Sequence[Length] | NDArray[np.float64]
+"""One number, or several; each in m, or a text with a unit."""
+
+_ROUNDING = 1e-12
+"""Relative distance beyond an edge at which a site still is on it."""
+
+
+def sphere(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges: Edges = "free") -> Surface:
+    r"""Make a ball: :math:`h = \sqrt{R^2 - r^2} - R`, at the distance r from the middle.
+
+    What lies beyond the ball, where the lattice is that large, is flat, at the height of its center, -R.
+
+    Parameters
+    ----------
+    shape
+        Sites along each axis, ``(n, m)``.
+    radius
+        Radius R of the ball, a pixel or more; in m, or a text with a unit, such as ``"1 mm"``.
+    pixel_size
+        Distance between sites, one number or one an axis (dy, dx); in m, or with a unit.
+    edges
+        What lies beyond the edges, see `Surface`. Where they are periodic, so are the distances.
+
+    Returns
+    -------
+    Surface
+        Heights and pixel size in m; its provenance has the kind and all parameters.
+
+    Raises
+    ------
+    InputError
+        A number is out of its range, or has a unit that is none of length.
+    """
+    lattice = _lattice(shape, pixel_size)
+    size = _lengths("radius", radius, least=max(lattice.spacing))
+    heights = _balls(lattice, _middle(lattice)[np.newaxis], size, np.zeros(1), edges)
+    return _made("sphere", lattice, heights, edges, radius=float(size[0]))
+
+
+def paraboloid(
+    shape: tuple[int, int], *, radius: Lengths, pixel_size: Lengths, edges: Edges = "free"
+) -> Surface:
+    r"""Make a paraboloid: :math:`h = -y^2/(2 R_y) - x^2/(2 R_x)`, the shape of which Hertz is exact.
+
+    Parameters
+    ----------
+    radius
+        Radius of curvature at its summit: one number, or one an axis (along y, along x), as of an ellipsoid.
+
+    Other arguments, result and errors are those of `sphere`.
+    """
+    lattice = _lattice(shape, pixel_size)
+    radii = _lengths("radius", radius, 2, "an axis", least=max(lattice.spacing))
+    y, x = _offsets(lattice, _middle(lattice), edges)
+    heights = -(y**2 / (2 * radii[0]) + x**2 / (2 * radii[1]))
+    return _made("paraboloid", lattice, heights, edges, radius=radii.tolist())
+
+
+def punch(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges: Edges = "free") -> Surface:
+    r"""Make a flat circular punch: height 0 up to its edge, and one radius lower beyond it.
+
+    A site belongs to the face if its center does. So the face has the area of these sites, and its edge is
+    a staircase: :math:`\sqrt{\text{area}/\pi}` is a better measure of it than the radius.
+
+    Parameters
+    ----------
+    radius
+        Radius of the face.
+
+    Other arguments, result and errors are those of `sphere`.
+    """
+    lattice = _lattice(shape, pixel_size)
+    size = float(_lengths("radius", radius, least=max(lattice.spacing))[0])
+    y, x = _offsets(lattice, _middle(lattice), edges)
+    face = y**2 + x**2 <= (size * (1 + _ROUNDING)) ** 2
+    return _made("punch", lattice, np.where(face, 0.0, -size), edges, radius=size)
+
+
+def array(
+    shape: tuple[int, int],
+    *,
+    places: Sequence[Sequence[Length]] | NDArray[np.float64],
+    radii: Lengths,
+    pixel_size: Lengths,
+    heights: Lengths = 0.0,
+    edges: Edges = "free",
+) -> Surface:
+    """Put balls at given places; where two overlap, the higher one counts.
+
+    Beyond all balls it is flat, at the height of the lowest center.
+
+    Parameters
+    ----------
+    places
+        Where the balls are: pairs (y, x), shape ``(balls, 2)``, counted from the first site, which is at
+        (0, 0); in m, or with a unit. Each summit is on the lattice.
+    radii
+        Their radii: one number, or one a ball.
+    heights
+        Heights of their summits, likewise.
+
+    Other arguments, result and errors are those of `sphere`.
+    """
+    lattice = _lattice(shape, pixel_size)
+    where = _places(places, lattice)
+    size = _lengths("radii", radii, len(where), "a ball", least=max(lattice.spacing))
+    tops = _lengths("heights", heights, len(where), "a ball")
+    made = _balls(lattice, where / lattice.spacing, size, tops, edges)
+    told = {"y": where[:, 0], "x": where[:, 1], "radii": size, "heights": tops}
+    return _made("array", lattice, made, edges, **{name: one.tolist() for name, one in told.items()})
+
+
+def _made(kind: str, lattice: Lattice, made: Field, edges: Edges, **facts: float | list[float]) -> Surface:
+    origin = {"kind": kind, "shape": list(lattice.shape), **facts, "pixel_size": list(lattice.spacing)}
+    return Surface(made, "m", lattice.spacing, "m", {**origin, "length_unit": "m"}, edges)
+
+
+def _balls(lattice: Lattice, places: Field, radii: Field, tops: Field, edges: Edges) -> Field:
+    """Heights of balls, shape (n, m), at places in sites, (balls, 2), of these radii and tops, (balls,)."""
+    floor = float((tops - radii).min())
+    heights = np.full(lattice.shape, floor)
+    for place, R, top in zip(places, radii, tops, strict=True):
+        y, x = _offsets(lattice, place, edges)
+        there = np.ix_(np.abs(y[:, 0]) <= R, np.abs(x[0]) <= R)
+        squares = y[there[0][:, 0]] ** 2 + x[:, there[1][0]] ** 2
+        # sqrt(R^2 - r^2) - R without the difference of two large numbers.
+        fall = squares / (R + np.sqrt(np.maximum(R**2 - squares, 0.0)))
+        heights[there] = np.maximum(heights[there], np.where(squares <= R**2, top - fall, floor))
+    return heights
+
+
+def _offsets(lattice: Lattice, place: Field, edges: Edges) -> tuple[Field, Field]:
+    """How far sites are from a place, in sites, along each axis: lengths, shapes (n, 1) and (1, m)."""
+    found = []
+    for n, step, there in zip(lattice.shape, lattice.spacing, place, strict=True):
+        sites = np.arange(n) - there
+        found.append(step * (sites - n * np.rint(sites / n) if edges == "periodic" else sites))
+    return found[0][:, np.newaxis], found[1][np.newaxis]
+
+
+def _middle(lattice: Lattice) -> Field:
+    """The middle of a lattice, in sites."""
+    return (np.array(lattice.shape) - 1) / 2
+
+
+def _lattice(shape: tuple[int, int], pixel_size: Lengths) -> Lattice:
+    lengths = checks.lattice_shape(shape, advice="(256, 256)")
+    if len(lengths) != 2:
+        raise InputError("shape", expected="two lengths", got=checks.shown(shape), advice="(256, 256)")
+    return Lattice(lengths, sides_of_pixels(pixel_size, 2, "m")[0])
+
+
+def _places(value: object, lattice: Lattice) -> Field:
+    """Places on the lattice, shape (balls, 2)."""
+    if isinstance(value, list | tuple):
+        value = [units.numbers("places", pair, "m") for pair in value]
+    expected, advice = "a pair of lengths (y, x) for each ball", 'places=[("40 um", "60 um")]'
+    places = checks.floats("places", value, expected=expected, advice=advice)
+    if places.ndim != 2 or places.shape[1] != 2 or not len(places):
+        raise InputError("places", expected=expected, got=f"shape {places.shape}", advice=advice)
+    sites = places / lattice.spacing
+    outside = ~((sites >= -0.5) & (sites <= np.array(lattice.shape) - 0.5)).all(axis=1)
+    if outside.any():
+        y, x = 2 * _middle(lattice) * lattice.spacing
+        got = "({:g}, {:g})".format(*places[outside][0])
+        raise InputError("places", expected=f"y from 0 to {y:g} m and x from 0 to {x:g} m", got=got)
+    return places
+
+
+def _lengths(name: str, value: object, count: int = 1, each: str = "", least: float = -LARGEST) -> Field:
+    """One length for all, or one each, finite and not below the least; shape (count,)."""
+    expected = f"one length, or {count}, one {each}" if count > 1 else "one length"
+    advice = "a number in m, or a text such as '1 mm'"
+    found = checks.floats(name, units.numbers(name, value, "m"), expected=expected, advice=advice)
+    if found.shape not in ((), (1,), (count,)):
+        raise InputError(name, expected=expected, got=f"shape {found.shape}", advice=advice)
+    if not ((found >= least) & (found <= LARGEST)).all():
+        expected = "finite lengths" if least < 0 else f"finite lengths of a pixel, {least:g} m, or more"
+        got = float(found.min() if (found < least).any() else found.max())
+        raise InputError(name, expected=expected, got=got, advice=advice)
+    return np.broadcast_to(found, (count,))

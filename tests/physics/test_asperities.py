@@ -1,0 +1,221 @@
+"""Single asperities on half-spaces with free edges: Hertz, Johnson, Lee and Radok, and a dense program."""
+
+import numpy as np
+import pytest
+import scipy.optimize
+from scipy.special import ellipe, ellipk
+
+import asperity as asp
+
+E = 3e9
+SOLID = asp.solids.half_space(modulus=E)
+OFFSETS = [
+    (0, 0.5),
+    (0.1, 0.45),
+    (0.125, 0.375),
+    (0.2, 0.2),
+    (0.25, 0.125),
+    (0.3, 0.05),
+    (0.375, 0.25),
+    (0.5, 0),
+]
+P = asp.protocols
+
+
+def spread(contact, axis):
+    """Mean square distance of the load from its center along an axis."""
+    place = contact.lattice.spacing[axis] * np.arange(contact.heights.shape[axis])
+    share = contact.force.sum(axis=1 - axis) / contact.load
+    return share @ (place - share @ place) ** 2
+
+
+def radius_of(contact):
+    """Radius of a contact with the pressure of Hertz, of which the mean square distance is 2 a^2 / 5."""
+    return np.sqrt(2.5 * (spread(contact, 0) + spread(contact, 1)))
+
+
+def test_a_ball_is_pressed_as_hertz_has_it():
+    # A radius of 64 pixels, wherever the summit is between sites; a ball so large that it is a paraboloid.
+    pixel, sites = 1e-6, 154
+    a, radius = 64 * pixel, 1000 * 64 * pixel
+    load = 4 * E * a**3 / (3 * radius)
+    largest, approach = 3 * load / (2 * np.pi * a**2), a**2 / radius
+    found = []
+    for y, x in OFFSETS:
+        places = [[(sites / 2 + y) * pixel, (sites / 2 + x) * pixel]]
+        ball = asp.surfaces.array((sites, sites), places=places, radii=radius, pixel_size=pixel)
+        contact = asp.press(ball, SOLID, load=load)
+        counted = np.sqrt(np.array([contact.contact_area, contact.contact_area_corrected]) / np.pi)
+        measured = *counted / a, contact.normal_stiffness / (2 * E * a), radius_of(contact) / a
+        found.append([*measured, contact.largest_pressure / largest, -contact.separation / approach])
+    misses = np.array(found) - 1
+    counted, corrected, stiffness = misses.mean(axis=0)[:3]
+    assert 0 < counted < 2.5e-3
+    assert abs(corrected) < 1e-3
+    assert abs(stiffness) < 5e-4
+    assert np.abs(misses[:, 3:]).max() < 1e-4
+
+
+def ellipse(load, flat, steep):
+    """Half axes, largest pressure and approach: K. L. Johnson, Contact Mechanics, Eqs. (4.24) to (4.28)."""
+
+    def ratio_of(m):  # of the curvatures, with m = e^2
+        return (ellipk(m) - ellipe(m)) / (ellipe(m) / (1 - m) - ellipk(m))
+
+    m = scipy.optimize.brentq(lambda m: ratio_of(m) - steep / flat, 1e-6, 1 - 1e-9, xtol=1e-14)
+    a = np.cbrt(3 * load * flat * (ellipk(m) - ellipe(m)) / (np.pi * E * m))
+    b = a * np.sqrt(1 - m)
+    largest = 3 * load / (2 * np.pi * a * b)
+    return a, b, largest, largest * b * ellipk(m) / E
+
+
+@pytest.mark.parametrize("ratio", [1.5, 4.0, 16.0])
+def test_two_radii_make_an_ellipse(ratio):
+    pixel, steep = 1e-6, 0.1
+    a, b, largest, approach = ellipse(1.0, ratio * steep, steep)
+    load = (32 * pixel / b) ** 3
+    a, b, largest, approach = ellipse(load, ratio * steep, steep)
+    assert b == pytest.approx(32 * pixel)
+    shape = (80, 2 * int(1.2 * a / pixel))
+    body = asp.surfaces.paraboloid(shape, radius=(steep, ratio * steep), pixel_size=pixel)
+    contact = asp.press(body, SOLID, load=load)
+    assert np.sqrt(5 * spread(contact, 0)) == pytest.approx(b, rel=3e-4)
+    assert np.sqrt(5 * spread(contact, 1)) == pytest.approx(a, rel=3e-4)
+    assert contact.largest_pressure == pytest.approx(largest, rel=3e-4)
+    assert -contact.separation == pytest.approx(approach, rel=1e-4)
+
+
+@pytest.mark.parametrize(("cells", "within"), [(8, 4e-3), (16, 1e-3), (32, 5e-4), (64, 1e-4)])
+def test_a_flat_punch_is_as_stiff_as_a_circle_less_a_tenth_of_a_pixel(cells, within):
+    # The area of its sites defines a; at the edge even pressures on pixels miss a part of what is singular.
+    for more in (0.0, 0.3, 0.6, 0.9):
+        body = asp.surfaces.punch(2 * (int(2.5 * cells),), radius=cells + more, pixel_size=1.0)
+        contact = asp.press(body, SOLID, load=1.0)
+        np.testing.assert_array_equal(contact.in_contact, body.heights == 0)
+        radius = np.sqrt(contact.contact_area / np.pi) - 0.116
+        assert contact.normal_stiffness == pytest.approx(2 * E * radius, rel=within)
+        assert -contact.separation * contact.normal_stiffness == pytest.approx(1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("distance", [4.0, 8.0])
+def test_two_balls_feel_each_other(distance):
+    # Each is lowered by what the other displaces, F / (pi E* d), and flattened by its curvature, as in the
+    # closed form of `asperity.theory.continua` for an array (with one other, c = -1 and k = 1/4). On the
+    # slope g = F / (pi E* d^2) a contact rests s = R g further out: that takes 2 g s - s^2 / 2 R off.
+    a, radius = 16.0, 1e4
+    d, load = distance * a, 4 * E * a**3 / (3 * radius)
+    near = load / (np.pi * E)
+    flattened = 1 / (1 / radius + near / (2 * d**3))
+    contact_radius = np.cbrt(3 * load * flattened / (4 * E))
+    approach = contact_radius**2 / flattened + near * (1 / d + 0.1 * contact_radius**2 / d**3)
+    approach -= 1.5 * radius * (near / d**2) ** 2
+    shape = (48, 48 + int(d))
+    alone = asp.surfaces.array(shape, places=[[23.5, 23.5]], radii=radius, pixel_size=1.0)
+    both = asp.surfaces.array(shape, places=[[23.5, 23.5], [23.5, 23.5 + d]], radii=radius, pixel_size=1.0)
+    one, two = asp.press(alone, SOLID, load=load), asp.press(both, SOLID, load=2 * load)
+    further = one.separation - two.separation
+    assert further == pytest.approx(approach - a**2 / radius, rel=0.5 / distance**4 + 2e-4)
+    assert further == pytest.approx(near / d, rel=0.6 / distance**2)
+    assert two.force[:, : shape[1] // 2].sum() == pytest.approx(load, rel=1e-8)
+
+
+@pytest.mark.parametrize("share", [0.6, 1.0], ids=["standard linear solid", "Maxwell"])
+def test_a_ball_under_constant_load_follows_lee_and_radok(share):
+    # E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020. While the contact
+    # grows, a is that of Hertz under F J(t), and what each growth adds to the pressures of Hertz relaxes:
+    # any linear measure X(a) of them, for a modulus of 1, becomes the integral of E(t - s) dX(a(s)).
+    radius, first, rest = 1e4, 20.0, 1 - share
+    load = 4 * E * first**3 / (3 * radius)
+    ball = asp.surfaces.sphere((72, 72), radius=radius, pixel_size=1.0)
+    contact = asp.press(ball, asp.solids.half_space(modulus=E, branches=[(share, 1.0)]), load=load)
+    for time in (0.3, 3.0):
+        s = np.linspace(0, time, 5001)
+        creep = 1 + s if rest == 0 else (1 - share * np.exp(-rest * s)) / rest  # E* J(s), tau = 1
+        a = np.cbrt(0.75 * radius * load * creep / E)
+        modulus = E * (rest + share * np.exp(0.5 * (s[1:] + s[:-1]) - time))
+
+        def relaxed(measure, modulus=modulus, time=time):
+            return E * (rest + share * np.exp(-time)) * measure[0] + modulus @ np.diff(measure)
+
+        aged = asp.age(contact, [time], rtol=1e-3).final
+        assert -aged.separation == pytest.approx(a[-1] ** 2 / radius, rel=2e-4)
+        assert np.sqrt(aged.contact_area_corrected / np.pi) == pytest.approx(a[-1], abs=0.15)
+        assert load == pytest.approx(relaxed(4 / (3 * radius) * a**3), rel=1e-6)
+        square = relaxed(8 / (15 * radius) * a**5) / load
+        assert spread(aged, 0) + spread(aged, 1) == pytest.approx(square, rel=1e-3)
+        middle = aged.pressure[35:37, 35:37].mean()
+        assert middle == pytest.approx(2 / (np.pi * radius) * relaxed(a), rel=1e-3)
+
+
+def love(shape, sides):
+    """Displacement of pixels by unit pressures on others, times E*, as a matrix."""
+    y, x = (side * ij.ravel() for side, ij in zip(sides, np.indices(shape), strict=True))
+    integral = 0.0
+    for v in (-0.5, 0.5):
+        for w in (-0.5, 0.5):
+            Y, X = y[:, None] - y + v * sides[0], x[:, None] - x + w * sides[1]
+            r = np.hypot(Y, X)
+            integral += 4 * v * w * (X * np.log(Y + r) + Y * np.log(X + r))
+    return integral / np.pi
+
+
+def pressed_densely(heights, compliance, before, force, touching):
+    """Pressures >= 0 and the position: position + before + compliance @ p >= heights, equal where p > 0."""
+    while True:
+        (on,) = np.nonzero(touching)
+        matrix = np.ones((on.size + 1, on.size + 1))
+        matrix[:-1, :-1], matrix[-1, -1] = compliance[np.ix_(on, on)], 0.0
+        *found, position = np.linalg.solve(matrix, [*(heights - before)[on], force])
+        pressure = np.zeros(heights.size)
+        pressure[on] = found
+        gap = position + before + compliance @ pressure - heights
+        wrong = (touching & (pressure < 0)) | (~touching & (gap < -1e-12))
+        if not wrong.any():
+            return pressure, position, before + compliance @ pressure
+        touching = touching ^ wrong
+
+
+def dense_history(heights, kernel, cell, branches, legs):
+    """Pressures and position at the ends of legs (duration, load, steps) of a held load.
+
+    Of each branch v' = (w - v) / tau, integrated for a displacement w that is linear within a step; and
+    kernel @ p = w - sum of g v, in units of E*.
+    """
+    shares, taus = np.array(branches).T[:, :, None]
+    slow, touching = np.zeros((len(branches), heights.size)), heights == heights.max()
+    for duration, load, steps in legs:
+        pressure, position, moved = pressed_densely(
+            heights, kernel, (shares * slow).sum(0), load / cell, touching
+        )
+        step = duration / steps
+        kept = np.exp(-step / taus)
+        early, late = (1 - kept) * taus / step - kept, 1 - (1 - kept) * taus / step
+        for _ in range(steps):
+            begun = kept * slow + early * moved
+            soft = 1 / (1 - (shares * late).sum())
+            pressure, position, moved = pressed_densely(
+                heights, soft * kernel, soft * (shares * begun).sum(0), load / cell, pressure > 0
+            )
+            slow = begun + late * moved
+        yield pressure, position
+
+
+def test_a_drop_of_the_load_is_what_a_dense_program_finds():
+    shape, sides, branches = (16, 20), (1.0, 0.75), [(0.3, 0.5), (0.5, 5.0)]
+    places = [[4.0, 5.0], [9.0, 9.0]]
+    body = asp.surfaces.array(shape, places=places, radii=[40.0, 60.0], heights=[0.0, 0.1], pixel_size=sides)
+    solid = asp.solids.half_space(modulus=1.0, branches=branches)
+    legs = [(1.0, 2.0, 100), (0.2, 0.5, 100), (4.0, 0.5, 200)]
+    kernel, touched = love(shape, sides), []
+    state = asp.press(body, solid, load=legs[0][1])
+    for (duration, load, _), (pressure, position) in zip(
+        legs, dense_history(body.heights.ravel(), kernel, 0.75, branches, legs), strict=True
+    ):
+        if load != state.load:
+            state = asp.press(state, load=load)
+        state = asp.age(state, [duration], rtol=1e-4).final
+        np.testing.assert_array_equal(state.in_contact.ravel(), pressure > 0)
+        np.testing.assert_allclose(state.pressure.ravel(), pressure, atol=2e-4 * pressure.max())
+        assert state.separation == pytest.approx(position, rel=2e-5)
+        touched.append(state.area)
+    assert touched[0] > touched[2] > touched[1] > 0  # the drop loses contacts, and creep wins some anew
