@@ -9,7 +9,7 @@ from types import ModuleType
 import house
 
 import asperity
-from asperity.app.cli.app import app
+from asperity.app.cli.app import with_others
 from asperity.app.config.keys import sections
 from asperity.results import quantities
 
@@ -119,7 +119,7 @@ def commands():
     """The command line, as its help has it."""
     words, sys.argv = sys.argv, ["asperity"]  # usage lines are made of these
     try:
-        text = app.generate_docs(output_format="rst")
+        text = with_others().generate_docs(output_format="rst")
     finally:
         sys.argv = words
     start = text.index("::\n", text.index("========"))

@@ -19,7 +19,8 @@ FOR_COMMANDS = {  # stated in asperity.app.cli.command
     "asperity.app.cli.output": {"write_figure"},
     "asperity.app.cli.report": {"aligned"},
     "asperity.app.config": {"RunConfig", "config_from"},
-    "asperity.base.words": {"counted", "data_size", "duration"},
+    "asperity.base.checks": {"instance"},
+    "asperity.base.words": {"counted", "data_size", "duration", "power", "thousands"},
 }
 
 

@@ -6,15 +6,11 @@ import shlex
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import asperity as asp
 from asperity.analysis import contact_maps
 from asperity.analysis.scan import written
 from asperity.app.cli import main
-from asperity.app.config import read_config
-from asperity.app.runs import Progress, execute
-from asperity.results import Checkpoint
 from tests.cli.conftest import Asperity, told
 
 BRANCHES = [(0.3, 0.01), (0.3, 1.0), (0.2, 100.0)]
@@ -149,56 +145,6 @@ def test_the_summary_says_what_yielded(scan, tmp_path):
     sites = f"{yielding[0]} sites at t = 0, {yielding[-1]} at the end"
     said = f"{sites}; lowered for good: {(lower > 0).sum()} sites"
     assert f"{said}, by up to {written(lower.max(), 'm')}" in (tmp_path / "out" / "summary.txt").read_text()
-
-
-class StopHereError(Exception):
-    """Stands for a kill."""
-
-
-class Stopping(Progress):
-    """Stops at a time."""
-
-    def __init__(self, time):
-        self.time = time
-
-    def reached(self, frame):
-        if frame.time >= self.time:
-            raise StopHereError
-
-
-LEGS = [
-    {"kind": "hold", "duration": 1.0},
-    {"kind": "step", "load": 5e-4},
-    {"kind": "ramp", "duration": 1.0, "load": 1.5e-3},
-]
-
-
-@pytest.mark.parametrize("protocol", [[], LEGS], ids=["exact", "branches"])
-def test_a_stopped_run_goes_on_to_the_identical_result(scan, tmp_path, protocol):
-    path = tmp_path / "run.toml"
-    path.write_text("[solid]\nkind = 'half_space'\nmodulus = '3.8 GPa'\n")
-    surface = {"path": str(scan), "file_unit": "um", "pixel_size": 0.8, "length_unit": "um"}
-    flags: dict[str, dict[str, object]] = {
-        "surface": {**surface, "periodic": "reflect"},
-        "solid": {"branches": [list(branch) for branch in BRANCHES]},
-        "contact": {"load": 1e-3},
-        "aging": {"first": 0.01, "per_decade": 1},
-        "output": {"maps_at": [0.0, 0.1, 1.0]},
-    }
-    if not protocol:
-        flags["aging"]["last"] = 100.0
-    else:
-        flags["protocol"] = {"legs": protocol}
-    config = read_config(path, flags)
-    undisturbed = execute(config, Progress()).dataset
-    assert ("exact_contact" in undisturbed.attrs) or protocol
-    for stops in ([0.1], [0.05, 1.0, 1.5]):
-        checkpoint = Checkpoint(tmp_path / f"{len(stops)}.npz", every=0.0)
-        for stop in stops:
-            with pytest.raises(StopHereError):
-                execute(config, Stopping(stop), checkpoint=checkpoint)
-        resumed = execute(config, Progress(), checkpoint=checkpoint).dataset
-        xr.testing.assert_identical(resumed, undisturbed)
 
 
 def test_a_layer_without_units_has_numbers_of_the_users_own(asperity: Asperity, tmp_path):

@@ -23,7 +23,7 @@ import pytest
 from asperity import __version__
 from asperity.app.campaign import read_plan
 from asperity.app.cli import main
-from asperity.app.cli.app import app
+from asperity.app.cli.app import with_others
 from asperity.app.config import config_from, read_tables
 
 ROOT = Path(__file__).parents[2]
@@ -124,7 +124,7 @@ def write_configuration(text):
 
 
 def parse(words):
-    app.parse_args(words, exit_on_error=False, print_error=False)
+    with_others().parse_args(words, exit_on_error=False, print_error=False)
 
 
 def execute(line, capsys):
@@ -203,7 +203,7 @@ def check_phrase(phrase, names):
     dotted = re.match(r"([A-Za-z_]\w*)[\w.]*\w(?=$|[(\[])", phrase)
     root = dotted[1] if dotted and not phrase.endswith(FILES) else ""
     if phrase.startswith("asperity ") and not phrase.startswith("asperity -"):
-        assert phrase.split()[1] in list(app), phrase
+        assert phrase.split()[1] in list(with_others()), phrase
     elif phrase.startswith("make "):
         assert make_has(phrase.split()[1]), phrase
     elif re.fullmatch(r"[\w/]+\.py|\w+/(\w+/?)*", phrase):

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import asperity as asp
 from asperity.contact.choice import local_solver
@@ -180,35 +179,6 @@ def test_a_stage_of_local_creep_on_a_half_space_is_optimal():
         assert gap[p >= bound * (1 - 1e-9)].max(initial=0.0) < 1e-9 * size
         counts.append(np.count_nonzero(p >= bound * (1 - 1e-9)))
     assert counts[0] > 10 > counts[1]
-
-
-@pytest.mark.parametrize("law", [None, Eyring(rate=1e-2, stress=0.3)], ids=["linear", "eyring"])
-def test_a_run_that_was_stopped_goes_on_to_the_identical_result(tmp_path, law):
-    solid = spring_lattice(k0=1.0, k1=3.0, creep=law, hardness=1.0)
-    start = asp.press(uncorrelated(16), solid, load=40.0)
-    legs = [P.Ramp(1.0, load=80.0), P.Step(load=90.0), P.Hold(1.0), P.Slide(1.0, velocity=1.0)]
-    times, moments = [0.5, 1.5, 2.0, 2.5], [0.0, 1.5]
-    undisturbed = asp.age(start, times, protocol=legs, rtol=2e-2, fields_at=moments)
-    assert undisturbed.dataset["permanent_indentation"].max() > 0
-    place = asp.Checkpoint(tmp_path / "place.npz", every=0.0)
-
-    class StopHereError(Exception):
-        pass
-
-    for stop in times:
-
-        def reached(frame, stop=stop):
-            if frame.time >= stop:
-                raise StopHereError
-
-        with pytest.raises(StopHereError):
-            asp.age(
-                start, times, protocol=legs, checkpoint=place, progress=reached, rtol=2e-2, fields_at=moments
-            )
-    resumed = asp.age(start, times, protocol=legs, checkpoint=place, rtol=2e-2, fields_at=moments)
-    xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
-    for name in ("u", "heights", "permanent_indentation", "force"):
-        np.testing.assert_array_equal(getattr(resumed.final, name), getattr(undisturbed.final, name))
 
 
 def test_loads_beyond_the_hardness_and_parts_of_sites_are_refused():

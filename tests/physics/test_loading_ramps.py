@@ -64,22 +64,3 @@ def test_no_load_is_for_ramps_alone(rough, used):
             asp.relax(touching)
         else:
             asp.press(asp.press(rough, solid, load=1.0), load=0.0)
-
-
-@pytest.mark.parametrize("apparatus", [None, np.inf])
-def test_an_interrupted_ramp_goes_on_where_it_was(rough, apparatus, tmp_path):
-    solid = asp.solids.half_space(modulus=10.0, branches=[(0.3, 0.5)], apparatus=apparatus)
-    start, legs = asp.press(rough, solid, load=0.0), [P.Ramp(LASTING, load=LOAD), P.Hold(1.0)]
-    times, seen = [0.3, 0.6, 1.2, LASTING, 3.0], []
-    place = asp.Checkpoint(tmp_path / "place", every=0.0)
-
-    def interrupt(frame):
-        seen.append(frame)
-        if len(seen) == 3:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        asp.age(start, times, protocol=legs, checkpoint=place, progress=interrupt)
-    assert (tmp_path / "place").exists()
-    resumed = asp.age(start, times, protocol=legs, checkpoint=place)
-    np.testing.assert_array_equal(resumed.final.u, asp.age(start, times, protocol=legs).final.u)

@@ -8,7 +8,7 @@ import asperity as asp
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.tr_bdf2 import Aim
 from asperity.contact import ActiveSet
-from asperity.solids import CreepLaw, Eyring, Norton, spring_lattice
+from asperity.solids import CreepLaw, Eyring, Norton, half_space, spring_lattice
 from tests.independent import laplacian
 
 ROUGH = np.random.default_rng(0).normal(size=(8, 8))
@@ -51,6 +51,35 @@ def test_under_small_stresses_it_is_viscous(hold, R):
         assert np.sqrt(np.mean(apart**2, axis=(1, 2))).max() < 2e-4 * size  # each errs by rtol at most
     np.testing.assert_allclose(runs[0]["approach"], runs[1]["approach"], rtol=1e-4, atol=1e-4 * size)
     np.testing.assert_allclose(runs[0]["load"], runs[1]["load"], rtol=1e-3, atol=1e-3)
+
+
+@pytest.mark.parametrize("law", [Eyring(rate=0.1, stress=0.3), Norton(rate=0.1, stress=0.3, exponent=4)])
+@pytest.mark.parametrize(
+    ("solid", "share", "compliance"),
+    [
+        (lattice, 1.0, 1 / 3),
+        (lambda law: half_space(modulus=1.0, creep=law), 1.0, 0.0),
+        (lambda law: half_space(modulus=1.0, creep=law, permanent=0.4), 0.6, 0.0),
+    ],
+)
+@pytest.mark.parametrize("rtol", [2e-3, 1e-4])
+def test_a_flat_surface_sinks_by_the_law_alone_while_the_load_rises(law, solid, share, compliance, rtol):
+    start = asp.press(np.zeros((8, 8)), solid(law), load=0.1 * 64)
+    rise = [asp.protocols.Ramp(10.0, load=64.0), asp.protocols.Hold(10.0)]
+    found = asp.age(start, times=[1.0, 5.0, 10.0, 20.0], protocol=rise, rtol=rtol).dataset["approach"]
+
+    def sunk(time):
+        pressure = min(0.1 + 0.09 * time, 1.0)
+        crept, _ = scipy.integrate.quad(
+            lambda t: law.velocity(np.array([share * min(0.1 + 0.09 * t, 1.0)]))[0].item(),
+            0.0,
+            time,
+            points=[min(time, 10.0)],
+        )
+        return share * crept + compliance * (pressure - 0.1)
+
+    exact = [sunk(time) for time in found["time"].values[1:]]
+    np.testing.assert_allclose(found[1:], exact, rtol=rtol, atol=rtol * compliance)
 
 
 def dense(heights, rate, load, position, times, *, k0, k1, R):

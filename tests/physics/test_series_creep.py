@@ -12,6 +12,7 @@ from asperity.aging.tr_bdf2 import Aim
 from asperity.contact import ActiveSet
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
+from asperity.errors import ConvergenceError
 from asperity.protocols import Hold, Step
 from asperity.solids import CreepBranch, Eyring, Norton, Solid, half_space
 from asperity.solids.laws import PowerMobility, Scaled, WaveNumberSpectrum
@@ -323,6 +324,19 @@ def test_bodies_that_are_taken_apart_relax_beside_a_permanent_share(hardness):
     assert history.final.area == 0
     energy = history.dataset["energy"].values
     assert energy[-1] < 1e-12 * energy[0]
+
+
+@pytest.mark.parametrize(("softer", "reached"), [(100.0, True), (1000.0, False)])
+def test_a_law_too_stiff_for_a_step_is_followed_by_shorter_ones_or_refused(softer, reached):
+    rough = np.round(np.random.default_rng(0).normal(size=(16, 16)))
+    law = Norton(rate=1.0, stress=0.2 / softer, exponent=6.0)
+    start = asp.press(rough, half_space(modulus=1.0, creep=law, permanent=0.02), load=0.2 * rough.size)
+    if reached:  # the weight presses the permanent share flat
+        elastic = asp.press(rough, half_space(modulus=0.02), load=start.load)
+        assert asp.age(start, [1e-3, 1.0, 1e3, 1e6]).final.area == elastic.area
+    else:
+        with pytest.raises(ConvergenceError, match="the law is too stiff under these forces"):
+            asp.age(start, [1e-3, 1.0, 1e3, 1e6])
 
 
 def test_a_flat_surface_creeps_as_one_beside_a_permanent_share():

@@ -64,6 +64,20 @@ SLIDES = [
 ]
 HEAVY = asp.press(uncorrelated(16), SOLID, load=60.0)
 IN_LEGS, BETWEEN_SHIFTS = [0.5, 1.0, 2.0, 4.0, 6.0, 7.5, 9.0], [0.25, 0.75, 1.0, 2.0, 2.6, 3.5, 4.5, 5.0]
+YIELDS = [P.Ramp(1.0, load=80.0), P.Step(load=90.0), P.Hold(1.0), P.Slide(1.0, velocity=1.0)]
+EASED = [P.Hold(1.0), P.Step(load=4.0), P.Hold(5.0), P.Ramp(1.0, load=9.0)]
+EYRING = asp.solids.Eyring(rate=0.1, stress=0.2)
+SMALL = uncorrelated(16)[:12, :12]
+SOLIDS = {
+    "a law on springs": asp.solids.spring_lattice(k0=1.0, k1=3.0, R=0.1, creep=EYRING),
+    "a law": asp.solids.half_space(modulus=3.0, creep=asp.solids.Garofalo(0.1, 0.2, 1.5)),
+    "a law beside a permanent share": asp.solids.half_space(modulus=3.0, creep=EYRING, permanent=0.4),
+    "springs that no others join": asp.solids.spring_lattice(k0=0.0, k1=3.0),
+    "branches": asp.solids.half_space(modulus=3.0, branches=[(0.3, 0.5), (0.3, 5.0)]),
+    "branches under a rigid machine": asp.solids.half_space(
+        modulus=3.0, branches=[(0.3, 0.5)], apparatus=np.inf
+    ),
+}
 LEFT_TO_FIELDS: dict[str, Any] = {"contact": CONTACT, "times": TIMES, "solver": Multigrid(max_cycles=0)}
 RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
     "once": ({"contact": CONTACT, "times": TIMES, "fields_at": KEEP}, [TIMES[6]]),
@@ -77,6 +91,42 @@ RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
         for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS))
         for of, solver in (("springs", None), ("fields", ActiveSet()))
     },
+    **{
+        f"yielding, {of}": (
+            {
+                "contact": asp.press(
+                    uncorrelated(16),
+                    asp.solids.spring_lattice(k0=1.0, k1=3.0, creep=law, hardness=1.0),
+                    load=40.0,
+                ),
+                "times": [0.5, 1.5, 2.0, 2.5],
+                "protocol": YIELDS,
+                "rtol": 2e-2,
+                "fields_at": [0.0, 1.5],
+            },
+            [0.5, 1.5, 2.0, 2.5],
+        )
+        for of, law in (("springs", None), ("a law", asp.solids.Eyring(rate=1e-2, stress=0.3)))
+    },
+    **{
+        name: (
+            {"contact": asp.press(SMALL, solid, load=8.0), "times": [0.5, 2.0, 6.0, 6.5], "protocol": EASED},
+            [0.5, 2.0, 6.5],
+        )
+        for name, solid in SOLIDS.items()
+    },
+    "exact": (
+        {"contact": asp.press(SMALL, SOLIDS["branches"], load=8.0), "times": [0.1, 1.0, 10.0]},
+        [0.1, 1.0],
+    ),
+    "a ramp from no load": (
+        {
+            "contact": asp.press(SMALL, SOLIDS["branches"], load=0.0),
+            "times": [0.3, 1.2, 2.4, 3.0],
+            "protocol": [P.Ramp(2.4, load=9.0), P.Hold(1.0)],
+        },
+        [1.2],
+    ),
 }
 
 
@@ -93,7 +143,11 @@ def test_stopped_and_resumed(tmp_path, name):
     assert seen[0] == stops[-1]
     assert set(arguments["times"]) <= set(resumed.time.values.tolist())
     xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
-    for field in ("u0", "force", "heights"):
+    if name == "exact":
+        assert "exact_contact" in undisturbed.dataset.attrs
+    if name.startswith("yielding"):
+        assert undisturbed.dataset["permanent_indentation"].max() > 0
+    for field in ("u", "anchors", "force", "heights", "permanent_indentation"):
         np.testing.assert_array_equal(getattr(resumed.final, field), getattr(undisturbed.final, field))
 
 
@@ -113,6 +167,11 @@ def test_a_finished_run_resumes_to_the_same(tmp_path):
 def test_the_checkpoint_of_another_run_is_refused(here):
     arguments: dict[str, Any] = {"contact": CONTACT, "times": TIMES, "fields_at": KEEP}
     asp.age(**arguments, checkpoint=Checkpoint("place.npz", every=0.0))
+    of_a_law: dict[str, Any] = {"contact": asp.press(SMALL, SOLIDS["a law"], load=8.0), "times": [1.0]}
+    asp.age(**of_a_law, checkpoint=Checkpoint("law.npz", every=0.0))
+    other_law = asp.solids.half_space(modulus=3.0, creep=asp.solids.Garofalo(0.1, 0.3, 1.5))
+    with refuses("checkpoint", kind=CheckpointError):
+        asp.age(asp.press(SMALL, other_law, load=8.0), [1.0], checkpoint="law.npz")
     faster = asp.solids.spring_lattice(k0=1, k1=3, R=2)
     for other in (
         {"times": TIMES[:-1], "fields_at": sorted([TIMES[-1], *KEEP])},

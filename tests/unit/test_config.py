@@ -288,6 +288,9 @@ def test_how_a_file_is_prepared_is_checked() -> None:
         RunConfig(surface=MeasuredSurface(path="/a", crop=[0.0, 1.5], crop_unit="um", pixel_size=[0.25])),
         RunConfig(surface=MeasuredSurface(path='/a "b"\\c\tü\x7f\n.npy', channel=0, unit="rms")),
         RunConfig(aging=Aging(times=[0.1, 1 / 3, 1e29]), output=Output(maps_at=[], figures=["svg", "pdf"])),
+        RunConfig.model_validate(
+            {"protocol": [{"kind": "repeat", "count": 2, "legs": [{"kind": "hold", "duration": 1.0}]}]}
+        ),
     ],
 )
 def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path, config: RunConfig) -> None:

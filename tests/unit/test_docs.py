@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.app.cli.app import app
+from asperity.app.cli.app import with_others
 from asperity.app.config.keys import sections
 from tests.unit.test_house import ROOMS
 
@@ -64,7 +64,7 @@ def test_every_page_is_in_the_navigation(made, pages):
 
 def test_every_command_and_flag_is_described(pages):
     text = pages["commands.rst"]
-    for command in (name for name in app if not name.startswith("-")):
+    for command in (name for name in with_others() if not name.startswith("-")):
         assert f"\n{command}\n---" in text
     assert "pytest" not in text
     for flag in ("--overwrite", "--k1", "--branch", "--pressure", "--dry-run", "--wlf"):

@@ -8,9 +8,12 @@ import sys
 import textwrap
 import tomllib
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from packaging.utils import canonicalize_name
+
+from asperity.app.cli.app import answer
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -99,3 +102,13 @@ def test_what_is_slow_or_optional_is_imported_late():
     code = f"import sys, asperity.app.cli.app, asperity as asp; asp.press; print({late!r} & set(sys.modules))"
     done = python(code, folder=None)
     assert done.stdout == "set()\n", done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "others"), [("status /nowhere", 0), ("--version", 0), ("--help", 1), ("no", 1)]
+)
+def test_other_distributions_are_asked_for_commands_where_they_may_have_one(words, others, monkeypatch):
+    looked = Mock(return_value=())
+    monkeypatch.setattr("asperity.app.cli.app.entry_points", looked)
+    answer(words.split())
+    assert looked.call_count == others

@@ -25,6 +25,7 @@ from asperity.analysis import (
     distributions,
     with_limit,
 )
+from asperity.base.words import power
 from asperity.figures import (
     aging_curve,
     campaign_figure,
@@ -386,7 +387,7 @@ def test_the_marks_of_maps_differ_in_gray() -> None:
     ],
 )
 def test_powers(value: float, text: str) -> None:
-    assert style.power(value) == text
+    assert power(value) == text
 
 
 def test_units() -> None:

@@ -1,7 +1,5 @@
 """Springs that no others join (k0 = 0) on maps: against closed forms and the Fourier solver."""
 
-from copy import deepcopy
-
 import numpy as np
 import pytest
 
@@ -51,17 +49,6 @@ def test_histories_are_those_of_the_fourier_solver(edges, control, mobilities):
         error = one.contact.anchors - two.contact.anchors
         assert (error - error.mean()).std() < 2e-4 * scale
         assert one.contact.load == pytest.approx(two.contact.load, abs=1e-3 * contact.load)
-
-
-def test_a_march_goes_on_to_the_last_bit():
-    contact = asp.press(
-        np.random.default_rng(5).normal(size=(20, 20)), asp.solids.spring_lattice(k0=0.0, k1=3.0), load=30.0
-    )
-    states, times = [], [0.1, 1.0, 10.0]
-    frames = list(creep(contact, times, after_step=lambda state: states.append(deepcopy(state))))
-    resumed = list(creep(contact, times, midway=states[len(states) // 2]))
-    np.testing.assert_array_equal(resumed[-1].contact.anchors, frames[-1].contact.anchors)
-    assert resumed[-1].contact.separation == frames[-1].contact.separation
 
 
 def test_nine_decades_take_few_cycles(monkeypatch):

@@ -1,6 +1,5 @@
 """Local laws of creep: their numbers, what is refused, checkpoints, legs, and configurations."""
 
-import dataclasses
 import tomllib
 from typing import Any
 
@@ -17,7 +16,7 @@ from asperity.app.config.python import to_python
 from asperity.base.parameters import parameters_of
 from asperity.contact import local_creep
 from asperity.creep import LAWS
-from asperity.errors import CheckpointError, ConvergenceError
+from asperity.errors import ConvergenceError
 from asperity.results.parameters import PARAMETERS
 from asperity.solids import CreepLaw, Eyring, Garofalo, Norton, half_space, spring_lattice
 from tests.refusals import refuses
@@ -125,38 +124,6 @@ def test_a_law_with_a_threshold_has_no_limit_of_its_own():
     law = CreepLaw(lambda s: np.maximum(s - 0.1, 0.0), lambda s: (s > 0.1).astype(float))
     with refuses("creep"):
         asp.relax(asp.press(ROUGH, spring_lattice(k0=1.0, k1=3.0, creep=law), load=40.0))
-
-
-@pytest.mark.parametrize(
-    "solid",
-    [
-        LATTICE,
-        half_space(modulus=3.0, creep=Garofalo(0.1, 0.2, 1.5)),
-        half_space(modulus=3.0, creep=LAW, permanent=0.4),
-    ],
-    ids=["lattice", "half_space", "permanent"],
-)
-def test_a_killed_run_ends_at_the_identical_result(solid, tmp_path, monkeypatch):
-    contact = asp.press(ROUGH, solid, load=8.0)
-    legs = [asp.protocols.Hold(1.0), asp.protocols.Step(load=4.0), asp.protocols.Hold(5.0)]
-    times = [0.5, 2.0, 6.0]
-    whole = asp.age(contact, times, protocol=legs)
-    place, count = tmp_path / "place", 0
-
-    def stop(frame):
-        nonlocal count
-        count += 1
-        if count == 4:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        asp.age(contact, times, protocol=legs, progress=stop, checkpoint=asp.Checkpoint(place, every=0))
-    resumed = asp.age(contact, times, protocol=legs, checkpoint=asp.Checkpoint(place, every=0))
-    assert resumed.dataset.identical(whole.dataset)
-    assert np.array_equal(resumed.final.u, whole.final.u)
-    other = dataclasses.replace(solid, creep=Eyring(rate=0.1, stress=0.3))
-    with pytest.raises(CheckpointError, match="other parameters"):
-        asp.age(asp.press(ROUGH, other, load=8.0), times, protocol=legs, checkpoint=place)
 
 
 def test_a_step_that_is_not_solved_raises(monkeypatch):

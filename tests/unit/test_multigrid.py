@@ -256,10 +256,9 @@ def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
     assert_equilibrium(asp.press(uncorrelated(16), bed, load=1.0), k0=0.0, k1=3.0, load=1.0)
 
 
-@pytest.mark.parametrize("wrong", [{"max_cycles": -1}, {"max_cycles": np.nan}])
-def test_settings_are_checked(wrong):
-    with refuses(next(iter(wrong))):
-        Multigrid(**wrong)
+def test_settings_are_checked():
+    with refuses("max_cycles"):
+        Multigrid(max_cycles=-1)
 
 
 def test_balanced_stretch_is_in_equilibrium():

@@ -1,4 +1,7 @@
-"""Bad input at the doors of press, age and relax: one clear line, and nothing computed."""
+"""Bad input at the doors of press, age and relax: one clear line, and nothing computed.
+
+What is no number of its kind is given to every public function in `test_public_calls`.
+"""
 
 from datetime import timedelta
 
@@ -33,11 +36,10 @@ class Quantity(float):
     [
         np.where(ROUGH.max() == ROUGH, np.nan, ROUGH),
         np.where(ROUGH.max() == ROUGH, np.inf, ROUGH),
+        ROUGH + 1j,
         np.zeros((0, 4)),
         np.zeros((2, 2, 2)),
         1.0,
-        np.array([["a", "b"]]),
-        ROUGH + 1j,
     ],
 )
 def test_heights(heights):
@@ -45,16 +47,10 @@ def test_heights(heights):
         asp.press(heights, SOLID, load=1.0)
 
 
-@pytest.mark.parametrize("load", [-3.0, np.nan, np.inf, 1e-300, 1e308, "800", True])
+@pytest.mark.parametrize("load", [-3.0, 1e-300, 1e308])
 def test_loads_that_are_no_load(load):
     with refuses("load"):
         asp.press(ROUGH, SOLID, load=load)
-
-
-@pytest.mark.parametrize("separation", [np.nan, -np.inf, "1"])
-def test_separations_that_are_none(separation):
-    with refuses("separation"):
-        asp.press(ROUGH, SOLID, separation=separation)
 
 
 def test_both_or_neither_of_load_and_separation():
@@ -129,11 +125,7 @@ def test_heights_too_large_to_compute_with():
         [1.0, 0.5],
         [1.0, 1.0],
         [-1.0, 1.0],
-        [1.0, np.inf],
-        [np.nan],
         [],
-        ["soon"],
-        np.array([1, 2], "timedelta64[s]"),
         [timedelta(hours=1)],
     ],
 )
@@ -142,7 +134,7 @@ def test_times(times):
         asp.age(CONTACT, times)
 
 
-@pytest.mark.parametrize("rtol", [0.0, -1.0, 1e-12, 1.0, np.nan, "small"])
+@pytest.mark.parametrize("rtol", [0.0, -1.0, 1e-12, 1.0])
 def test_tolerances(rtol):
     with refuses("rtol"):
         asp.age(CONTACT, [1.0], rtol=rtol)

@@ -15,11 +15,10 @@ def test_spring_lattice_spectra():
     np.testing.assert_array_equal(spectra.mean_mobility, [0.1])
 
 
-@pytest.mark.parametrize(("name", "value"), [("k0", -1.0), ("k1", np.nan), ("R", "3"), ("R_viscous", True)])
-def test_parameters_are_checked_when_the_solid_is_built(name, value):
-    parameters = {"k0": 1.0, "k1": 3.0, name: value}
+@pytest.mark.parametrize("name", ["k0", "k1", "R", "R_viscous"])
+def test_parameters_are_checked_when_the_solid_is_built(name):
     with refuses(name):
-        spring_lattice(**parameters)
+        spring_lattice(**({"k0": 1.0, "k1": 3.0} | {name: -1.0}))
 
 
 def test_all_stiffness_zero_is_refused():

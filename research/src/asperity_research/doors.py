@@ -11,12 +11,6 @@ from asperity.errors import InputError
 T = TypeVar("T")
 
 
-def instance(name: str, value: object, kind: type, advice: str) -> None:
-    """Refuse a thing that is not of this class; `InputError`."""
-    if not isinstance(value, kind):
-        raise InputError(name, expected=f"a {kind.__name__}", got=type(value).__name__, advice=advice)
-
-
 def named(what: str, name: object, known: Mapping[str, T], advice: str = "") -> T:
     """Return the one of a name; `InputError`, with the name that was meant or advice, if there is none."""
     if isinstance(name, str) and name in known:

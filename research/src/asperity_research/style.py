@@ -5,32 +5,12 @@ The hues are of the set of M. Okabe and K. Ito, "Color Universal Design" (2008),
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
 
 INK, BLUE, VERMILION, SKY, GRAY = "#000000", "#0072B2", "#D55E00", "#56B4E9", "#8C8C8C"
-
-
-def power(value: float) -> str:
-    """Write a number for a label: 0.25, 1000, or with a power of ten."""
-    if value == 0:
-        return "0"
-    if math.isinf(value):
-        return r"\infty"
-    exponent = math.floor(math.log10(abs(value)) + 1e-9)
-    if -3 < exponent < 4:
-        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
-    digits = f"{value / 10.0**exponent:.2g}"
-    head = "" if digits == "1" else rf"{digits} \times "
-    return rf"{head}10^{{{exponent}}}"
-
-
-def thousands(value: int) -> str:
-    """Write a whole number with thin spaces between thousands."""
-    return f"{value:,}".replace(",", "\u202f")
 
 
 def points(ax: Axes, rows: pd.DataFrame, x: str, y: str, look: str, color: str, **more: Any) -> None:

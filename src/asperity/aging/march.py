@@ -284,13 +284,18 @@ class _March:
         """Error of u0 that rounding alone makes."""
         return 64 * float(np.finfo(float).eps) * self.extent.largest
 
-    def relative(self, error: float) -> float:
-        """Error in units of what is allowed."""
+    @property
+    def unnoticed(self) -> float:
+        """Error of u0 that a solver may leave in a stage on the way."""
+        return TUNING.unnoticed * self.controller.tolerance * self.deformation
+
+    def relative(self, error: float, scale: float) -> float:
+        """Error of a length in units of what is allowed."""
         if error <= self.rounding():
             return 0.0
-        if not (math.isfinite(error) and self.deformation > 0):
+        if not (math.isfinite(error) and scale > 0):
             return math.inf
-        return error / (self.controller.tolerance * self.deformation)
+        return error / (self.controller.tolerance * scale)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite is found and refused
     def advance_to(self, stop: float) -> None:
@@ -307,7 +312,10 @@ class _March:
             attempt = self.now.attempt(length, self.aim(landing))
             failure = attempt.failure
             self.counts.iterations += attempt.iterations
-            error = self.relative(attempt.error)
+            error = max(
+                self.relative(attempt.error, self.deformation),
+                self.relative(attempt.mean_error - self.unnoticed, self.deformation + attempt.mean),
+            )
             if error <= 1 and self.area and self.area.misses(self.now.contacts_tried()):
                 continue
             if controller.accepts(length, error):
@@ -319,10 +327,10 @@ class _March:
 
     def aim(self, landing: bool) -> Aim:
         """How accurate the next time step is to be, which leads to a frame or not."""
-        allowed = self.controller.tolerance * self.deformation
-        passing = TUNING.unnoticed * allowed
+        passing = self.unnoticed
         if landing:
-            return Aim((self.passing, TOLERANCE), (passing, TUNING.published * allowed))
+            published = TUNING.published * self.controller.tolerance * self.deformation
+            return Aim((self.passing, TOLERANCE), (passing, published))
         return Aim((self.passing, self.passing), (passing, passing))
 
     def fall_back(self, failure: ConvergenceError) -> None:

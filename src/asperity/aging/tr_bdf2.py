@@ -60,11 +60,16 @@ class Attempt:
         Those spent.
     failure
         Why a stage was not solved.
+    mean_error, mean
+        Error of how far the mean of u0 creeps in the step, and how far it has crept at its end; 0 where
+        nothing but the error of u0 is to be judged.
     """
 
     error: float
     iterations: int
     failure: ConvergenceError | None = None
+    mean_error: float = 0.0
+    mean: float = 0.0
 
 
 class Aim(NamedTuple):
@@ -207,9 +212,9 @@ class TrBdf2(Steps):
                 weights = extrapolation(known[: self.through], here)
                 spent += self.solve(Stage(self.time + ahead, tau, creeps, weights, *accuracy))
                 known = [here, *known]
+            return Attempt(self.left_of([duration * share for share in ERROR_WEIGHTS]), spent)
         except ConvergenceError as failure:
             return Attempt(math.inf, spent, failure)
-        return Attempt(self.left_of([duration * share for share in ERROR_WEIGHTS]), spent)
 
     def accept(self, time: float) -> None:
         """Make the end of the time step that was tried the state at a time."""

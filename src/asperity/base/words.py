@@ -103,6 +103,21 @@ def thousands(value: int) -> str:
     return f"{value:,}".replace(",", "\u202f")
 
 
+def power(value: float) -> str:
+    """Write a number for a label: 0.25, 1000, or with a power of ten."""
+    if value == 0:
+        return "0"
+    if math.isinf(value):
+        return r"\infty"
+    exponent = math.floor(math.log10(abs(value)) + 1e-9)
+    if -3 < exponent < 4:
+        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+    mantissa = value / 10.0**exponent
+    digits = f"{mantissa:.2g}"
+    head = "" if digits == "1" else rf"{digits} \times "
+    return rf"{head}10^{{{exponent}}}"
+
+
 def counted(count: int, singular: str, plural: str = "") -> str:
     """Write how many there are of something: ``1 site``, ``2 sites``."""
     return f"{thousands(count)} {singular if count == 1 else plural or f'{singular}s'}"

@@ -131,7 +131,17 @@ class _Run(LocalRun):
         """See `LocalRun`."""
         wrong = self.revise() if self.solver.interface.yields else 0.0
         left, self.curved = self.linearize()
-        return math.hypot(left, wrong)
+        return math.hypot(left, wrong, 0.0 if self.stage.load is None else self.even())
+
+    def even(self) -> float:
+        """What all sites lack by the same under a load, which the changes of sites alone do not tell."""
+        work, unit = self.work, self.unit
+        assert work.wanted is not None
+        force = abs(work.wanted) / self.u.size
+        if force <= work.force_error * work.known_stretch / self.u.size:
+            force = 0.0
+        taken = self.springs.drag * self.w + self.law.creep
+        return math.hypot(unit * force, float(np.mean(self.u - self.w - self.before - taken)) - self.position)
 
     def linearize(self) -> tuple[float, float]:
         """Begin a correction to the stretches; rms changes that sites would make alone; what tangents err."""

@@ -330,14 +330,24 @@ class LinearStep:
     def combined(self, amounts: Any) -> Fields:
         """Changes of the forces that change the sums by given amounts."""
         total = np.zeros(self.shape)
-        for part, one in zip(np.linalg.solve(self.gram, amounts), self.spread, strict=True):
+        for part, one in zip(self.shares(amounts), self.spread, strict=True):
             total += part * one
         return total
 
     def rises(self, y: Fields) -> Fields:
         """What of a residual is even, in the preconditioner's measure."""
         known = [inner(one, y, np) for one in self.spread]
-        return np.asarray(np.linalg.solve(self.gram, known) if self.even else np.empty(0))
+        return self.shares(known) if self.even else np.empty(0)
+
+    def shares(self, amounts: Any) -> Fields:
+        """How much of each even change makes up given amounts."""
+        try:
+            return np.asarray(np.linalg.solve(self.gram, amounts))
+        except np.linalg.LinAlgError:
+            raise ConvergenceError(
+                "creep: the law is too stiff under these forces to tell what the load moves; "
+                "try less load, or a larger stress s0 of the law"
+            ) from None
 
     def applied(self, y: Fields) -> Fields:
         """What a change of the forces displaces."""

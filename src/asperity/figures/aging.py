@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis import AgingSummary
 from asperity.base import checks
+from asperity.base.words import power
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field
@@ -114,7 +115,7 @@ def _draw_theory(axes: Axes, summary: AgingSummary) -> None:
         return
     label = "dilute theory (no fit)"
     if summary.dilute_time[-1] < summary.curve_time[-1]:
-        ends = style.power(float(f"{summary.dilute_time[-1]:.0e}"))
+        ends = power(float(f"{summary.dilute_time[-1]:.0e}"))
         label += f", while\ncontacts are far apart: $t$ < ${ends}$"
     axes.plot(
         summary.dilute_time,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.scan import readable, written
 from asperity.base import checks
-from asperity.base.words import counted, thousands
+from asperity.base.words import counted, power, thousands
 from asperity.figures import style
 from asperity.figures.marks import COLORS
 from asperity.lattice import Field
@@ -297,7 +297,7 @@ def legend(figure: Figure, maps: ContactMaps, *, topography: bool = False) -> No
 def _moment(maps: ContactMaps, time: float) -> str:
     if math.isinf(time):
         return r"relaxed, $t \to \infty$"
-    return f"$t$ = ${style.power(time)}$" + (f" {maps.time_unit}" if time else "").rstrip()
+    return f"$t$ = ${power(time)}$" + (f" {maps.time_unit}" if time else "").rstrip()
 
 
 def _profile_figure(maps: ContactMaps) -> Figure:

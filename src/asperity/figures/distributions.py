@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis import distributions
 from asperity.analysis.scan import readable
+from asperity.base.words import power
 from asperity.figures import style
 from asperity.lattice import Field
 
@@ -63,7 +64,7 @@ def distribution_figure(dataset: xr.Dataset) -> Figure:
         largest = max((float(values[-1]) for values, _ in samples if values.size), default=0.0)
         shown, factor = readable(unit, largest)
         for moment, (values, whole), (color, dash) in zip(moments, samples, _LOOKS, strict=False):
-            said = f"$t$ = ${style.power(moment.time)}${' s' if si else ''}"
+            said = f"$t$ = ${power(moment.time)}${' s' if si else ''}"
             _draw(axes, factor * values, whole, color=color, linestyle=dash, label=said)
         axes.set_xlabel(style.with_unit(name, shown))
         axes.set_ylabel(f"part of the {of_what}")

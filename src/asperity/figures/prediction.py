@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from asperity.analysis.maps import SiteState, color_range
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import readable
+from asperity.base.words import power
 from asperity.figures import style
 from asperity.figures.marks import COLORS
 
@@ -107,9 +108,7 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
         colors[touching[0]] = to_rgba(COLORS[SiteState.KEPT])
         upper.imshow(colors, **shown)
         percent = 100 * touching[column].mean()
-        upper.set_title(
-            f"$t$ = ${style.power(float(time))}$ s: {percent:.3g} % of the pixels touch", fontsize=9
-        )
+        upper.set_title(f"$t$ = ${power(float(time))}$ s: {percent:.3g} % of the pixels touch", fontsize=9)
         lower.set_facecolor("0.93")
         image = lower.imshow(
             np.where(touching[column], pressure[column] * scale, np.nan),
@@ -148,7 +147,7 @@ def pressure_figure(prediction: Prediction) -> Figure:
     ):
         values = scale * field[mask]
         density, _ = np.histogram(values, bins=edges)
-        label = f"$t$ = ${style.power(float(time))}$ s, mean {values.mean():.3g} {unit}"
+        label = f"$t$ = ${power(float(time))}$ s, mean {values.mean():.3g} {unit}"
         axes.stairs(
             density / values.size / np.diff(edges),
             edges,

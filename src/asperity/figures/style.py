@@ -7,7 +7,6 @@ luminances differ too. Styles are set on each artist: no global state is touched
 from __future__ import annotations
 
 import json
-import math
 import re
 from os import PathLike
 from typing import IO, Any, Literal
@@ -198,21 +197,6 @@ def _width(text: str, size: float) -> float:
 def verbatim(text: str) -> str:
     """Write a text from outside, such as a file's name, so that nothing in it is read as mathematics."""
     return text.replace("$", r"\$")
-
-
-def power(value: float) -> str:
-    """Write a number for a label: 0.25, 1000, or with a power of ten."""
-    if value == 0:
-        return "0"
-    if math.isinf(value):
-        return r"\infty"
-    exponent = math.floor(math.log10(abs(value)) + 1e-9)
-    if -3 < exponent < 4:
-        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
-    mantissa = value / 10.0**exponent
-    digits = f"{mantissa:.2g}"
-    head = "" if digits == "1" else rf"{digits} \times "
-    return rf"{head}10^{{{exponent}}}"
 
 
 def with_unit(quantity: str, unit: str) -> str:

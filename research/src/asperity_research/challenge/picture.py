@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from asperity.base.checks import instance
 from asperity.figures import Drawing
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.challenge.scoring import QuantityScore, Score
-from asperity_research.doors import instance
 
 
 def score_figure(score: Score) -> Figure:

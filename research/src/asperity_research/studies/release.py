@@ -25,6 +25,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from asperity.base.words import power
 from asperity.figures import Drawing
 from asperity.fits import jackknife
 from asperity.relaxation import PronySeries
@@ -240,7 +241,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         left.plot(part["time"], part["force"], "-", color=style.INK, linewidth=0.9)
         left.plot(greatest["time"], greatest["force"], "o", color=style.INK, markersize=4)
         left.annotate(
-            rf"$t_\mathrm{{w}}={style.power(float(part['waiting'].iloc[0]))}$",
+            rf"$t_\mathrm{{w}}={power(float(part['waiting'].iloc[0]))}$",
             (part["time"].iloc[0], part["force"].iloc[0]),
             xytext=(0, -9),
             textcoords="offset points",

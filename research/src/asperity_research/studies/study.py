@@ -17,7 +17,7 @@ import tomli_w
 from matplotlib.figure import Figure
 
 import asperity_research.studies.campaigns as campaigns
-from asperity_research.doors import instance
+from asperity.base.checks import instance
 from asperity_research.studies.campaigns import Campaign, Home, Prepared
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding

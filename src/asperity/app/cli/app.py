@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from importlib.metadata import entry_points
 from typing import Any, Literal
 
+from cyclopts import App
 from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandError, UnknownOptionError
 
 from asperity.app.cli import explore, fit, friction, gather, predict, run, status, surface, sweep
@@ -22,7 +23,7 @@ from asperity.app.cli.terminal import complain, make_streams_safe, silence_outpu
 from asperity.base.words import closest, has_decimal_comma
 from asperity.errors import AsperityError, ConfigError, InputError, Remark
 
-__all__ = ["answer", "app"]
+__all__ = ["answer", "app", "with_others"]
 
 _COMMANDS = (run, predict, surface, fit, friction, sweep, status, gather, explore)
 """Modules of the commands: each adds its own when it is imported."""
@@ -47,8 +48,15 @@ def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | 
     print(f"written {path}; completion begins with the next shell")
 
 
-for _found in entry_points(group="asperity.commands"):
-    _found.load()
+def with_others() -> App:
+    """The command with those of other distributions, which are looked for when this is called."""
+    for found in entry_points(group="asperity.commands"):
+        found.load()
+    return app
+
+
+_OWN = {*(name for name in app if not name.startswith("-")), *app.version_flags}
+"""Words that begin a command of this distribution."""
 
 
 def answer(arguments: list[str]) -> int:
@@ -57,6 +65,8 @@ def answer(arguments: list[str]) -> int:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its fonts is no user's concern
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
+        if not any(word in _OWN for word in arguments[:1]):
+            with_others()
         return _run(arguments)
 
 

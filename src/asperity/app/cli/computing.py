@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity.app.cli.opening import open_results
+from asperity.app.cli.options import Results
 from asperity.app.cli.output import check_free, save_within
 from asperity.app.cli.report import Row, aligned
 from asperity.progress import listener
@@ -26,9 +27,7 @@ def compute_into(
     report: Callable[..., list[Row]],
     write: Callable[[Any, Path], Sequence[str] | None],
     every: float,
-    overwrite: bool,
-    quiet: bool,
-    show: bool,
+    results: Results,
 ) -> None:
     """Compute what is asked, and write its dataset, its summary and all else to a folder.
 
@@ -36,20 +35,20 @@ def compute_into(
     is replaced only if it may be, an empty folder always. `AsperityError` as the engine; or the folder cannot
     be written, and nothing is left.
     """
-    check_free(out, overwrite=overwrite)
-    with _place_beside(out, asked) as place, listener(not quiet) as progress:
+    check_free(out, overwrite=results.overwrite)
+    with _place_beside(out, asked) as place, listener(not results.quiet) as progress:
         resumed, started = place.exists(), clock.perf_counter()
         if resumed:
             progress.stage(f"going on from {place}")
         found = compute(progress=progress, checkpoint=Checkpoint(place, every=every))
         rows = report(found, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
-        check_free(out, overwrite=overwrite)  # again: hours may have passed
-        with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
+        check_free(out, overwrite=results.overwrite)  # again: hours may have passed
+        with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
             save_within(found.dataset, folder)
             (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
             remarks = write(found, folder) or ()
-    tell_results([*rows, *(("remark", remark) for remark in remarks)], out, quiet=quiet, show=show)
+    tell_results([*rows, *(("remark", remark) for remark in remarks)], out, results)
 
 
 @contextmanager
@@ -69,10 +68,10 @@ def _place_beside(out: Path, asked: str) -> Iterator[Path]:
     place.unlink(missing_ok=True)
 
 
-def tell_results(rows: Sequence[Row], out: Path, *, quiet: bool, show: bool) -> None:
+def tell_results(rows: Sequence[Row], out: Path, results: Results) -> None:
     """Print a report, and which files were written; open what shows them."""
-    if not quiet:
+    if not results.quiet:
         files = ", ".join(sorted(path.name for path in out.iterdir()))
         sys.stdout.write(f"{aligned([*rows, ('written', f'{out}: {files}')])}\n")
-    if show:
+    if results.show:
         open_results(out)

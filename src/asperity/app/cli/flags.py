@@ -89,10 +89,8 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
             flag = flag_of(section, key.name)
             if units and key.unit:
                 check_unit(flag, written, key.unit)
-            for pair in written if units and key.name == "branches" else ():
-                if all(isinstance(number(word), float | int) for word in re.split(r"[\s,]+", pair.strip())):
-                    expected, advice = "a share and a time with its unit", f'{flag} "0.3 10s"'
-                    raise InputError(flag, expected=expected, got=pair, advice=advice)
+            for pair in written if units and any(key.units) else ():
+                _check_pair(flag, pair, key)
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
     return sections
 
@@ -117,6 +115,15 @@ def check_unit(flag: str, written: str | list[str], unit: str) -> None:
     for one in words:
         if isinstance(number(one), float | int):
             raise InputError(flag, expected="a number with its unit", got=one, advice=f"{flag} {one}{unit}")
+
+
+def _check_pair(flag: str, pair: str, key: Key) -> None:
+    """Refuse two numbers of which one needs a unit."""
+    words = re.split(r"[\s,]+", pair.strip())
+    if all(isinstance(number(word), float | int) for word in words):
+        expected = " and ".join(f"a {name.lower()}" for name in _METAVARS[key.name].split())
+        advice = " ".join(f"{word}{unit}" for word, unit in zip(words, key.units, strict=False))
+        raise InputError(flag, expected=f"{expected} with its unit", got=pair, advice=f'{flag} "{advice}"')
 
 
 def _read(written: bool | str | list[str], what: What) -> object:

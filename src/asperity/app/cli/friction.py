@@ -8,9 +8,11 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Open, Out, Quiet, Switch, of_flags
+from asperity.app.cli.flags import Out, Switch, of_flags
+from asperity.app.cli.options import Results
 from asperity.errors import InputError
 
+_RESULTS = Results()
 _FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | {
     name: f"--{name}" for name in ("a", "events", "columns")
 }
@@ -29,9 +31,7 @@ def friction(
     columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None,
     strength_at_rest: Switch = False,
     out: Out = Path("friction"),
-    overwrite: Switch = False,
-    quiet: Quiet = False,
-    show: Open = False,
+    results: Results = _RESULTS,
 ) -> None:
     """Fit rate-and-state friction to records of sliding with holds or velocity steps.
 
@@ -61,12 +61,6 @@ def friction(
         Friction at rest in a table is the strength, as in a simulation, and not the force held.
     out
         Folder for the results, which appears when all is written; it must not exist yet.
-    overwrite
-        Replace the results of an earlier fit.
-    quiet
-        Print nothing.
-    show
-        Open the picture of the results when they are written.
     """
     from asperity.app.cli.computing import tell_results
     from asperity.app.cli.output import check_free, write_figure
@@ -76,7 +70,7 @@ def friction(
     from asperity.friction import compare_state_laws, save_parameters
     from asperity.results.store import whole_folder
 
-    check_free(out, overwrite=overwrite)
+    check_free(out, overwrite=results.overwrite)
     reading: dict[str, Any] = {"columns": columns, "strength_at_rest": strength_at_rest}
     strength, reference = number_or_text(shear_strength), number_or_text(reference_velocity)
     try:
@@ -85,9 +79,9 @@ def friction(
     except InputError as error:
         raise of_flags(error, _FLAGS) from error
     rows = friction_report(found, str(records[0]))
-    with whole_folder(out, overwrite=overwrite or out.exists()) as folder:
+    with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
         for kind in ("toml", "csv"):
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
         (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         write_figure(rate_and_state_figure(found), folder / "friction.png")
-    tell_results(rows, out, quiet=quiet, show=show)
+    tell_results(rows, out, results)

@@ -8,7 +8,7 @@ from typing import TypeVar, dataclass_transform
 
 from cyclopts import Parameter
 
-from asperity.app.cli.flags import Quiet, Switch, Whole
+from asperity.app.cli.flags import Open, Quiet, Switch, Whole
 from asperity.errors import InputError
 
 _Flags = TypeVar("_Flags")
@@ -37,6 +37,25 @@ def flags_of_fields(kind: type[_Flags]) -> type[_Flags]:
     """Make flags of the fields of a class, with the help that its docstring has for each."""
     kind.__doc__ = paragraphs(kind.__doc__ or "")
     return Parameter(name="*")(dataclass(frozen=True, kw_only=True)(kind))
+
+
+@flags_of_fields
+class Results:
+    """What is done with the folder of results.
+
+    Parameters
+    ----------
+    overwrite
+        Replace the results of an earlier command.
+    quiet
+        Print neither progress nor summary.
+    show
+        Open the picture or the page of the results when they are written.
+    """
+
+    overwrite: Switch = False
+    quiet: Quiet = False
+    show: Open = False
 
 
 @flags_of_fields

@@ -11,8 +11,8 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Open, Out, Quiet, Switch, Whole, flags_for, given
-from asperity.app.cli.options import flags_of_fields
+from asperity.app.cli.flags import Flags, Out, Whole, flags_for, given
+from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
 
@@ -56,7 +56,7 @@ class PredictFlags:
     wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None
 
 
-_PREDICT = PredictFlags()
+_PREDICT, _RESULTS = PredictFlags(), Results()
 
 
 @command("prediction")
@@ -68,9 +68,7 @@ def predict(
     ramp: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
     wanted: PredictFlags = _PREDICT,
     out: Out = Path("prediction"),
-    overwrite: Switch = False,
-    quiet: Quiet = False,
-    show: Open = False,
+    results: Results = _RESULTS,
     keys: Flags | None = None,
 ) -> None:
     """Predict how the real contact grows, from a material, a scan and a load that stays.
@@ -94,17 +92,11 @@ def predict(
         start. [default: at once]
     out
         Folder for the results, which appears when all is written; it must not exist yet.
-    overwrite
-        Replace the results of an earlier prediction.
-    quiet
-        Print neither progress nor summary.
-    show
-        Open the page of the results when they are written.
     """
     flags = given(keys, units=True)
     if surface is not None:
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
-    from asperity.app.cli.asked import prediction_asked
+    from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
@@ -118,7 +110,5 @@ def predict(
         report=report,
         write=functools.partial(write_files, command=shlex.join(["asperity", *sys.argv[1:]])),
         every=_CHECKPOINT_EVERY,
-        overwrite=overwrite,
-        quiet=quiet,
-        show=show,
+        results=results,
     )

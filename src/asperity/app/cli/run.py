@@ -9,10 +9,12 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Open, Out, Quiet, Switch, flags_for, given
+from asperity.app.cli.flags import Flags, Out, flags_for, given
+from asperity.app.cli.options import Results
 
 __all__ = ["flags_for", "run"]  # the annotation that `command` writes names flags_for
 
+_RESULTS = Results()
 _CHECKPOINT_EVERY = 20.0
 """Seconds between checkpoints: shorter runs leave none."""
 
@@ -23,9 +25,7 @@ def run(
     /,
     *,
     out: Out = Path("asperity-out"),
-    overwrite: Switch = False,
-    quiet: Quiet = False,
-    show: Open = False,
+    results: Results = _RESULTS,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     keys: Flags | None = None,
 ) -> None:
@@ -41,12 +41,6 @@ def run(
         Configuration, a TOML file; a run writes its own to the results as config.toml.
     out
         Folder for the results, which appears when all is written; it must not exist yet.
-    overwrite
-        Replace the results of an earlier run.
-    quiet
-        Print neither progress nor summary.
-    show
-        Open the picture of the results when they are written.
     leg
         A leg of the history of the load or the separation, as often as there are legs: "hold 10",
         "ramp 5 load=400", "step load=160", "hold 100 hold=area", "slide distance=20 velocity=0.1",
@@ -72,7 +66,5 @@ def run(
         report=run_report,
         write=write_run,
         every=_CHECKPOINT_EVERY,
-        overwrite=overwrite,
-        quiet=quiet,
-        show=show,
+        results=results,
     )

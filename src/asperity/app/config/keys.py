@@ -48,6 +48,8 @@ class Key:
     unit
         Unit in SI, if the number may be written with one; such a number is in SI under a continuum whose
         surface has a unit of length, and in the user's own units otherwise.
+    units
+        The same of both numbers of a pair.
     choices
         The words that it may be.
     default
@@ -65,6 +67,7 @@ class Key:
     name: str
     what: What
     unit: str = ""
+    units: tuple[str, ...] = ()
     choices: tuple[str, ...] = ()
     default: Any = None
     required: bool = False
@@ -128,6 +131,7 @@ def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
         name=name,
         what=cast(What, f"{what}s" if several and what != "legs" else what),
         unit=one.get("unit", ""),
+        units=tuple(part.get("unit", "") for part in one.get("prefixItems", ())),
         choices=choices,
         default=facts.get("default"),
         required=required,

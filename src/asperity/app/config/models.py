@@ -497,6 +497,10 @@ class LegSection(Section):
         """The leg itself."""
         return leg_of(self.model_dump(exclude_none=True))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by the kind, to send a run to another process: the classes of most kinds are made below."""
+        return _empty_leg, (self.kind,), self.__getstate__()
+
     @model_validator(mode="after")
     def _possible(self) -> Self:
         try:
@@ -519,9 +523,13 @@ class RepeatLeg(LegSection):
 def _section_of(kind: str, leg: type[Leg]) -> type[LegSection]:
     keys: dict[str, Any] = {"kind": (Literal[kind], kind)}
     keys |= {name: field_of(parameter) for name, parameter in parameters_of(leg).items()}
-    made = create_model(f"{leg.__name__}Leg", __base__=LegSection, **keys)
-    globals()[made.__name__] = made  # where pickle looks for it, to send a run to another process
-    return made
+    return create_model(f"{leg.__name__}Leg", __base__=LegSection, **keys)
+
+
+def _empty_leg(kind: str) -> LegSection:
+    """A leg of a kind, to be filled by pickle."""
+    made = LEGS[kind]
+    return made.__new__(made)
 
 
 LEGS: dict[str, type[LegSection]] = {

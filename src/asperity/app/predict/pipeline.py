@@ -17,7 +17,7 @@ from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.solids import POISSON, HalfSpace
-from asperity.app.predict.asked import (
+from asperity.app.predict.checked import (
     LEAST_TIMES,
     RUN,
     check_ramp,

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from asperity.base.words import power
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
@@ -75,7 +76,7 @@ def _drawn(sites: pd.DataFrame, states: list[str]) -> Figure:
         axes.set_xlim(-1.0, len(here) + 1.3)
         _draw_state(axes, here, rest)
         time = here["time"].iloc[0]
-        words = _BEFORE if np.isnan(time) else f"in contact, $t\\,k_0 R = {style.power(time)}$"
+        words = _BEFORE if np.isnan(time) else f"in contact, $t\\,k_0 R = {power(time)}$"
         axes.set_title(f"({letter}) {words}", fontsize=_TEXT + 1, loc="left")
         axes.set_axis_off()
     _name_symbols(panels[0], sites[sites["state"] == states[0]], rest)

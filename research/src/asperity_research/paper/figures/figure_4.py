@@ -11,7 +11,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from asperity.analysis import SiteState
-from asperity_research import style
+from asperity.base.words import power, thousands
 from asperity_research.paper.figures.marks import SMALLEST, draw_marks, site_side, width_in_words
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
@@ -80,7 +80,7 @@ def _drawn(tables: dict[str, pd.DataFrame]) -> tuple[Figure, str]:
 
 def _title(number: int, row: pd.Series[float]) -> str:
     letter = chr(ord("a") + number)
-    load, size = style.power(row["load"]), style.thousands(int(row["area"]))
+    load, size = power(row["load"]), thousands(int(row["area"]))
     return f"({letter}) $F_N/k_0 = {load}$:  $A$ = {size} ({100 * row['contact_fraction']:.2g} %)"
 
 

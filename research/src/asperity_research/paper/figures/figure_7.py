@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from asperity.analysis import ContactMaps, SiteState, clustering, contact_maps, patches, turnover
+from asperity.base.words import power, thousands
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.paper.figures.marks import COLORS, draw_marks, show_lattice, site_side, width_in_words
@@ -137,16 +138,14 @@ def _draw_sites(axes: Axes, states: NDArray[np.int8], side: float) -> None:
 
 
 def _moment(time: float) -> str:
-    return r"$t \to \infty$" if math.isinf(time) else f"$t\\,k_0R = {style.power(time)}$"
+    return r"$t \to \infty$" if math.isinf(time) else f"$t\\,k_0R = {power(time)}$"
 
 
 def _counted(marked: pd.DataFrame) -> str:
     """The number of sites in contact, and of those gained and lost since t = 0."""
     kept, new, lost = (int((marked["state"] == state).sum()) for state in ("kept", "new", "lost"))
-    changes = ", ".join(
-        f"{sign}{style.thousands(sites)}" for sign, sites in (("+", new), ("−", lost)) if sites
-    )
-    return f"$A$ = {style.thousands(kept + new)}" + (f"  ({changes})" if changes else "")
+    changes = ", ".join(f"{sign}{thousands(sites)}" for sign, sites in (("+", new), ("−", lost)) if sites)
+    return f"$A$ = {thousands(kept + new)}" + (f"  ({changes})" if changes else "")
 
 
 def _add_legend(figure: SubFigure) -> None:
@@ -179,7 +178,7 @@ def _draw_curves(figure: SubFigure, ensemble: pd.DataFrame, letter: str) -> None
         axes.set_xlabel("$t\\,k_0R$", fontsize=_TEXT)
         axes.tick_params(labelsize=_TEXT - 1)
         times = np.unique(ensemble["time"])
-        axes.set_xticks(_places(times), [f"${style.power(time)}$" for time in times])
+        axes.set_xticks(_places(times), [f"${power(time)}$" for time in times])
     panels[-1].axhline(1.0, color=style.GRAY, linestyle=":", linewidth=1.0)
     handles, labels = panels[2].get_legend_handles_labels()
     labels[0] = f"({chr(ord(letter) + 2)})  {labels[0]}"

@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+from asperity.base.words import power
 from asperity.figures import Drawing
 from asperity_research import style
 from asperity_research.studies.activated_creep import steps as stepping
@@ -75,9 +76,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     shown = curves[(curves["solid"] == "lattice") & (curves["time"] > 0)].groupby("waiting_time")
     shades = colormaps["viridis"](np.linspace(0.9, 0, len(shown)))
     for shade, (wait, part) in zip(shades, shown, strict=True):
-        curve.plot(
-            part["time"], part["area"], color=shade, label=f"${style.power(float(str(wait)))}$", linewidth=1
-        )
+        curve.plot(part["time"], part["area"], color=shade, label=f"${power(float(str(wait)))}$", linewidth=1)
     curve.set(xscale="log", xlabel=r"time since the step over $t_\mathrm{w}$")
     curve.set_ylabel("area over that after the step")
     low, high = curve.get_ylim()
