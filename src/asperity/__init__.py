@@ -38,12 +38,13 @@ if TYPE_CHECKING:
     from asperity.analysis import observe
     from asperity.app import campaign
     from asperity.app.predict import predict
-    from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
+    from asperity.contact import ActiveSet, Carried, Contact, Load, Multigrid, Separation
     from asperity.results import Checkpoint, History
     from asperity.simulate import age, press, relax, slide
 
 __all__ = [
     "ActiveSet",
+    "Carried",
     "Checkpoint",
     "Contact",
     "Frame",
@@ -76,7 +77,7 @@ _HOME = {
     "asperity.aging": ("Frame",),
     "asperity.analysis": ("observe",),
     "asperity.app.predict": ("predict",),
-    "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
+    "asperity.contact": ("ActiveSet", "Carried", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "relax", "slide"),
 }

@@ -16,6 +16,7 @@ from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, check_rtol
 from asperity.base import checks, units
 from asperity.contact.bodies import Bodies, bodies_of
+from asperity.contact.carried import Carried
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import first_contact, pressed_anew, slid
@@ -173,6 +174,7 @@ def age(
     fields_at: ArrayLike = (),
     progress: Callable[[Frame], None] | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
+    carried: Carried | None = None,
     solver: ContactSolver | None = None,
     exact: bool = True,
 ) -> History:
@@ -208,6 +210,9 @@ def age(
         the run goes on from there, to the result that it would have had undisturbed. The file
         stays: remove it when the results are safe. A solver of your own needs a repr that says all
         it depends on, by which the run is recognized.
+    carried
+        What else to record at each time: stiffness, resistances, what sticks under shear. It costs about as
+        much as one press a time and each of these solves.
     solver
         How to solve the contact problems; by default as `asperity.press` does.
     exact
@@ -240,6 +245,8 @@ def age(
     schedule = _schedule(contact, protocol, hold, stops)
     units.check_units(given, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
+    if carried is not None:
+        checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)").of(contact)
     always = set(schedule.switches) if protocol else {0.0}
     rows: list[Row] = []
     snapshots: list[Snapshot] = []
@@ -248,7 +255,8 @@ def age(
         settings = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
         fields = np.append(kept, 0.0) if keep_start else kept
         keeper = Keeper(
-            settings, fingerprint_of(contact, schedule, recorded, fields, tolerance, method, exact)
+            settings,
+            fingerprint_of(contact, schedule, recorded, fields, tolerance, method, exact, carried),
         )
         place = keeper.read()
         if place is not None:
@@ -277,7 +285,7 @@ def age(
             if of_its_time and (frame.time in kept or (frame.time == 0 and keep_start)):
                 snapshots.append(snapshot_of(frame))
             if frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always)):
-                rows.append(row_of(frame, slides=schedule.slides))
+                rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     return History(
         dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance), final

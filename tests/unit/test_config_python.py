@@ -33,6 +33,11 @@ CASES: dict[str, dict[str, Any]] = {
         "surface": GAUSSIAN | {"edges": "free"},
         "solid": MAXWELL | {"modulus": 2.0},
     },
+    "carried": {
+        "surface": WAVES | {"edges": "free"},
+        "solid": {"kind": "half_space", "young": "3 GPa", "poisson": 0.3},
+        "carried": {"stiffness": True, "resistivity": [1e-8, 2e-8], "shear": "1 uN", "friction": 0.4},
+    },
     "two bodies": {
         "surface": WAVES,
         "solid": {"kind": "half_space", "young": ["3 GPa", "70 GPa"], "poisson": [0.35, 0.22]},

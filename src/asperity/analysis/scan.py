@@ -23,6 +23,8 @@ _PREFIXED = {
     "J/m": ("p", "n", "u", "m", "", "k", "M"),
     "Pa": ("m", "", "k", "M", "G"),
     "s": ("n", "u", "m", ""),
+    "ohm": ("n", "u", "m", "", "k", "M"),
+    "K/W": ("u", "m", "", "k", "M", "G"),
 }
 """Prefixes of SI units other than the meter with which figures count, rising."""
 

@@ -1,9 +1,10 @@
 """Contact: one problem (Signorini), one file a solver, and the states that come out."""
 
 from asperity.contact.active_set import ActiveSet
+from asperity.contact.carried import Carried
 from asperity.contact.controls import Control, Load, Separation
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.state import Contact
 
-__all__ = ["ActiveSet", "Contact", "Control", "Load", "Multigrid", "Separation"]
+__all__ = ["ActiveSet", "Carried", "Contact", "Control", "Load", "Multigrid", "Separation"]
 __dir__ = __all__.copy  # dir() lists the public names alone

@@ -7,6 +7,7 @@ prediction give pictures and a page.
 from asperity.figures.aging import aging_curve
 from asperity.figures.campaign import campaign_figure
 from asperity.figures.cards import html_of
+from asperity.figures.carried import carried_figure
 from asperity.figures.contacts import contact_figure
 from asperity.figures.distributions import distribution_figure
 from asperity.figures.film import Film, animate_history
@@ -27,6 +28,7 @@ __all__ = [
     "aging_curve",
     "animate_history",
     "campaign_figure",
+    "carried_figure",
     "contact_figure",
     "distribution_figure",
     "fit_figure",

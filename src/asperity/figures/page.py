@@ -19,6 +19,7 @@ from asperity.analysis.scan import written
 from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.figures import prediction as drawn
+from asperity.figures.carried import carried_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.surfaces import statistics
 
@@ -81,6 +82,12 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
             "beyond the axis.",
         ),
     }
+    if "normal_stiffness" in prediction.dataset:
+        captions["carried"] = (
+            carried_figure(prediction.dataset.isel(time=slice(1, None))),
+            "What the contact carries: stiffness and resistance of the constrictions, from the contacts at "
+            "each time (docs/carried.md).",
+        )
     if prediction.fit is not None:
         captions["relaxation"] = (
             relaxation_figure(prediction.fit),

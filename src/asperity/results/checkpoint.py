@@ -21,6 +21,7 @@ from asperity.aging.legs import LegMidway
 from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
+from asperity.contact.carried import Carried
 from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
@@ -125,6 +126,7 @@ def fingerprint_of(
     rtol: float,
     solver: ContactSolver,
     exact: bool,
+    carried: Carried | None = None,
 ) -> str:
     """Hash all that a history depends on."""
     solid = start.solid
@@ -139,6 +141,8 @@ def fingerprint_of(
         solver,
         exact,
     )
+    if carried is not None:
+        facts = (*facts, carried)
     if solid.creep is not None:
         facts = (*facts, solid.creep.fingerprint())
     if solid.yields:

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from asperity.aging.frames import Frame
 from asperity.base.version import __version__
+from asperity.contact.carried import Carried
 from asperity.contact.controls import Control
 from asperity.contact.state import Contact
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
-from asperity.results.quantities import had_by, units_of
+from asperity.results.quantities import had_by, select, units_of
 
 Row = dict[str, float]
 """One entry of the time series: ``time`` and a value for each series."""
@@ -35,12 +36,13 @@ class Snapshot:
     shift: Sequence[float] = ()
 
 
-def row_of(frame: Frame, *, slides: bool = False) -> Row:
-    """Take the entry of the time series from a frame; of a history that slides or not."""
-    return {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
+def row_of(frame: Frame, *, slides: bool = False, carried: Carried | None = None) -> Row:
+    """Take the entry of the time series from a frame, of a history that slides or not."""
+    row: Row = {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
         name: getattr(frame if hasattr(frame, name) else frame.contact, name)
         for name in had_by(frame.contact, "series", slides=slides)
     }
+    return row if carried is None else row | carried.of(frame.contact)
 
 
 def snapshot_of(frame: Frame) -> Snapshot:
@@ -81,7 +83,8 @@ def dataset_of(
     """
     sites = ("y", "x")[2 - start.heights.ndim :]
     slides = bool(rows) and "displacement" in rows[0]
-    series = had_by(start, "series", slides=slides)
+    asked = [name for name in select("series", of=["carried"]) if rows and name in rows[0]]
+    series = [*had_by(start, "series", slides=slides), *asked]
     dataset = xr.Dataset(
         data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series},
         coords={"time": [row["time"] for row in rows]} | dict(zip(sites, coordinates_of(start), strict=True)),
@@ -149,7 +152,7 @@ def coordinates_of(contact: Contact) -> list[NDArray[Any]]:
 def describe(dataset: xr.Dataset, contact: Contact) -> None:
     """Give every variable its long name and unit."""
     units = units_of(contact)
-    for name, one in had_by(contact, slides=True).items():
+    for name, one in (had_by(contact, slides=True) | select(of=["carried"])).items():
         if name in dataset.variables:
             unit = units.get(one.dimension, one.dimension)
             dataset[name].attrs.update(long_name=one.long_name, units=unit)

@@ -15,7 +15,7 @@ from typing import Literal
 from asperity.contact.state import Contact
 
 Home = Literal["coordinate", "series", "field", "contact", "map"]
-Of = Literal["all", "sites", "continua", "yielding", "sliding", "friction"]
+Of = Literal["all", "sites", "continua", "yielding", "sliding", "friction", "carried"]
 
 
 class Table(Flag):
@@ -51,7 +51,8 @@ class Quantity:
         Where it is a column.
     of
         Which have it: solids that are defined on ``"sites"``, ``"continua"``, those with a hardness
-        (``"yielding"``), histories with ``"sliding"`` or a shear strength (``"friction"``), or ``"all"``.
+        (``"yielding"``), histories with ``"sliding"``, a shear strength (``"friction"``) or what `Carried`
+        asks for (``"carried"``), or ``"all"``.
     home
         ``"series"``, over time; ``"field"``, over the sites at the times of the fields; ``"contact"``, a
         field that one contact has besides; ``"map"``, what is known at the times of the fields;
@@ -91,6 +92,8 @@ _AT_HARDNESS = "number of sites in contact whose pressure is the hardness"
 _SLID = "length that the rough surface has slid since the start"
 _SHEARED = "friction force, shear strength times real contact area"
 _COEFFICIENT = "friction coefficient, friction force over load"
+_STIFF = "normal contact stiffness, at once and with the contacts as they are"
+_STIFF_ACROSS = "tangential contact stiffness, before anything slips"
 _LOWER = "by how much the rough surface is lower where it has yielded"
 _LARGEST = "size of the largest patch"
 _TOUCHED = "time for which the sites in contact have touched without interruption"
@@ -122,6 +125,13 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("velocity", "place / time", "sliding velocity", _RESULT, "sliding", symbol="V"),
     Quantity("friction_force", "force", _SHEARED, _RESULT, "friction", symbol="F"),
     Quantity("friction", "1", _COEFFICIENT, _RESULT, "friction", symbol="μ"),
+    Quantity("normal_stiffness", "stiffness", _STIFF, _SOLVED, "carried", symbol="k_n"),
+    Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _SOLVED, "carried", symbol="k_t"),
+    Quantity(
+        "resistance", "ohm", "electrical resistance of the constrictions", _SOLVED, "carried", symbol="R_c"
+    ),
+    Quantity("thermal_resistance", "K/W", "thermal resistance of the constrictions", _SOLVED, "carried"),
+    Quantity("stick_fraction", "1", "share of the contact that sticks under shear", _SOLVED, "carried"),
     _coordinate("leg", "1", "leg of the history, from 0", RUN | PAGE, whole=True),
     _coordinate("heights", "length", "height of the rigid rough surface", symbol="ξ(r)"),
     _field("u", "length", "height of the elastic surface", symbol="u(r), Eq. (1)"),

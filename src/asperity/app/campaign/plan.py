@@ -391,6 +391,8 @@ def _facts(config: RunConfig, content: str) -> dict[str, Any]:
     facts["output"].pop("figures")
     if config.friction.shear_strength is None:
         del facts["friction"]
+    if config.carries is None:
+        del facts["carried"]
     if (file := config.surface.file) is not None:
         # The suffix decides how the content is read.
         facts["surface"]["path"] = [file.suffix.lower(), content]

@@ -179,7 +179,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
-    from asperity.app.config.models import Aging, Contact, Friction, Output, Scan
+    from asperity.app.config.models import Aging, Carried, Contact, Friction, Output, Scan
     from asperity.app.config.solids import FORMULAS, POISSON, PREDICTED, HalfSpace
 
     words = {
@@ -205,6 +205,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         ("contact", Contact, {"load", "pressure"}),
         ("aging", Aging, {"first", "last", "per_decade"}),
         ("friction", Friction, {"shear_strength"}),
+        ("carried", Carried, set(Carried.model_fields)),
         ("output", Output, {"pixel", "blur", "threshold"}),
     ):
         for name, key in keys_of(model).items():

@@ -14,7 +14,14 @@ from asperity.app.cli.new_files import try_writing
 from asperity.app.config.reading import to_toml
 from asperity.base.tables import with_unit
 from asperity.errors import InputError, OutputError
-from asperity.figures import aging_curve, contact_figure, history_figure, patch_figure, sliding_figure
+from asperity.figures import (
+    aging_curve,
+    carried_figure,
+    contact_figure,
+    history_figure,
+    patch_figure,
+    sliding_figure,
+)
 from asperity.figures.style import RESOLUTION
 from asperity.results import save
 from asperity.results.quantities import RUN, select
@@ -65,7 +72,8 @@ def check_free(out: Path, *, overwrite: bool) -> None:
 
 
 def _is_ours(name: str) -> bool:
-    pictures = "aging, history, sliding, contacts, patches, growth, pressure, relaxation, observed, friction"
+    pictures = "aging, history, sliding, contacts, patches, carried, "
+    pictures += "growth, pressure, relaxation, observed, friction"
     ours = {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION, "solid.toml"}
     return name in ours or Path(name).stem in pictures.split(", ")
 
@@ -109,6 +117,8 @@ def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
         drawings["aging"] = lambda: aging_curve(outcome.dataset, summary)
     if "displacement" in outcome.dataset:
         drawings["sliding"] = lambda: sliding_figure(outcome.dataset)
+    if "normal_stiffness" in outcome.dataset:
+        drawings["carried"] = lambda: carried_figure(outcome.dataset)
     if maps := outcome.dataset.sizes.get("field_time", 0):
         shown = outcome.dataset
         if maps > _MOST_MAPS:

@@ -12,10 +12,12 @@ from asperity.app.cli.flags import check_unit, keys_for, of_flags
 from asperity.app.config import MeasuredSurface
 from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Scan
+from asperity.app.config.models import Carried as CarriedSection
 from asperity.app.config.reading import file_surface, read_config, section_from
 from asperity.app.config.solids import POISSON, BesideTable
 from asperity.app.predict import predict, predict_config
 from asperity.base import units
+from asperity.contact import Carried
 from asperity.errors import InputError
 from asperity.relaxation import arrhenius, wlf
 
@@ -103,7 +105,13 @@ def _arguments(flags: Sections, wanted: dict[str, Any]) -> dict[str, Any]:
         keys["poisson"] = keys["poisson"][0]
     if "per_decade" in keys:
         keys["branches_per_decade"] = keys.pop("per_decade")
+    asked = section_from("carried", SECTIONS["carried"], flags.get("carried", {}))
+    assert isinstance(asked, CarriedSection)
+    if (carried := asked.asked([keys.get("poisson", POISSON)])) is not None:
+        keys["carried"] = Carried(**carried)
     for section, model in SECTIONS.items():
+        if section == "carried":
+            continue
         keys |= section_from(section, model, flags.get(section, {})).model_dump(exclude_unset=True)
     keys |= {name: wanted[name] for name in _OF_TABLES if wanted[name] is not None}
     return keys | {"shift": _shift(keys.pop("temperature", None), wanted)}

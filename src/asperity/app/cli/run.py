@@ -19,7 +19,7 @@ _CHECKPOINT_EVERY = 20.0
 """Seconds between checkpoints: shorter runs leave none."""
 
 
-@command("surface", "preparation", "solid", "contact", "aging", "friction", "output")
+@command("surface", "preparation", "solid", "contact", "aging", "friction", "carried", "output")
 def run(
     config: Path | None = None,
     /,

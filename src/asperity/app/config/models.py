@@ -17,13 +17,16 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union
 from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
 from asperity.app.config.sections import (
+    Conductivity,
     Duration,
     FirstForce,
+    Force,
     Place,
     Position,
     Positive,
     Pressure,
     Real,
+    Resistivity,
     Section,
     Size,
     Time,
@@ -79,6 +82,9 @@ Shape = Annotated[
     Field(min_length=1, max_length=2),
     BeforeValidator(_listed),
 ]
+
+_BOTH = Field(min_length=1, max_length=2)
+"""One number of both bodies, or one of each."""
 
 _SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
 _RMS = "Rms height."
@@ -565,6 +571,45 @@ class Friction(Section):
         return self
 
 
+class Carried(Section):
+    """What a half-space's contact carries besides its load, recorded at each time."""
+
+    stiffness: bool = Field(
+        default=False,
+        description="Record the normal stiffness; with one Poisson's ratio of the solid the tangential too.",
+    )
+    resistivity: Annotated[list[Resistivity], _BOTH, BeforeValidator(listed)] | None = Field(
+        default=None, description="Electrical resistivity, of both bodies or of each: record the resistance."
+    )
+    conductivity: Annotated[list[Conductivity], _BOTH, BeforeValidator(listed)] | None = Field(
+        default=None, description="Thermal conductivity, likewise: record the thermal resistance."
+    )
+    shear: Force | None = Field(
+        default=None, description="Shear force: record which share of the contact sticks under it."
+    )
+    friction: Positive | None = Field(
+        default=None, description="Coefficient of friction of the sites, for the shear force."
+    )
+
+    @model_validator(mode="after")
+    def _both(self) -> Self:
+        if (self.shear is None) != (self.friction is None):
+            name, other = ("friction", "shear") if self.shear is None else ("shear", "friction")
+            raise ValueError(f"{name}: expected {other} beside it, got none")
+        return self
+
+    def asked(self, poisson: list[float] | None) -> dict[str, Any] | None:
+        """What `asperity.Carried` takes, beside Poisson's ratios; None where nothing is to be recorded."""
+        facts = self.model_dump(exclude_defaults=True)
+        if not facts:
+            return None
+        for name in {"resistivity", "conductivity"} & facts.keys():
+            facts[name] = facts[name][0] if len(facts[name]) == 1 else tuple(facts[name])
+        if facts.pop("stiffness", False) and poisson and len(set(poisson)) == 1:
+            facts["poisson"] = poisson[0]
+        return facts
+
+
 class Output(Section):
     """What is written."""
 
@@ -602,6 +647,7 @@ SECTIONS: Mapping[str, type[Section]] = {
     "contact": Contact,
     "aging": Aging,
     "friction": Friction,
+    "carried": Carried,
     "output": Output,
 }
 """Sections of one kind."""
@@ -616,6 +662,7 @@ class RunConfig(Section):
     aging: Aging = Aging()
     protocol: list[AnyLeg] = Field(default=[])
     friction: Friction = Friction()
+    carried: Carried = Carried()
     output: Output = Output()
 
     @model_validator(mode="after")
@@ -659,6 +706,11 @@ class RunConfig(Section):
         first, last = self.solid.span
         first, last = self.aging.first or first, self.aging.last or last
         return first, last
+
+    @property
+    def carries(self) -> dict[str, Any] | None:
+        """What `asperity.Carried` takes; None where nothing is to be recorded."""
+        return self.carried.asked(getattr(self.solid, "poisson", None))
 
     @property
     def end(self) -> float:

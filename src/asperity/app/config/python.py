@@ -6,8 +6,9 @@ import math
 import textwrap
 from typing import Any
 
-from asperity.app.config.models import MeasuredSurface, RunConfig, Spectrum, Waves
+from asperity.app.config.models import Asperities, MeasuredSurface, RunConfig, Spectrum, Waves
 from asperity.base.version import __version__
+from asperity.contact import Carried
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.protocols import Leg
@@ -46,6 +47,8 @@ def to_python(config: RunConfig, times: list[float]) -> str:
         given["protocol"] = list(config.legs)
     given |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
     given = {name: value for name, value in given.items() if value not in (None, [])}
+    if config.carries is not None:
+        given["carried"] = Carried(**config.carries)
     spread = config.aging.times is None and not config.protocol
     lines = [
         f"# Asperity {__version__}",
@@ -78,7 +81,7 @@ def _surface(config: RunConfig) -> str:
         facts = {name: value for name, value in facts.items() if value != usual[name]}
         return _call("asp.surfaces.read", repr(first), **facts)
     heights = _call(f"asp.surfaces.{chosen.kind}", repr(first), **facts)
-    edges = {} if chosen.edges is None else {"edges": chosen.edges}
+    edges = {} if chosen.edges is None or isinstance(chosen, Asperities) else {"edges": chosen.edges}
     if not isinstance(chosen, Waves):
         return _call("asp.surfaces.Surface", heights, **edges) if edges else heights
     if isinstance(chosen, Spectrum):
@@ -114,6 +117,8 @@ def _written(value: object) -> str:
         return line if len(line) <= _LONG else textwrap.fill(line, _LONG, subsequent_indent="        ")
     if isinstance(value, LocalCreep):
         return _call(f"asp.solids.{type(value).__name__}", **vars(value))
+    if isinstance(value, Carried):
+        return _call("asp.Carried", **{name: one for name, one in vars(value).items() if one is not None})
     if isinstance(value, Leg):
         facts = {name: "inf" if one == math.inf else one for name, one in value.arguments.items()}
         if isinstance(legs := facts.get("legs"), tuple):

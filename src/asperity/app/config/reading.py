@@ -108,6 +108,8 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
         del tables["protocol"]
     if not tables["friction"]:
         del tables["friction"]
+    if config.carries is None:
+        del tables["carried"]
     return tables
 
 

@@ -87,6 +87,7 @@ Time = Annotated[float, Field(ge=0, le=1e30), InUnit("s")]
 Duration = Annotated[float, Field(gt=0, le=1e30), InUnit("s")]
 FirstForce = Annotated[float, Field(ge=0, le=LARGEST), InUnit("N")]
 """A load at the beginning, from which a ramp may go up."""
+Force = Annotated[float, Field(gt=0, le=LARGEST), InUnit("N")]
 Pressure = Annotated[float, Field(gt=0, le=LARGEST), InUnit("Pa")]
 Modulus = Annotated[float, Field(gt=0, le=1e30), InUnit("Pa")]
 Size = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m")]
@@ -95,6 +96,8 @@ Velocity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m/s")]
 Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), InUnit("N/m")]
 Energy = Annotated[float, Field(gt=0, le=LARGEST), InUnit("J")]
 Volume = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m^3")]
+Resistivity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("ohm m")]
+Conductivity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("W/m/K")]
 Temperature = Annotated[float, Field(gt=0, le=LARGEST), InUnit("K")]
 
 

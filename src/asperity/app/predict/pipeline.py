@@ -34,6 +34,7 @@ from asperity.app.predict.words import remarks_on
 from asperity.app.runs.defaults import USUAL_MAPS
 from asperity.app.runs.pipeline import (
     bytes_a_site,
+    carried_by,
     check_units,
     completed,
     embedded,
@@ -42,6 +43,7 @@ from asperity.app.runs.pipeline import (
 )
 from asperity.base import checks
 from asperity.base.machine import require
+from asperity.contact import Carried
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress, listener
@@ -85,6 +87,7 @@ def predict(
     extrapolate: Extrapolate | None = None,
     ramp: float | str | None = None,
     shear_strength: float | str | None = None,
+    carried: Carried | None = None,
     pixel: float | str | None = None,
     blur: float | str | None = None,
     threshold: float = 0.5,
@@ -133,6 +136,8 @@ def predict(
         from the start of the loading.
     shear_strength
         Of the contacts, Pa: gives friction (Tabor).
+    carried
+        What else to record at each time: stiffness, resistances, what sticks; see `asperity.age`.
     pixel, blur, threshold
         An instrument through which to look at the contact, see `asperity.observe`; by default none.
     protocol
@@ -218,6 +223,7 @@ def predict(
             pressed={which: amount},
             ramp=loading,
             strength=strength,
+            carried=carried,
             instrument=instrument_of(pixel=pixel, blur=blur, threshold=threshold),
             facts=facts,
             progress=listening,
@@ -291,6 +297,7 @@ def predict_config(
         pressed=config.contact.model_dump(exclude_none=True),
         ramp=loading,
         strength=config.friction.shear_strength,
+        carried=carried_by(config),
         instrument=instrument_of(**config.output.instrument),
         facts=facts,
         progress=progress,
@@ -309,6 +316,7 @@ def _predicted(
     pressed: dict[str, Any],
     ramp: float,
     strength: float | None,
+    carried: Carried | None,
     instrument: dict[str, Any],
     facts: dict[str, object],
     progress: Progress,
@@ -339,7 +347,7 @@ def _predicted(
             observe(contact, **instrument)  # refuses before minutes have passed
         progress.stage("aging", times=times.tolist())
         how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
-        dataset = age(contact, times, protocol=legs, fields_at=maps, **how).dataset
+        dataset = age(contact, times, protocol=legs, fields_at=maps, carried=carried, **how).dataset
     except InputError as error:
         name, amount = next(iter(pressed.items()))
         if error.name != "load" or name != "pressure" or not solid.yields:

@@ -7,6 +7,7 @@ import numpy as np
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
 from asperity.app.runs.defaults import remark_on_loading
+from asperity.app.runs.words import carried_words
 from asperity.base.words import counted as how_many
 from asperity.base.words import thousands
 from asperity.surfaces import Surface
@@ -67,6 +68,7 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     if prediction.friction is not None:
         mu = prediction.friction
         rows.append(("friction", f"{mu[0]:.3g} at first, {mu[-1]:.3g} at last"))
+    rows += carried_words(dataset.isel(time=slice(1, None)))
     for which, place in (("first", 0), ("last", -1)) if prediction.observed else ():
         seen = prediction.observed[place]
         rows.append((f"seen at {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))

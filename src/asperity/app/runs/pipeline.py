@@ -26,8 +26,9 @@ from asperity.app.runs.defaults import (
 )
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
-from asperity.contact import Contact
+from asperity.contact import Carried, Contact
 from asperity.contact.bodies import bodies_of
+from asperity.contact.response import check_half_space
 from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field, Lattice
@@ -116,6 +117,8 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     bodies = bodies_of(rough, solid)  # refuses before anything is compiled
     if config.protocol:
         check_slides(config.written_out, bodies.lattice, solid)
+    if config.carries is not None:
+        check_half_space("carried", solid, bodies.lattice)
     config, remarks = completed(config, rough)
     progress.completed(config)
     for remark in remarks:
@@ -336,7 +339,13 @@ def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Ch
         fields_at=config.output.maps_at or (),
         progress=progress.reached,
         checkpoint=checkpoint,
+        carried=carried_by(config),
     )
+
+
+def carried_by(config: RunConfig) -> Carried | None:
+    """What to record of what the contact carries."""
+    return None if config.carries is None else Carried(**config.carries)
 
 
 def _observed(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from asperity.analysis.scan import readable, written
 from asperity.app.cli.report import Row
+from asperity.app.runs.words import carried_words
 from asperity.base.words import counted, thousands
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import Units, units_named
@@ -42,6 +43,7 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
         times, areas = seen["field_time"].values.tolist(), seen.values.tolist()
         rows += [(f"seen at t = {times[n]:g}", written(areas[n], seen.attrs["units"], 5)) for n in ends]
     rows += [
+        *carried_words(dataset),
         ("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"),
         (
             "effort",

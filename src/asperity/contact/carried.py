@@ -1,0 +1,68 @@
+"""What a history records of what its contact carries: which numbers, for which materials."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from asperity.base import units
+from asperity.contact.response import check_half_space
+from asperity.contact.state import Contact, Each
+from asperity.errors import InputError
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What to record of a half-space's contact at each time, beside its normal stiffness; for `asperity.age`.
+
+    Parameters
+    ----------
+    resistivity
+        Record ``resistance``; see `Contact.resistance`.
+    conductivity
+        Record ``thermal_resistance``; see `Contact.thermal_resistance`.
+    poisson
+        Record ``tangential_stiffness``; see `Contact.tangential_stiffness`.
+    shear, friction
+        Record ``stick_fraction``, the share of the contact that sticks under a shear force with this
+        coefficient of friction; 0 where the bodies slide. See `Contact.partial_slip`. At each time alone:
+        the force is put on at that time.
+
+    Raises
+    ------
+    InputError
+        Only one of shear and friction is given.
+    """
+
+    resistivity: Each | None = None
+    conductivity: Each | None = None
+    poisson: float | None = None
+    shear: float | str | None = None
+    friction: float | None = None
+
+    def __post_init__(self) -> None:
+        if (self.shear is None) != (self.friction is None):
+            got = "friction" if self.shear is None else "shear"
+            raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")
+
+    def of(self, contact: Contact) -> dict[str, float]:
+        """What a contact carries, by the names of the columns.
+
+        Raises
+        ------
+        InputError
+            The solid is no half-space, or a number is out of its range.
+        """
+        check_half_space("carried", contact.solid, contact.lattice)
+        found = {"normal_stiffness": contact.normal_stiffness}
+        if self.poisson is not None:
+            found["tangential_stiffness"] = contact.tangential_stiffness(self.poisson)
+        if self.resistivity is not None:
+            found["resistance"] = contact.resistance(self.resistivity)
+        if self.conductivity is not None:
+            found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
+        if self.shear is not None and self.friction is not None:
+            force = units.converted("shear", self.shear, "N", si=contact.si)
+            slides = isinstance(force, float | int) and force >= self.friction * contact.load > 0
+            stuck = 0.0 if slides else contact.partial_slip(self.shear, self.friction).stick_fraction
+            found["stick_fraction"] = stuck
+        return found

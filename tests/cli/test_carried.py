@@ -1,0 +1,189 @@
+"""What a contact carries, as columns: in Python, files, flags, campaigns and predictions."""
+
+import csv
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.app.cli import main
+from asperity.app.config import config_from
+from asperity.errors import ConfigError
+from asperity.figures import carried_figure
+from tests.refusals import refuses
+
+P = asp.protocols
+FLAGS = [
+    *["--surface", "sphere", "--shape", "32", "32", "--radius", "1mm", "--pixel-size", "1um"],
+    *["--solid", "half_space", "--young", "3GPa", "--poisson", "0.3"],
+]
+ASKED = [
+    "--stiffness",
+    "--resistivity",
+    "17 nOhm m",
+    "--conductivity",
+    "0.2 W/m/K",
+    "--shear",
+    "0.2mN",
+    "--friction",
+    "0.4",
+]
+RUN = [*FLAGS, "--branch", "0.5 1s", "--load", "1mN", *ASKED]
+NAMES = ["normal_stiffness", "tangential_stiffness", "resistance", "thermal_resistance", "stick_fraction"]
+
+
+@pytest.fixture(scope="module")
+def contact():
+    ball = asp.surfaces.sphere((32, 32), radius="1 mm", pixel_size="1 um")
+    solid = asp.solids.half_space(modulus=asp.solids.contact_modulus(3e9, 0.3), branches=[(0.5, 1.0)])
+    return asp.press(ball, solid, load="1 mN")
+
+
+@pytest.fixture(scope="module")
+def carried():
+    return asp.Carried(resistivity="17 nOhm m", conductivity=0.2, poisson=0.3, shear="0.2 mN", friction=0.4)
+
+
+@pytest.fixture(scope="module")
+def history(contact, carried):
+    return asp.age(contact, [0.1, 1.0, 10.0], carried=carried)
+
+
+def test_a_history_records_what_its_contacts_carry(contact, history):
+    ends = [
+        [
+            one.normal_stiffness,
+            one.tangential_stiffness(0.3),
+            one.resistance(17e-9),
+            one.thermal_resistance(0.2),
+            one.partial_slip(2e-4, 0.4).stick_fraction,
+        ]
+        for one in (contact, history.final)
+    ]
+    found = [[float(history.dataset[name][n]) for name in NAMES] for n in (0, -1)]
+    np.testing.assert_allclose(found, ends, rtol=1e-6)
+    assert history.dataset["resistance"].attrs["units"] == "ohm"
+    assert history.dataset["normal_stiffness"].attrs["units"] == "N/m"
+    assert "normal_stiffness" not in asp.age(contact, [1.0]).dataset
+
+
+def test_a_load_that_falls_ends_the_sticking(contact):
+    legs = [P.Hold(1.0), P.Step(load="0.4 mN"), P.Hold(1.0)]
+    told = asp.Carried(shear="0.2 mN", friction=0.4)
+    sticks = asp.age(contact, [1.0, 2.0], protocol=legs, carried=told).dataset["stick_fraction"].values
+    assert (sticks[:2] > 0).all()
+    assert (sticks[2:] == 0).all()
+
+
+def test_a_checkpoint_is_of_what_is_recorded(contact, carried, tmp_path):
+    asp.age(contact, [1.0], checkpoint=tmp_path / "place", carried=carried)
+    if (tmp_path / "place").exists():
+        with refuses("checkpoint", kind=asp.errors.CheckpointError):
+            asp.age(contact, [1.0], checkpoint=tmp_path / "place")
+
+
+def test_the_figure_draws_what_was_recorded(history):
+    upper, lower = carried_figure(history.dataset).axes
+    ratios = [line.get_ydata() for line in upper.get_lines()]
+    stiffness = history.dataset["normal_stiffness"].values
+    np.testing.assert_allclose(ratios[0], stiffness / stiffness[0])
+    np.testing.assert_allclose(ratios[1], stiffness[0] / stiffness)
+    np.testing.assert_allclose(lower.get_lines()[0].get_ydata(), history.dataset["stick_fraction"])
+    with refuses("dataset"):
+        carried_figure(history.dataset.drop_vars(NAMES))
+
+
+def test_a_run_has_the_columns_and_says_them(history, tmp_path):
+    out = tmp_path / "out"
+    assert main(["run", *RUN, "--times", "0.1", "1", "10", "--quiet", "--out", str(out)]) == 0
+    data = asp.results.load(out)
+    for name in NAMES:
+        np.testing.assert_allclose(data[name], history.dataset[name], rtol=1e-6)
+    with (out / "aging.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["resistance_ohm"]) for row in rows] == data["resistance"].values.tolist()
+    said = (out / "summary.txt").read_text("utf-8")
+    assert "thermal resistance" in said
+    assert "stick fraction" in said
+    assert (out / "carried.png").stat().st_size > 10_000
+    again = tmp_path / "again"
+    assert main(["run", str(out / "config.toml"), "--figures", "", "--quiet", "--out", str(again)]) == 0
+    np.testing.assert_array_equal(asp.results.load(again)["resistance"], data["resistance"])
+
+
+def test_a_campaign_gathers_the_columns(tmp_path):
+    table = """
+    [surface]
+    kind = "sphere"
+    shape = [16, 16]
+    radius = "1 mm"
+    pixel_size = "1 um"
+    [solid]
+    kind = "half_space"
+    modulus = "3 GPa"
+    branches = [[0.5, 1.0]]
+    [contact]
+    load = "0.1 mN"
+    [aging]
+    times = [1.0]
+    [carried]
+    resistivity = 1e-8
+    [sweep]
+    load = ["0.1 mN", "0.2 mN"]
+    """
+    plan, out = tmp_path / "plan.toml", tmp_path / "out"
+    plan.write_text(table)
+    assert main(["sweep", str(plan), "--out", str(out), "--workers", "1", "--quiet"]) == 0
+    assert main(["gather", str(out)]) == 0
+    gathered = asp.results.load(out / "gathered.zarr")
+    assert gathered["resistance"].dims[0] == "load"
+    assert (gathered["resistance"].diff("load") < 0).all()
+
+
+def test_a_prediction_shows_them(tmp_path):
+    surface = 1e-9 * asp.surfaces.spectral((32, 32), hurst=0.8, seed=1)
+    np.save(tmp_path / "scan.npy", surface)
+    out = tmp_path / "out"
+    words = [
+        "--file-unit",
+        "m",
+        "--pixel-size",
+        "1e-6",
+        "--length-unit",
+        "m",
+        "--young",
+        "3GPa",
+        "--branch",
+        "0.5 1s",
+    ]
+    words += ["--first", "0.1s", "--last", "100s", "--pressure", "1kPa", "--quiet", "--out", str(out)]
+    asked = [*ASKED[:5], "--shear", "0.1nN", "--friction", "0.4"]
+    assert main(["predict", "--surface", str(tmp_path / "scan.npy"), *words, *asked]) == 0
+    data = asp.results.load(out)
+    assert (data["normal_stiffness"] > 0).all()
+    assert "What the contact carries" in (out / "prediction.html").read_text("utf-8")
+    with (out / "history.csv").open(newline="") as stream:
+        row = next(csv.DictReader(stream))
+    assert float(row["resistance [ohm]"]) > 0
+
+
+def test_what_cannot_be_asked(contact):
+    with refuses("shear and friction"):
+        asp.Carried(shear=1.0)
+    with refuses("carried"):
+        asp.age(contact, [1.0], carried={"resistivity": 1.0})
+    with refuses("resistivity"):
+        asp.age(contact, [1.0], carried=asp.Carried(resistivity=-1.0))
+    springs = asp.press(
+        np.random.default_rng(0).normal(size=(8, 8)), asp.solids.spring_lattice(k0=1, k1=1), load=1
+    )
+    with refuses("carried"):
+        asp.age(springs, [1.0], carried=asp.Carried())
+    for table in (
+        {"shear": 1.0},
+        {"friction": 0.4},
+        {"resistivity": [1.0, 2.0, 3.0]},
+        {"conductivity": -1.0},
+    ):
+        with pytest.raises(ConfigError):
+            config_from({"carried": table}, {}, None)
