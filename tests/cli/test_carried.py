@@ -1,6 +1,7 @@
 """What a contact carries, as columns: in Python, files, flags, campaigns and predictions."""
 
 import csv
+from typing import Any
 
 import numpy as np
 import pytest
@@ -68,7 +69,7 @@ def test_a_history_records_what_its_contacts_carry(contact, history):
 
 
 def test_a_load_that_falls_ends_the_sticking(contact):
-    legs = [P.Hold(1.0), P.Step(load="0.4 mN"), P.Hold(1.0)]
+    legs = [P.Hold(1.0), P.Step(load=4e-4), P.Hold(1.0)]
     told = asp.Carried(shear="0.2 mN", friction=0.4)
     sticks = asp.age(contact, [1.0, 2.0], protocol=legs, carried=told).dataset["stick_fraction"].values
     assert (sticks[:2] > 0).all()
@@ -84,11 +85,12 @@ def test_a_checkpoint_is_of_what_is_recorded(contact, carried, tmp_path):
 
 def test_the_figure_draws_what_was_recorded(history):
     upper, lower = carried_figure(history.dataset).axes
-    ratios = [line.get_ydata() for line in upper.get_lines()]
+    ratios = [np.asarray(line.get_ydata(), dtype=float) for line in upper.get_lines()]
     stiffness = history.dataset["normal_stiffness"].values
     np.testing.assert_allclose(ratios[0], stiffness / stiffness[0])
     np.testing.assert_allclose(ratios[1], stiffness[0] / stiffness)
-    np.testing.assert_allclose(lower.get_lines()[0].get_ydata(), history.dataset["stick_fraction"])
+    stuck = np.asarray(lower.get_lines()[0].get_ydata(), dtype=float)
+    np.testing.assert_allclose(stuck, history.dataset["stick_fraction"])
     with refuses("dataset"):
         carried_figure(history.dataset.drop_vars(NAMES))
 
@@ -171,7 +173,8 @@ def test_what_cannot_be_asked(contact):
     with refuses("shear and friction"):
         asp.Carried(shear=1.0)
     with refuses("carried"):
-        asp.age(contact, [1.0], carried={"resistivity": 1.0})
+        wrong: Any = {"resistivity": 1.0}
+        asp.age(contact, [1.0], carried=wrong)
     with refuses("resistivity"):
         asp.age(contact, [1.0], carried=asp.Carried(resistivity=-1.0))
     springs = asp.press(

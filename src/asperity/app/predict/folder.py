@@ -20,7 +20,9 @@ def write_files(prediction: Prediction, folder: Path, *, command: str) -> None:
     (folder / "prediction.html").write_text(page, encoding="utf-8")
     for name, picture in pictures.items():
         (folder / f"{name}.png").write_bytes(picture.png)
-    unit_of = {name: prediction.dataset[name].attrs["units"] for name in areas_first(select(table=PREDICT))}
+    dataset = prediction.dataset
+    names = [name for name in areas_first(select(table=PREDICT)) if name in dataset.variables]
+    unit_of = {name: dataset[name].attrs["units"] for name in names}
     columns = {f"{name} [{unit}]": prediction.series(name) for name, unit in unit_of.items()}
     if prediction.effective_load is not None:
         columns["effective_load [N]"] = prediction.effective_load
