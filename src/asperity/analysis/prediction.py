@@ -121,6 +121,36 @@ class Resolved:
     rim: float
 
 
+@dataclass(frozen=True)
+class Band:
+    """What a prediction becomes where only waves from a shortest one on are kept; SI units, at the last time.
+
+    Attributes
+    ----------
+    shortest
+        The shortest wave kept; two pixels for the scan as it is.
+    area
+        Real contact area less its rim.
+    pressure
+        Load over that area.
+    growth
+        That area over the one at the first time.
+    stiffness
+        Normal contact stiffness, to which conductances are proportional.
+    """
+
+    shortest: float
+    area: float
+    pressure: float
+    growth: float
+    stiffness: float
+
+    def change_to(self, coarser: Band) -> dict[str, float]:
+        """Relative changes of the numbers in a coarser band."""
+        names = ("area", "pressure", "growth", "stiffness")
+        return {name: getattr(coarser, name) / getattr(self, name) - 1 for name in names}
+
+
 @dataclass(frozen=True, eq=False)
 class Prediction(views.InNotebooks):
     """The growth of a real contact, predicted from a relaxation table or a solid, a scan and a load.
@@ -144,6 +174,8 @@ class Prediction(views.InNotebooks):
         The contact at the times of the maps, as an instrument sees it; empty where none was given.
     remarks
         What the reader should know.
+    bands
+        The same of the scan without its short waves, the whole scan first; empty unless asked for.
     """
 
     dataset: xr.Dataset
@@ -154,6 +186,7 @@ class Prediction(views.InNotebooks):
     shear_strength: float | None = None
     observed: tuple[Observation, ...] = ()
     remarks: tuple[str, ...] = ()
+    bands: tuple[Band, ...] = ()
 
     def __repr__(self) -> str:
         band = "{:.4g} to {:.4g}".format(*self.growth.ratio_band)

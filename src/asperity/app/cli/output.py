@@ -73,7 +73,7 @@ def check_free(out: Path, *, overwrite: bool) -> None:
 
 def _is_ours(name: str) -> bool:
     pictures = "aging, history, sliding, contacts, patches, carried, "
-    pictures += "growth, pressure, relaxation, observed, friction"
+    pictures += "growth, pressure, relaxation, observed, friction, resolution"
     ours = {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION, "solid.toml"}
     return name in ours or Path(name).stem in pictures.split(", ")
 

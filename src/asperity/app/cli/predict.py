@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, Whole, flags_for, given
+from asperity.app.cli.flags import Flags, Out, Switch, Whole, flags_for, given
 from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
@@ -66,6 +66,7 @@ def predict(
     *,
     surface: Path | None = None,
     ramp: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
+    resolution_study: Switch = False,
     wanted: PredictFlags = _PREDICT,
     out: Out = Path("prediction"),
     results: Results = _RESULTS,
@@ -90,6 +91,8 @@ def predict(
     ramp
         Time within which the load is put on, in proportion to time, such as 2.4s; all times count from its
         start. [default: at once]
+    resolution_study
+        Predict the same without the short waves of the scan, too: what would a finer scan change?
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     """
@@ -99,6 +102,10 @@ def predict(
     from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)
+    asked, compute = (
+        f"{asked}{resolution_study}",
+        functools.partial(compute, resolution_study=resolution_study),
+    )
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report

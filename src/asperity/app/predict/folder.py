@@ -30,6 +30,13 @@ def write_files(prediction: Prediction, folder: Path, *, command: str) -> None:
         columns |= {"friction_force [N]": prediction.friction_force, "friction [1]": prediction.friction}
     table = pd.DataFrame(columns).to_csv(index=False, lineterminator="\n", na_rep="nan")
     (folder / "history.csv").write_text(table, encoding="utf-8")
+    if prediction.bands:
+        units = {"shortest": "m", "area": "m^2", "pressure": "Pa", "growth": "1", "stiffness": "N/m"}
+        rows = [
+            {f"{name} [{unit}]": getattr(band, name) for name, unit in units.items()}
+            for band in prediction.bands
+        ]
+        pd.DataFrame(rows).to_csv(folder / "resolution.csv", index=False, lineterminator="\n")
     if prediction.fit is not None:
         (folder / "solid.toml").write_text(_solid(prediction, prediction.fit), encoding="utf-8")
 

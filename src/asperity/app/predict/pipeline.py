@@ -17,6 +17,7 @@ from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.solids import POISSON, HalfSpace
+from asperity.app.predict.bandwidth import bands_of
 from asperity.app.predict.checked import (
     LEAST_TIMES,
     RUN,
@@ -91,6 +92,7 @@ def predict(
     pixel: float | str | None = None,
     blur: float | str | None = None,
     threshold: float = 0.5,
+    resolution_study: bool = False,
     protocol: None = None,
     progress: Progress | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
@@ -140,6 +142,9 @@ def predict(
         What else to record at each time: stiffness, resistances, what sticks; see `asperity.age`.
     pixel, blur, threshold
         An instrument through which to look at the contact, see `asperity.observe`; by default none.
+    resolution_study
+        Whether to predict the same from the scan without its short waves, 4, 8, 16 and 32 pixels, too:
+        `Prediction.bands` then says which of the results a finer scan would change.
     protocol
         None: the load stays. Slides and loads that change are refused; `asperity.age` follows them.
     progress
@@ -224,6 +229,7 @@ def predict(
             ramp=loading,
             strength=strength,
             carried=carried,
+            study=resolution_study,
             instrument=instrument_of(pixel=pixel, blur=blur, threshold=threshold),
             facts=facts,
             progress=listening,
@@ -236,6 +242,7 @@ def predict_config(
     progress: Progress,
     *,
     ramp: float | str | None = None,
+    resolution_study: bool = False,
     checkpoint: Checkpoint | None = None,
 ) -> Prediction:
     """Predict from the configuration of a run: the same solid, surface, load and times as `execute` takes.
@@ -298,6 +305,7 @@ def predict_config(
         ramp=loading,
         strength=config.friction.shear_strength,
         carried=carried_by(config),
+        study=resolution_study,
         instrument=instrument_of(**config.output.instrument),
         facts=facts,
         progress=progress,
@@ -317,6 +325,7 @@ def _predicted(
     ramp: float,
     strength: float | None,
     carried: Carried | None,
+    study: bool,
     instrument: dict[str, Any],
     facts: dict[str, object],
     progress: Progress,
@@ -358,6 +367,8 @@ def _predicted(
     if ramp:  # switches between legs were recorded, too
         asked = np.isin(dataset["time"], times)
         dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
+    span = float(times[0]), float(times[-1])
+    bands = bands_of(scan, solid, pressed, span, rtol, progress) if study else ()
     facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol, "ramp": ramp}
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
     progress.stage("weighing the spread of the table and of the scan")
@@ -371,6 +382,7 @@ def _predicted(
         observed=tuple(
             observe(dataset.isel(field_time=n), **instrument) for n in range(len(maps) if instrument else 0)
         ),
+        bands=bands,
     )
     return replace(
         prediction, remarks=(*scan.remarks, *remarks_on_edges(scan), *remarks_on(prediction, scan))

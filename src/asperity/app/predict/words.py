@@ -68,6 +68,10 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     if prediction.friction is not None:
         mu = prediction.friction
         rows.append(("friction", f"{mu[0]:.3g} at first, {mu[-1]:.3g} at last"))
+    if len(prediction.bands) > 1:
+        whole, half = prediction.bands[:2]
+        changes = ", ".join(f"{name} by {100 * by:+.2g} %" for name, by in whole.change_to(half).items())
+        rows.append(("resolution", f"without waves below {written(half.shortest, 'm')}: {changes}"))
     rows += carried_words(dataset.isel(time=slice(1, None)))
     for which, place in (("first", 0), ("last", -1)) if prediction.observed else ():
         seen = prediction.observed[place]

@@ -1,0 +1,67 @@
+"""How far a scan suffices: the same prediction with short waves left out, beside that of the whole scan."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from asperity.analysis.prediction import Band
+from asperity.progress import Progress
+from asperity.simulate import age, press
+from asperity.solids import Solid
+from asperity.surfaces import Surface
+from asperity.surfaces.prepare import length_factor
+
+_FACTORS = (1, 2, 4, 8, 16)
+"""Shortest waves, over two pixels, which are the shortest that a scan has."""
+
+_FEWEST = 8
+"""Waves along the shorter side that a band has at least."""
+
+
+def bands_of(
+    scan: Surface,
+    solid: Solid,
+    pressed: dict[str, Any],
+    span: tuple[float, float],
+    rtol: float,
+    progress: Progress,
+) -> tuple[Band, ...]:
+    """Press the scan and let it age, with ever fewer of its short waves.
+
+    Parameters
+    ----------
+    scan
+        With units.
+    solid
+        The half-space.
+    pressed
+        Load or pressure; it is put on at once.
+    span
+        The first and the last time, s.
+    rtol, progress
+        As for a prediction.
+    """
+    sides = scan.pixel_size or ()
+    meter = length_factor(str(scan.length_unit), "m")
+    longest = min(n * side for n, side in zip(scan.shape, sides, strict=True)) / _FEWEST
+    found = []
+    for factor in _FACTORS:
+        shortest = 2 * max(sides) * factor
+        if factor > 1 and shortest > longest:
+            break
+        progress.stage(f"waves from {factor * 2} pixels on")
+        part = scan if factor == 1 else scan.band(shortest=shortest)
+        start = press(part, solid, **pressed)
+        first = age(start, [span[0]], rtol=rtol).final
+        last = age(start, [span[1]], rtol=rtol).final
+        areas = first.contact_area_corrected, last.contact_area_corrected
+        found.append(
+            Band(
+                shortest=shortest * meter,
+                area=areas[1],
+                pressure=last.load / areas[1],
+                growth=areas[1] / areas[0],
+                stiffness=last.normal_stiffness,
+            )
+        )
+    return tuple(found)
