@@ -26,7 +26,7 @@ ASKED = [
     "0.2 W/m/K",
     "--shear",
     "0.2mN",
-    "--friction",
+    "--friction-coefficient",
     "0.4",
 ]
 RUN = [*FLAGS, "--branch", "0.5 1s", "--load", "1mN", *ASKED]
@@ -159,7 +159,7 @@ def test_a_prediction_shows_them(tmp_path):
         "0.5 1s",
     ]
     words += ["--first", "0.1s", "--last", "100s", "--pressure", "1kPa", "--quiet", "--out", str(out)]
-    asked = [*ASKED[:5], "--shear", "0.1nN", "--friction", "0.4"]
+    asked = [*ASKED[:5], "--shear", "0.1nN", "--friction-coefficient", "0.4"]
     assert main(["predict", "--surface", str(tmp_path / "scan.npy"), *words, *asked]) == 0
     data = asp.results.load(out)
     assert (data["normal_stiffness"] > 0).all()
@@ -184,7 +184,7 @@ def test_what_cannot_be_asked(contact):
         asp.age(springs, [1.0], carried=asp.Carried())
     for table in (
         {"shear": 1.0},
-        {"friction": 0.4},
+        {"friction_coefficient": 0.4},
         {"resistivity": [1.0, 2.0, 3.0]},
         {"conductivity": -1.0},
     ):

@@ -319,7 +319,7 @@ def test_whole_numbers_are_not_rounded() -> None:
 
 
 def test_every_key_has_one_flag_and_its_help() -> None:
-    sections = ("surface", "preparation", "solid", "contact", "aging", "friction", "output")
+    sections = ("surface", "preparation", "solid", "contact", "aging", "friction", "carried", "output")
     keys = {(section, key.name) for section, key in flags_for(*sections).keys.values()}
     models = {name: models_of(name) for name in ORDER}
     assert keys == {

@@ -36,7 +36,12 @@ CASES: dict[str, dict[str, Any]] = {
     "carried": {
         "surface": WAVES | {"edges": "free"},
         "solid": {"kind": "half_space", "young": "3 GPa", "poisson": 0.3},
-        "carried": {"stiffness": True, "resistivity": [1e-8, 2e-8], "shear": "1 uN", "friction": 0.4},
+        "carried": {
+            "stiffness": True,
+            "resistivity": [1e-8, 2e-8],
+            "shear": "1 uN",
+            "friction_coefficient": 0.4,
+        },
     },
     "two bodies": {
         "surface": WAVES,

@@ -132,6 +132,7 @@ def test_public_names():
     assert sorted(asperity.__all__) == dir(asperity)
     assert set(asperity.__all__) == {
         "ActiveSet",
+        "Carried",
         "Checkpoint",
         "Contact",
         "Frame",

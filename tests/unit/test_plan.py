@@ -120,7 +120,8 @@ def test_every_mistake_is_named_before_anything_starts(tmp_path):
         "[sweep] seed: cannot be swept; try seeds",
         "[sweep] times: cannot be swept; these can: edges, shape, rms, creep, creep_rate, creep_stress, "
         "creep_exponent, k0, k1, R, R_viscous, hardness, load, pressure, separation, hold, rtol, "
-        "shear_strength, rate_coefficient, reference_velocity",
+        "shear_strength, rate_coefficient, reference_velocity, stiffness, resistivity, conductivity, shear, "
+        "friction_coefficient",
         "[sweep] R: expected different values, got [1.0, 1.0]",
         "[surface] shap: no such key; did you mean 'shape'?",
     ]

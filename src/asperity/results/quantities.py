@@ -125,8 +125,8 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("velocity", "place / time", "sliding velocity", _RESULT, "sliding", symbol="V"),
     Quantity("friction_force", "force", _SHEARED, _RESULT, "friction", symbol="F"),
     Quantity("friction", "1", _COEFFICIENT, _RESULT, "friction", symbol="μ"),
-    Quantity("normal_stiffness", "stiffness", _STIFF, _SOLVED, "carried", symbol="k_n"),
-    Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _SOLVED, "carried", symbol="k_t"),
+    Quantity("normal_stiffness", "stiffness", _STIFF, _SOLVED, "carried", symbol="kₙ"),
+    Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _SOLVED, "carried", symbol="kₜ"),
     Quantity(
         "resistance", "ohm", "electrical resistance of the constrictions", _SOLVED, "carried", symbol="R_c"
     ),

@@ -587,14 +587,15 @@ class Carried(Section):
     shear: Force | None = Field(
         default=None, description="Shear force: record which share of the contact sticks under it."
     )
-    friction: Positive | None = Field(
+    friction_coefficient: Positive | None = Field(
         default=None, description="Coefficient of friction of the sites, for the shear force."
     )
 
     @model_validator(mode="after")
     def _both(self) -> Self:
-        if (self.shear is None) != (self.friction is None):
-            name, other = ("friction", "shear") if self.shear is None else ("shear", "friction")
+        names = ("shear", "friction_coefficient")
+        if (self.shear is None) != (self.friction_coefficient is None):
+            other, name = names if self.shear is None else names[::-1]
             raise ValueError(f"{name}: expected {other} beside it, got none")
         return self
 
@@ -605,6 +606,8 @@ class Carried(Section):
             return None
         for name in {"resistivity", "conductivity"} & facts.keys():
             facts[name] = facts[name][0] if len(facts[name]) == 1 else tuple(facts[name])
+        if "friction_coefficient" in facts:
+            facts["friction"] = facts.pop("friction_coefficient")
         if facts.pop("stiffness", False) and poisson and len(set(poisson)) == 1:
             facts["poisson"] = poisson[0]
         return facts
