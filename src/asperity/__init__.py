@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         figures,
         fits,
         friction,
+        inference,
         protocols,
         relaxation,
         results,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from asperity.app import campaign
     from asperity.app.predict import predict
     from asperity.contact import ActiveSet, Carried, Contact, Load, Multigrid, Separation
+    from asperity.inference import infer
     from asperity.results import Checkpoint, History
     from asperity.simulate import age, press, relax, slide
 
@@ -60,6 +62,8 @@ __all__ = [
     "figures",
     "fits",
     "friction",
+    "infer",
+    "inference",
     "observe",
     "predict",
     "press",
@@ -78,6 +82,7 @@ _HOME = {
     "asperity.analysis": ("observe",),
     "asperity.app.predict": ("predict",),
     "asperity.contact": ("ActiveSet", "Carried", "Contact", "Load", "Multigrid", "Separation"),
+    "asperity.inference": ("infer",),
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "relax", "slide"),
 }

@@ -520,7 +520,7 @@ def test_the_same_number_in_another_unit_is_the_same_prediction(
         asked.append(one)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("asperity.app.cli.computing._place_beside", begin)
+    monkeypatch.setattr("asperity.app.cli.computing.place_beside", begin)
     for pressure in ("1MPa", "1000 kPa", "2MPa"):
         asperity(*words(files, "--pressure", pressure, "--out", tmp_path / "out"))
     assert asked[0] == asked[1] != asked[2]

@@ -13,6 +13,7 @@ from asperity.figures.distributions import distribution_figure
 from asperity.figures.film import Film, animate_history
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
+from asperity.figures.inference import inference_page, inference_pictures
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.patch_series import patch_figure
 from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
@@ -34,6 +35,8 @@ __all__ = [
     "fit_figure",
     "history_figure",
     "html_of",
+    "inference_page",
+    "inference_pictures",
     "patch_figure",
     "plot_contact",
     "plot_history",

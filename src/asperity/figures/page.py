@@ -119,24 +119,15 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
     str
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("asperity.figures", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["measured"] = quantity
     dataset, scan, fit, relaxing = prediction.dataset, prediction.origin, prediction.fit, prediction.relaxing
     known = (
         *("file", "sha256", "reader", "channel"),
         *("undefined_pixels", "despiked_pixels", "tilt_rule", "periodic_rule"),
     )
     shape, rows = dataset["heights"].shape, _rows(prediction)
-    return environment.get_template("prediction.html").render(
+    return written_page(
+        "prediction.html",
         p=prediction,
-        version=__version__,
-        date=datetime.datetime.now(datetime.UTC).date().isoformat(),
         command=command,
         scan={name: scan.get(name) for name in known} | {"file": scan.get("file") or "the surface"},
         measures=statistics(dataset["heights"].values, prediction.spacing),
@@ -151,6 +142,20 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         rows=rows,
         pictures=list(pictures.values()),
     )
+
+
+def written_page(name: str, **known: Any) -> str:
+    """Fill in a template, which knows the version and the date, too."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("asperity.figures", "templates"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["measured"] = quantity
+    date = datetime.datetime.now(datetime.UTC).date().isoformat()
+    return environment.get_template(name).render(version=__version__, date=date, **known)
 
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:

@@ -36,7 +36,7 @@ def compute_into(
     be written, and nothing is left.
     """
     check_free(out, overwrite=results.overwrite)
-    with _place_beside(out, asked) as place, listener(not results.quiet) as progress:
+    with place_beside(out, asked) as place, listener(not results.quiet) as progress:
         resumed, started = place.exists(), clock.perf_counter()
         if resumed:
             progress.stage(f"going on from {place}")
@@ -52,7 +52,7 @@ def compute_into(
 
 
 @contextmanager
-def _place_beside(out: Path, asked: str) -> Iterator[Path]:
+def place_beside(out: Path, asked: str) -> Iterator[Path]:
     """The file beside the folder of results in which a computation keeps its place; removed after it.
 
     It is named after what is asked, so that a command with other parameters never meets it. An interruption

@@ -6,7 +6,7 @@ import sys
 import webbrowser
 from pathlib import Path
 
-_SHOWN = ("prediction.html", "aging", "history", "contacts", "friction")
+_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction")
 """What of a folder of results is opened, the first that is there: a page, or a picture in any format."""
 
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 _SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
 _SIGNS_OF_FRICTION = ("friction.toml", "friction.csv")
+_SIGNS_OF_AN_INFERENCE = ("inference.html", "verdicts.csv", "summary.txt")
 _SIGNS_OF_A_PREDICTION = ("history.zarr", "prediction.html", "summary.txt")
 _MOST_MAPS = 24
 """Maps that one figure shows."""
@@ -51,7 +52,7 @@ def check_free(out: Path, *, overwrite: bool) -> None:
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
     if out.exists() and any(out.iterdir()):
-        signs = (_SIGNS_OF_A_RUN, _SIGNS_OF_A_PREDICTION, _SIGNS_OF_FRICTION)
+        signs = (_SIGNS_OF_A_RUN, _SIGNS_OF_A_PREDICTION, _SIGNS_OF_FRICTION, _SIGNS_OF_AN_INFERENCE)
         is_run = any(all((out / name).exists() for name in names) for names in signs)
         foreign = sorted(path.name for path in out.iterdir() if not _is_ours(path.name))
         expected, held, advice = "a new folder", "", "another name"
@@ -73,8 +74,10 @@ def check_free(out: Path, *, overwrite: bool) -> None:
 
 def _is_ours(name: str) -> bool:
     pictures = "aging, history, sliding, contacts, patches, carried, "
-    pictures += "growth, pressure, relaxation, observed, friction, resolution"
-    ours = {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION, "solid.toml"}
+    pictures += (
+        "growth, pressure, relaxation, observed, friction, resolution, curve, parameters, corner, posterior"
+    )
+    ours = {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION, *_SIGNS_OF_AN_INFERENCE, "solid.toml", "priors.toml"}
     return name in ours or Path(name).stem in pictures.split(", ")
 
 

@@ -1,0 +1,176 @@
+"""The command ``asperity infer``: what a measured curve determines of a model."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any, Literal
+
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Out, of_flags
+from asperity.app.cli.options import Results
+from asperity.base import checks, units
+from asperity.base.columns import Roles
+from asperity.errors import InputError
+
+_RESULTS = Results()
+_FLAGS = {name: f"--{name}" for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers")}
+_TIMES = Roles((("time", r"time|hold|^t$"),), {"time": ("s",)})
+
+
+@command()
+def infer(
+    file: Path,
+    /,
+    *,
+    model: Literal["relaxation", "power", "lattice", "eyring", "healing"] = "relaxation",
+    branches: int | None = None,
+    priors: Path | None = None,
+    error: float | str | None = None,
+    column_time: str | None = None,
+    column_value: str | None = None,
+    column_stderr: str | None = None,
+    unit_time: str | None = None,
+    unit_area: str | None = None,
+    ramp: str | None = None,
+    seed: int = 0,
+    walkers: int = 2000,
+    workers: int | None = None,
+    out: Out = Path("inference"),
+    results: Results = _RESULTS,
+) -> None:
+    """Infer what a curve of contact area, or friction, determines of a model, and what it does not.
+
+    The result is a folder: inference.html (read it first), verdicts.csv with a verdict for each parameter
+    (determined, bounded above, bounded below, not identified), posterior.nc for ArviZ, priors.toml to change
+    and give again, and solid.toml for asperity run and asperity predict.
+
+    Parameters
+    ----------
+    file
+        A table of hold times and areas, or static friction; or, for healing, the record of a slide-hold-slide
+        test: time, velocity or displacement, and friction.
+    model
+        relaxation: a separable half-space of some relaxation times; power: one whose creep is a power of
+        time; lattice: light contacts on the lattice of springs; eyring: contacts that flow; healing: friction
+        that grows by B ln(1 + t/time).
+    branches
+        How many relaxation times, 1 to 3. [default: as many as Akaike's criterion asks for]
+    priors
+        TOML file of what is known of parameters, a table each: [time_1], kind = "log_uniform", low = "1 s",
+        high = "1 h"; other kinds are uniform, normal (mean, deviation) and log_normal (median, factor).
+        [default: broad ones, which priors.toml states]
+    error
+        Standard error of all values, or a part of each, such as 1%, in place of a column of them. [default:
+        from the scatter about the best fit]
+    column_time
+        Column of the hold times: its name in the header, or a number counted from 0. [default: 0]
+    column_value
+        Column of the values. [default: the next]
+    column_stderr
+        Column of their standard errors. [default: the one whose name has std, err or sigma]
+    unit_time
+        Unit of the hold times. [default: that of the column's name, or s]
+    unit_area
+        Unit of the areas, such as mm^2, where the load and the roughness are to count; 1 for areas over the
+        nominal one (lattice). [default: areas are known up to a factor]
+    ramp
+        Time within which the load was put on in proportion to time; times count from its beginning.
+        [default: at once]
+    seed
+        Seed of the random numbers.
+    walkers
+        Walkers in each of four ensembles.
+    workers
+        Processes. [default: one for each core, up to four]
+    out
+        Folder for the results, which appears when all is written; it must not exist yet.
+    """
+    from asperity.app.cli.computing import place_beside, tell_results
+    from asperity.app.cli.output import check_free
+    from asperity.app.cli.reports.infer import inference_report, write_inference
+    from asperity.base.machine import cores
+    from asperity.inference import infer as inferred
+    from asperity.progress import listener
+    from asperity.results.store import whole_folder
+
+    with checks.extra("inference", "inference"):
+        import arviz  # noqa: F401
+        import emcee  # noqa: F401
+    check_free(out, overwrite=results.overwrite)
+    columns = {"time": column_time, "value": column_value, "stderr": column_stderr}
+    how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
+    data = _data(file, columns, error, unit_time, unit_area, record=model == "healing")
+    how |= {"priors": _priors(priors), "absolute": unit_area is not None, "seed": seed, "walkers": walkers}
+    asked = repr((*data, how))
+    how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
+    with place_beside(out, asked) as place, listener(not results.quiet) as progress:
+        try:
+            found = inferred(*data, **how, progress=progress, checkpoint=place)
+        except InputError as wrong:
+            wrong.args = (f"{file}: {wrong}",) if wrong.name in ("time", "area", "friction") else wrong.args
+            raise of_flags(wrong, _FLAGS) from wrong
+        rows = inference_report(found, str(file))
+        progress.stage("writing the results")
+        with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+            write_inference(found, folder, rows, source=file.name, command=f"asperity infer {file}")
+    tell_results(rows, out, results)
+
+
+def _data(
+    file: Path,
+    columns: dict[str, str | None],
+    error: float | str | None,
+    unit_time: str | None,
+    unit_area: str | None,
+    *,
+    record: bool,
+) -> tuple[Any, ...]:
+    """Times in s, values and errors; or the record of a test."""
+    import numpy as np
+
+    from asperity.base.tables import read_table
+    from asperity.fits import read_measurements
+    from asperity.friction import read_record
+
+    names = read_table(file).names
+    if record and any(re.search("velocity|displacement", name, re.I) for name in names):
+        return (read_record(file),)
+    if columns["stderr"] is None and error is None:
+        columns |= {"stderr": next((name for name in names if re.search("std|err|sigma", name, re.I)), None)}
+    table = read_measurements(file, **columns)
+    unit = unit_time or _TIMES.of(table.time_name)[1] or "s"
+    seconds, square = units.factor(unit, "s"), 1.0
+    if seconds is None:
+        raise InputError("--unit-time", expected="a unit of time, such as min", got=unit)
+    if unit_area not in (None, "1"):
+        made = units.factor(str(unit_area), "m^2")
+        if made is None:
+            raise InputError("--unit-area", expected="a unit of area, such as mm^2, or 1", got=unit_area)
+        square = made
+    given = None if table.stderr is None else square * table.stderr
+    if error is not None:
+        if given is not None:
+            raise InputError("--error", expected="none beside --column-stderr", got=error)
+        text = str(error).strip()
+        try:
+            amount = float(text.removesuffix("%"))
+        except ValueError:
+            raise InputError("--error", expected="a number, or a part such as 1%", got=error) from None
+        checks.number("--error", amount, above=0)
+        relative = text.endswith("%")
+        given = square * (amount / 100 * table.value if relative else np.full_like(table.value, amount))
+    return seconds * table.time, square * table.value, given
+
+
+def _priors(path: Path | None) -> dict[str, Any] | None:
+    """The tables of a TOML file."""
+    if path is None:
+        return None
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError("--priors", expected="a TOML file", got=f"{path}: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError("--priors", expected="a TOML file", got=f"{path}: {error}") from None

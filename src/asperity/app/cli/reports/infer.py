@@ -1,0 +1,50 @@
+"""What an inference says, as rows of words, and its files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from asperity.app.cli.report import Row, aligned
+from asperity.base.words import counted, tables_to_toml
+from asperity.figures import inference_page, inference_pictures
+from asperity.inference import Inference
+
+
+def inference_report(found: Inference, source: str) -> list[Row]:
+    """Say what was inferred, and how sure it is."""
+    rows: list[Row] = [
+        ("data", f"{source}, {counted(found.time.size, 'point')}"),
+        ("model", found.model.name),
+    ]
+    for sentence in found.sentences:
+        word, _, rest = sentence.partition(": ")
+        rows.append((word.lower(), rest) if rest and word.lower() in _WORDS else ("", sentence))
+    rows.append(("agreement", f"R-hat {found.draws.r_hat:.4f}, {found.draws.effective:.0f} effective draws"))
+    return [*rows, *(("remark", remark) for remark in found.remarks)]
+
+
+_WORDS = ("determined", "bounded above", "bounded below", "not identified")
+
+
+def write_inference(
+    found: Inference, folder: Path, rows: Sequence[Row], *, source: str, command: str
+) -> None:
+    """Write the page, its pictures, tables, draws, and the solid that follows."""
+    pictures = inference_pictures(found)
+    page = inference_page(found, pictures, source=source, command=command)
+    (folder / "inference.html").write_text(page, encoding="utf-8")
+    for name, picture in pictures.items():
+        (folder / f"{name}.png").write_bytes(picture.png)
+    (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
+    found.table.to_csv(folder / "verdicts.csv", index=False, lineterminator="\n")
+    priors = tables_to_toml({name: prior.table for name, prior in found.model.priors.items()})
+    (folder / "priors.toml").write_text(priors, encoding="utf-8")
+    found.to_inference_data().to_netcdf(str(folder / "posterior.nc"), engine="h5netcdf")
+    if found.model.solid is not None:
+        unknown = [one.parameter for one in found.verdicts.values() if one.verdict == "not identified"]
+        head = f"# The most likely of the draws, inferred from {source} by the model {found.model.name}.\n"
+        if unknown:
+            head += f"# Not identified, and so the middle of the prior: {', '.join(unknown)}.\n"
+        text = head + tables_to_toml({"solid": found.solid()})
+        (folder / "solid.toml").write_text(text, encoding="utf-8")

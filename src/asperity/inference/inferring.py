@@ -1,0 +1,398 @@
+"""From a measured curve to what it determines: the posterior of a model, and a verdict on each parameter."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from scipy.stats import chi2
+
+from asperity.base import checks, units, views
+from asperity.base.checks import Floats
+from asperity.base.words import counted
+from asperity.errors import InputError
+from asperity.fits.comparison import autocorrelation_of
+from asperity.fits.curve import Series, refuse_decline
+from asperity.friction import Record, hold_peaks
+from asperity.inference.models import MOST_BRANCHES, Model, of_name
+from asperity.inference.sampling import Draws, Problem, arviz, sample
+from asperity.inference.verdicts import (
+    Candidate,
+    Combination,
+    Verdict,
+    candidates_of,
+    combinations_of,
+    interval_of,
+    only_together,
+    profile_of,
+    verdict_of,
+)
+from asperity.progress import Progress, listener
+
+_STARTS, _TRIED = 3, 2000
+_MISFIT, _MUCH_BETTER = 1e-6, 50.0
+"""Chance of a misfit below which the model is doubted; gain in chi-squared that shows the priors at fault."""
+
+_LEAST_ERROR = 1e-9
+"""Relative errors that data have at least: those of rounding."""
+
+_TELLS = 0.5
+"""Expected width over the present one below which an experiment is said to tell of a parameter."""
+
+_OF_SOLID = 100
+"""Draws of a solid that are written for the band of a prediction."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Inference(views.Brief):
+    """What a curve determines.
+
+    Attributes
+    ----------
+    time, value, error
+        The data, and their standard errors as taken, shape (n,).
+    model
+        The model with its priors.
+    verdicts
+        A `Verdict` for each parameter, by name.
+    combinations
+        Products, ratios and sums that are known better than their members, the best first.
+    candidates
+        Experiments that could be done next, and how far they would narrow what is not determined.
+    profiles
+        Of each parameter that the curve contains: values, and -2 ln of the profile likelihood over its peak.
+    draws
+        Draws of the posterior; R-hat and the effective number of draws.
+    chi_squared
+        Of the best draw.
+    remarks
+        What was decided, and what the reader should know.
+    """
+
+    time: Floats
+    value: Floats
+    error: Floats
+    model: Model
+    verdicts: Mapping[str, Verdict]
+    combinations: tuple[Combination, ...]
+    candidates: tuple[Candidate, ...]
+    profiles: Mapping[str, tuple[Floats, Floats]]
+    draws: Draws
+    chi_squared: float
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def problem(self) -> Problem:
+        """Data and model."""
+        return Problem(self.time, self.value, self.error, self.model)
+
+    @functools.cached_property
+    def values(self) -> dict[str, Floats]:
+        """Draws of each parameter, shape (ensembles, draws)."""
+        z = self.draws.z
+        flat = self.problem.values(z.reshape(-1, z.shape[-1]))
+        return {name: column.reshape(z.shape[:-1]) for name, column in flat.items()}
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The verdicts, a row for each parameter."""
+        rows = [
+            (one.parameter, one.verdict, one.low, one.high, one.median, one.unit, *one.profile)
+            for one in self.verdicts.values()
+        ]
+        names = ["parameter", "verdict", "low", "high", "median", "unit", "profile_low", "profile_high"]
+        return pd.DataFrame(rows, columns=names)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What is determined, bounded and not identified, what is known only together, and what would tell more."""
+        said = []
+        for word in ("determined", "bounded above", "bounded below", "not identified"):
+            alike = [one for one in self.verdicts.values() if one.verdict == word]
+            if alike:
+                of = ", ".join(one.parameter if word == "not identified" else one.words for one in alike)
+                said.append(f"{word[:1].upper()}{word[1:]}: {of}")
+        for together in self.combinations:
+            said.append(
+                f"{together.words}, {together.tighter:.2g} times better known than any of these alone"
+            )
+        for one in self.candidates:
+            told = {name: width for name, width in one.widths.items() if width < _TELLS}
+            of = ", ".join(f"{name} to {100 * width:.2g} %" for name, width in told.items())
+            nothing = f"tell little of {', '.join(one.widths)}"
+            said.append(
+                f"Measuring {one.name} would {f'narrow {of} of its present width' if told else nothing}"
+            )
+        return tuple(said)
+
+    def predicted(self, time: ArrayLike) -> Floats:
+        """The curve at any times: 2.5, 50 and 97.5 % quantiles of the posterior, shape (3, n)."""
+        at = checks.not_negative("time", time)
+        flat = {name: column.ravel() for name, column in self.values.items()}
+        return np.asarray(np.quantile(self.model.curve(at, flat), (0.025, 0.5, 0.975), axis=0))
+
+    def solid(self) -> dict[str, Any]:
+        """Section ``[solid]`` of a configuration, of the likeliest draw, and other draws of its branches.
+
+        `InputError` for a model of which no solid follows.
+        """
+        if self.model.solid is None:
+            raise InputError("solid", expected="a model of a solid", got=f"model {self.model.name!r}")
+        flat = {name: column.ravel() for name, column in self.values.items()}
+        z = self.draws.z.reshape(-1, self.draws.z.shape[-1])
+        problem = self.problem
+        best = int(np.argmax(problem.posterior(z[:, problem.used])))
+        medians = {name: one.median for name, one in self.verdicts.items()}
+        used = [list(self.model.priors)[place] for place in problem.used]
+
+        def section(place: int) -> dict[str, Any]:
+            assert self.model.solid is not None
+            return self.model.solid(medians | {name: float(flat[name][place]) for name in used})
+
+        made = section(best)
+        if "branches" in made:
+            chosen = np.linspace(0, len(z) - 1, _OF_SOLID).astype(int)
+            made["draws"] = [section(place)["branches"] for place in chosen]
+        return made
+
+    def to_inference_data(self) -> Any:
+        """Posterior, prior and data as InferenceData of ArviZ."""
+        problem, shape = self.problem, self.draws.z.shape
+        prior = problem.values(problem.of_prior(np.random.default_rng(0), shape[0] * shape[1]))
+        return arviz().from_dict(
+            posterior=self.values,
+            prior={name: column.reshape(shape[:-1]) for name, column in prior.items()},
+            observed_data={"value": self.value, "error": self.error},
+            constant_data={"time": self.time},
+        )
+
+
+def infer(
+    time: ArrayLike | Record,
+    area: ArrayLike | None = None,
+    error: ArrayLike | None = None,
+    *,
+    model: str | Callable[..., Any] = "relaxation",
+    priors: Mapping[str, object] | None = None,
+    branches: int | None = None,
+    absolute: bool = False,
+    ramp: float | str = 0.0,
+    seed: int = 0,
+    walkers: int = 2000,
+    effective: int = 1000,
+    workers: int = 1,
+    progress: Progress | bool | None = None,
+    checkpoint: str | Path | None = None,
+) -> Inference:
+    """Infer the parameters of a model from a curve of area or friction, and say which of them it determines.
+
+    Parameters
+    ----------
+    time
+        Rising times, s, shape (n,); or a record of sliding with holds, for the model ``"healing"``.
+    area
+        Areas, or static friction, above 0, shape (n,): in any unit, such as A(t)/A(0), unless they are
+        `absolute`.
+    error
+        Standard errors, one or shape (n,). By default they are found from the scatter about the best fit,
+        widened where neighbors correlate, as in `asperity.fits.compare`.
+    model
+        ``"relaxation"``, ``"power"``, ``"lattice"``, ``"eyring"`` or ``"healing"``, see
+        `asperity.inference.models`; or a function of the times, and of parameters by name.
+    priors
+        Of any parameters: a pair of ends, between which ln is uniform, a table such as ``{"kind": "normal",
+        "mean": "100 N", "deviation": "1 N"}``, or a `Prior`. Others are broad; `Inference.model` has all.
+    branches
+        How many relaxation times, 1 to 3; by default as many as Akaike's criterion asks for.
+    absolute
+        Areas are in m^2 (of a lattice, over the nominal one): then load, modulus and roughness count.
+    ramp
+        Time, s, within which the load was put on in proportion to time; times count from its beginning.
+    seed
+        Of the random numbers.
+    walkers
+        In each of four ensembles.
+    effective
+        Effective draws that are enough.
+    workers
+        Processes that share the ensembles.
+    progress
+        True for a line for each stage; or who is told.
+    checkpoint
+        File in which the ensembles are kept after each stage; the same call goes on from it.
+
+    Returns
+    -------
+    Inference
+
+    Raises
+    ------
+    AsperityError
+        Something given is wrong; the priors exclude the data; the ensembles do not agree.
+    """
+    if isinstance(time, Record):
+        if model != "healing":
+            raise InputError("model", expected="'healing' for a record of sliding", got=checks.shown(model))
+        peaks = hold_peaks(time)
+        order = np.argsort(peaks.duration)
+        time, area = peaks.duration[order], peaks.peak[order]
+    t = checks.times("time", time, at_least=2)
+    name = "friction" if model == "healing" else "area"
+    v = checks.positive(name, checks.line(name, area))
+    if v.shape != t.shape:
+        raise InputError(name, expected=f"one for each of {t.size} times", got=f"{v.size} values")
+    given = None
+    if error is not None:
+        given = checks.positive("error", error)
+        if given.shape not in ((), t.shape):
+            raise InputError(
+                "error", expected=f"one, or one for each of {t.size} values", got=f"{given.size}"
+            )
+        given = np.broadcast_to(given, t.shape).copy()
+    loading = float(units.number("ramp", ramp, "s", least=0))
+    if t[0] < loading:
+        raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
+    checks.seed(seed)
+    checks.integer("walkers", walkers, least=50)
+    checks.integer("effective", effective, least=1)
+    if branches is not None:
+        checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
+        if model != "relaxation":
+            raise InputError("branches", expected="model 'relaxation' beside it", got=checks.shown(model))
+    with listener(progress) as listening:
+        listening.stage("looking for the best fit")
+        problem, remarks = _problem(t, v, given, model, priors, branches, absolute=absolute, ramp=loading)
+        listening.stage(f"sampling {len(problem.used)} parameters, {4 * walkers:,} walkers")
+        place = None if checkpoint is None else Path(checkpoint)
+        draws = sample(
+            problem,
+            seed=seed,
+            walkers=walkers,
+            effective=effective,
+            workers=workers,
+            checkpoint=place,
+            told=listening.stage,
+        )
+        listening.stage("judging each parameter")
+        return _judged(problem, draws, remarks, seed=seed)
+
+
+def _problem(
+    t: Floats,
+    v: Floats,
+    error: Floats | None,
+    name: object,
+    priors: Mapping[str, object] | None,
+    branches: int | None,
+    **how: Any,
+) -> tuple[Problem, list[str]]:
+    """The model, with so many branches as the data ask for, and the data with errors."""
+    remarks: list[str] = []
+    least = branches or max([1, *(int(key[-1]) for key in priors or {} if key[:-1] in ("share_", "time_"))])
+    tried: list[tuple[float, int, Problem, Floats]] = []
+    for count in [least] if branches or name != "relaxation" else range(least, MOST_BRANCHES + 1):
+        made = of_name(name, t, v, priors=priors, branches=count, **how)
+        if not callable(name):
+            refuse_decline(Series(t, v, None), "friction" if made.name == "healing" else "area")
+        problem = Problem(t, v, v if error is None else error, made)
+        needed = len(problem.used) + (error is None)
+        if t.size < needed:
+            if tried:
+                break
+            expected = (
+                f"at least {needed} points, for {len(problem.used)} parameters"
+                + " and the scatter" * (error is None)
+            )
+            raise InputError("time", expected=expected, got=t.size, advice="more points, or fewer parameters")
+        misfit = _best(problem)
+        tried.append((_criterion(misfit, needed, given=error is not None), count, problem, misfit))
+    score, count, problem, misfit = min(tried, key=lambda one: one[0])
+    if len(tried) > 1:
+        others = ", ".join(f"{one[0] - score:+.3g} with {one[1]}" for one in tried if one[1] != count)
+        remarks.append(f"{counted(count, 'relaxation time')} by Akaike's criterion, AICc ({others})")
+    if error is None:
+        rho = autocorrelation_of(misfit)
+        worth = min(1.0, (1 - rho) / (1 + rho))
+        scatter = math.sqrt(float(misfit @ misfit) / max(t.size - len(problem.used), 1) / worth)
+        problem = replace(problem, error=max(scatter, _LEAST_ERROR) * v)
+        found = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
+        found += f", whose neighbors correlate by {rho:.2f}" if worth < 1 else ""
+        remarks.append(f"no errors were given: they are taken as {found}")
+    elif (chance := float(chi2.sf(misfit @ misfit, max(t.size - needed, 1)))) < _MISFIT:
+        if priors and not callable(name):
+            usual = _best(replace(problem, model=of_name(name, t, v, priors=None, branches=count, **how)))
+            if misfit @ misfit - usual @ usual > _MUCH_BETTER:
+                got = f"a best fit that misses by {_rms(misfit):.3g} standard errors, rms"
+                advice = f"wider ones (by the default ones it misses by {_rms(usual):.3g})"
+                raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
+        remarks.append(
+            f"the model misses the data by {_rms(misfit):.3g} standard errors, rms (a chance of {chance:.1g}): "
+            "try another model, or larger errors; the verdicts hold for this model only"
+        )
+    return problem, remarks
+
+
+def _criterion(misfit: Floats, parameters: int, *, given: bool) -> float:
+    """Akaike's criterion, corrected for few points; the scatter is a parameter where it is not given."""
+    n, squares = misfit.size, float(misfit @ misfit)
+    if n <= parameters + 1:
+        return math.inf
+    lack = squares if given else n * math.log(max(squares / n, _LEAST_ERROR**2))
+    return lack + 2 * parameters * n / (n - parameters - 1)
+
+
+def _rms(misfit: Floats) -> float:
+    return float(np.sqrt(np.mean(misfit**2)))
+
+
+def _best(problem: Problem) -> Floats:
+    """Residuals, in errors, of the best fit that some searches find from the best of draws of the prior."""
+    z = problem.of_prior(np.random.default_rng(0), _TRIED)
+    found = problem.log_likelihood(z)
+    best = np.full(problem.value.size, math.inf)
+    for start in z[np.argsort(found)[: -_STARTS - 1 : -1]]:
+        squares, residual = problem.improved(start, problem.used)
+        best = residual if squares < best @ best else best
+    return best
+
+
+def _judged(problem: Problem, draws: Draws, remarks: Sequence[str], *, seed: int) -> Inference:
+    """Weigh the draws, parameter by parameter."""
+    random = np.random.default_rng([seed, 1])
+    z = draws.z.reshape(-1, draws.z.shape[-1])
+    found, names = problem.log_likelihood(z), list(problem.model.priors)
+    prior, values = (problem.values(one) for one in (problem.of_prior(random, 20_000), z))
+    profiles = {names[place]: profile_of(problem, place, z, found) for place in problem.used}
+    verdicts = {
+        name: verdict_of(
+            name,
+            problem.model.priors[name].unit,
+            prior[name],
+            values[name],
+            interval_of(*profiles[name]) if name in profiles else (-math.inf, math.inf),
+        )
+        for name in names
+    }
+    combinations = combinations_of(values, problem.model, [names[place] for place in problem.used])
+    verdicts = only_together(verdicts, combinations, problem.model.priors)
+    open_ = [name for name, one in verdicts.items() if one.verdict != "determined"]
+    return Inference(
+        problem.time,
+        problem.value,
+        problem.error,
+        problem.model,
+        verdicts,
+        combinations,
+        candidates_of(problem, z, open_) if open_ else (),
+        profiles,
+        draws,
+        -2 * float(found.max()),
+        tuple(remarks),
+    )

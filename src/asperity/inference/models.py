@@ -1,0 +1,319 @@
+r"""Curves of area or friction as functions of a few parameters, for many values of these at once.
+
+A curve is a size times a growth. Light contacts of separable solids, by J the creep compliance:
+
+    relaxation  J(t)/J(0) of a Maxwell solid, by the share and the time of each of its branches
+    power       1 + (t/time)^exponent, a spring and a spring-pot in series
+                size = area_factor load/(modulus rms_slope), the factor from 1.6 (B. N. J. Persson, J. Chem.
+                Phys. 115, 3840 (2001), doi:10.1063/1.1388626) to 2.2 (S. Hyun et al., Phys. Rev. E 70, 026117
+                (2004), doi:10.1103/PhysRevE.70.026117)
+    lattice     G(x1, rate t)/G(x1, 0), x1 = k1/k0, rate = k0 R, exponential heights (`theory.exponential_growth`)
+                size = load/(k0 rms k_eff(x1)), the load that of a site, the area over the nominal one
+    eyring      s(first)/s(t), s = stress ln(2 length/(rate t)), see `theory.flowing_area`; size = load/s(first)
+    healing     static friction, 1 + (B/scale) ln(1 + t/time)
+
+Where the unit of the areas is not known, `scale` stands for the size.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+from scipy.ndimage import map_coordinates
+
+from asperity.base import checks
+from asperity.base.checks import Floats
+from asperity.errors import InputError
+from asperity.inference.priors import Prior, with_own
+from asperity.relaxation import Creep, fit
+from asperity.theory import exponential_growth, site_stiffness
+
+Values = Mapping[str, Floats]
+"""Parameters by name, each of shape (m,)."""
+
+Curve = Callable[[Floats, Values], Floats]
+"""A curve at times of shape (n,): shape (m, n)."""
+
+MOST_BRANCHES = 3
+_RAMP = 16
+"""Nodes in the time of a ramp."""
+_RATIOS, _TIMES = (1e-2, 1e2), (1e-8, 1e16)
+"""Ranges of k1/k0 and of k0 R t in which the lattice's compliance is tabulated."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """A curve, its parameters with their priors, and what follows from them.
+
+    Attributes
+    ----------
+    name
+        What it is called.
+    growth
+        The curve over its size, at times, of many sets of parameters.
+    priors
+        Of each parameter.
+    size
+        The area before any growth, in absolute units; None where there is none.
+    allowed
+        Which sets of parameters there are.
+    held
+        Load at a held displacement over that at first; None where no closed form is known.
+    solid
+        Section ``[solid]`` of a configuration, of one set of parameters; None where none follows.
+    ramp
+        Time within which the load was put on, s: the growth is its mean over the ramp.
+    """
+
+    name: str
+    growth: Curve
+    priors: dict[str, Prior]
+    size: Callable[[Values], Floats] | None = None
+    allowed: Callable[[Values], Any] = bool
+    held: Curve | None = None
+    solid: Callable[[Mapping[str, float]], dict[str, Any]] | None = None
+    ramp: float = 0.0
+
+    def curve(self, time: Floats, p: Values) -> Floats:
+        """What is observed, shape (m, n)."""
+        grown = self.growth(time, p)
+        if self.ramp:
+            nodes, weights = np.polynomial.legendre.leggauss(_RAMP)
+            begun = (self.ramp * (1 + at) / 2 for at in nodes)
+            grown = sum(
+                (w / 2 * self.growth(time - s, p) for s, w in zip(begun, weights, strict=True)), 0 * grown
+            )
+        if "scale" in p:
+            return np.asarray(p["scale"][:, None] * grown)
+        return grown if self.size is None else np.asarray(self.size(p)[:, None] * grown)
+
+
+def of_name(
+    name: object,
+    time: Floats,
+    value: Floats,
+    *,
+    priors: Mapping[str, object] | None,
+    branches: int,
+    absolute: bool,
+    ramp: float = 0.0,
+) -> Model:
+    """Make a model by its name, with default priors as wide as the data suggest; or of a user's function."""
+    if ramp and name not in ("relaxation", "power"):
+        expected = "a load put on at once, or a separable solid: model 'relaxation' or 'power'"
+        raise InputError("ramp", expected=expected, got=checks.shown(name))
+    if callable(name):
+        return _own(name, priors)
+    checks.choice("model", name, (*MODELS, "a function of time and parameters"))
+    made = MODELS[str(name)](float(time[time > 0][0]), float(time[-1]), branches)
+    known = made.priors
+    if not absolute:
+        known = {"scale": Prior("log_uniform", float(value.min()) / 10, 2 * float(value.max())), **known}
+    elif made.size is None:
+        raise InputError("absolute", expected="areas, for friction has no unit", got=f"model {name!r}")
+    return replace(made, priors=with_own(known, priors), ramp=ramp)
+
+
+_BODY = {
+    "load": Prior("log_uniform", 1e-6, 1e6, "N"),
+    "modulus": Prior("log_uniform", 1e3, 1e12, "Pa"),
+    "rms_slope": Prior("log_uniform", 1e-3, 10.0),
+    "area_factor": Prior("uniform", 1.6, 2.2),
+}
+
+
+def _of_body(p: Values) -> Floats:
+    return np.asarray(p["area_factor"] * p["load"] / (p["modulus"] * p["rms_slope"]))
+
+
+def _half_space(p: Mapping[str, float], **creep: Any) -> dict[str, Any]:
+    return {"kind": "half_space", "modulus": f"{p['modulus']:.6g} Pa", **creep}
+
+
+def relaxation(first: float, last: float, branches: int) -> Model:
+    """A separable half-space of some relaxation times, in rising order."""
+    numbers = range(1, branches + 1)
+    priors = _BODY | {f"share_{n}": Prior("uniform", 0.0, 1.0) for n in numbers}
+    priors |= {f"time_{n}": Prior("log_uniform", first / 100, 100 * last, "s") for n in numbers}
+    return Model("relaxation", _maxwell, priors, _of_body, _rising, _maxwell_held, _maxwell_solid)
+
+
+def _branches(p: Values) -> tuple[Floats, Floats]:
+    """Shares and times, shape (m, branches)."""
+    shares = [values for name, values in p.items() if name.startswith("share_")]
+    times = [values for name, values in p.items() if name.startswith("time_")]
+    return np.stack(shares, -1), np.stack(times, -1)
+
+
+def _rising(p: Values) -> Any:
+    shares, times = _branches(p)
+    return (np.diff(times) > 0).all(-1) & (shares.sum(-1) <= 1)
+
+
+def _maxwell(time: Floats, p: Values) -> Floats:
+    r"""Compliance J(t)/J(0) of many Maxwell solids.
+
+    Under a constant stress the relaxed parts q_b of the branches follow dq/dt = D (1 + (1 g^T - I) q), D = 1/tau.
+    In the variables q_b sqrt(g_b tau_b) the matrix is symmetric; minus its eigenvalues are the retardation rates.
+    """
+    shares, times = _branches(p)
+    root = np.sqrt(shares / times)
+    matrix = root[:, :, None] * root[:, None, :] - np.eye(times.shape[1]) / times[:, :, None]
+    minus, vectors = np.linalg.eigh(matrix)
+    weights = (root[:, None, :] @ vectors)[:, 0] ** 2  # of (1 - exp(-rate t))/rate
+    rates = np.maximum(-minus, 1e-12 / time[-1])[:, None, :]  # a fluid has a rate of 0
+    return np.asarray(1 - (weights[:, None, :] / rates * np.expm1(-rates * time[:, None])).sum(-1))
+
+
+def _maxwell_held(time: Floats, p: Values) -> Floats:
+    shares, times = _branches(p)
+    return np.asarray(1 + (shares[:, None, :] * np.expm1(-time[:, None] / times[:, None, :])).sum(-1))
+
+
+def _maxwell_solid(p: Mapping[str, float]) -> dict[str, Any]:
+    shares, times = _branches({name: np.array(value) for name, value in p.items()})
+    return _half_space(
+        p, branches=[[g, f"{t:.6g} s"] for g, t in zip(shares.tolist(), times.tolist(), strict=True)]
+    )
+
+
+def power(first: float, last: float, branches: int) -> Model:
+    """A separable half-space whose creep is a power of time."""
+    priors = _BODY | {
+        "exponent": Prior("uniform", 0.0, 1.0),
+        "time": Prior("log_uniform", first / 1e6, last * 1e9, "s"),
+    }
+    solid = functools.partial(_power_solid, span=(first / 100, 100 * last))
+    return Model("power", _power, priors, _of_body, solid=solid)
+
+
+def _power(time: Floats, p: Values) -> Floats:
+    return np.asarray(1 + (time / p["time"][:, None]) ** p["exponent"][:, None])
+
+
+def _power_solid(p: Mapping[str, float], *, span: tuple[float, float]) -> dict[str, Any]:
+    """The power law as branches, one in each decade of the span."""
+    t = np.geomspace(*span, 60)
+    series = fit(Creep(t, 1 + (t / p["time"]) ** p["exponent"]), per_decade=1).series
+    return _half_space(p, branches=[[share, f"{time:.6g} s"] for share, time in series.branches])
+
+
+def lattice(first: float, last: float, branches: int) -> Model:
+    """Light contacts of exponential heights on the lattice of springs."""
+    priors = {
+        "load": Prior("log_uniform", 1e-8, 1.0),
+        "k0": Prior("log_uniform", 1e-3, 1e3),
+        "rms": Prior("log_uniform", 1e-3, 1e3),
+        "x1": Prior("log_uniform", *_RATIOS),
+        "rate": Prior("log_uniform", 1e-3 / last, 1e4 / first, "1/s"),
+    }
+    return Model("lattice", _lattice, priors, _of_lattice, solid=_lattice_solid)
+
+
+def _of_lattice(p: Values) -> Floats:
+    return np.asarray(p["load"] / (p["k0"] * p["rms"] * site_stiffness(p["x1"])))
+
+
+@functools.cache
+def _growth() -> Floats:
+    """Logarithm of G(x1, x2)/G(x1, 0) on even steps of ln x1 and ln x2; to 1e-4 by linear interpolation."""
+    x1, x2 = (np.log(np.geomspace(*ends, n)) for ends, n in ((_RATIOS, 33), (_TIMES, 193)))
+    spline = RectBivariateSpline(x1, x2, np.log(exponential_growth(np.exp(x1)[:, None], np.exp(x2))))
+    fine = (np.linspace(x[0], x[-1], 8 * (x.size - 1) + 1) for x in (x1, x2))
+    return np.asarray(spline(next(fine), next(fine)))
+
+
+def _lattice(time: Floats, p: Values) -> Floats:
+    table, x1 = _growth(), np.broadcast_to(p["x1"][:, None], (p["x1"].size, time.size))
+    steps = [
+        np.log(np.clip(x, *ends) / ends[0]) / np.log(ends[1] / ends[0]) * (n - 1)
+        for x, ends, n in zip((x1, p["rate"][:, None] * time), (_RATIOS, _TIMES), table.shape, strict=True)
+    ]
+    return np.asarray(np.exp(map_coordinates(table, steps, order=1)))
+
+
+def _lattice_solid(p: Mapping[str, float]) -> dict[str, Any]:
+    return {"kind": "spring_lattice", "k0": p["k0"], "k1": p["x1"] * p["k0"], "R": p["rate"] / p["k0"]}
+
+
+def eyring(first: float, last: float, branches: int) -> Model:
+    """Contacts that flow by Eyring's law and bear all of the load, at pressures above its stress."""
+    priors = {
+        "load": Prior("log_uniform", 1e-6, 1e6, "N"),
+        "stress": Prior("log_uniform", 1e4, 1e10, "Pa"),
+        "rate": Prior("log_uniform", 1e-50, 1e-3, "m/s"),
+        "length": Prior("log_uniform", 1e-9, 1e-3, "m"),
+        "modulus": Prior("log_uniform", 1e3, 1e12, "Pa"),
+    }
+    at = functools.partial
+    return Model(
+        "eyring",
+        at(_eyring, first=first),
+        priors,
+        at(_of_flow, first=first),
+        allowed=at(_flows, last=last),
+        solid=_eyring_solid,
+    )
+
+
+def _pressure(time: Floats | float, p: Values) -> Floats:
+    """Of the contacts, over the stress."""
+    return np.asarray(np.log(2 * p["length"] / p["rate"])[:, None] - np.log(time))
+
+
+def _flows(p: Values, *, last: float) -> Any:
+    return _pressure(last, p)[:, 0] > 1
+
+
+def _of_flow(p: Values, *, first: float) -> Floats:
+    return np.asarray(p["load"] / (p["stress"] * _pressure(first, p)[:, 0]))
+
+
+def _eyring(time: Floats, p: Values, *, first: float) -> Floats:
+    return np.asarray(_pressure(first, p) / _pressure(np.maximum(time, 1e-3 * first), p))
+
+
+def _eyring_solid(p: Mapping[str, float]) -> dict[str, Any]:
+    return _half_space(
+        p, creep="eyring", creep_rate=f"{p['rate']:.6g} m/s", creep_stress=f"{p['stress']:.6g} Pa"
+    )
+
+
+def healing(first: float, last: float, branches: int) -> Model:
+    """Static friction against hold time."""
+    priors = {"B": Prior("log_uniform", 1e-5, 1.0), "time": Prior("log_uniform", first / 1e4, 10 * last, "s")}
+    return Model("healing", _healing, priors)
+
+
+def _healing(time: Floats, p: Values) -> Floats:
+    return np.asarray(1 + (p["B"] / p["scale"])[:, None] * np.log1p(time / p["time"][:, None]))
+
+
+def _own(function: Callable[..., Any], priors: Mapping[str, object] | None) -> Model:
+    made = {name: Prior.of(name, given, "") for name, given in (priors or {}).items()}
+    try:
+        inspect.signature(function).bind(np.ones(2), **dict.fromkeys(made, 1.0))
+    except TypeError as error:
+        expected = "one for each parameter of the function, which takes the times first"
+        raise InputError(
+            "priors", expected=expected, got=str(error), advice="priors={'slope': (1e-3, 1)}"
+        ) from None
+    return Model(getattr(function, "__name__", "own"), functools.partial(_own_curve, function=function), made)
+
+
+def _own_curve(time: Floats, p: Values, *, function: Callable[..., Any]) -> Floats:
+    rows = zip(*p.values(), strict=True)
+    curves = [function(time, **dict(zip(p, map(float, row), strict=True))) for row in rows]
+    return np.array(curves, dtype=np.float64).reshape(-1, time.size)
+
+
+MODELS: dict[str, Callable[[float, float, int], Model]] = {
+    one.__name__: one for one in (relaxation, power, lattice, eyring, healing)
+}
+"""Models by name, of the first and the last time and a number of branches."""

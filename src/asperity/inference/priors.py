@@ -1,0 +1,129 @@
+"""What is known of a parameter before the data: one of four distributions, in Python and in TOML."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from asperity.base import checks, units
+from asperity.base.checks import Floats
+from asperity.base.words import closest
+from asperity.errors import InputError
+
+KINDS = {
+    "uniform": ("low", "high"),
+    "log_uniform": ("low", "high"),
+    "normal": ("mean", "deviation"),
+    "log_normal": ("median", "factor"),
+}
+"""Kinds of priors, and the two numbers of each; the factor of ``log_normal`` is one standard deviation's."""
+
+
+@dataclass(frozen=True)
+class Prior:
+    """A prior distribution of one parameter.
+
+    Parameters
+    ----------
+    kind
+        ``"uniform"`` or ``"log_uniform"`` between two ends, ``"normal"``, or ``"log_normal"``.
+    first, second
+        Low and high end; mean and standard deviation; or median and the factor, above 1, that is one standard
+        deviation. Ends of ``log_uniform`` and medians are above 0.
+    unit
+        Unit of the parameter, ``""`` for a number.
+
+    Raises
+    ------
+    InputError
+        There is no such kind, or a number is out of its range.
+    """
+
+    kind: str
+    first: float
+    second: float
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        checks.choice("kind", self.kind, tuple(KINDS))
+        names, logarithmic = KINDS[self.kind], self.kind.startswith("log")
+        for name, field in zip(names, ("first", "second"), strict=True):
+            factor = {"above": 1.0} if name == "factor" else {"above": 0.0} if logarithmic else {}
+            if name == "deviation":
+                factor = {"above": 0.0}
+            unit = "" if name == "factor" else self.unit
+            object.__setattr__(self, field, float(units.number(name, getattr(self, field), unit, **factor)))
+        if "high" in names and not self.first < self.second:
+            raise InputError("high", expected=f"more than low, {self.first:g}", got=self.second)
+
+    @classmethod
+    def of(cls, name: str, given: object, unit: str) -> Prior:
+        """Make a prior of itself, a pair of ends, or a table such as ``{kind = "normal", mean = ...}``."""
+        if isinstance(given, Prior):
+            return given
+        if isinstance(given, list | tuple) and len(given) == 2:
+            given = {"kind": "log_uniform", "low": given[0], "high": given[1]}
+        if not isinstance(given, Mapping):
+            expected = 'a pair of ends, or a table such as {kind = "uniform", low = 0, high = 1}'
+            raise InputError(f"prior of {name}", expected=expected, got=checks.shown(given))
+        kind = given.get("kind", "log_uniform")
+        numbers = KINDS.get(kind, ())
+        if not numbers or set(given) - {"kind"} != set(numbers):
+            expected = "; ".join(f"kind = {one!r} with {' and '.join(names)}" for one, names in KINDS.items())
+            raise InputError(f"prior of {name}", expected=expected, got=checks.shown(dict(given)))
+        try:
+            first, second = (given[number] for number in numbers)
+            return cls(kind, first, second, unit)
+        except InputError as error:
+            raise error.about(f"prior of {name}, {error.name}") from error
+
+    def at(self, z: Floats) -> Floats:
+        """Values at quantiles that are given as standard normal deviates z, of which the prior makes them."""
+        if self.kind == "normal":
+            return np.asarray(self.first + self.second * z)
+        if self.kind == "log_normal":
+            return np.asarray(self.first * self.second**z)
+        share = ndtr(z)
+        if self.kind == "uniform":
+            return np.asarray(self.first + (self.second - self.first) * share)
+        return np.asarray(self.first * (self.second / self.first) ** share)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether it is a range that says no more, where other priors are knowledge as data are."""
+        return self.kind.endswith("uniform")
+
+    @property
+    def table(self) -> dict[str, Any]:
+        """What `of` takes, with units."""
+        unit = f" {self.unit}" if self.unit else ""
+        named = dict(zip(KINDS[self.kind], (self.first, self.second), strict=True))
+        said = {
+            name: f"{value:g}{unit}" if unit and name != "factor" else value for name, value in named.items()
+        }
+        return {"kind": self.kind, **said}
+
+    def __str__(self) -> str:
+        first, second = (f"{value:.4g}" for value in (self.first, self.second))
+        unit = f" {self.unit}" if self.unit else ""
+        if self.bounded:
+            return f"{first} to {second}{unit}, {'ln uniform' if 'log' in self.kind else 'uniform'}"
+        return f"{first} × {second}^±1{unit}" if "log" in self.kind else f"{first} ± {second}{unit}"
+
+
+def with_own(priors: Mapping[str, Prior], own: Mapping[str, object] | None) -> dict[str, Prior]:
+    """Replace default priors by the user's own; `InputError` for a parameter that is not there."""
+    made = dict(priors)
+    for name, given in checks.instance("priors", dict(own or {}), dict, "{'time_1': (1, 1e6)}").items():
+        if name not in made:
+            near = closest(str(name), made)
+            raise InputError(
+                f"prior of {name}", expected=f"a parameter: {', '.join(made)}", got=name, advice=near or ""
+            )
+        made[name] = Prior.of(name, given, made[name].unit)
+    return made

@@ -1,0 +1,308 @@
+"""The posterior of a model's parameters, by ensembles of walkers that start from the prior.
+
+Each parameter is a function of a standard normal deviate z (`Prior.at`), in which walkers move by stretches
+and by differences of others (emcee: D. Foreman-Mackey et al., Publ. Astron. Soc. Pac. 125, 306 (2013),
+doi:10.1086/670067). An ensemble of them begins with draws of the prior, and the data gain weight in stages, at
+each of which walkers are drawn anew by their weights (P. Del Moral et al., J. R. Stat. Soc. B 68, 411 (2006),
+doi:10.1111/j.1467-9868.2006.00553.x). So no part of the posterior is missed that many walkers find. Several
+ensembles that know nothing of each other must agree, by the rank-normalized R-hat and the effective number of
+draws (A. Vehtari et al., Bayesian Anal. 16, 667 (2021), doi:10.1214/20-BA1221).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import cached_property
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from scipy.optimize import brentq, least_squares
+from scipy.special import ndtr
+
+from asperity.base import checks
+from asperity.base.checks import Floats
+from asperity.errors import CheckpointError, ConvergenceError, InputError
+from asperity.inference.models import Model
+from asperity.results.store import whole_file
+
+ENSEMBLES = 4
+_MOST_ROUNDS = 100
+REACH = 3.5
+"""Deviates of a prior between which a best fit is looked for."""
+_LOST = -1e300
+"""Logarithm of a likelihood that is 0, as a number that can be multiplied."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Data with errors, and a model of them."""
+
+    time: Floats
+    value: Floats
+    error: Floats
+    model: Model
+
+    def values(self, z: Floats) -> dict[str, Floats]:
+        """All parameters at deviates of shape (m, parameters)."""
+        return {
+            name: prior.at(column)
+            for (name, prior), column in zip(self.model.priors.items(), z.T, strict=True)
+        }
+
+    def log_likelihood(self, z: Floats) -> Floats:
+        """Of normal errors, without its constant; very small for what is not allowed. Shape (m,)."""
+        values = self.values(z)
+        allowed = np.broadcast_to(self.model.allowed(values), len(z))
+        found = np.full(len(z), _LOST)
+        if allowed.any():
+            some = {name: column[allowed] for name, column in values.items()}
+            with np.errstate(all="ignore"):
+                missed = (self.model.curve(self.time, some) - self.value) / self.error
+                squares = (missed**2).sum(-1)
+            found[allowed] = np.where(squares < -_LOST, -squares / 2, _LOST)
+        return found
+
+    @cached_property
+    def used(self) -> list[int]:
+        """Places of the parameters on which the curve depends: found by changing each."""
+        random = np.random.default_rng(0)
+        z = self.of_prior(random, 32)
+        changed = []
+        for place in range(z.shape[1]):
+            other = z.copy()
+            other[:, place] = random.standard_normal(len(z))
+            with np.errstate(all="ignore"):
+                here, there = (self.model.curve(self.time, self.values(one)) for one in (z, other))
+            if not np.array_equal(here, there, equal_nan=True):
+                changed.append(place)
+        return changed
+
+    def of_prior(self, random: np.random.Generator, count: int) -> Floats:
+        """Draws of the prior that are allowed, as deviates: shape (count, parameters)."""
+        drawn = np.empty((0, len(self.model.priors)))
+        for _ in range(1000):
+            more = random.standard_normal((max(64, count), drawn.shape[1]))
+            drawn = np.concatenate(
+                [drawn, more[np.broadcast_to(self.model.allowed(self.values(more)), len(more))]]
+            )
+            if len(drawn) >= count:
+                return drawn[:count]
+        raise InputError("priors", expected="parameters that the model allows", got="none among 64,000 draws")
+
+    def whole(self, z: Floats) -> Floats:
+        """Deviates of all parameters, of those that are used."""
+        found = np.zeros((len(z), len(self.model.priors)))
+        found[:, self.used] = z
+        return found
+
+    def posterior(self, z: Floats, weight: float = 1.0) -> Floats:
+        """Logarithm of the posterior of the used deviates, with the likelihood to a power."""
+        found = self.log_likelihood(self.whole(z))
+        return np.asarray(np.where(found > _LOST, weight * found, -np.inf) - (z**2).sum(-1) / 2)
+
+    def improved(self, z: Floats, places: Sequence[int]) -> tuple[float, Floats]:
+        """Least squares over some of the deviates, from z, shape (parameters,): their sum, and the residuals.
+
+        Priors that are knowledge (`Prior.bounded`) count as data; others only limit the search.
+        """
+        known = [not prior.bounded for prior in self.model.priors.values()]
+        chosen = list(places)
+
+        def missed(part: Floats) -> Floats:
+            whole = z.copy()
+            whole[chosen] = part
+            values = self.values(whole[None])
+            with np.errstate(all="ignore"):
+                residual = (self.model.curve(self.time, values)[0] - self.value) / self.error
+            if not (np.all(self.model.allowed(values)) and np.isfinite(residual).all()):
+                residual = np.full(self.value.size, 1e6)
+            return np.concatenate([residual, whole[known]])
+
+        found = np.clip(z[chosen], -REACH, REACH)
+        if chosen:
+            found = least_squares(missed, found, bounds=(-REACH, REACH), max_nfev=40).x
+        residual = missed(found)
+        return float(residual @ residual), residual[: self.value.size]
+
+
+@dataclass(frozen=True, eq=False)
+class Draws:
+    """What sampling gives: deviates of all parameters, and how well the ensembles agree.
+
+    Attributes
+    ----------
+    z
+        Shape (ensembles, draws, parameters).
+    r_hat, effective
+        Of the parameter of which they are worst.
+    """
+
+    z: Floats
+    r_hat: float
+    effective: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Ensemble:
+    """Walkers (walkers, used), the power of the likelihood that they have come to, what was kept (n, used)."""
+
+    place: Floats
+    weight: float
+    kept: Floats
+
+
+def sample(
+    problem: Problem,
+    *,
+    seed: int,
+    walkers: int = 2000,
+    effective: int = 1000,
+    agreement: float = 1.01,
+    steps: int = 40,
+    draws: int = 1000,
+    workers: int = 1,
+    checkpoint: Path | None = None,
+    told: Callable[[str], object] = str,
+) -> Draws:
+    """Sample until ensembles agree, by their R-hat, and are worth so many independent draws.
+
+    Walkers make so many steps in a stage. So many draws are returned of each ensemble.
+
+    `ConvergenceError` if they do not in a hundred rounds; `CheckpointError` for one of another problem.
+    """
+    asked = [problem.model.name, *map(str, problem.model.priors.items()), seed, walkers, steps]
+    data = b"".join(
+        np.ascontiguousarray(one).tobytes() for one in (problem.time, problem.value, problem.error)
+    )
+    mark = hashlib.sha256(data + json.dumps(asked).encode()).hexdigest()
+    given, first = _resumed(checkpoint, mark)
+    parallel = (
+        ProcessPoolExecutor(min(workers, ENSEMBLES), mp_context=get_context("spawn")) if workers > 1 else None
+    )
+    with parallel or nullcontext() as pool:
+        for turn in range(first, _MOST_ROUNDS):
+            tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(given)]
+            given = several = list(pool.map(_advanced, tasks) if pool else map(_advanced, tasks))
+            if checkpoint is not None:
+                arrays = {
+                    f"{name}_{n}": value for n, one in enumerate(several) for name, value in vars(one).items()
+                }
+                with whole_file(checkpoint) as path, path.open("wb") as stream:
+                    np.savez(stream, allow_pickle=False, mark=mark, turn=turn + 1, **arrays)
+            if any(one.weight < 1 for one in several):
+                told(f"data at {100 * min(one.weight for one in several):.2g} % of their weight")
+                continue
+            rounds = min(len(one.kept) for one in several) // walkers
+            least = walkers * -(-rounds // 2)  # the later half: what the start has left wears off
+            chains = np.stack([one.kept[-least:] for one in several])
+            r_hat, worth = _agreement(chains)
+            told(f"R-hat {r_hat:.3f}, {worth:.0f} effective draws")
+            if r_hat < agreement and worth >= effective:
+                return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
+    raise ConvergenceError(
+        f"inference: expected ensembles that agree, R-hat below {agreement} and {effective} effective draws, got "
+        f"R-hat {r_hat:.3f} and {worth:.0f}; try more walkers, narrower priors, or a model of fewer parameters"
+    )
+
+
+def _resumed(checkpoint: Path | None, mark: str) -> tuple[Sequence[_Ensemble | None], int]:
+    """The ensembles of a checkpoint, if there is one, and the round they have come to."""
+    if checkpoint is None or not checkpoint.exists():
+        return [None] * ENSEMBLES, 0
+    try:
+        with np.load(checkpoint, allow_pickle=False) as found:
+            same, turn = str(found["mark"]) == mark, int(found["turn"])
+            several = [
+                _Ensemble(found[f"place_{n}"], float(found[f"weight_{n}"]), found[f"kept_{n}"])
+                for n in range(ENSEMBLES)
+            ]
+    except (OSError, ValueError, KeyError, BadZipFile) as error:
+        raise CheckpointError(
+            str(checkpoint), expected="a checkpoint of an inference", got=str(error)
+        ) from None
+    if not same:
+        expected = "a checkpoint of the same data, model, priors and seed"
+        raise CheckpointError(str(checkpoint), expected=expected, got="another", advice="another file")
+    return several, turn
+
+
+def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _Ensemble:
+    """Give the likelihood more weight, as far as half of the walkers bear it, and let them walk."""
+    problem, ensemble, walkers, seeds, steps = task
+    random = np.random.default_rng(seeds)
+    if ensemble is None:
+        place = problem.of_prior(random, 10 * walkers)[:, problem.used]
+        ensemble = _Ensemble(place, 0.0, np.empty((0, place.shape[1])))
+    place, weight = ensemble.place, ensemble.weight
+    if weight < 1:
+        found = problem.log_likelihood(problem.whole(place))
+        if not (found > _LOST).any():
+            raise InputError("priors", expected="some values that the data allow", got="none among thousands")
+        added = _weight_added(found, 1 - weight, enough=walkers / 2)
+        share = np.exp(added * (found - found.max()))
+        place = place[random.choice(len(place), walkers, p=share / share.sum())]
+        weight = 1.0 if added == 1 - weight else weight + added
+    place = _walked(problem, place, random, weight, steps)
+    kept = [ensemble.kept, place] if weight == 1 else [ensemble.kept]
+    return _Ensemble(place, weight, np.concatenate(kept))
+
+
+def _walked(
+    problem: Problem, place: Floats, random: np.random.Generator, weight: float, steps: int
+) -> Floats:
+    """Let the walkers make the steps of a stage."""
+    with checks.extra("inference", "inference"):
+        import emcee
+    moves = [(emcee.moves.DEMove(gamma0=0.3), 0.7), (emcee.moves.StretchMove(), 0.3)]
+    how = {"kwargs": {"weight": weight}, "vectorize": True, "moves": moves}
+    sampler = emcee.EnsembleSampler(*place.shape, problem.posterior, **how)
+    sampler.random_state = np.random.RandomState(random.integers(2**31)).get_state()
+    return np.asarray(sampler.run_mcmc(place, steps, store=False, skip_initial_state_check=True).coords)
+
+
+def _weight_added(found: Floats, most: float, *, enough: float) -> float:
+    """Largest increase of the power of the likelihood after which the weights are worth `enough` draws."""
+    lost = found.max() - found
+
+    def excess(logarithm: float) -> float:
+        share = np.exp(-math.exp(logarithm) * lost)
+        return float(share.sum() ** 2 / (share**2).sum() - enough)
+
+    high = math.log(most)
+    return most if excess(high) >= 0 else math.exp(brentq(excess, high - 600, high))
+
+
+def _agreement(chains: Floats) -> tuple[float, float]:
+    """Largest R-hat, and smallest effective number of draws, of chains (ensembles, draws, used)."""
+    az = arviz()
+    dataset = az.convert_to_dataset({"z": ndtr(chains)})
+    worth = (float(az.ess(dataset, method=method)["z"].min()) for method in ("bulk", "tail"))
+    return float(az.rhat(dataset)["z"].max()), min(worth)
+
+
+def _thinned(problem: Problem, chains: Floats, draws: int, seed: int) -> Floats:
+    """Draws of all parameters of each ensemble, those that the curve does not know from their prior."""
+    random = np.random.default_rng([seed, ENSEMBLES])
+    chosen = random.permuted(np.tile(np.arange(chains.shape[1]), (len(chains), 1)), axis=1)[:, :draws]
+    whole = problem.of_prior(random, chosen.size).reshape(*chosen.shape, -1)
+    whole[..., problem.used] = np.take_along_axis(chains, chosen[..., None], axis=1)
+    return whole
+
+
+def arviz() -> Any:
+    """ArviZ, without its remarks about a later version of itself."""
+    with checks.extra("inference", "inference"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import arviz as az
+
+    return az

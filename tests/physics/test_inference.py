@@ -1,0 +1,391 @@
+"""What a curve determines of a model: beside closed forms, theories, and curves of known parameters."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import chisquare
+
+import asperity as asp
+from asperity.errors import CheckpointError, ConvergenceError
+from asperity.inference import Prior
+from asperity.inference.models import of_name
+from asperity.inference.sampling import Problem, sample
+from asperity.inference.verdicts import verdict_of
+from tests.refusals import refuses
+
+T = np.geomspace(1, 1e4, 25)
+
+
+def curve(model, **parameters):
+    """Growth at the times T."""
+    how = {"priors": None, "branches": parameters.pop("branches", 1), "absolute": False}
+    made = of_name(model, T, np.ones_like(T), **how)
+    return made.growth(T, {name: np.array([value]) for name, value in parameters.items()})[0]
+
+
+def noisy(values, relative=0.01, seed=0):
+    return values * (1 + relative * np.random.default_rng(seed).standard_normal(values.size))
+
+
+def two_times(apart, seed=0):
+    """A solid of two relaxation times, with noise of 1 %."""
+    series = asp.relaxation.PronySeries(1.0, ((0.2, 30.0), (0.2, 30.0 * apart)))
+    exact = series.compliance_at(T)
+    return noisy(exact, seed=seed), 0.01 * exact
+
+
+# -- The curves ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "branches",
+    [
+        [(0.3, 7.0)],
+        [(0.2, 0.5), (0.5, 300.0)],
+        [(0.5, 2.0), (0.5, 90.0)],
+        [(0.1, 1.0), (0.2, 2.0), (0.3, 1e5)],
+    ],
+)
+def test_relaxation_is_the_creep_compliance_of_the_branches(branches):
+    parameters = {f"share_{n}": share for n, (share, _) in enumerate(branches, 1)}
+    parameters |= {f"time_{n}": time for n, (_, time) in enumerate(branches, 1)}
+    series = asp.relaxation.PronySeries(1.0, tuple(branches))
+    found = curve("relaxation", branches=len(branches), **parameters)
+    np.testing.assert_allclose(found, series.compliance_at(T), rtol=1e-11)
+
+
+def test_a_ramp_gives_the_effective_load():
+    made = of_name("relaxation", T, T, priors=None, branches=1, absolute=False, ramp=0.8)
+    found = made.curve(
+        T, {name: np.array([value]) for name, value in (("scale", 1.0), ("share_1", 0.4), ("time_1", 2.0))}
+    )
+    series = asp.relaxation.PronySeries(1.0, ((0.4, 2.0),))
+    knots = np.concatenate([[0.0, 0.8], T])
+    np.testing.assert_allclose(
+        found[0], series.effective_load(knots, np.minimum(knots / 0.8, 1))[2:], rtol=1e-12
+    )
+
+
+def test_lattice_eyring_and_healing_are_their_theories():
+    random = np.random.default_rng(0)
+    for x1, rate in 10 ** random.uniform((-2, -4), (2, 4), (20, 2)):
+        np.testing.assert_allclose(
+            curve("lattice", x1=x1, rate=rate), asp.theory.exponential_growth(x1, rate * T), rtol=2e-4
+        )
+    stress, rate, length, load = 2e7, 1e-15, 1e-6, 5.0
+    pressure = stress * math.log(2 * length / (rate * T[0]))
+    theory = asp.theory.flowing_area(T, load=load, area=load / pressure, at=T[0], stress=stress)
+    made = of_name("eyring", T, T, priors=None, branches=1, absolute=True)
+    values = {"load": load, "stress": stress, "rate": rate, "length": length}
+    found = made.curve(T, {name: np.array([value]) for name, value in values.items()})
+    np.testing.assert_allclose(found[0], theory, rtol=1e-12)
+    healed = 0.6 * curve("healing", scale=0.6, B=0.01, time=20.0)
+    np.testing.assert_allclose(healed, 0.6 + 0.01 * np.log1p(T / 20), rtol=1e-12)
+
+
+# -- The posterior -------------------------------------------------------------------------------------------
+
+
+def line(time, offset, slope):
+    return offset + slope * np.log(time)
+
+
+LINE = {
+    "offset": {"kind": "normal", "mean": 1.0, "deviation": 0.5},
+    "slope": {"kind": "normal", "mean": 0.0, "deviation": 0.3},
+}
+
+
+def test_a_linear_model_has_its_closed_posterior():
+    """Normal priors and errors: mean and covariance of linear regression; the profile is the posterior."""
+    value, error = noisy(line(T, 1.2, 0.1)), np.full(T.size, 0.05)
+    found = asp.infer(T, value, error, model=line, priors=LINE, walkers=500, seed=3)
+    columns = np.column_stack([np.ones_like(T), np.log(T)]) / error[:, np.newaxis]
+    precision = columns.T @ columns + np.diag([1 / 0.5**2, 1 / 0.3**2])
+    covariance = np.linalg.inv(precision)
+    mean = covariance @ (columns.T @ (value / error) + np.array([1 / 0.5**2, 0.0]))
+    draws = np.stack([found.values[name].ravel() for name in ("offset", "slope")])
+    sigma = np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(draws.mean(1), mean, atol=0.1 * sigma.max(), rtol=0)
+    np.testing.assert_allclose(
+        np.cov(draws) / np.outer(sigma, sigma), covariance / np.outer(sigma, sigma), atol=0.1
+    )
+    for place, name in enumerate(("offset", "slope")):
+        expected = mean[place] + np.array([-1, 1]) * 1.96 * sigma[place]
+        assert found.verdicts[name].verdict == "determined"
+        np.testing.assert_allclose(found.verdicts[name].profile, expected, atol=0.1 * sigma[place])
+        np.testing.assert_allclose(
+            (found.verdicts[name].low, found.verdicts[name].high), expected, atol=0.2 * sigma[place]
+        )
+
+
+SBC = {
+    "relaxation": {"scale": (0.5, 2.0), "time_1": (0.1, 1e5)},
+    "power": {
+        "scale": (0.5, 2.0),
+        "time": (1e2, 1e6),
+        "exponent": {"kind": "uniform", "low": 0.05, "high": 0.6},
+    },
+    "lattice": {"scale": (0.5, 2.0), "rate": (1e-3, 1e2)},
+    "eyring": {"scale": (0.5, 2.0), "rate": (1e-20, 1e-10), "length": (1e-8, 1e-5)},
+    "healing": {"scale": (0.3, 1.0), "B": (1e-3, 0.1), "time": (0.1, 1e3)},
+}
+
+
+def ranks_of(model, count, walkers, steps):
+    """Ranks of parameters that were drawn from the prior, among draws of the posterior of their curves."""
+    time, ranks = np.geomspace(1, 1e4, 15), []
+    made = of_name(model, time, np.ones_like(time), priors=SBC[model], branches=1, absolute=False)
+    error = np.full(time.size, 0.002 if model == "healing" else 0.01)
+    problem = Problem(time, np.ones_like(time), error, made)
+    random = np.random.default_rng(5)
+    truths = problem.of_prior(random, count)
+    for seed, truth in enumerate(truths):
+        value = made.curve(time, problem.values(truth[np.newaxis]))[0] + error * random.standard_normal(
+            time.size
+        )
+        drawn = sample(
+            replace(problem, value=value),
+            seed=seed,
+            walkers=walkers,
+            draws=walkers,
+            effective=50,
+            agreement=1.1,
+            steps=steps,
+        )
+        z = drawn.z.reshape(-1, drawn.z.shape[-1])
+        ranks.append((z < truth).mean(0)[problem.used])
+    return np.array(ranks)
+
+
+def check(ranks, widest):
+    """Uniform ranks, and 95 % intervals that cover."""
+    for column in ranks.T:
+        assert chisquare(np.histogram(column, np.linspace(0, 1, 11))[0]).pvalue > 0.01 / len(ranks.T)
+        assert abs(np.mean((column > 0.025) & (column < 0.975)) - 0.95) <= widest
+
+
+@pytest.mark.parametrize("model", ["power", "healing"])
+def test_ranks_are_uniform_and_intervals_cover(model):
+    check(ranks_of(model, 60, 50, 15), widest=0.07)  # 60 curves: two and a half standard deviations
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", SBC)
+def test_intervals_cover_the_truth_of_five_hundred_curves(model):
+    """S. Talts et al., arXiv:1804.06788."""
+    check(ranks_of(model, 500, 100, 40), widest=0.02)
+
+
+def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, monkeypatch):
+    value, error = noisy(curve("power", exponent=0.3, time=1e4)), np.full(T.size, 0.02)
+    how = {"model": "power", "walkers": 100, "effective": 50}
+    plain = asp.infer(T, value, error, **how)
+    place = tmp_path / "place"
+    whole = asp.inference.sampling._advanced
+    calls = []
+
+    def interrupted(task):
+        calls.append(task)
+        if len(calls) > 10:
+            raise KeyboardInterrupt
+        return whole(task)
+
+    monkeypatch.setattr(asp.inference.sampling, "_advanced", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        asp.infer(T, value, error, **how, checkpoint=place)
+    monkeypatch.undo()
+    assert place.exists()
+    for other in (
+        asp.infer(T, value, error, **how, checkpoint=place),
+        asp.infer(T, value, error, **how, workers=2),
+    ):
+        np.testing.assert_array_equal(other.draws.z, plain.draws.z)
+    with pytest.raises(CheckpointError, match="the same data, model, priors and seed"):
+        asp.infer(T, value, error, **how, seed=1, checkpoint=place)
+
+
+# -- The verdicts --------------------------------------------------------------------------------------------
+
+
+def test_words_follow_from_what_of_the_prior_is_left():
+    prior = np.linspace(0, 1, 20_001)
+    draws = np.random.default_rng(0)
+    cases = {
+        "not identified": draws.uniform(0, 1, 4000),
+        "bounded above": draws.uniform(0, 0.3, 4000),
+        "bounded below": draws.uniform(0.9, 1, 4000),
+        "determined": draws.normal(0.05, 0.01, 4000),
+    }
+    for word, posterior in cases.items():
+        found = verdict_of("x", "", prior, posterior, (-math.inf, math.inf))
+        assert found.verdict == word
+        assert 0 <= found.low < found.high <= 1
+
+
+def test_a_normalized_curve_knows_no_load_modulus_or_roughness():
+    value, error = two_times(3.0)
+    found = asp.infer(T, value, error, model="relaxation", branches=2, walkers=600, effective=300)
+    for name in ("load", "modulus", "rms_slope", "area_factor"):
+        assert found.verdicts[name].verdict == "not identified"
+    names = {one.name: one for one in found.combinations}
+    assert names["share_1 + share_2"].tighter > 10
+    assert names["share_1 + share_2"].low < 0.4 < names["share_1 + share_2"].high
+    assert found.combinations[0].name == "share_1 + share_2"
+    held = found.candidates[1]
+    assert held.name == "the load at a held displacement"
+    assert held.widths["load"] > 0.95
+    known = found.candidates[2]
+    assert known.widths["load"] < 0.01 < 0.2 < known.widths["modulus"]
+
+
+def test_areas_in_square_metres_under_a_known_load_know_the_roughness():
+    exact = 2.0 * 5.0 / (2e9 * 0.1) * curve("power", exponent=0.3, time=1e4)
+    priors = {
+        "load": {"kind": "normal", "mean": "5 N", "deviation": "0.05 N"},
+        "modulus": {"kind": "log_normal", "median": "2 GPa", "factor": 1.02},
+    }
+    found = asp.infer(
+        T, noisy(exact), 0.01 * exact, model="power", priors=priors, absolute=True, walkers=500, effective=200
+    )
+    slope = found.verdicts["rms_slope"]
+    assert slope.verdict == "determined"
+    assert slope.low < 0.1 < slope.high < 1.4 * slope.low  # area_factor is known from 1.6 to 2.2
+    assert found.verdicts["load"].verdict == "not identified"  # no more than what was known
+
+
+def test_activated_flow_knows_only_rate_over_length():
+    exact = curve("eyring", rate=1e-15, length=1e-6)
+    found = asp.infer(T, noisy(exact, 0.003), 0.003 * exact, model="eyring", walkers=500, effective=200)
+    assert {found.verdicts[name].verdict for name in ("rate", "length", "stress", "load")} == {
+        "not identified"
+    }
+    (together,) = found.combinations
+    assert together.name == "rate / length"
+    assert together.low < 1e-9 < together.high
+
+
+def test_one_relaxation_time_is_taken_where_it_suffices():
+    exact = asp.relaxation.PronySeries(1.0, ((0.3, 50.0),)).compliance_at(T)
+    found = asp.infer(T, noisy(exact, seed=1), 0.01 * exact, walkers=300, effective=200)
+    assert found.verdicts["time_1"].verdict == "determined"
+    assert found.verdicts["time_1"].low < 50 < found.verdicts["time_1"].high
+    assert "time_2" not in found.verdicts
+    assert "1 relaxation time by Akaike's criterion" in found.remarks[0]
+
+
+def test_a_curve_that_ends_early_bounds_the_time_below():
+    exact = asp.relaxation.PronySeries(1.0, ((0.5, 1e6),)).compliance_at(T)
+    found = asp.infer(T, noisy(exact, 1e-3), 1e-3 * exact, branches=1, walkers=500, effective=200)
+    assert found.verdicts["time_1"].verdict == "bounded below"
+    assert (
+        found.verdicts["time_1"].low < 1e6 == found.verdicts["time_1"].high
+        or found.verdicts["time_1"].low < 1e6
+    )
+    assert found.verdicts["time_1"].profile[1] == math.inf
+    assert next(one for one in found.combinations).name == "share_1 / time_1"
+
+
+def test_errors_are_found_from_the_scatter_and_widened_where_it_is_correlated():
+    random = np.random.default_rng(2)
+    t = np.geomspace(1, 1e4, 60)
+    exact = 1 + (t / 1e4) ** 0.3
+    white = asp.infer(
+        t, exact * (1 + 0.01 * random.standard_normal(60)), model="power", walkers=200, effective=50
+    )
+    assert white.error[0] / white.value[0] == pytest.approx(0.01, rel=0.35)
+    red = np.zeros(60)
+    for n in range(1, 60):
+        red[n] = 0.8 * red[n - 1] + 0.006 * random.standard_normal()
+    found = asp.infer(t, exact * (1 + red), model="power", walkers=200, effective=50)
+    assert found.error[0] / found.value[0] > 1.5 * np.std(found.value / found.predicted(t)[1] - 1)
+    assert "neighbors correlate" in found.remarks[-1]
+
+
+def test_the_solid_creeps_as_the_curve(tmp_path):
+    value, error = two_times(30.0)
+    found = asp.infer(T, value, error, branches=2, walkers=300, effective=100)
+    section = found.solid()
+    series = asp.relaxation.PronySeries(
+        1.0, tuple((g, float(t.removesuffix(" s"))) for g, t in section["branches"])
+    )
+    np.testing.assert_allclose(series.compliance_at(T), value / found.verdicts["scale"].median, rtol=0.05)
+    assert len(section["draws"]) == 100
+    power = asp.infer(T, noisy(1 + (T / 1e3) ** 0.4), model="power", walkers=300, effective=100).solid()
+    series = asp.relaxation.PronySeries(
+        1.0, tuple((g, float(t.removesuffix(" s"))) for g, t in power["branches"])
+    )
+    np.testing.assert_allclose(series.compliance_at(T), 1 + (T / 1e3) ** 0.4, rtol=0.08)
+
+
+def test_a_record_of_holds_gives_b():
+    law = asp.friction.RateAndState(a=0.0, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
+    protocol = asp.friction.slide_hold_slide(
+        holds=list(np.geomspace(3, 3e4, 9)), velocity=1e-6, distance=100e-6
+    )
+    record = asp.friction.synthetic_record(protocol, law, noise=2e-4, seed=1)
+    record = replace(record, strength_at_rest=True)
+    found = asp.infer(record, model="healing", error=3e-4, walkers=300, effective=100)
+    B = found.verdicts["B"]
+    assert B.verdict == "determined"
+    assert B.low < 0.015 < B.high < 1.2 * B.low
+    assert found.verdicts["time"].low < 10 < found.verdicts["time"].high  # D_c/V
+
+
+# -- Bad input -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("given", "name"),
+    [
+        ({"time": [1.0, 3.0, 2.0, 4.0]}, "time"),
+        ({"area": [1.0, 1.1, 1.2]}, "area"),
+        ({"error": 0.0}, "error"),
+        ({"error": [0.1, 0.2]}, "error"),
+        ({"area": [4.0, 3.0, 2.0, 1.0]}, "area"),
+        ({"branches": 2}, "time"),
+        ({"error": None, "branches": 2}, "time"),
+        ({"model": "magic"}, "model"),
+        ({"model": "power", "branches": 1}, "branches"),
+        ({"model": "lattice", "ramp": 0.5}, "ramp"),
+        ({"ramp": 2.0}, "time"),
+        ({"model": "healing", "absolute": True}, "absolute"),
+        ({"priors": {"tme_1": (1, 2)}}, "prior of tme_1"),
+        ({"priors": {"time_1": (2.0, 1.0)}}, "prior of time_1, high"),
+        ({"priors": {"time_1": {"kind": "flat"}}}, "prior of time_1"),
+        ({"priors": {"load": ("1 m", "2 m")}}, "prior of load, low"),
+        ({"model": line}, "priors"),
+        ({"model": line, "priors": {"offset": (1, 2)}}, "priors"),
+    ],
+)
+def test_mistakes_are_told_in_a_line(given, name):
+    usual = {"time": [1.0, 2.0, 3.0, 4.0], "area": [1.0, 1.1, 1.2, 1.25], "error": 0.01, "branches": 1}
+    usual |= given
+    if usual.get("model") not in (None, "relaxation") and "branches" not in given:
+        del usual["branches"]
+    with refuses(name):
+        asp.infer(usual.pop("time"), usual.pop("area"), usual.pop("error"), **usual)
+
+
+def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_too(monkeypatch):
+    value, error = two_times(3.0)
+    with refuses("priors"):
+        asp.infer(T, value, error, priors={"time_1": (1e-1, 1.0)}, branches=1)
+    made = of_name("relaxation", T, value, priors=None, branches=2, absolute=False)
+    monkeypatch.setattr(asp.inference.sampling, "_MOST_ROUNDS", 25)
+    with pytest.raises(ConvergenceError, match="expected ensembles that agree"):
+        sample(Problem(T, value, error, made), seed=0, walkers=20, effective=10**6)
+
+
+def test_priors_are_what_they_say():
+    z = np.random.default_rng(0).standard_normal(20_000)
+    assert np.quantile(Prior("log_uniform", 1.0, 100.0).at(z), 0.5) == pytest.approx(10, rel=0.05)
+    assert np.quantile(Prior("log_normal", 5.0, 2.0).at(z), 0.8413) == pytest.approx(10, rel=0.03)
+    for one in (
+        Prior("uniform", 1.0, 2.0, "N"),
+        Prior("normal", -1.0, 2.0),
+        Prior("log_normal", 3.0, 1.5, "s"),
+    ):
+        assert Prior.of("x", one.table, one.unit) == one
