@@ -65,6 +65,7 @@ def test_a_page_is_told_what_there_is(server: Server) -> None:
         header, _ = page.receive()
     assert header["kind"] == "hello"
     assert header["form"]["solid"]["half_space"]["modulus"]["unit"] == "Pa"
+    assert "draws" not in header["form"]["solid"]["half_space"]
     assert header["defaults"]["contact"] == {"load": 800.0}
     assert {(one["path"], one["kind"]) for one in header["folder"]} == {
         ("a run", "run"),

@@ -8,6 +8,7 @@ import xarray as xr
 
 import asperity as asp
 from asperity.analysis.prediction import growth_of
+from asperity.relaxation import PronySeries
 
 
 def made_history(slope: float, spread: float) -> xr.Dataset:
@@ -44,8 +45,13 @@ def noisy(error: float, seed: int) -> asp.relaxation.Relaxation:
     )
 
 
+def drawn(found: asp.relaxation.Fit) -> list[PronySeries]:
+    """The series of a table, and those that its noise would have given."""
+    return [found.series, *(one.series for one in found.resampled)]
+
+
 def test_growth_of_a_straight_line() -> None:
-    growth = growth_of(made_history(0.1, 0.0), asp.relaxation.fit(noisy(0.0, 0)))
+    growth = growth_of(made_history(0.1, 0.0), drawn(asp.relaxation.fit(noisy(0.0, 0))))
     assert growth.per_decade == pytest.approx(0.1)
     assert growth.straight is True
     assert [slope for *_, slope in growth.decades] == pytest.approx([0.1] * 4)
@@ -56,7 +62,7 @@ def test_growth_of_a_straight_line() -> None:
 
 def test_tiles_that_grow_differently_widen_the_band() -> None:
     # Half of the tiles grow by 5 %, half by 15 % a decade; of 16 drawn, the mean spreads by 5 % / 4.
-    growth = growth_of(made_history(0.1, 0.5), asp.relaxation.fit(noisy(0.0, 0)))
+    growth = growth_of(made_history(0.1, 0.5), drawn(asp.relaxation.fit(noisy(0.0, 0))))
     low, high = growth.of_scan
     assert high - low == pytest.approx(2 * 2.131 * 0.05 / np.sqrt(15), rel=0.15)
     assert growth.band[0] <= low * 1.02
@@ -82,7 +88,7 @@ def test_a_noisy_table_widens_the_band_as_other_tables_spread() -> None:
         history = made_history(0.1, 0.0)
         compliance = found.series.compliance_at(time)
         history["contact_area_corrected"][1:] = compliance / compliance[0]
-        low, high = growth_of(history, found).of_table
+        low, high = growth_of(history, drawn(found)).of_table
         widths.append(high - low)
     assert np.mean(widths) == pytest.approx(2 * 1.96 * np.std(slopes), rel=0.35)
 
@@ -92,5 +98,38 @@ def test_deviations_that_are_no_noise_give_no_band() -> None:
     wavy = asp.relaxation.Relaxation(
         time, 1e9 * time**-0.05 * (1 + 0.01 * np.sin(np.log(time) * 1.5)), noise=0.5
     )
-    growth = growth_of(made_history(0.1, 0.0), asp.relaxation.fit(wavy, branches=2))
+    growth = growth_of(made_history(0.1, 0.0), drawn(asp.relaxation.fit(wavy, branches=2)))
     assert growth.of_table == (growth.per_decade, growth.per_decade)
+
+
+def light(end: float = 0.0) -> tuple[xr.Dataset, PronySeries]:
+    """A history whose area is its compliance, but at the last time; and that solid."""
+    solid = PronySeries(1e9, ((0.2, 10.0), (0.2, 300.0)))
+    history = made_history(0.1, 0.0)
+    compliance = solid.compliance_at(np.asarray(history["time"])[1:])
+    history["contact_area_corrected"][1:] = compliance / compliance[0]
+    history["contact_area_corrected"][-1] *= 1 + end
+    return history, solid
+
+
+def test_all_of_many_draws_are_in_the_band() -> None:
+    history, solid = light()
+    growing = PronySeries(1e9, ((0.3, 10.0), (0.3, 300.0)))
+    compliance = growing.compliance_at(np.array([1.0, 1e4]))
+    for number, place in ((3, 1), (300, 250)):
+        draws = [solid] * number
+        draws[place:] = [growing] * (number - place)
+        growth = growth_of(history, [solid, *draws])
+        assert growth.ratio_band[1] == pytest.approx(compliance[1] / compliance[0], rel=1e-3)
+        assert growth.ratio_band[0] == pytest.approx(growth.ratio)
+    assert growth_of(history, [solid] * 5).of_table == pytest.approx((growth.per_decade,) * 2)
+
+
+def test_a_pixel_at_the_end_is_not_taken_for_the_slope_of_the_curve() -> None:
+    history, solid = light(end=1e-3)  # after ten relaxation times the compliance hardly grows
+    x = np.log(solid.compliance_at(np.array([10**3.75, 1e4])))
+    assert 1e-3 / np.diff(x)[0] > 50
+    growing = PronySeries(1e9, ((0.3, 10.0), (0.3, 300.0)))
+    compliance = growing.compliance_at(np.array([1.0, 1e4]))
+    ratio = growth_of(history, [solid, growing, growing]).ratio_band
+    np.testing.assert_allclose(ratio, compliance[1] / compliance[0], rtol=0.01)

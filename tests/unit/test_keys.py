@@ -71,6 +71,7 @@ def check_values(model: Any, key: Key) -> None:
         "path": "heights.npy",
         "pair": [0.5, 1.0],
         "pairs": [[0.5, 1.0]],
+        "lists of pairs": [[[0.5, 1.0]], [[0.4, 2.0], [0.1, 3.0]]],
         "legs": [{"kind": "hold", "duration": 1.0}],
     }
     if key.what in examples:

@@ -7,7 +7,8 @@ Ann. Stat. 7, 1 (1979), DOI 10.1214/aos/1176344552):
     table   deviations of the relaxation table from its fit, if they are noise; each draw is fitted anew. A
             separable solid under a constant pressure p has the contact of an elastic one at p J(t), so that A
             as a function of J, which the history has sampled, gives the curve of every draw. With a hardness
-            this holds nearly, see docs/predict.md. A solid that is given in numbers has no such spread.
+            this holds nearly, see docs/predict.md. A solid that is given in numbers has no such spread but
+            that of draws of its branches, if these come with it.
     scan    tiles of the scan, whose areas of contact grow differently: what another scan of this size would
             give. Load passes from tile to tile meanwhile; so the area of the tiles drawn is taken over the
             load that they bear. Tiles are few, so that the deviations are widened as Student's t is.
@@ -52,6 +53,9 @@ _FEW = 10
 _FLOWING, _FULL = 3.0, 0.5
 """Contact pressure over s0 above which contacts flow, and part of the area up to which they do so alone."""
 
+_END = 0.25
+"""Part of a curve along which it is continued."""
+
 _ROUNDING = 1e-12
 
 Interval = tuple[float, float]
@@ -74,8 +78,8 @@ class Growth:
     band
         Its 95 % band, of table and scan together.
     of_table, of_scan
-        The band that each would give alone; the slope, twice, without a table, and where the deviations from
-        its fit are no noise.
+        The band that each would give alone; the first is also of draws of a solid's branches, and the slope,
+        twice, without a table and draws, and where the deviations of the table from its fit are no noise.
     decades
         Begin, end and growth per decade of each decade, the last of which may be a part of one.
     straight
@@ -223,6 +227,11 @@ class Prediction(views.InNotebooks):
         return cast(float, self.assumed.get("ramp", 0.0))
 
     @property
+    def draws(self) -> int:
+        """Draws of the solid's branches whose spread is in the bands; 0 without."""
+        return cast(int, self.assumed.get("draws", 0))
+
+    @property
     def load(self) -> float:
         """The load that is held, N."""
         return float(self.dataset["load"][-1])
@@ -332,21 +341,25 @@ class Prediction(views.InNotebooks):
         return np.asarray(static_friction(area, load, self.shear_strength))
 
 
-def growth_of(dataset: xr.Dataset, found: Fit | None, *, ramp: float = 0.0, seed: int = 0) -> Growth:
+def growth_of(
+    dataset: xr.Dataset, series: Sequence[PronySeries] = (), *, ramp: float = 0.0, seed: int = 0
+) -> Growth:
     """Measure the growth of a history, and how sure it is; see the module.
 
-    The history, with maps, is under a load that was put on within a ramp, or at once, and held; where a table
-    was fitted, it is of a solid with the branches of the fit. The seed is that of the draws of tiles.
+    The history, with maps, is under a load that was put on within a ramp, or at once, and held. The series
+    are that of its solid, and then those that may be in its place: none where no such spread is known. The
+    seed is that of the draws of tiles.
     """
     time, area = (np.asarray(dataset[name])[1:] for name in ("time", "contact_area_corrected"))
     moments, tiles = _of_tiles(dataset, np.random.default_rng(seed))
-    tables = np.empty((0, time.size)) if found is None else _of_tables(time, area, found, ramp)
+    tables = _of_series(time, area, series, ramp)
 
     def weighed(measure: _Measure) -> tuple[float, Interval, Interval, Interval]:
         """A measure of growth with its bands: of table and scan, and of each alone."""
         value, of_table = measure(time, area), _factors(measure, time, [area, *tables])
         of_scan = 1 + _WIDER * (_factors(measure, moments, tiles) - 1)
-        return value, _band(value, of_table * of_scan), _band(value, of_table), _band(value, of_scan)
+        both = of_table * np.resize(of_scan, of_table.size)
+        return value, _band(value, both), _band(value, of_table), _band(value, of_scan)
 
     slope, band, of_table, of_scan = weighed(_slope)
     rise, rise_band, *_ = weighed(_rise)
@@ -389,18 +402,15 @@ def _creep(series: PronySeries, time: Field, ramp: float) -> Field:
     return series.effective_load(knots, loads)[np.searchsorted(knots, time)]
 
 
-def _of_tables(time: Field, area: Field, found: Fit, ramp: float) -> Floats:
-    """Areas that tables with other noise would have given; shape (draws, times)."""
-
-    def crept(series: PronySeries) -> Floats:
-        return np.log(_creep(series, time, ramp) / series.modulus)
-
-    compliance = crept(found.series)
+def _of_series(time: Field, area: Field, series: Sequence[PronySeries], ramp: float) -> Floats:
+    """Areas that all series but the first, that of the solid, would have given; shape (draws, times)."""
+    crept = [np.log(_creep(one, time, ramp) / one.modulus) for one in series]
+    compliance = crept[0] if series else np.zeros(time.size)
     grown = np.flatnonzero(np.diff(compliance, prepend=-np.inf) > _ROUNDING)  # a table may end in a plateau
     if grown.size < 2:  # it does not grow, whatever the table
         return np.empty((0, time.size))
     x, y = compliance[grown], np.log(area[grown])
-    drawn = [np.exp(_continued(crept(one.series), x, y)) for one in found.resampled]
+    drawn = [np.exp(_continued(one, x, y)) for one in crept[1:]]
     return np.reshape(drawn, (-1, time.size))
 
 
@@ -418,9 +428,9 @@ def _of_tiles(dataset: xr.Dataset, random: np.random.Generator) -> tuple[Field, 
 
 
 def _factors(measure: _Measure, time: Field, areas: Sequence[Field] | Floats) -> Floats:
-    """A measure of areas that were drawn, over that of the first areas, the true ones; shape (draws,)."""
+    """A measure of areas that were drawn, over that of the first areas, the true ones; 200 or more."""
     whole, *drawn = (measure(time, area) for area in areas)
-    return np.resize(drawn, _DRAWS) / whole if whole and drawn else np.ones(_DRAWS)
+    return np.resize(drawn, max(_DRAWS, len(drawn))) / whole if whole and drawn else np.ones(_DRAWS)
 
 
 def _in_tiles(maps: Field) -> Field:
@@ -449,8 +459,9 @@ def _band(slope: float, factors: Floats) -> Interval:
 
 
 def _continued(at: Field, x: Field, y: Field) -> Field:
-    """Interpolate, and go on along the first and the last piece."""
-    before, after = (y[1] - y[0]) / (x[1] - x[0]), (y[-1] - y[-2]) / (x[-1] - x[-2])
+    """Interpolate, and go on along the first and the last quarter: pieces may be as small as a pixel."""
+    part = _END * (x[-1] - x[0])
+    before, after = np.diff(np.interp([x[0], x[0] + part, x[-1] - part, x[-1]], x, y))[::2] / part
     inside = np.interp(at, x, y)
     return np.asarray(inside + np.minimum(at - x[0], 0) * before + np.maximum(at - x[-1], 0) * after)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time as clock
+import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
 from contextlib import suppress
@@ -19,7 +20,7 @@ from asperity.app.config import to_tables
 from asperity.app.runs.loops import compile_loops
 from asperity.base import checks
 from asperity.base.version import __version__
-from asperity.errors import InputError, OutputError
+from asperity.errors import InputError, OutputError, Remark
 from asperity.results.store import whole_file
 
 if TYPE_CHECKING:
@@ -119,6 +120,8 @@ def sweep(
     leave_if_imported_by_worker()
     with checks.extra("campaign", "running a campaign"):  # before anything is written
         import distributed  # noqa: F401
+    for unused in {run.config.solid.unused for run in plan.runs} - {""}:
+        warnings.warn(unused, Remark, stacklevel=2)
     store = Store(Path(directory).resolve())
     try:
         store.directory.mkdir(parents=True, exist_ok=True)

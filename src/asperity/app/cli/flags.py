@@ -155,7 +155,7 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     if section == "preparation":
         yield from (("surface", key) for key in keys_of(MeasuredSurface).values() if key.name != "path")
         return
-    kinds = sections()[section]
+    kinds = sections(short=True)[section]
     if "" in kinds:
         yield from ((section, key) for key in kinds[""].values())
         return

@@ -21,6 +21,7 @@ What = Literal[
     "wholes",
     "pair",
     "pairs",
+    "lists of pairs",
     "choice",
     "choices",
     "switch",
@@ -86,15 +87,21 @@ class Key:
 Keys = dict[str, Key]
 
 
-def sections() -> dict[str, dict[str, Keys]]:
+def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
     """Keys of all sections, by section, kind ("" where a section has no kinds) and name.
 
-    The first kind is the usual one. ``"protocol"`` has the kinds of legs.
+    The first kind is the usual one. ``"protocol"`` has the kinds of legs. With `short`, without keys that
+    are too long for a flag or a field of a form.
     """
     kinds: dict[str, Mapping[str, type[BaseModel]]] = {**KINDS, "protocol": LEGS}
     return {
         section: {
-            kind: keys_of(model) for kind, model in (kinds.get(section) or {"": SECTIONS[section]}).items()
+            kind: {
+                name: key
+                for name, key in keys_of(model).items()
+                if not (short and key.what == "lists of pairs")
+            }
+            for kind, model in (kinds.get(section) or {"": SECTIONS[section]}).items()
         }
         for section in RunConfig.model_fields
     }
@@ -123,13 +130,15 @@ def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
     what = "choice" if choices else plain.get(one.get("type"), "legs")
     if "prefixItems" in one:
         what = "pair"
+    elif "items" in one:
+        what = "lists of pairs"
     elif len(kinds) > 1:
         what = "text or whole"
     elif what == "text" and name in _PATHS:
         what = "path"
     return Key(
         name=name,
-        what=cast(What, f"{what}s" if several and what != "legs" else what),
+        what=cast(What, f"{what}s" if several and what not in ("legs", "lists of pairs") else what),
         unit=one.get("unit", ""),
         units=tuple(part.get("unit", "") for part in one.get("prefixItems", ())),
         choices=choices,

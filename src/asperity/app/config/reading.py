@@ -24,9 +24,9 @@ _RIVALS: dict[tuple[str, ...], tuple[str, ...]] = {
     ("contact", "separation"): ("load", "pressure"),
     ("solid", "modulus"): ("young",),
     ("solid", "young"): ("modulus",),
-    ("solid", "branches"): ("relaxation", "flow"),
-    ("solid", "relaxation"): ("branches", "flow"),
-    ("solid", "flow"): ("branches", "relaxation"),
+    ("solid", "branches"): ("relaxation", "flow", "draws"),
+    ("solid", "relaxation"): ("branches", "flow", "draws"),
+    ("solid", "flow"): ("branches", "relaxation", "draws"),
     **{("solid", key): ("creep_rate", "creep_stress") for key in ACTIVATION},
     **{("solid", key): tuple(ACTIVATION) for key in ("creep_rate", "creep_stress")},
     **{
@@ -97,7 +97,7 @@ def section_from(section: str, model: type[_Model], flags: dict[str, object]) ->
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
-    """Take a configuration apart into tables of which `from_tables` makes the very same one."""
+    """Take a configuration apart into tables of which `from_tables` makes the very same one, less draws."""
     tables: dict[str, Any] = config.model_dump(exclude_none=True)
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):

@@ -56,6 +56,10 @@ def _shares(branches: list[Branch]) -> list[Branch]:
     return branches
 
 
+Branches = Annotated[list[Branch], AfterValidator(_shares)]
+"""Shares of the modulus that relax, and their times."""
+
+
 class SolidSection(Section):
     """A solid, of one kind or another."""
 
@@ -74,6 +78,11 @@ class SolidSection(Section):
     @property
     def assumed(self) -> str:
         """What is assumed of the solid beyond what is known; empty where nothing is."""
+        return ""
+
+    @property
+    def unused(self) -> str:
+        """What a run does not use; empty where it uses all."""
         return ""
 
     def resolved(self) -> Self:
@@ -228,7 +237,7 @@ class Continuum(SolidSection):
     poisson: Annotated[list[Poisson], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None = (
         Field(default=None, description="Poisson's ratio, of two bodies both.")
     )
-    branches: Annotated[list[Branch], AfterValidator(_shares)] = Field(
+    branches: Branches = Field(
         default=[],
         description="A share of the modulus and the time in which it relaxes; as often as there are such.",
     )
@@ -354,6 +363,12 @@ class HalfSpace(Creeping, Continuum):
     not_beside_a_modulus: ClassVar[tuple[str, ...]] = ("poisson",)
 
     kind: Literal["half_space"] = "half_space"
+    draws: Annotated[list[Branches], Field(min_length=2)] | None = Field(
+        default=None,
+        exclude=True,  # no run uses them, and what was not used is not recorded
+        description="Lists of branches that may be in place of these, such as draws of a posterior: their "
+        "spread is in the band of a prediction.",
+    )
     flow: Power | None = Field(
         default=None,
         description="In place of branches: mobility of creep, and the power of the wave number with which "
@@ -399,7 +414,15 @@ class HalfSpace(Creeping, Continuum):
             )
         if self.creep is not None and (self.branches or self.relaxation is not None or self.flow is not None):
             raise ValueError("expected branches, flow or creep, got two of them")
+        if self.draws is not None and not self.branches:
+            others = (name for name in ("relaxation", "flow", "creep") if getattr(self, name) is not None)
+            raise ValueError(f"draws: expected branches beside it, got {next(others, 'none')}")
         return self
+
+    @property
+    def unused(self) -> str:
+        """See `SolidSection`."""
+        return "" if self.draws is None else "a run does not use [solid] draws; asperity predict does"
 
     @property
     def numbers(self) -> dict[str, Any]:
@@ -442,7 +465,7 @@ class CoatedHalfSpace(Continuum):
     thickness: Size = Field(description="Thickness of the layer or the film.")
     base_modulus: Modulus = Field(description="Contact modulus of the base at once.")
     base_poisson: Poisson = Field(description="Poisson's ratio of the base.")
-    base_branches: Annotated[list[Branch], AfterValidator(_shares)] = Field(
+    base_branches: Branches = Field(
         default=[], description="A share of the modulus of the base and its relaxation time."
     )
     apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)

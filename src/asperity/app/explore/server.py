@@ -288,7 +288,7 @@ class Server:
         """What a page is told first."""
         form = {
             section: {kind: {name: asdict(key) for name, key in keys.items()} for kind, keys in kinds.items()}
-            for section, kinds in sections().items()
+            for section, kinds in sections(short=True).items()
         }
         form["aging"][""]["per_decade"]["default"] = PER_DECADE
         form["surface"]["file"]["periodic"]["default"] = EDGES

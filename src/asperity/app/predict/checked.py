@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from asperity.app.config import RunConfig
 from asperity.app.config.models import Contact as ContactSection
@@ -15,9 +15,11 @@ from asperity.base import checks, units
 from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.protocols import Hold, Ramp
-from asperity.relaxation import Fit, Measured
+from asperity.relaxation import Fit, Measured, PronySeries, check_branches
 from asperity.relaxation import read as read_table
 from asperity.relaxation.files import Kind
+from asperity.relaxation.series import Branches
+from asperity.solids import Solid
 
 LEAST_TIMES = 5
 RUN = "asperity run, which takes the same file"
@@ -40,6 +42,27 @@ def table_with_units(
             expected, advice = "columns that name their units", "a header such as time [s],E [MPa]"
             got = str(remark).partition(", taken as ")[0]
             raise InputError("relaxation", expected=expected, got=got, advice=advice) from None
+
+
+def series_with(
+    draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid
+) -> tuple[PronySeries, ...]:
+    """The series of a solid, and then those with other branches that it may have; empty without draws."""
+    if draws is None:
+        return ()
+    if not solid.parameters.get("branches"):
+        raise InputError("draws", expected="branches of the solid, in whose place they may be", got="none")
+    if not hasattr(draws, "__len__") or len(draws) < 2:
+        raise InputError("draws", expected="2 lists of branches or more", got=checks.shown(draws))
+    modulus = cast(float, solid.parameters["modulus"])
+    found = [PronySeries(modulus, cast(Branches, solid.parameters["branches"]))]
+    for number, branches in enumerate(draws):
+        try:
+            found.append(PronySeries(modulus, check_branches(branches)))
+        except InputError as error:
+            name = f"draws[{number}]: {error.name}"
+            raise InputError(name, expected=error.expected, got=error.got, advice=error.advice) from None
+    return tuple(found)
 
 
 def times_within(

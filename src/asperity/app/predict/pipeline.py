@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -28,6 +28,7 @@ from asperity.app.predict.checked import (
     no_half_space,
     no_protocol,
     quantity,
+    series_with,
     table_with_units,
     times_within,
 )
@@ -49,7 +50,7 @@ from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress, listener
 from asperity.protocols import Hold, Ramp
-from asperity.relaxation import Fit, Measured, fit
+from asperity.relaxation import Fit, Measured, PronySeries, fit
 from asperity.relaxation.data import Extrapolate
 from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
@@ -86,6 +87,7 @@ def predict(
     branches: int | None = None,
     branches_per_decade: float | None = None,
     extrapolate: Extrapolate | None = None,
+    draws: Sequence[Iterable[Sequence[float | str]]] | None = None,
     ramp: float | str | None = None,
     shear_strength: float | str | None = None,
     carried: Carried | None = None,
@@ -133,6 +135,9 @@ def predict(
         By default few free ones, where these suffice, see `asperity.relaxation.fit`.
     extrapolate
         "plateau": the last modulus of the table is assumed to stay for later times, up to `last`.
+    draws
+        Branches that may be in place of those of a solid, such as draws of a posterior: 2 lists or more of
+        pairs of a share of the modulus and a relaxation time, s. Their spread is in the bands.
     ramp
         Time, s, within which the load is put on, in proportion to time; by default at once. All times count
         from the start of the loading.
@@ -184,6 +189,7 @@ def predict(
         raise no_protocol("protocol", "asperity.press, and asperity.age with the protocol")
     facts: dict[str, object] = {}
     found: Fit | None = None
+    series: tuple[PronySeries, ...] = ()
     with listener(progress) as listening:
         if isinstance(material, Solid):
             of_a_table = {
@@ -197,7 +203,11 @@ def predict(
                     expected = "none beside a solid, for it is about a relaxation table"
                     raise InputError(name, expected=expected, got=checks.shown(told))
             solid = material
+            series = series_with(draws, solid)
         else:
+            if draws is not None:
+                expected = "none beside a relaxation table, whose noise gives draws"
+                raise InputError("draws", expected=expected, got=checks.shown(draws))
             listening.stage("reading the relaxation table")
             factor = checks.number("shift", shift, above=0)
             table = material
@@ -227,6 +237,7 @@ def predict(
             times,
             pressed={which: amount},
             ramp=loading,
+            series=series,
             strength=strength,
             carried=carried,
             study=resolution_study,
@@ -303,6 +314,7 @@ def predict_config(
         times,
         pressed=config.contact.model_dump(exclude_none=True),
         ramp=loading,
+        series=series_with(section.draws, solid),
         strength=config.friction.shear_strength,
         carried=carried_by(config),
         study=resolution_study,
@@ -323,6 +335,7 @@ def _predicted(
     *,
     pressed: dict[str, Any],
     ramp: float,
+    series: tuple[PronySeries, ...],
     strength: float | None,
     carried: Carried | None,
     study: bool,
@@ -370,13 +383,16 @@ def _predicted(
     span = float(times[0]), float(times[-1])
     bands = bands_of(scan, solid, pressed, span, rtol, progress) if study else ()
     facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol, "ramp": ramp}
+    facts |= {"draws": len(series) - 1} if series else {}
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
     progress.stage("weighing the spread of the table and of the scan")
+    if found is not None:
+        series = (found.series, *(one.series for one in found.resampled))
     prediction = Prediction(
         dataset,
         found,
         solid,
-        growth_of(dataset, found, ramp=ramp),
+        growth_of(dataset, series, ramp=ramp),
         resolved(dataset),
         shear_strength=strength,
         observed=tuple(

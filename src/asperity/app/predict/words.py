@@ -108,7 +108,10 @@ def _branches(prediction: Prediction) -> list[Row]:
             said[0] += f" ({low:.4g} to {high:.4g})"
             said[1] += f" ({written(early, 's')} to {written(late, 's')})"
         rows.append(("" if number else "branches", " ".join(said)))
-    return [*rows, ("", f"share {prediction.plateau:.4g} does not relax")] if rows else []
+    rows += [("", f"share {prediction.plateau:.4g} does not relax")] if rows else []
+    if prediction.draws:
+        rows.append(("", f"{prediction.draws} draws of the branches, whose spread is in the band"))
+    return rows
 
 
 def _growth(prediction: Prediction) -> list[Row]:

@@ -120,6 +120,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     if config.carries is not None:
         check_half_space("carried", solid, bodies.lattice)
     config, remarks = completed(config, rough)
+    remarks += (config.solid.unused,) if config.solid.unused else ()
     progress.completed(config)
     for remark in remarks:
         progress.remark(remark)
