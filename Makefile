@@ -65,7 +65,7 @@ $(BIN)/python:
 
 $(VENV)/.run: pyproject.toml research/pyproject.toml | $(BIN)/python
 	@echo "Installing Asperity ..."
-	@$(PIP) install --editable '.[campaign,explore]' --editable ./research
+	@$(PIP) install --editable '.[campaign,explore,inference]' --editable ./research
 	@$(COMPILE)
 	@touch $@
 

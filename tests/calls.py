@@ -235,12 +235,13 @@ WRONG: tuple[Any, ...] = (CONTACT, HISTORY, xr.Dataset(), "nope", None, {}, 3)
 
 WITHOUT_NUMBERS = {
     "analysis": "aging_summary contact_ages contact_maps distributions leg_table turnover with_limit",
-    "asperity": "predict",
+    "asperity": "infer predict",
     "campaign": "estimate fields load_plan open read_plan sweep table tally",
     "figures": " ".join(
         name for name in asp.figures.__all__ if inspect.isfunction(getattr(asp.figures, name))
     ),
     "fits": "jackknife read_measurements",
+    "inference": "infer",
     "friction": "add_friction hold_peaks read_record record_of save_parameters",
     "relaxation": "combined read",
     "results": "load load_contact read_table save whole_file whole_folder",

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ T = np.geomspace(1, 1e4, 25)
 
 def curve(model, **parameters):
     """Growth at the times T."""
-    how = {"priors": None, "branches": parameters.pop("branches", 1), "absolute": False}
+    how: dict[str, Any] = {"priors": None, "branches": parameters.pop("branches", 1), "absolute": False}
     made = of_name(model, T, np.ones_like(T), **how)
     return made.growth(T, {name: np.array([value]) for name, value in parameters.items()})[0]
 
@@ -92,7 +93,7 @@ def line(time, offset, slope):
     return offset + slope * np.log(time)
 
 
-LINE = {
+LINE: dict[str, Any] = {
     "offset": {"kind": "normal", "mean": 1.0, "deviation": 0.5},
     "slope": {"kind": "normal", "mean": 0.0, "deviation": 0.3},
 }
@@ -121,7 +122,7 @@ def test_a_linear_model_has_its_closed_posterior():
         )
 
 
-SBC = {
+SBC: dict[str, Any] = {
     "relaxation": {"scale": (0.5, 2.0), "time_1": (0.1, 1e5)},
     "power": {
         "scale": (0.5, 2.0),
@@ -161,27 +162,28 @@ def ranks_of(model, count, walkers, steps):
 
 
 def check(ranks, widest):
-    """Uniform ranks, and 95 % intervals that cover."""
+    """Uniform ranks, and 95 % intervals that cover, over all parameters."""
     for column in ranks.T:
         assert chisquare(np.histogram(column, np.linspace(0, 1, 11))[0]).pvalue > 0.01 / len(ranks.T)
-        assert abs(np.mean((column > 0.025) & (column < 0.975)) - 0.95) <= widest
+    assert abs(np.mean((ranks > 0.025) & (ranks < 0.975)) - 0.95) <= widest
 
 
 @pytest.mark.parametrize("model", ["power", "healing"])
 def test_ranks_are_uniform_and_intervals_cover(model):
-    check(ranks_of(model, 60, 50, 15), widest=0.07)  # 60 curves: two and a half standard deviations
+    check(ranks_of(model, 60, 50, 15), widest=0.05)  # 60 curves
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1200)
 @pytest.mark.parametrize("model", SBC)
-def test_intervals_cover_the_truth_of_five_hundred_curves(model):
+def test_ranks_of_five_hundred_curves_are_uniform_and_intervals_cover(model):
     """S. Talts et al., arXiv:1804.06788."""
-    check(ranks_of(model, 500, 100, 40), widest=0.02)
+    check(ranks_of(model, 500, 200, 20), widest=0.02)
 
 
 def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, monkeypatch):
     value, error = noisy(curve("power", exponent=0.3, time=1e4)), np.full(T.size, 0.02)
-    how = {"model": "power", "walkers": 100, "effective": 50}
+    how: dict[str, Any] = {"model": "power", "walkers": 100, "effective": 50}
     plain = asp.infer(T, value, error, **how)
     place = tmp_path / "place"
     whole = asp.inference.sampling._advanced
@@ -243,7 +245,7 @@ def test_a_normalized_curve_knows_no_load_modulus_or_roughness():
 
 def test_areas_in_square_metres_under_a_known_load_know_the_roughness():
     exact = 2.0 * 5.0 / (2e9 * 0.1) * curve("power", exponent=0.3, time=1e4)
-    priors = {
+    priors: dict[str, Any] = {
         "load": {"kind": "normal", "mean": "5 N", "deviation": "0.05 N"},
         "modulus": {"kind": "log_normal", "median": "2 GPa", "factor": 1.02},
     }
@@ -307,13 +309,15 @@ def test_errors_are_found_from_the_scatter_and_widened_where_it_is_correlated():
 def test_the_solid_creeps_as_the_curve(tmp_path):
     value, error = two_times(30.0)
     found = asp.infer(T, value, error, branches=2, walkers=300, effective=100)
-    section = found.solid()
+    section: dict[str, Any] = found.solid()
     series = asp.relaxation.PronySeries(
         1.0, tuple((g, float(t.removesuffix(" s"))) for g, t in section["branches"])
     )
     np.testing.assert_allclose(series.compliance_at(T), value / found.verdicts["scale"].median, rtol=0.05)
     assert len(section["draws"]) == 100
-    power = asp.infer(T, noisy(1 + (T / 1e3) ** 0.4), model="power", walkers=300, effective=100).solid()
+    power: dict[str, Any] = asp.infer(
+        T, noisy(1 + (T / 1e3) ** 0.4), model="power", walkers=300, effective=100
+    ).solid()
     series = asp.relaxation.PronySeries(
         1.0, tuple((g, float(t.removesuffix(" s"))) for g, t in power["branches"])
     )
@@ -361,8 +365,8 @@ def test_a_record_of_holds_gives_b():
     ],
 )
 def test_mistakes_are_told_in_a_line(given, name):
-    usual = {"time": [1.0, 2.0, 3.0, 4.0], "area": [1.0, 1.1, 1.2, 1.25], "error": 0.01, "branches": 1}
-    usual |= given
+    usual: dict[str, Any] = {"time": [1.0, 2.0, 3.0, 4.0], "area": [1.0, 1.1, 1.2, 1.25]}
+    usual |= {"error": 0.01, "branches": 1, **given}
     if usual.get("model") not in (None, "relaxation") and "branches" not in given:
         del usual["branches"]
     with refuses(name):

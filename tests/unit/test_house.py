@@ -28,6 +28,7 @@ ROOMS = [
     {"simulate"},
     {"theory", "fits"},
     {"friction"},
+    {"inference"},
     {"analysis"},
     {"figures"},
     {"app.config"},

@@ -1,4 +1,4 @@
-"""What a curve determines, drawn: the curve and its band, each parameter, pairs of them, and a page of all."""
+"""What a curve determines, drawn: the curve and its band, each parameter, pairs of them; and a page."""
 
 from __future__ import annotations
 

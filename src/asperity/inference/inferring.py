@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -22,6 +22,7 @@ from asperity.fits.comparison import autocorrelation_of
 from asperity.fits.curve import Series, refuse_decline
 from asperity.friction import Record, hold_peaks
 from asperity.inference.models import MOST_BRANCHES, Model, of_name
+from asperity.inference.priors import Given
 from asperity.inference.sampling import Draws, Problem, arviz, sample
 from asperity.inference.verdicts import (
     Candidate,
@@ -35,6 +36,9 @@ from asperity.inference.verdicts import (
     verdict_of,
 )
 from asperity.progress import Progress, listener
+
+if TYPE_CHECKING:
+    import arviz as az
 
 _STARTS, _TRIED = 3, 2000
 _MISFIT, _MUCH_BETTER = 1e-6, 50.0
@@ -112,17 +116,18 @@ class Inference(views.Brief):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What is determined, bounded and not identified, what is known only together, and what would tell more."""
+        """What is determined, bounded, not identified, or known together, and what would tell more."""
         said = []
         for word in ("determined", "bounded above", "bounded below", "not identified"):
             alike = [one for one in self.verdicts.values() if one.verdict == word]
             if alike:
                 of = ", ".join(one.parameter if word == "not identified" else one.words for one in alike)
                 said.append(f"{word[:1].upper()}{word[1:]}: {of}")
-        for together in self.combinations:
-            said.append(
-                f"{together.words}, {together.tighter:.2g} times better known than any of these alone"
-            )
+        said += [
+            f"{one.name} lies between {one.low:.3g} and {one.high:.3g}, {one.tighter:.2g} times better known "
+            "than any of these alone"
+            for one in self.combinations
+        ]
         for one in self.candidates:
             told = {name: width for name, width in one.widths.items() if width < _TELLS}
             of = ", ".join(f"{name} to {100 * width:.2g} %" for name, width in told.items())
@@ -138,7 +143,7 @@ class Inference(views.Brief):
         flat = {name: column.ravel() for name, column in self.values.items()}
         return np.asarray(np.quantile(self.model.curve(at, flat), (0.025, 0.5, 0.975), axis=0))
 
-    def solid(self) -> dict[str, Any]:
+    def solid(self) -> dict[str, object]:
         """Section ``[solid]`` of a configuration, of the likeliest draw, and other draws of its branches.
 
         `InputError` for a model of which no solid follows.
@@ -152,7 +157,7 @@ class Inference(views.Brief):
         medians = {name: one.median for name, one in self.verdicts.items()}
         used = [list(self.model.priors)[place] for place in problem.used]
 
-        def section(place: int) -> dict[str, Any]:
+        def section(place: int) -> dict[str, object]:
             assert self.model.solid is not None
             return self.model.solid(medians | {name: float(flat[name][place]) for name in used})
 
@@ -162,16 +167,17 @@ class Inference(views.Brief):
             made["draws"] = [section(place)["branches"] for place in chosen]
         return made
 
-    def to_inference_data(self) -> Any:
+    def to_inference_data(self) -> az.InferenceData:
         """Posterior, prior and data as InferenceData of ArviZ."""
         problem, shape = self.problem, self.draws.z.shape
         prior = problem.values(problem.of_prior(np.random.default_rng(0), shape[0] * shape[1]))
-        return arviz().from_dict(
+        made: az.InferenceData = arviz().from_dict(
             posterior=self.values,
             prior={name: column.reshape(shape[:-1]) for name, column in prior.items()},
             observed_data={"value": self.value, "error": self.error},
             constant_data={"time": self.time},
         )
+        return made
 
 
 def infer(
@@ -179,8 +185,8 @@ def infer(
     area: ArrayLike | None = None,
     error: ArrayLike | None = None,
     *,
-    model: str | Callable[..., Any] = "relaxation",
-    priors: Mapping[str, object] | None = None,
+    model: str | Callable[..., ArrayLike] = "relaxation",
+    priors: Mapping[str, Given] | None = None,
     branches: int | None = None,
     absolute: bool = False,
     ramp: float | str = 0.0,
@@ -289,7 +295,7 @@ def _problem(
     v: Floats,
     error: Floats | None,
     name: object,
-    priors: Mapping[str, object] | None,
+    priors: Mapping[str, Given] | None,
     branches: int | None,
     **how: Any,
 ) -> tuple[Problem, list[str]]:
@@ -333,7 +339,7 @@ def _problem(
                 advice = f"wider ones (by the default ones it misses by {_rms(usual):.3g})"
                 raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
         remarks.append(
-            f"the model misses the data by {_rms(misfit):.3g} standard errors, rms (a chance of {chance:.1g}): "
+            f"the model misses the data by {_rms(misfit):.3g} standard errors, rms (chance {chance:.1g}): "
             "try another model, or larger errors; the verdicts hold for this model only"
         )
     return problem, remarks

@@ -7,9 +7,10 @@ A curve is a size times a growth. Light contacts of separable solids, by J the c
                 size = area_factor load/(modulus rms_slope), the factor from 1.6 (B. N. J. Persson, J. Chem.
                 Phys. 115, 3840 (2001), doi:10.1063/1.1388626) to 2.2 (S. Hyun et al., Phys. Rev. E 70, 026117
                 (2004), doi:10.1103/PhysRevE.70.026117)
-    lattice     G(x1, rate t)/G(x1, 0), x1 = k1/k0, rate = k0 R, exponential heights (`theory.exponential_growth`)
+    lattice     G(x1, rate t)/G(x1, 0), x1 = k1/k0, rate = k0 R: `asperity.theory.exponential_growth`
                 size = load/(k0 rms k_eff(x1)), the load that of a site, the area over the nominal one
-    eyring      s(first)/s(t), s = stress ln(2 length/(rate t)), see `theory.flowing_area`; size = load/s(first)
+    eyring      s(first)/s(t), s = stress ln(2 length/(rate t)): `asperity.theory.flowing_area`
+                size = load/s(first)
     healing     static friction, 1 + (B/scale) ln(1 + t/time)
 
 Where the unit of the areas is not known, `scale` stands for the size.
@@ -24,13 +25,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import map_coordinates
 
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.inference.priors import Prior, with_own
+from asperity.inference.priors import Given, Prior, with_own
 from asperity.relaxation import Creep, fit
 from asperity.theory import exponential_growth, site_stiffness
 
@@ -75,9 +77,9 @@ class Model:
     growth: Curve
     priors: dict[str, Prior]
     size: Callable[[Values], Floats] | None = None
-    allowed: Callable[[Values], Any] = bool
+    allowed: Callable[[Values], bool | NDArray[np.bool_]] = bool
     held: Curve | None = None
-    solid: Callable[[Mapping[str, float]], dict[str, Any]] | None = None
+    solid: Callable[[Mapping[str, float]], dict[str, object]] | None = None
     ramp: float = 0.0
 
     def curve(self, time: Floats, p: Values) -> Floats:
@@ -99,7 +101,7 @@ def of_name(
     time: Floats,
     value: Floats,
     *,
-    priors: Mapping[str, object] | None,
+    priors: Mapping[str, Given] | None,
     branches: int,
     absolute: bool,
     ramp: float = 0.0,
@@ -132,7 +134,7 @@ def _of_body(p: Values) -> Floats:
     return np.asarray(p["area_factor"] * p["load"] / (p["modulus"] * p["rms_slope"]))
 
 
-def _half_space(p: Mapping[str, float], **creep: Any) -> dict[str, Any]:
+def _half_space(p: Mapping[str, float], **creep: Any) -> dict[str, object]:
     return {"kind": "half_space", "modulus": f"{p['modulus']:.6g} Pa", **creep}
 
 
@@ -151,16 +153,17 @@ def _branches(p: Values) -> tuple[Floats, Floats]:
     return np.stack(shares, -1), np.stack(times, -1)
 
 
-def _rising(p: Values) -> Any:
+def _rising(p: Values) -> NDArray[np.bool_]:
     shares, times = _branches(p)
-    return (np.diff(times) > 0).all(-1) & (shares.sum(-1) <= 1)
+    return np.asarray((np.diff(times) > 0).all(-1) & (shares.sum(-1) <= 1))
 
 
 def _maxwell(time: Floats, p: Values) -> Floats:
     r"""Compliance J(t)/J(0) of many Maxwell solids.
 
-    Under a constant stress the relaxed parts q_b of the branches follow dq/dt = D (1 + (1 g^T - I) q), D = 1/tau.
-    In the variables q_b sqrt(g_b tau_b) the matrix is symmetric; minus its eigenvalues are the retardation rates.
+    Under a constant stress the relaxed parts q_b of the branches follow dq/dt = D (1 + (1 g^T - I) q) with
+    D = 1/tau. In the variables q_b sqrt(g_b tau_b) the matrix is symmetric; minus its eigenvalues are the
+    retardation rates.
     """
     shares, times = _branches(p)
     root = np.sqrt(shares / times)
@@ -176,14 +179,14 @@ def _maxwell_held(time: Floats, p: Values) -> Floats:
     return np.asarray(1 + (shares[:, None, :] * np.expm1(-time[:, None] / times[:, None, :])).sum(-1))
 
 
-def _maxwell_solid(p: Mapping[str, float]) -> dict[str, Any]:
+def _maxwell_solid(p: Mapping[str, float]) -> dict[str, object]:
     shares, times = _branches({name: np.array(value) for name, value in p.items()})
     return _half_space(
         p, branches=[[g, f"{t:.6g} s"] for g, t in zip(shares.tolist(), times.tolist(), strict=True)]
     )
 
 
-def power(first: float, last: float, branches: int) -> Model:
+def power(first: float, last: float, _: int) -> Model:
     """A separable half-space whose creep is a power of time."""
     priors = _BODY | {
         "exponent": Prior("uniform", 0.0, 1.0),
@@ -197,14 +200,14 @@ def _power(time: Floats, p: Values) -> Floats:
     return np.asarray(1 + (time / p["time"][:, None]) ** p["exponent"][:, None])
 
 
-def _power_solid(p: Mapping[str, float], *, span: tuple[float, float]) -> dict[str, Any]:
+def _power_solid(p: Mapping[str, float], *, span: tuple[float, float]) -> dict[str, object]:
     """The power law as branches, one in each decade of the span."""
     t = np.geomspace(*span, 60)
     series = fit(Creep(t, 1 + (t / p["time"]) ** p["exponent"]), per_decade=1).series
     return _half_space(p, branches=[[share, f"{time:.6g} s"] for share, time in series.branches])
 
 
-def lattice(first: float, last: float, branches: int) -> Model:
+def lattice(first: float, last: float, _: int) -> Model:
     """Light contacts of exponential heights on the lattice of springs."""
     priors = {
         "load": Prior("log_uniform", 1e-8, 1.0),
@@ -238,11 +241,11 @@ def _lattice(time: Floats, p: Values) -> Floats:
     return np.asarray(np.exp(map_coordinates(table, steps, order=1)))
 
 
-def _lattice_solid(p: Mapping[str, float]) -> dict[str, Any]:
+def _lattice_solid(p: Mapping[str, float]) -> dict[str, object]:
     return {"kind": "spring_lattice", "k0": p["k0"], "k1": p["x1"] * p["k0"], "R": p["rate"] / p["k0"]}
 
 
-def eyring(first: float, last: float, branches: int) -> Model:
+def eyring(first: float, last: float, _: int) -> Model:
     """Contacts that flow by Eyring's law and bear all of the load, at pressures above its stress."""
     priors = {
         "load": Prior("log_uniform", 1e-6, 1e6, "N"),
@@ -267,7 +270,7 @@ def _pressure(time: Floats | float, p: Values) -> Floats:
     return np.asarray(np.log(2 * p["length"] / p["rate"])[:, None] - np.log(time))
 
 
-def _flows(p: Values, *, last: float) -> Any:
+def _flows(p: Values, *, last: float) -> NDArray[np.bool_]:
     return _pressure(last, p)[:, 0] > 1
 
 
@@ -279,13 +282,13 @@ def _eyring(time: Floats, p: Values, *, first: float) -> Floats:
     return np.asarray(_pressure(first, p) / _pressure(np.maximum(time, 1e-3 * first), p))
 
 
-def _eyring_solid(p: Mapping[str, float]) -> dict[str, Any]:
+def _eyring_solid(p: Mapping[str, float]) -> dict[str, object]:
     return _half_space(
         p, creep="eyring", creep_rate=f"{p['rate']:.6g} m/s", creep_stress=f"{p['stress']:.6g} Pa"
     )
 
 
-def healing(first: float, last: float, branches: int) -> Model:
+def healing(first: float, last: float, _: int) -> Model:
     """Static friction against hold time."""
     priors = {"B": Prior("log_uniform", 1e-5, 1.0), "time": Prior("log_uniform", first / 1e4, 10 * last, "s")}
     return Model("healing", _healing, priors)
@@ -295,7 +298,7 @@ def _healing(time: Floats, p: Values) -> Floats:
     return np.asarray(1 + (p["B"] / p["scale"])[:, None] * np.log1p(time / p["time"][:, None]))
 
 
-def _own(function: Callable[..., Any], priors: Mapping[str, object] | None) -> Model:
+def _own(function: Callable[..., ArrayLike], priors: Mapping[str, Given] | None) -> Model:
     made = {name: Prior.of(name, given, "") for name, given in (priors or {}).items()}
     try:
         inspect.signature(function).bind(np.ones(2), **dict.fromkeys(made, 1.0))
@@ -307,7 +310,7 @@ def _own(function: Callable[..., Any], priors: Mapping[str, object] | None) -> M
     return Model(getattr(function, "__name__", "own"), functools.partial(_own_curve, function=function), made)
 
 
-def _own_curve(time: Floats, p: Values, *, function: Callable[..., Any]) -> Floats:
+def _own_curve(time: Floats, p: Values, *, function: Callable[..., ArrayLike]) -> Floats:
     rows = zip(*p.values(), strict=True)
     curves = [function(time, **dict(zip(p, map(float, row), strict=True))) for row in rows]
     return np.array(curves, dtype=np.float64).reshape(-1, time.size)

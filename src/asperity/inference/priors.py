@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr
 
 from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.words import closest
 from asperity.errors import InputError
 
-KINDS = {
+KINDS: dict[str, tuple[str, str]] = {
     "uniform": ("low", "high"),
     "log_uniform": ("low", "high"),
     "normal": ("mean", "deviation"),
     "log_normal": ("median", "factor"),
 }
 """Kinds of priors, and the two numbers of each; the factor of ``log_normal`` is one standard deviation's."""
+
+
+Given: TypeAlias = "Prior | Sequence[float | str] | Mapping[str, float | str]"
+"""A prior, the ends of a range in ln, or a table as in TOML."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class Prior:
             raise InputError("high", expected=f"more than low, {self.first:g}", got=self.second)
 
     @classmethod
-    def of(cls, name: str, given: object, unit: str) -> Prior:
+    def of(cls, name: str, given: Given, unit: str) -> Prior:
         """Make a prior of itself, a pair of ends, or a table such as ``{kind = "normal", mean = ...}``."""
         if isinstance(given, Prior):
             return given
@@ -71,14 +74,14 @@ class Prior:
         if not isinstance(given, Mapping):
             expected = 'a pair of ends, or a table such as {kind = "uniform", low = 0, high = 1}'
             raise InputError(f"prior of {name}", expected=expected, got=checks.shown(given))
-        kind = given.get("kind", "log_uniform")
-        numbers = KINDS.get(kind, ())
-        if not numbers or set(given) - {"kind"} != set(numbers):
+        told: dict[str, Any] = {"kind": "log_uniform", **given}
+        numbers = KINDS.get(told["kind"], ())
+        if not numbers or set(told) != {"kind", *numbers}:
             expected = "; ".join(f"kind = {one!r} with {' and '.join(names)}" for one, names in KINDS.items())
             raise InputError(f"prior of {name}", expected=expected, got=checks.shown(dict(given)))
         try:
-            first, second = (given[number] for number in numbers)
-            return cls(kind, first, second, unit)
+            first, second = (told[number] for number in numbers)
+            return cls(told["kind"], first, second, unit)
         except InputError as error:
             raise error.about(f"prior of {name}, {error.name}") from error
 
@@ -99,7 +102,7 @@ class Prior:
         return self.kind.endswith("uniform")
 
     @property
-    def table(self) -> dict[str, Any]:
+    def table(self) -> dict[str, float | str]:
         """What `of` takes, with units."""
         unit = f" {self.unit}" if self.unit else ""
         named = dict(zip(KINDS[self.kind], (self.first, self.second), strict=True))
@@ -116,7 +119,7 @@ class Prior:
         return f"{first} × {second}^±1{unit}" if "log" in self.kind else f"{first} ± {second}{unit}"
 
 
-def with_own(priors: Mapping[str, Prior], own: Mapping[str, object] | None) -> dict[str, Prior]:
+def with_own(priors: Mapping[str, Prior], own: Mapping[str, Given] | None) -> dict[str, Prior]:
     """Replace default priors by the user's own; `InputError` for a parameter that is not there."""
     made = dict(priors)
     for name, given in checks.instance("priors", dict(own or {}), dict, "{'time_1': (1, 1e6)}").items():

@@ -2,15 +2,16 @@
 
 Each parameter is a function of a standard normal deviate z (`Prior.at`), in which walkers move by stretches
 and by differences of others (emcee: D. Foreman-Mackey et al., Publ. Astron. Soc. Pac. 125, 306 (2013),
-doi:10.1086/670067). An ensemble of them begins with draws of the prior, and the data gain weight in stages, at
-each of which walkers are drawn anew by their weights (P. Del Moral et al., J. R. Stat. Soc. B 68, 411 (2006),
-doi:10.1111/j.1467-9868.2006.00553.x). So no part of the posterior is missed that many walkers find. Several
-ensembles that know nothing of each other must agree, by the rank-normalized R-hat and the effective number of
-draws (A. Vehtari et al., Bayesian Anal. 16, 667 (2021), doi:10.1214/20-BA1221).
+doi:10.1086/670067). An ensemble of them begins with draws of the prior, and the data gain weight in stages,
+at each of which walkers are drawn anew by their weights (P. Del Moral et al., J. R. Stat. Soc. B 68, 411
+(2006), doi:10.1111/j.1467-9868.2006.00553.x). So no part of the posterior is missed that many walkers find.
+Several ensembles that know nothing of each other must agree, by the rank-normalized R-hat and the effective
+number of draws (A. Vehtari et al., Bayesian Anal. 16, 667 (2021), doi:10.1214/20-BA1221).
 """
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import math
@@ -19,7 +20,6 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass
-from functools import cached_property
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -72,7 +72,7 @@ class Problem:
             found[allowed] = np.where(squares < -_LOST, -squares / 2, _LOST)
         return found
 
-    @cached_property
+    @functools.cached_property
     def used(self) -> list[int]:
         """Places of the parameters on which the curve depends: found by changing each."""
         random = np.random.default_rng(0)
@@ -92,9 +92,8 @@ class Problem:
         drawn = np.empty((0, len(self.model.priors)))
         for _ in range(1000):
             more = random.standard_normal((max(64, count), drawn.shape[1]))
-            drawn = np.concatenate(
-                [drawn, more[np.broadcast_to(self.model.allowed(self.values(more)), len(more))]]
-            )
+            allowed = np.broadcast_to(self.model.allowed(self.values(more)), len(more))
+            drawn = np.concatenate([drawn, more[allowed]])
             if len(drawn) >= count:
                 return drawn[:count]
         raise InputError("priors", expected="parameters that the model allows", got="none among 64,000 draws")
@@ -154,7 +153,7 @@ class Draws:
 
 @dataclass(frozen=True, eq=False)
 class _Ensemble:
-    """Walkers (walkers, used), the power of the likelihood that they have come to, what was kept (n, used)."""
+    """Walkers (walkers, used), the power of the likelihood they have come to, what was kept (n, used)."""
 
     place: Floats
     weight: float
@@ -181,24 +180,18 @@ def sample(
     `ConvergenceError` if they do not in a hundred rounds; `CheckpointError` for one of another problem.
     """
     asked = [problem.model.name, *map(str, problem.model.priors.items()), seed, walkers, steps]
-    data = b"".join(
-        np.ascontiguousarray(one).tobytes() for one in (problem.time, problem.value, problem.error)
-    )
+    data = np.concatenate([problem.time, problem.value, problem.error]).tobytes()
     mark = hashlib.sha256(data + json.dumps(asked).encode()).hexdigest()
     given, first = _resumed(checkpoint, mark)
-    parallel = (
-        ProcessPoolExecutor(min(workers, ENSEMBLES), mp_context=get_context("spawn")) if workers > 1 else None
-    )
-    with parallel or nullcontext() as pool:
+    spawned = functools.partial(ProcessPoolExecutor, min(workers, ENSEMBLES), get_context("spawn"))
+    with spawned() if workers > 1 else nullcontext() as pool:
         for turn in range(first, _MOST_ROUNDS):
             tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(given)]
             given = several = list(pool.map(_advanced, tasks) if pool else map(_advanced, tasks))
             if checkpoint is not None:
-                arrays = {
-                    f"{name}_{n}": value for n, one in enumerate(several) for name, value in vars(one).items()
-                }
+                named = ((f"{name}_{n}", x) for n, one in enumerate(several) for name, x in vars(one).items())
                 with whole_file(checkpoint) as path, path.open("wb") as stream:
-                    np.savez(stream, allow_pickle=False, mark=mark, turn=turn + 1, **arrays)
+                    np.savez(stream, allow_pickle=False, mark=mark, turn=turn + 1, **dict(named))
             if any(one.weight < 1 for one in several):
                 told(f"data at {100 * min(one.weight for one in several):.2g} % of their weight")
                 continue
@@ -210,8 +203,8 @@ def sample(
             if r_hat < agreement and worth >= effective:
                 return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
     raise ConvergenceError(
-        f"inference: expected ensembles that agree, R-hat below {agreement} and {effective} effective draws, got "
-        f"R-hat {r_hat:.3f} and {worth:.0f}; try more walkers, narrower priors, or a model of fewer parameters"
+        f"inference: expected ensembles that agree, R-hat below {agreement} and {effective} effective draws, "
+        f"got R-hat {r_hat:.3f} and {worth:.0f}; try more walkers, narrower priors, or fewer parameters"
     )
 
 
@@ -227,9 +220,8 @@ def _resumed(checkpoint: Path | None, mark: str) -> tuple[Sequence[_Ensemble | N
                 for n in range(ENSEMBLES)
             ]
     except (OSError, ValueError, KeyError, BadZipFile) as error:
-        raise CheckpointError(
-            str(checkpoint), expected="a checkpoint of an inference", got=str(error)
-        ) from None
+        expected = "a checkpoint of an inference"
+        raise CheckpointError(str(checkpoint), expected=expected, got=str(error)) from None
     if not same:
         expected = "a checkpoint of the same data, model, priors and seed"
         raise CheckpointError(str(checkpoint), expected=expected, got="another", advice="another file")

@@ -94,11 +94,6 @@ class Combination:
     high: float
     tighter: float
 
-    @property
-    def words(self) -> str:
-        """The combination with its interval."""
-        return f"{self.name} lies between {self.low:.3g} and {self.high:.3g}"
-
 
 @dataclass(frozen=True)
 class Candidate:
