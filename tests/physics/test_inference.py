@@ -170,7 +170,7 @@ def check(ranks, widest):
 
 @pytest.mark.parametrize("model", ["power", "healing"])
 def test_ranks_are_uniform_and_intervals_cover(model):
-    check(ranks_of(model, 60, 50, 15), widest=0.05)  # 60 curves
+    check(ranks_of(model, 60, 50, 10), widest=0.05)  # 60 curves
 
 
 @pytest.mark.slow
@@ -178,7 +178,7 @@ def test_ranks_are_uniform_and_intervals_cover(model):
 @pytest.mark.parametrize("model", SBC)
 def test_ranks_of_five_hundred_curves_are_uniform_and_intervals_cover(model):
     """S. Talts et al., arXiv:1804.06788."""
-    check(ranks_of(model, 500, 200, 20), widest=0.02)
+    check(ranks_of(model, 500, 100, 20), widest=0.02)
 
 
 def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, monkeypatch):
@@ -384,9 +384,9 @@ def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_to
 
 
 def test_priors_are_what_they_say():
-    z = np.random.default_rng(0).standard_normal(20_000)
-    assert np.quantile(Prior("log_uniform", 1.0, 100.0).at(z), 0.5) == pytest.approx(10, rel=0.05)
-    assert np.quantile(Prior("log_normal", 5.0, 2.0).at(z), 0.8413) == pytest.approx(10, rel=0.03)
+    random = np.random.default_rng(0)
+    for one, level in ((Prior("log_uniform", 1.0, 100.0), 0.5), (Prior("log_normal", 5.0, 2.0), 0.8413)):
+        assert np.quantile(one.at(one.drawn(random, 20_000)), level) == pytest.approx(10, rel=0.05)
     for one in (
         Prior("uniform", 1.0, 2.0, "N"),
         Prior("normal", -1.0, 2.0),

@@ -56,7 +56,7 @@ def parameters_figure(found: Inference) -> Figure:
         logarithmic = one.kind.startswith("log")
         if logarithmic:
             axes.set_xscale("log")
-        low, high = (one.first, one.second) if one.bounded else one.at(np.array([-3.2, 3.2]))
+        low, high = (one.first, one.second) if one.bounded else one.at(np.array(one.reach))
         steps = np.geomspace(low, high, _BINS) if logarithmic else np.linspace(low, high, _BINS)
         for drawn, color, label in ((before, style.GRAY, "prior"), (values, style.BLUE, "posterior")):
             counts = np.histogram(drawn, steps)[0]

@@ -191,7 +191,7 @@ def infer(
     absolute: bool = False,
     ramp: float | str = 0.0,
     seed: int = 0,
-    walkers: int = 2000,
+    walkers: int = 1000,
     effective: int = 1000,
     workers: int = 1,
     progress: Progress | bool | None = None,

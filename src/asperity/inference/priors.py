@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.special import ndtr
 
 from asperity.base import checks, units
 from asperity.base.checks import Floats
@@ -22,6 +21,8 @@ KINDS: dict[str, tuple[str, str]] = {
 }
 """Kinds of priors, and the two numbers of each; the factor of ``log_normal`` is one standard deviation's."""
 
+
+_REACH = 4.0
 
 Given: TypeAlias = "Prior | Sequence[float | str] | Mapping[str, float | str]"
 """A prior, the ends of a range in ln, or a table as in TOML."""
@@ -85,16 +86,26 @@ class Prior:
         except InputError as error:
             raise error.about(f"prior of {name}, {error.name}") from error
 
-    def at(self, z: Floats) -> Floats:
-        """Values at quantiles that are given as standard normal deviates z, of which the prior makes them."""
-        if self.kind == "normal":
-            return np.asarray(self.first + self.second * z)
-        if self.kind == "log_normal":
-            return np.asarray(self.first * self.second**z)
-        share = ndtr(z)
-        if self.kind == "uniform":
-            return np.asarray(self.first + (self.second - self.first) * share)
-        return np.asarray(self.first * (self.second / self.first) ** share)
+    def at(self, x: Floats) -> Floats:
+        """Values at coordinates x: from 0 to 1 between ends, else in standard deviations."""
+        if self.kind in ("uniform", "log_uniform"):
+            step = self.second - self.first if self.kind == "uniform" else self.second / self.first
+        else:
+            step = self.second
+        return np.asarray(self.first * step**x if self.kind.startswith("log") else self.first + step * x)
+
+    def drawn(self, random: np.random.Generator, count: int) -> Floats:
+        """Coordinates of draws."""
+        return random.random(count) if self.bounded else random.standard_normal(count)
+
+    def log_density(self, x: Floats) -> Floats:
+        """Logarithm of the density of the coordinate, without its constant."""
+        return np.where((x >= 0) & (x <= 1), 0.0, -np.inf) if self.bounded else -(x**2) / 2
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Coordinates between which a best fit is looked for."""
+        return (0.0, 1.0) if self.bounded else (-_REACH, _REACH)
 
     @property
     def bounded(self) -> bool:

@@ -1,7 +1,7 @@
 """The posterior of a model's parameters, by ensembles of walkers that start from the prior.
 
-Each parameter is a function of a standard normal deviate z (`Prior.at`), in which walkers move by stretches
-and by differences of others (emcee: D. Foreman-Mackey et al., Publ. Astron. Soc. Pac. 125, 306 (2013),
+Each parameter is a function of a coordinate (`Prior.at`), in which walkers move by stretches and by
+differences of others (emcee: D. Foreman-Mackey et al., Publ. Astron. Soc. Pac. 125, 306 (2013),
 doi:10.1086/670067). An ensemble of them begins with draws of the prior, and the data gain weight in stages,
 at each of which walkers are drawn anew by their weights (P. Del Moral et al., J. R. Stat. Soc. B 68, 411
 (2006), doi:10.1111/j.1467-9868.2006.00553.x). So no part of the posterior is missed that many walkers find.
@@ -27,7 +27,6 @@ from zipfile import BadZipFile
 
 import numpy as np
 from scipy.optimize import brentq, least_squares
-from scipy.special import ndtr
 
 from asperity.base import checks
 from asperity.base.checks import Floats
@@ -37,8 +36,6 @@ from asperity.results.store import whole_file
 
 ENSEMBLES = 4
 _MOST_ROUNDS = 100
-REACH = 3.5
-"""Deviates of a prior between which a best fit is looked for."""
 _LOST = -1e300
 """Logarithm of a likelihood that is 0, as a number that can be multiplied."""
 
@@ -53,7 +50,7 @@ class Problem:
     model: Model
 
     def values(self, z: Floats) -> dict[str, Floats]:
-        """All parameters at deviates of shape (m, parameters)."""
+        """All parameters at coordinates of shape (m, parameters)."""
         return {
             name: prior.at(column)
             for (name, prior), column in zip(self.model.priors.items(), z.T, strict=True)
@@ -80,7 +77,7 @@ class Problem:
         changed = []
         for place in range(z.shape[1]):
             other = z.copy()
-            other[:, place] = random.standard_normal(len(z))
+            other[:, place] = list(self.model.priors.values())[place].drawn(random, len(z))
             with np.errstate(all="ignore"):
                 here, there = (self.model.curve(self.time, self.values(one)) for one in (z, other))
             if not np.array_equal(here, there, equal_nan=True):
@@ -88,10 +85,11 @@ class Problem:
         return changed
 
     def of_prior(self, random: np.random.Generator, count: int) -> Floats:
-        """Draws of the prior that are allowed, as deviates: shape (count, parameters)."""
+        """Draws of the prior that are allowed, as coordinates: shape (count, parameters)."""
         drawn = np.empty((0, len(self.model.priors)))
         for _ in range(1000):
-            more = random.standard_normal((max(64, count), drawn.shape[1]))
+            size = max(64, count)
+            more = np.stack([prior.drawn(random, size) for prior in self.model.priors.values()], -1)
             allowed = np.broadcast_to(self.model.allowed(self.values(more)), len(more))
             drawn = np.concatenate([drawn, more[allowed]])
             if len(drawn) >= count:
@@ -99,18 +97,23 @@ class Problem:
         raise InputError("priors", expected="parameters that the model allows", got="none among 64,000 draws")
 
     def whole(self, z: Floats) -> Floats:
-        """Deviates of all parameters, of those that are used."""
+        """Coordinates of all parameters, of those that are used."""
         found = np.zeros((len(z), len(self.model.priors)))
         found[:, self.used] = z
         return found
 
     def posterior(self, z: Floats, weight: float = 1.0) -> Floats:
-        """Logarithm of the posterior of the used deviates, with the likelihood to a power."""
-        found = self.log_likelihood(self.whole(z))
-        return np.asarray(np.where(found > _LOST, weight * found, -np.inf) - (z**2).sum(-1) / 2)
+        """Logarithm of the posterior of the used coordinates, with the likelihood to a power."""
+        whole = self.whole(z)
+        densities = zip(self.model.priors.values(), whole.T, strict=True)
+        prior = sum(one.log_density(x) for one, x in densities)
+        found = np.full(len(z), _LOST)
+        inside = np.asarray(prior > -np.inf)
+        found[inside] = self.log_likelihood(whole[inside])
+        return np.where(found > _LOST, weight * found + prior, -np.inf)
 
     def improved(self, z: Floats, places: Sequence[int]) -> tuple[float, Floats]:
-        """Least squares over some of the deviates, from z, shape (parameters,): their sum, and the residuals.
+        """Least squares over some of the coordinates, from z, shape (parameters,): sum, residuals.
 
         Priors that are knowledge (`Prior.bounded`) count as data; others only limit the search.
         """
@@ -127,16 +130,17 @@ class Problem:
                 residual = np.full(self.value.size, 1e6)
             return np.concatenate([residual, whole[known]])
 
-        found = np.clip(z[chosen], -REACH, REACH)
+        low, high = np.array([prior.reach for prior in self.model.priors.values()])[chosen].T
+        found = np.clip(z[chosen], low, high)
         if chosen:
-            found = least_squares(missed, found, bounds=(-REACH, REACH), max_nfev=40).x
+            found = least_squares(missed, found, bounds=(low, high), max_nfev=40).x
         residual = missed(found)
         return float(residual @ residual), residual[: self.value.size]
 
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """What sampling gives: deviates of all parameters, and how well the ensembles agree.
+    """What sampling gives: coordinates of all parameters, and how well the ensembles agree.
 
     Attributes
     ----------
@@ -164,7 +168,7 @@ def sample(
     problem: Problem,
     *,
     seed: int,
-    walkers: int = 2000,
+    walkers: int = 1000,
     effective: int = 1000,
     agreement: float = 1.01,
     steps: int = 40,
@@ -255,7 +259,7 @@ def _walked(
     """Let the walkers make the steps of a stage."""
     with checks.extra("inference", "inference"):
         import emcee
-    moves = [(emcee.moves.DEMove(gamma0=0.3), 0.7), (emcee.moves.StretchMove(), 0.3)]
+    moves = [(emcee.moves.DEMove(), 0.5), (emcee.moves.StretchMove(), 0.5)]
     how = {"kwargs": {"weight": weight}, "vectorize": True, "moves": moves}
     sampler = emcee.EnsembleSampler(*place.shape, problem.posterior, **how)
     sampler.random_state = np.random.RandomState(random.integers(2**31)).get_state()
@@ -277,7 +281,7 @@ def _weight_added(found: Floats, most: float, *, enough: float) -> float:
 def _agreement(chains: Floats) -> tuple[float, float]:
     """Largest R-hat, and smallest effective number of draws, of chains (ensembles, draws, used)."""
     az = arviz()
-    dataset = az.convert_to_dataset({"z": ndtr(chains)})
+    dataset = az.convert_to_dataset({"z": chains})
     worth = (float(az.ess(dataset, method=method)["z"].min()) for method in ("bulk", "tail"))
     return float(az.rhat(dataset)["z"].max()), min(worth)
 

@@ -13,7 +13,7 @@ from scipy.stats import chi2
 from asperity.base.checks import Floats
 from asperity.inference.models import Model
 from asperity.inference.priors import Prior
-from asperity.inference.sampling import REACH, Problem
+from asperity.inference.sampling import Problem
 
 Word = Literal["determined", "bounded above", "bounded below", "not identified"]
 
@@ -180,12 +180,13 @@ def profile_of(problem: Problem, place: int, z: Floats, found: Floats) -> tuple[
     Draws of the posterior z, shape (n, parameters), with the logarithms of their likelihoods, are where each
     search begins; see `Problem.improved`.
     """
-    name = list(problem.model.priors)[place]
+    prior = list(problem.model.priors.values())[place]
+    first, last = prior.reach
     others = [one for one in problem.used if one != place]
     low, high = np.quantile(z[:, place], (0.005, 0.995))
     reach = max(high - low, 1e-6)
-    inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), -REACH, REACH)
-    outer = np.linspace([-REACH, inner[-1]], [inner[0], REACH], _OUTER).ravel()
+    inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
+    outer = np.linspace([first, inner[-1]], [inner[0], last], _OUTER).ravel()
     grid = np.unique(np.concatenate([inner, outer, z[np.argmax(found), place : place + 1]]))
     squares = []
     for at in grid:
@@ -193,8 +194,7 @@ def profile_of(problem: Problem, place: int, z: Floats, found: Floats) -> tuple[
         starts = z[near[np.argsort(found[near])[-2:]]]
         starts[:, place] = at
         squares.append(min(problem.improved(start, others)[0] for start in starts))
-    values = problem.model.priors[name].at(grid)
-    return values, np.array(squares) - min(squares)
+    return prior.at(grid), np.array(squares) - min(squares)
 
 
 def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:

@@ -35,7 +35,7 @@ def infer(
     unit_area: str | None = None,
     ramp: str | None = None,
     seed: int = 0,
-    walkers: int = 2000,
+    walkers: int = 1000,
     workers: int | None = None,
     out: Out = Path("inference"),
     results: Results = _RESULTS,
