@@ -70,7 +70,7 @@ def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(
     assert asperity("infer", "area.csv", *QUICK, "--out", "F")[0] == 0
     rough = asp.surfaces.gaussian((64, 64), rms=1.0, seed=0)
     np.savetxt("scan.txt", rough)
-    scan = ("--unit", "um", "--pixel-size", "1um")
+    scan = ("--file-unit", "um", "--pixel-size", "1", "--length-unit", "um")
     words = (
         "predict",
         "F/solid.toml",

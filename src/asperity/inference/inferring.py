@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     import arviz as az
 
 _STARTS, _TRIED = 3, 2000
-_MISFIT, _MUCH_BETTER = 1e-6, 50.0
+_MISFIT, _MUCH_BETTER = 1e-3, 50.0
 """Chance of a misfit below which the model is doubted; gain in chi-squared that shows the priors at fault."""
 
 _LEAST_ERROR = 1e-9
