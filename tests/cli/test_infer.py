@@ -50,7 +50,7 @@ def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(asperity: Asperity, t
     ):
         assert words in page
     assert page.count("data:image/png") == 3
-    assert "asperity infer area.csv" in page
+    assert "Beside this page: verdicts.csv" in page
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import arviz

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 
 import numpy as np
@@ -9,14 +10,14 @@ from matplotlib.figure import Figure
 from scipy.stats import chi2
 
 from asperity.base import checks
+from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.figures.page import Picture, pixels, written_page
-from asperity.inference import Inference, Prior
+from asperity.inference import Inference
+from asperity.inference.sampling import libraries
 
 _COLUMNS = 3
 _BINS = 41
-_DOTS = 2000
-"""Draws that a panel of two parameters shows."""
 
 
 def curve_figure(found: Inference) -> Figure:
@@ -64,9 +65,8 @@ def parameters_figure(found: Inference) -> Figure:
             axes.stairs(counts / counts.max(), steps, label=label if axes is panels[0] else None, **look)
         if name in found.profiles:
             at, deviance = found.profiles[name]
-            axes.plot(
-                at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label="profile likelihood"
-            )
+            told = "profile likelihood" if axes is panels[0] else None
+            axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label=told)
             axes.axhline(np.exp(-chi2.ppf(0.95, 1) / 2), color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
         axes.set_title(f"{name}{unit}\n{verdict.verdict}", fontsize=9)
@@ -78,41 +78,24 @@ def parameters_figure(found: Inference) -> Figure:
 
 
 def corner_figure(found: Inference) -> Figure:
-    """Draw the draws of each pair of parameters that the curve contains, and each alone on the diagonal."""
-    names = list(found.profiles)
-    side = 1.9 * max(len(names), 2)
-    figure = style.Drawing(figsize=(side, side), layout="constrained")
-    panels = figure.subplots(len(names), len(names), squeeze=False)
-    for i, name in enumerate(names):
-        for j, other in enumerate(names):
-            axes = panels[i, j]
-            if j > i:
-                axes.set_visible(False)
-                continue
-            x, y = found.values[other].ravel(), found.values[name].ravel()
-            logarithmic = [_scale(found.model.priors[one], found.values[one]) for one in (other, name)]
-            axes.set_xscale(logarithmic[0])
-            if i == j:
-                ends = x.min(), x.max(), _BINS
-                steps = np.geomspace(*ends) if logarithmic[0] == "log" else np.linspace(*ends)
-                axes.hist(x, steps, color=style.BLUE, alpha=0.7)
-            else:
-                axes.set_yscale(logarithmic[1])
-                some = np.linspace(0, x.size - 1, min(x.size, _DOTS)).astype(int)
-                axes.plot(x[some], y[some], ",", color=style.BLUE, alpha=0.6, rasterized=True)
-            axes.tick_params(labelsize=6, which="both")
-            axes.set_xlabel(other if i == len(names) - 1 else "", fontsize=8)
-            axes.set_ylabel(name if j == 0 and i else "", fontsize=8)
-            if i < len(names) - 1:
-                axes.tick_params(labelbottom=False, which="both")
-            if j or not i:
-                axes.tick_params(labelleft=False, which="both")
+    """Draw the posterior of each pair of parameters that the curve contains, ln of what spans a decade."""
+    drawn: dict[str, Floats] = {}
+    inner = np.ones(found.draws.z.shape[:2], dtype=bool)
+    for name in found.profiles:
+        values, logarithmic = found.values[name], found.model.priors[name].kind.startswith("log")
+        wide = logarithmic and values.max() > 10 * values.min()
+        drawn[f"ln {name}" if wide else name] = np.log(values) if wide else values
+        low, high = np.quantile(values, (0.002, 0.998))
+        inner &= (values >= low) & (values <= high)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        side = 2.0 * max(len(drawn), 2)
+        how = {"kind": "kde", "marginals": True, "figsize": (side, side), "textsize": 9, "show": False}
+        panels = libraries()[1].plot_pair(
+            {name: x[inner] for name, x in drawn.items()}, backend_kwargs={"layout": "constrained"}, **how
+        )
+    figure: Figure = np.ravel(panels)[0].figure
     return figure
-
-
-def _scale(prior: Prior, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
-    """The axis of a parameter: logarithmic where it spans a decade."""
-    return "log" if prior.kind.startswith("log") and values.max() > 10 * values.min() else "linear"
 
 
 def inference_pictures(found: Inference) -> dict[str, Picture]:

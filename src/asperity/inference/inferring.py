@@ -23,7 +23,7 @@ from asperity.fits.curve import Series, refuse_decline
 from asperity.friction import Record, hold_peaks
 from asperity.inference.models import MOST_BRANCHES, Model, of_name
 from asperity.inference.priors import Given
-from asperity.inference.sampling import Draws, Problem, arviz, sample
+from asperity.inference.sampling import Draws, Problem, libraries, sample
 from asperity.inference.verdicts import (
     Candidate,
     Combination,
@@ -171,7 +171,7 @@ class Inference(views.Brief):
         """Posterior, prior and data as InferenceData of ArviZ."""
         problem, shape = self.problem, self.draws.z.shape
         prior = problem.values(problem.of_prior(np.random.default_rng(0), shape[0] * shape[1]))
-        made: az.InferenceData = arviz().from_dict(
+        made: az.InferenceData = libraries()[1].from_dict(
             posterior=self.values,
             prior={name: column.reshape(shape[:-1]) for name, column in prior.items()},
             observed_data={"value": self.value, "error": self.error},
@@ -243,6 +243,7 @@ def infer(
     AsperityError
         Something given is wrong; the priors exclude the data; the ensembles do not agree.
     """
+    libraries()
     if isinstance(time, Record):
         if model != "healing":
             raise InputError("model", expected="'healing' for a record of sliding", got=checks.shown(model))

@@ -257,8 +257,7 @@ def _walked(
     problem: Problem, place: Floats, random: np.random.Generator, weight: float, steps: int
 ) -> Floats:
     """Let the walkers make the steps of a stage."""
-    with checks.extra("inference", "inference"):
-        import emcee
+    emcee, _ = libraries()
     moves = [(emcee.moves.DEMove(), 0.5), (emcee.moves.StretchMove(), 0.5)]
     how = {"kwargs": {"weight": weight}, "vectorize": True, "moves": moves}
     sampler = emcee.EnsembleSampler(*place.shape, problem.posterior, **how)
@@ -280,7 +279,7 @@ def _weight_added(found: Floats, most: float, *, enough: float) -> float:
 
 def _agreement(chains: Floats) -> tuple[float, float]:
     """Largest R-hat, and smallest effective number of draws, of chains (ensembles, draws, used)."""
-    az = arviz()
+    _, az = libraries()
     dataset = az.convert_to_dataset({"z": chains})
     worth = (float(az.ess(dataset, method=method)["z"].min()) for method in ("bulk", "tail"))
     return float(az.rhat(dataset)["z"].max()), min(worth)
@@ -295,10 +294,11 @@ def _thinned(problem: Problem, chains: Floats, draws: int, seed: int) -> Floats:
     return whole
 
 
-def arviz() -> Any:
-    """ArviZ, without its remarks about a later version of itself."""
+def libraries() -> tuple[Any, Any]:
+    """Emcee and ArviZ, without remarks about a later version of itself; `MissingExtraError` without them."""
     with checks.extra("inference", "inference"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        import arviz as az
+        import arviz
+        import emcee
 
-    return az
+    return emcee, arviz

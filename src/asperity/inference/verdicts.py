@@ -199,18 +199,11 @@ def profile_of(problem: Problem, place: int, z: Floats, found: Floats) -> tuple[
 
 def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
     """Where a profile is below its 95 % level; infinite on a side on which it stays so."""
-    limit = chi2.ppf(LEVEL, 1)
-    best = int(np.argmin(deviance))
+    limit, best = float(chi2.ppf(LEVEL, 1)), int(np.argmin(deviance))
     ends = []
     for side, none in ((slice(best, None, -1), -np.inf), (slice(best, None), np.inf)):
-        x, y = values[side], deviance[side]
-        over = np.flatnonzero(y > limit)
-        if not over.size:
-            ends.append(none)
-            continue
-        after = int(over[0])
-        part = (limit - y[after - 1]) / (y[after] - y[after - 1])
-        ends.append(float(x[after - 1] + part * (x[after] - x[after - 1])))
+        rising = np.maximum.accumulate(deviance[side])
+        ends.append(float(np.interp(limit, rising, values[side])) if rising[-1] > limit else none)
     return ends[0], ends[1]
 
 

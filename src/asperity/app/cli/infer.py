@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shlex
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any, Literal
@@ -10,13 +12,10 @@ from typing import Any, Literal
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Out, of_flags
 from asperity.app.cli.options import Results
-from asperity.base import checks, units
-from asperity.base.columns import Roles
 from asperity.errors import InputError
 
 _RESULTS = Results()
 _FLAGS = {name: f"--{name}" for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers")}
-_TIMES = Roles((("time", r"time|hold|^t$"),), {"time": ("s",)})
 
 
 @command()
@@ -90,14 +89,14 @@ def infer(
     from asperity.app.cli.computing import place_beside, tell_results
     from asperity.app.cli.output import check_free
     from asperity.app.cli.reports.infer import inference_report, write_inference
+    from asperity.base import checks
     from asperity.base.machine import cores
     from asperity.inference import infer as inferred
+    from asperity.inference.sampling import libraries
     from asperity.progress import listener
     from asperity.results.store import whole_folder
 
-    with checks.extra("inference", "inference"):
-        import arviz  # noqa: F401
-        import emcee  # noqa: F401
+    libraries()
     check_free(out, overwrite=results.overwrite)
     columns = {"time": column_time, "value": column_value, "stderr": column_stderr}
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
@@ -114,7 +113,8 @@ def infer(
         rows = inference_report(found, str(file))
         progress.stage("writing the results")
         with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
-            write_inference(found, folder, rows, source=file.name, command=f"asperity infer {file}")
+            typed = shlex.join(["asperity", *sys.argv[1:]])
+            write_inference(found, folder, rows, source=file.name, command=typed)
     tell_results(rows, out, results)
 
 
@@ -130,6 +130,8 @@ def _data(
     """Times in s, values and errors; or the record of a test."""
     import numpy as np
 
+    from asperity.base import checks, units
+    from asperity.base.columns import Roles
     from asperity.base.tables import read_table
     from asperity.fits import read_measurements
     from asperity.friction import read_record
@@ -140,15 +142,13 @@ def _data(
     if columns["stderr"] is None and error is None:
         columns |= {"stderr": next((name for name in names if re.search("std|err|sigma", name, re.I)), None)}
     table = read_measurements(file, **columns)
-    unit = unit_time or _TIMES.of(table.time_name)[1] or "s"
-    seconds, square = units.factor(unit, "s"), 1.0
+    _, named = Roles((("time", r"time|hold|^t$"),), {"time": ("s",)}).of(table.time_name)
+    seconds = units.factor(unit_time or named or "s", "s")
+    square = 1.0 if unit_area in (None, "1") else units.factor(str(unit_area), "m^2")
     if seconds is None:
-        raise InputError("--unit-time", expected="a unit of time, such as min", got=unit)
-    if unit_area not in (None, "1"):
-        made = units.factor(str(unit_area), "m^2")
-        if made is None:
-            raise InputError("--unit-area", expected="a unit of area, such as mm^2, or 1", got=unit_area)
-        square = made
+        raise InputError("--unit-time", expected="a unit of time, such as min", got=unit_time)
+    if square is None:
+        raise InputError("--unit-area", expected="a unit of area, such as mm^2, or 1", got=unit_area)
     given = None if table.stderr is None else square * table.stderr
     if error is not None:
         if given is not None:
