@@ -195,7 +195,7 @@ def sample(
             if checkpoint is not None:
                 named = ((f"{name}_{n}", x) for n, one in enumerate(several) for name, x in vars(one).items())
                 with whole_file(checkpoint) as path, path.open("wb") as stream:
-                    np.savez(stream, allow_pickle=False, mark=mark, turn=turn + 1, **dict(named))
+                    np.savez(stream, mark=mark, turn=turn + 1, **dict(named))
             if any(one.weight < 1 for one in several):
                 told(f"data at {100 * min(one.weight for one in several):.2g} % of their weight")
                 continue
