@@ -59,6 +59,7 @@ SMALLER = {
     r"asperity run .*--file": "--last 10 --per-decade 2 --quiet",
     r"asperity run": "--shape 32 32 --last 10 --per-decade 2 --quiet",
     r"asperity predict": "--per-decade 1 --quiet",
+    r"asperity infer": "--walkers 300 --workers 1 --quiet",
     r"asperity sweep(?!.*--dry-run)": "--workers 1 --quiet",
 }
 """Flags behind a command, by the beginning of its line; the first that matches."""
@@ -159,7 +160,14 @@ def surface_file(path):
         Topography(heights, (1.0, 1.0), unit="um", periodic=False).to_netcdf(str(path))
 
 
-LONG = {"docs/friction.md", "docs/histories.md", "docs/predict.md", "docs/solids.md", "docs/start.md"}
+LONG = {
+    "docs/friction.md",
+    "docs/histories.md",
+    "docs/inference.md",
+    "docs/predict.md",
+    "docs/solids.md",
+    "docs/start.md",
+}
 """Pages whose commands take more than five seconds."""
 
 
