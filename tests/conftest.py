@@ -2,9 +2,21 @@
 
 import os
 
+import pytest
 from hypothesis import settings
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("more", derandomize=True, max_examples=500)
 settings.register_profile("other", derandomize=False, max_examples=500)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+
+
+@pytest.fixture
+def no_display():
+    """No window opens, and no figure is open before or after: other tests of the process may leave some."""
+    from matplotlib import pyplot as plt
+
+    plt.switch_backend("agg")
+    plt.close("all")
+    yield
+    plt.close("all")

@@ -34,14 +34,6 @@ def empty_folder(tmp_path, monkeypatch):
     assert set(left) <= {"dask-scratch-space"}  # which dask keeps for all that runs on the machine
 
 
-@pytest.fixture
-def no_display():
-    plt.switch_backend("agg")
-    plt.close("all")
-    yield
-    plt.close("all")
-
-
 @pytest.mark.parametrize(
     "script",
     [SCRIPTS[0], *(pytest.param(script, marks=pytest.mark.slow) for script in SCRIPTS[1:])],

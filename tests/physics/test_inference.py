@@ -178,7 +178,7 @@ def test_ranks_are_uniform_and_intervals_cover(model):
 @pytest.mark.parametrize("model", SBC)
 def test_ranks_of_five_hundred_curves_are_uniform_and_intervals_cover(model):
     """S. Talts et al., arXiv:1804.06788."""
-    check(ranks_of(model, 500, 100, 20), widest=0.02)
+    check(ranks_of(model, 500, 100, 15), widest=0.02)
 
 
 def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, monkeypatch):

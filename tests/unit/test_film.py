@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -23,11 +22,7 @@ from tests.refusals import refuses
 SOLID = spring_lattice(k0=1.0, k1=3.0)
 
 
-@pytest.fixture(autouse=True)
-def _no_display() -> Iterator[None]:
-    plt.switch_backend("agg")
-    yield
-    plt.close("all")
+pytestmark = pytest.mark.usefixtures("no_display")
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +58,6 @@ def test_each_frame_is_a_map_and_its_time(aged: History) -> None:
 
 def test_a_gif_has_a_frame_for_each_map(aged: History, tmp_path: Path) -> None:
     path = tmp_path / "aging.gif"
-    plt.close("all")  # what tests before left open
     aged.animate(path, frames_per_second=5, quantity="separation")
     with Image.open(path) as image:
         assert image.n_frames == 3  # type: ignore[attr-defined]

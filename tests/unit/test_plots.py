@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -23,11 +21,7 @@ from tests.refusals import refuses
 SOLID = spring_lattice(k0=1.0, k1=3.0)
 
 
-@pytest.fixture(autouse=True)
-def _no_display() -> Iterator[None]:
-    plt.switch_backend("agg")
-    yield
-    plt.close("all")
+pytestmark = pytest.mark.usefixtures("no_display")
 
 
 @pytest.fixture(scope="module")
