@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib import pyplot as plt
 
 import asperity as asp
 from tests.cli.conftest import Asperity, Refused
@@ -32,6 +33,7 @@ def verdicts(folder: str) -> Any:
     return pd.read_csv(Path(folder) / "verdicts.csv").set_index("parameter")
 
 
+@pytest.mark.usefixtures("no_display")
 def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(asperity: Asperity, table: np.ndarray) -> None:
     status, text, error = asperity("infer", "area.csv", *QUICK, "--out", "F")
     assert (status, error.count("Traceback")) == (0, 0)
@@ -50,6 +52,7 @@ def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(asperity: Asperity, t
     ):
         assert words in page
     assert page.count("data:image/png") == 3
+    assert not plt.get_fignums()
     assert "Beside this page: verdicts.csv" in page
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

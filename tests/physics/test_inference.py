@@ -157,7 +157,7 @@ def ranks_of(model, count, walkers, steps):
             steps=steps,
         )
         z = drawn.z.reshape(-1, drawn.z.shape[-1])
-        ranks.append((z < truth).mean(0)[problem.used])
+        ranks.append(((z < truth).sum(0)[problem.used] + 0.5) / (len(z) + 1))
     return np.array(ranks)
 
 
@@ -177,8 +177,8 @@ def test_ranks_are_uniform_and_intervals_cover(model):
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("model", SBC)
 def test_ranks_of_five_hundred_curves_are_uniform_and_intervals_cover(model):
-    """S. Talts et al., arXiv:1804.06788."""
-    check(ranks_of(model, 500, 100, 15), widest=0.02)
+    """S. Talts et al., arXiv:1804.06788. The exact posterior of these curves of healing covers 93.7 %."""
+    check(ranks_of(model, 500, 100, 20), widest=0.02)
 
 
 def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, monkeypatch):

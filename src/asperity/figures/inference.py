@@ -87,6 +87,8 @@ def corner_figure(found: Inference) -> Figure:
         drawn[f"ln {name}" if wide else name] = np.log(values) if wide else values
         low, high = np.quantile(values, (0.002, 0.998))
         inner &= (values >= low) & (values <= high)
+    import matplotlib.pyplot as plt
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         side = 2.0 * max(len(drawn), 2)
@@ -95,6 +97,7 @@ def corner_figure(found: Inference) -> Figure:
             {name: x[inner] for name, x in drawn.items()}, backend_kwargs={"layout": "constrained"}, **how
         )
     figure: Figure = np.ravel(panels)[0].figure
+    plt.close(figure)  # it is drawn, and shown by no window
     return figure
 
 
