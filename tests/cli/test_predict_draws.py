@@ -63,7 +63,7 @@ def half_space(branches: list[tuple[float, float]]) -> asp.solids.Solid:
     return asp.solids.half_space(modulus="3 GPa", branches=branches)
 
 
-@pytest.mark.parametrize("ramp", [None, "0.2 s"])
+@pytest.mark.parametrize("ramp", [None, pytest.param("0.2 s", marks=pytest.mark.slow)])
 def test_the_band_is_that_of_a_prediction_for_each_draw(scan: asp.surfaces.Surface, ramp: str | None) -> None:
     random = np.random.default_rng(0)
     shares, factors = random.uniform(0.1, 0.3, (10, 2)), np.exp(random.normal(0, 0.3, (10, 2)))
