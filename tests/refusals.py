@@ -44,6 +44,7 @@ class Sentences:
     def check(self, sentence: str) -> None:
         """Expect a sentence in the words that are known."""
         case = os.environ["PYTEST_CURRENT_TEST"].removeprefix("tests/").rsplit(" (", 1)[0]
+        case = re.sub(r"@\w+$", "", case)  # its group
         test, bracket, parameters = case.partition("[")
         self.seen[case] += 1
         line = f"{bracket}{parameters} {self.seen[case]}: {sentence}".strip()

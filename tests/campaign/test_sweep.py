@@ -388,3 +388,8 @@ def test_what_is_no_plan_or_dataset_is_refused(tmp_path):
         campaign.estimate({}, tmp_path)  # type: ignore[arg-type]
     with refuses("dataset"):
         campaign.table(3)  # type: ignore[arg-type]
+
+
+def test_the_tests_of_a_group_run_in_one_process(request):
+    """The runner names the group behind the test. Without groups campaigns are done twice."""
+    assert "PYTEST_XDIST_WORKER" not in os.environ or request.node.nodeid.endswith("@sweep")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tomllib
 import warnings
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from matplotlib import pyplot as plt
 
 import asperity as asp
+from asperity.app.cli import main
 from tests.cli.conftest import Asperity, Refused
 
 QUICK = ("--walkers", "300", "--workers", "1")
@@ -20,13 +22,24 @@ T = np.geomspace(1, 1e4, 25)
 EXACT = asp.relaxation.PronySeries(1.0, ((0.3, 50.0),)).compliance_at(T)
 
 
-@pytest.fixture
-def table() -> np.ndarray:
-    """Areas in mm^2 against minutes, with errors, in area.csv."""
+pytestmark = pytest.mark.xdist_group("infer")  # in one process, which infers once
+
+
+@pytest.fixture(scope="module")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Areas in mm^2 against minutes, with errors, in area.csv; what follows from them in F."""
+    folder = tmp_path_factory.mktemp("once")
     area = 2.0 * EXACT * (1 + 0.01 * np.random.default_rng(1).standard_normal(T.size))
     frame = pd.DataFrame({"time [min]": T / 60, "area": area, "stderr": 0.02 * EXACT})
-    frame.to_csv("area.csv", index=False)
-    return area
+    frame.to_csv(folder / "area.csv", index=False)
+    assert main(["infer", str(folder / "area.csv"), *QUICK, "--out", str(folder / "F")]) == 0
+    return folder
+
+
+@pytest.fixture
+def table(once: Path) -> None:
+    """area.csv and F, here."""
+    shutil.copytree(once, ".", dirs_exist_ok=True)
 
 
 def verdicts(folder: str) -> Any:
@@ -34,8 +47,8 @@ def verdicts(folder: str) -> Any:
 
 
 @pytest.mark.usefixtures("no_display")
-def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(asperity: Asperity, table: np.ndarray) -> None:
-    status, text, error = asperity("infer", "area.csv", *QUICK, "--out", "F")
+def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(asperity: Asperity, table: None) -> None:
+    status, text, error = asperity("infer", "area.csv", *QUICK, "--out", "F", "--overwrite")
     assert (status, error.count("Traceback")) == (0, 0)
     assert "not identified  load, modulus, rms_slope, area_factor" in text
     assert "data at" in error  # how far the sampling is
@@ -68,9 +81,8 @@ def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(asperity: Asperity, t
 
 
 def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(
-    asperity: Asperity, table: np.ndarray
+    asperity: Asperity, table: None
 ) -> None:
-    assert asperity("infer", "area.csv", *QUICK, "--out", "F")[0] == 0
     rough = asp.surfaces.gaussian((64, 64), rms=1.0, seed=0)
     np.savetxt("scan.txt", rough)
     scan = ("--file-unit", "um", "--pixel-size", "1", "--length-unit", "um")
@@ -95,31 +107,22 @@ def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(
 
 
 def test_priors_come_back_as_they_were_written_and_change_what_is_found(
-    asperity: Asperity, table: np.ndarray
+    asperity: Asperity, table: None
 ) -> None:
-    assert asperity("infer", "area.csv", *QUICK, "--out", "F", "--branches", "1")[0] == 0
-    assert (
-        asperity("infer", "area.csv", *QUICK, "--out", "G", "--branches", "1", "--priors", "F/priors.toml")[0]
-        == 0
-    )
+    assert asperity("infer", "area.csv", *QUICK, "--out", "G", "--priors", "F/priors.toml")[0] == 0
     pd.testing.assert_frame_equal(verdicts("F"), verdicts("G"))
     Path("known.toml").write_text('[time_1]\nkind = "normal"\nmean = "60 s"\ndeviation = "0.1 s"\n')
-    assert (
-        asperity("infer", "area.csv", *QUICK, "--out", "H", "--branches", "1", "--priors", "known.toml")[0]
-        == 0
-    )
+    assert asperity("infer", "area.csv", *QUICK, "--out", "H", "--priors", "known.toml")[0] == 0
     assert verdicts("H").loc["time_1", "low"] > 59.7
-    assert asperity("infer", "area.csv", *QUICK, "--out", "K", "--branches", "1", "--unit-time", "s")[0] == 0
-    assert verdicts("K").loc["time_1", "high"] < 2  # minutes were taken for seconds
 
 
-def test_units_of_areas_make_them_absolute(asperity: Asperity, table: np.ndarray) -> None:
-    assert (
-        asperity("infer", "area.csv", *QUICK, "--out", "F", "--branches", "1", "--unit-area", "mm^2")[0] == 0
-    )
-    found = verdicts("F")
+def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity: Asperity, table: None) -> None:
+    units = ("--unit-area", "mm^2", "--unit-time", "s")
+    assert asperity("infer", "area.csv", *QUICK, "--branches", "1", *units, "--out", "G")[0] == 0
+    found = verdicts("G")
     assert "scale" not in found.index
-    summary = Path("F/summary.txt").read_text()
+    assert found.loc["time_1", "high"] < 2  # minutes were taken for seconds
+    summary = Path("G/summary.txt").read_text()
     assert "load / modulus / rms_slope" in summary.replace("load * area_factor / modulus", "load / modulus")
 
 
@@ -140,7 +143,7 @@ def test_a_record_of_a_slide_hold_slide_test_gives_b(asperity: Asperity) -> None
 
 
 def test_an_interrupted_inference_goes_on(
-    asperity: Asperity, table: np.ndarray, monkeypatch: pytest.MonkeyPatch
+    asperity: Asperity, table: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = asp.inference.sampling._advanced
     calls: list[Any] = []
@@ -151,17 +154,15 @@ def test_an_interrupted_inference_goes_on(
             raise KeyboardInterrupt
         return whole(task)
 
-    words = ("infer", "area.csv", *QUICK, "--branches", "1", "--out", "F")
+    words = ("infer", "area.csv", *QUICK, "--out", "G")
     monkeypatch.setattr("asperity.inference.sampling._advanced", interrupted)
     status, _, error = asperity(*words)
     assert status == 130
     assert "the same command goes on from" in error
-    assert not Path("F").exists()
+    assert not Path("G").exists()
     assert asperity(*words)[0] == 0
-    gone_on = verdicts("F")
     assert not list(Path().glob("*.checkpoint"))
-    assert asperity(*words, "--overwrite")[0] == 0
-    pd.testing.assert_frame_equal(gone_on, verdicts("F"))
+    pd.testing.assert_frame_equal(verdicts("F"), verdicts("G"))
 
 
 @pytest.mark.parametrize(
@@ -183,6 +184,6 @@ def test_an_interrupted_inference_goes_on(
         ("infer", "falls.csv"),
     ],
 )
-def test_mistakes(refused: Refused, table: np.ndarray, words: tuple[str, ...]) -> None:
+def test_mistakes(refused: Refused, table: None, words: tuple[str, ...]) -> None:
     np.savetxt("falls.csv", np.column_stack([T, EXACT[::-1]]))
     refused(*words)

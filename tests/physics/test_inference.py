@@ -170,7 +170,7 @@ def check(ranks, widest):
 
 @pytest.mark.parametrize("model", ["power", "healing"])
 def test_ranks_are_uniform_and_intervals_cover(model):
-    check(ranks_of(model, 60, 50, 10), widest=0.05)  # 60 curves
+    check(ranks_of(model, 60, 50, 6), widest=0.05)  # 60 curves
 
 
 @pytest.mark.slow
@@ -227,7 +227,7 @@ def test_words_follow_from_what_of_the_prior_is_left():
         assert 0 <= found.low < found.high <= 1
 
 
-def test_a_normalized_curve_knows_no_load_modulus_or_roughness():
+def test_a_normalized_curve_knows_the_sum_of_two_near_branches_and_no_load_modulus_or_roughness():
     value, error = two_times(3.0)
     found = asp.infer(T, value, error, model="relaxation", branches=2, walkers=600, effective=300)
     for name in ("load", "modulus", "rms_slope", "area_factor"):
@@ -282,10 +282,7 @@ def test_a_curve_that_ends_early_bounds_the_time_below():
     exact = asp.relaxation.PronySeries(1.0, ((0.5, 1e6),)).compliance_at(T)
     found = asp.infer(T, noisy(exact, 1e-3), 1e-3 * exact, branches=1, walkers=500, effective=200)
     assert found.verdicts["time_1"].verdict == "bounded below"
-    assert (
-        found.verdicts["time_1"].low < 1e6 == found.verdicts["time_1"].high
-        or found.verdicts["time_1"].low < 1e6
-    )
+    assert found.verdicts["time_1"].low < 1e6
     assert found.verdicts["time_1"].profile[1] == math.inf
     assert next(one for one in found.combinations).name == "share_1 / time_1"
 
@@ -306,22 +303,20 @@ def test_errors_are_found_from_the_scatter_and_widened_where_it_is_correlated():
     assert "neighbors correlate" in found.remarks[-1]
 
 
-def test_the_solid_creeps_as_the_curve(tmp_path):
-    value, error = two_times(30.0)
-    found = asp.infer(T, value, error, branches=2, walkers=300, effective=100)
-    section: dict[str, Any] = found.solid()
-    series = asp.relaxation.PronySeries(
-        1.0, tuple((g, float(t.removesuffix(" s"))) for g, t in section["branches"])
-    )
-    np.testing.assert_allclose(series.compliance_at(T), value / found.verdicts["scale"].median, rtol=0.05)
-    assert len(section["draws"]) == 100
-    power: dict[str, Any] = asp.infer(
-        T, noisy(1 + (T / 1e3) ** 0.4), model="power", walkers=300, effective=100
-    ).solid()
-    series = asp.relaxation.PronySeries(
-        1.0, tuple((g, float(t.removesuffix(" s"))) for g, t in power["branches"])
-    )
-    np.testing.assert_allclose(series.compliance_at(T), 1 + (T / 1e3) ** 0.4, rtol=0.08)
+@pytest.mark.parametrize(
+    ("model", "values", "rtol"),
+    [
+        ("relaxation", {"share_1": 0.2, "share_2": 0.5, "time_1": 3.0, "time_2": 400.0}, 1e-5),
+        ("power", {"exponent": 0.4, "time": 1e3}, 0.01),
+    ],
+)
+def test_the_solid_creeps_as_the_curve(model, values, rtol):
+    made = of_name(model, T, T, priors=None, branches=2, absolute=False)
+    assert made.solid is not None
+    section: dict[str, Any] = made.solid({"modulus": 1e9, **values})
+    branches = tuple((share, float(time.removesuffix(" s"))) for share, time in section["branches"])
+    found = asp.relaxation.PronySeries(1.0, branches).compliance_at(T)
+    np.testing.assert_allclose(found, curve(model, branches=2, **values), rtol=rtol)
 
 
 def test_a_record_of_holds_gives_b():
