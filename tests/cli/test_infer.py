@@ -138,8 +138,14 @@ def test_a_record_of_a_slide_hold_slide_test_gives_b(asperity: Asperity) -> None
     status, _, error = asperity("infer", "lab.csv", "--model", "healing", *QUICK, "--out", "F")
     assert (status, error.count("Traceback")) == (0, 0)
     assert verdicts("F").loc["B", "verdict"] == "determined"
-    assert verdicts("F").loc["B", "low"] < 0.015 < verdicts("F").loc["B", "high"] * 1.1
+    assert (
+        verdicts("F").loc["B", "low"] < 0.015 < verdicts("F").loc["B", "high"] * 1.1
+    )  # a > 0: less by theory
     assert not Path("F/solid.toml").exists()
+    assert asperity("infer", "lab.csv", "--model", "healing", *QUICK, "--error", "10%", "--out", "G")[0] == 0
+    wide, usual = (verdicts(folder).loc["B"] for folder in "GF")
+    assert wide["high"] / wide["low"] > 2 * usual["high"] / usual["low"]
+    assert asperity("infer", "lab.csv", "--model", "healing", "--unit-time", "min", "--out", "H")[0] == 2
 
 
 def test_an_interrupted_inference_goes_on(
@@ -182,8 +188,22 @@ def test_an_interrupted_inference_goes_on(
         ("infer", "area.csv", "--walkers", "3"),
         ("infer", "area.csv", "--workers", "0"),
         ("infer", "falls.csv"),
+        ("infer", "two_errors.csv"),
+        ("infer", "percent.csv"),
+        ("infer", "furlongs.csv"),
+        ("infer", "logarithms.csv"),
+        ("infer", "area.csv", "--model", "lattice", "--unit-area", "mm^2"),
+        ("infer", "area.csv", "--model", "healing", "--unit-area", "mm^2"),
     ],
 )
 def test_mistakes(refused: Refused, table: None, words: tuple[str, ...]) -> None:
     np.savetxt("falls.csv", np.column_stack([T, EXACT[::-1]]))
+    for name, header in (
+        ("two_errors", "time_s,area,area_err,load_err"),
+        ("percent", "time_s,area,err_percent,load"),
+        ("furlongs", "time (furlong),area,a,b"),
+        ("logarithms", "log10 time,area,a,b"),
+    ):
+        columns = np.column_stack([T, EXACT, 0.01 * EXACT, 0.01 * EXACT])
+        np.savetxt(f"{name}.csv", columns, delimiter=",", header=header, comments="")
     refused(*words)

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.stats import chi2
 
 from asperity.base import checks
 from asperity.base.checks import Floats
@@ -15,6 +14,7 @@ from asperity.figures import style
 from asperity.figures.page import Picture, pixels, written_page
 from asperity.inference import Inference
 from asperity.inference.sampling import libraries
+from asperity.inference.verdicts import EXCLUDED
 
 _COLUMNS = 3
 _BINS = 41
@@ -67,7 +67,7 @@ def parameters_figure(found: Inference) -> Figure:
             at, deviance = found.profiles[name]
             told = "profile likelihood" if axes is panels[0] else None
             axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label=told)
-            axes.axhline(np.exp(-chi2.ppf(0.95, 1) / 2), color=style.VERMILION, linewidth=0.6, linestyle=":")
+            axes.axhline(EXCLUDED, color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
         axes.set_title(f"{name}{unit}\n{verdict.verdict}", fontsize=9)
         axes.set_yticks([])

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import functools
 import math
+import pickle
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -20,19 +22,22 @@ from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity.fits.comparison import autocorrelation_of
 from asperity.fits.curve import Series, refuse_decline
+from asperity.fits.result import student
 from asperity.friction import Record, hold_peaks
 from asperity.inference.models import MOST_BRANCHES, Model, of_name
-from asperity.inference.priors import Given
+from asperity.inference.priors import Given, own_priors
 from asperity.inference.sampling import Draws, Problem, libraries, sample
 from asperity.inference.verdicts import (
+    WORDS,
     Candidate,
     Combination,
     Verdict,
     candidates_of,
     combinations_of,
     interval_of,
-    only_together,
+    of_data_alone,
     profile_of,
+    told_apart,
     verdict_of,
 )
 from asperity.progress import Progress, listener
@@ -49,6 +54,9 @@ _LEAST_ERROR = 1e-9
 
 _TELLS = 0.5
 """Expected width over the present one below which an experiment is said to tell of a parameter."""
+
+_NUMBERED = re.compile(f"(share|time)_[1-{MOST_BRANCHES}]")
+"""Parameters that say how many branches there are at least."""
 
 _OF_SOLID = 100
 """Draws of a solid that are written for the band of a prediction."""
@@ -100,9 +108,8 @@ class Inference(views.Brief):
     @functools.cached_property
     def values(self) -> dict[str, Floats]:
         """Draws of each parameter, shape (ensembles, draws)."""
-        z = self.draws.z
-        flat = self.problem.values(z.reshape(-1, z.shape[-1]))
-        return {name: column.reshape(z.shape[:-1]) for name, column in flat.items()}
+        flat = self.problem.values(self.draws.flat)
+        return {name: column.reshape(self.draws.z.shape[:-1]) for name, column in flat.items()}
 
     @property
     def table(self) -> pd.DataFrame:
@@ -115,33 +122,46 @@ class Inference(views.Brief):
         return pd.DataFrame(rows, columns=names)
 
     @property
-    def sentences(self) -> tuple[str, ...]:
-        """What is determined, bounded, not identified, or known together, and what would tell more."""
-        said = []
-        for word in ("determined", "bounded above", "bounded below", "not identified"):
+    def findings(self) -> list[tuple[str, str]]:
+        """What is determined, bounded, or not identified: verdicts with their parameters, in words."""
+        said: list[tuple[str, str]] = []
+        for word in WORDS:
             alike = [one for one in self.verdicts.values() if one.verdict == word]
-            if alike:
-                of = ", ".join(one.parameter if word == "not identified" else one.words for one in alike)
-                said.append(f"{word[:1].upper()}{word[1:]}: {of}")
-        said += [
-            f"{one.name} lies between {one.low:.3g} and {one.high:.3g}, {one.tighter:.2g} times better known "
-            "than any of these alone"
-            for one in self.combinations
-        ]
-        for one in self.candidates:
-            told = {name: width for name, width in one.widths.items() if width < _TELLS}
-            of = ", ".join(f"{name} to {100 * width:.2g} %" for name, width in told.items())
-            nothing = f"tell little of {', '.join(one.widths)}"
+            if alike and word != "not identified":
+                said.append((word, ", ".join(one.words for one in alike)))
+            elif alike:
+                known = {name for name, prior in self.model.priors.items() if not prior.bounded}
+                names = (one.parameter + " (as its prior)" * (one.parameter in known) for one in alike)
+                said.append((word, ", ".join(names)))
+        return said
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The findings, what is known together, and what would tell more."""
+        said = [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
+        for one in self.combinations:
+            low, high = told_apart(one.low, one.high)
             said.append(
-                f"Measuring {one.name} would {f'narrow {of} of its present width' if told else nothing}"
+                f"{one.name} lies between {low} and {high}, {one.tighter:.2g} times better known than any of "
+                "these alone"
             )
+        useless = []
+        for experiment in self.candidates:
+            told = {name: width for name, width in experiment.widths.items() if width < _TELLS}
+            of = ", ".join(f"{name} to {100 * width:.2g} %" for name, width in told.items())
+            if told:
+                said.append(f"Measuring {experiment.name} would narrow {of} of its present width, or further")
+            else:
+                useless.append(experiment.name)
+        if useless:
+            said.append(f"Little is promised by measuring {', or '.join(useless)}")
         return tuple(said)
 
     def predicted(self, time: ArrayLike) -> Floats:
         """The curve at any times: 2.5, 50 and 97.5 % quantiles of the posterior, shape (3, n)."""
         at = checks.not_negative("time", time)
-        flat = {name: column.ravel() for name, column in self.values.items()}
-        return np.asarray(np.quantile(self.model.curve(at, flat), (0.025, 0.5, 0.975), axis=0))
+        curves = self.model.curve(at, self.problem.values(self.draws.flat))
+        return np.asarray(np.quantile(curves, (0.025, 0.5, 0.975), axis=0))
 
     def solid(self) -> dict[str, object]:
         """Section ``[solid]`` of a configuration, of the likeliest draw, and other draws of its branches.
@@ -150,16 +170,14 @@ class Inference(views.Brief):
         """
         if self.model.solid is None:
             raise InputError("solid", expected="a model of a solid", got=f"model {self.model.name!r}")
-        flat = {name: column.ravel() for name, column in self.values.items()}
-        z = self.draws.z.reshape(-1, self.draws.z.shape[-1])
-        problem = self.problem
+        make, problem, z = self.model.solid, self.problem, self.draws.flat
+        values = problem.values(z)
         best = int(np.argmax(problem.posterior(z[:, problem.used])))
         medians = {name: one.median for name, one in self.verdicts.items()}
         used = [list(self.model.priors)[place] for place in problem.used]
 
         def section(place: int) -> dict[str, object]:
-            assert self.model.solid is not None
-            return self.model.solid(medians | {name: float(flat[name][place]) for name in used})
+            return make(medians | {name: float(values[name][place]) for name in used})
 
         made = section(best)
         if "branches" in made:
@@ -202,7 +220,8 @@ def infer(
     Parameters
     ----------
     time
-        Rising times, s, shape (n,); or a record of sliding with holds, for the model ``"healing"``.
+        Times that do not fall, s, shape (n,); or a record of sliding with holds, for the model
+        ``"healing"``.
     area
         Areas, or static friction, above 0, shape (n,): in any unit, such as A(t)/A(0), unless they are
         `absolute`.
@@ -250,11 +269,21 @@ def infer(
         peaks = hold_peaks(time)
         order = np.argsort(peaks.duration)
         time, area = peaks.duration[order], peaks.peak[order]
-    t = checks.times("time", time, at_least=2)
     name = "friction" if model == "healing" else "area"
-    v = checks.positive(name, checks.line(name, area))
+    t, v = (
+        checks.not_negative("time", checks.line("time", time)),
+        checks.positive(name, checks.line(name, area)),
+    )
     if v.shape != t.shape:
         raise InputError(name, expected=f"one for each of {t.size} times", got=f"{v.size} values")
+    if t.size < 2 or not t.any():
+        raise InputError("time", expected="two times or more, above 0", got=checks.shown(t.tolist()))
+    if (falls := np.diff(t) < 0).any():
+        at = int(np.argmax(falls))
+        got = f"{t[at]:g} before {t[at + 1]:g}"
+        raise InputError(
+            "time", expected="times that do not fall", got=got, advice="order = np.argsort(time)"
+        )
     given = None
     if error is not None:
         given = checks.positive("error", error)
@@ -273,9 +302,19 @@ def infer(
         checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
         if model != "relaxation":
             raise InputError("branches", expected="model 'relaxation' beside it", got=checks.shown(model))
+    if callable(model) and workers > 1:
+        try:
+            pickle.dumps(model)
+        except (pickle.PicklingError, AttributeError, TypeError):
+            expected = "a function of a module, which other processes can import"
+            raise InputError(
+                "model", expected=expected, got=checks.shown(model), advice="workers=1"
+            ) from None
+    how = _How(model, dict(own_priors(priors)), absolute, loading)
+    how.made(t, v, branches or 1, how.priors)  # mistakes in priors first
     with listener(progress) as listening:
         listening.stage("looking for the best fit")
-        problem, remarks = _problem(t, v, given, model, priors, branches, absolute=absolute, ramp=loading)
+        problem, remarks = _problem(t, v, given, how, branches)
         listening.stage(f"sampling {len(problem.used)} parameters, {4 * walkers:,} walkers")
         place = None if checkpoint is None else Path(checkpoint)
         draws = sample(
@@ -291,54 +330,75 @@ def infer(
         return _judged(problem, draws, remarks, seed=seed)
 
 
+@dataclass(frozen=True)
+class _How:
+    """How a curve is modelled."""
+
+    name: object
+    priors: dict[str, Given]
+    absolute: bool
+    ramp: float
+
+    def made(self, t: Floats, v: Floats, branches: int, priors: dict[str, Given] | None) -> Model:
+        """The model of so many branches, with these priors."""
+        numbered = {int(key[-1]) for key in priors or {} if _NUMBERED.fullmatch(key)}
+        count = max([branches, *numbered])
+        return of_name(self.name, t, v, priors=priors, branches=count, absolute=self.absolute, ramp=self.ramp)
+
+
 def _problem(
-    t: Floats,
-    v: Floats,
-    error: Floats | None,
-    name: object,
-    priors: Mapping[str, Given] | None,
-    branches: int | None,
-    **how: Any,
+    t: Floats, v: Floats, error: Floats | None, how: _How, branches: int | None
 ) -> tuple[Problem, list[str]]:
-    """The model, with so many branches as the data ask for, and the data with errors."""
+    """The data with errors, and the model, with so many branches as the data ask for.
+
+    Both are judged by the default priors, so that what the user knows of parameters makes no errors.
+    """
     remarks: list[str] = []
-    least = branches or max([1, *(int(key[-1]) for key in priors or {} if key[:-1] in ("share_", "time_"))])
+    own, scatters = callable(how.name), error is None
+    least = branches or max([1, *(int(key[-1]) for key in how.priors if _NUMBERED.fullmatch(key))])
     tried: list[tuple[float, int, Problem, Floats]] = []
-    for count in [least] if branches or name != "relaxation" else range(least, MOST_BRANCHES + 1):
-        made = of_name(name, t, v, priors=priors, branches=count, **how)
-        if not callable(name):
+    for count in [least] if branches or how.name != "relaxation" else range(least, MOST_BRANCHES + 1):
+        made = how.made(t, v, count, how.priors if own else None)
+        if not own:
             refuse_decline(Series(t, v, None), "friction" if made.name == "healing" else "area")
         problem = Problem(t, v, v if error is None else error, made)
-        needed = len(problem.used) + (error is None)
+        if not problem.used:
+            raise InputError("model", expected="a curve that depends on its parameters", got=made.name)
+        needed = problem.rank + scatters
         if t.size < needed:
             if tried:
                 break
             expected = (
-                f"at least {needed} points, for {len(problem.used)} parameters"
-                + " and the scatter" * (error is None)
+                f"at least {needed} points, for {problem.rank} parameters{' and the scatter' * scatters}"
             )
             raise InputError("time", expected=expected, got=t.size, advice="more points, or fewer parameters")
-        misfit = _best(problem)
-        tried.append((_criterion(misfit, needed, given=error is not None), count, problem, misfit))
+        misfit = problem.misfit(_best(problem, informed=not scatters)[1][np.newaxis])[0]
+        tried.append((_criterion(misfit, needed, given=not scatters), count, problem, misfit))
     score, count, problem, misfit = min(tried, key=lambda one: one[0])
     if len(tried) > 1:
         others = ", ".join(f"{one[0] - score:+.3g} with {one[1]}" for one in tried if one[1] != count)
         remarks.append(f"{counted(count, 'relaxation time')} by Akaike's criterion, AICc ({others})")
-    if error is None:
+    free = max(t.size - problem.rank, 1)
+    if scatters:
         rho = autocorrelation_of(misfit)
         worth = min(1.0, (1 - rho) / (1 + rho))
-        scatter = math.sqrt(float(misfit @ misfit) / max(t.size - len(problem.used), 1) / worth)
+        # Few points know it badly: by Student's t intervals are as wide as if it were known.
+        scatter = math.sqrt(float(misfit @ misfit) / free / worth) * student(free) / student(math.inf)
         problem = replace(problem, error=max(scatter, _LEAST_ERROR) * v)
+        misfit = misfit * v / problem.error
         found = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
         found += f", whose neighbors correlate by {rho:.2f}" if worth < 1 else ""
         remarks.append(f"no errors were given: they are taken as {found}")
-    elif (chance := float(chi2.sf(misfit @ misfit, max(t.size - needed, 1)))) < _MISFIT:
-        if priors and not callable(name):
-            usual = _best(replace(problem, model=of_name(name, t, v, priors=None, branches=count, **how)))
-            if misfit @ misfit - usual @ usual > _MUCH_BETTER:
-                got = f"a best fit that misses by {_rms(misfit):.3g} standard errors, rms"
-                advice = f"wider ones (by the default ones it misses by {_rms(usual):.3g})"
-                raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
+    if how.priors and not own:
+        usual, problem = misfit, replace(problem, model=how.made(t, v, count, how.priors))
+        squares, at = _best(problem)
+        misfit = problem.misfit(at[np.newaxis])[0]
+        if squares - usual @ usual > _MUCH_BETTER:
+            got = f"a best fit that misses by {_rms(misfit):.3g} standard errors, rms"
+            advice = f"wider ones (by the default ones it misses by {_rms(usual):.3g})"
+            raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
+    chance = float(chi2.sf(misfit @ misfit, free))
+    if not scatters and chance < _MISFIT:
         remarks.append(
             f"the model misses the data by {_rms(misfit):.3g} standard errors, rms (chance {chance:.1g}): "
             "try another model, or larger errors; the verdicts hold for this model only"
@@ -359,42 +419,39 @@ def _rms(misfit: Floats) -> float:
     return float(np.sqrt(np.mean(misfit**2)))
 
 
-def _best(problem: Problem) -> Floats:
-    """Residuals, in errors, of the best fit that some searches find from the best of draws of the prior."""
+def _best(problem: Problem, *, informed: bool = True) -> tuple[float, Floats]:
+    """Least squares, and coordinates, that some searches find from the best of draws of the prior."""
     z = problem.of_prior(np.random.default_rng(0), _TRIED)
-    found = problem.log_likelihood(z)
-    best = np.full(problem.value.size, math.inf)
-    for start in z[np.argsort(found)[: -_STARTS - 1 : -1]]:
-        squares, residual = problem.improved(start, problem.used)
-        best = residual if squares < best @ best else best
-    return best
+    best = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
+    found = [problem.improved(start, problem.used, informed=informed) for start in best]
+    return min(found, key=lambda one: one[0])
 
 
 def _judged(problem: Problem, draws: Draws, remarks: Sequence[str], *, seed: int) -> Inference:
     """Weigh the draws, parameter by parameter."""
-    random = np.random.default_rng([seed, 1])
-    z = draws.z.reshape(-1, draws.z.shape[-1])
-    found, names = problem.log_likelihood(z), list(problem.model.priors)
-    prior, values = (problem.values(one) for one in (problem.of_prior(random, 20_000), z))
+    z, model, names = draws.flat, problem.model, list(problem.model.priors)
+    found, used = problem.log_likelihood(z), [list(problem.model.priors)[place] for place in problem.used]
+    prior = problem.values(problem.of_prior(np.random.default_rng([seed, 1]), 20_000))
+    values = problem.values(z)
     profiles = {names[place]: profile_of(problem, place, z, found) for place in problem.used}
     verdicts = {
         name: verdict_of(
             name,
-            problem.model.priors[name].unit,
+            model.priors[name].unit,
             prior[name],
             values[name],
             interval_of(*profiles[name]) if name in profiles else (-math.inf, math.inf),
         )
         for name in names
     }
-    combinations = combinations_of(values, problem.model, [names[place] for place in problem.used])
-    verdicts = only_together(verdicts, combinations, problem.model.priors)
+    combinations = combinations_of(values, model, used)
+    verdicts = of_data_alone(problem, verdicts, prior, z, found)
     open_ = [name for name, one in verdicts.items() if one.verdict != "determined"]
     return Inference(
         problem.time,
         problem.value,
         problem.error,
-        problem.model,
+        model,
         verdicts,
         combinations,
         candidates_of(problem, z, open_) if open_ else (),

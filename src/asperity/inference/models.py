@@ -32,7 +32,7 @@ from scipy.ndimage import map_coordinates
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.inference.priors import Given, Prior, with_own
+from asperity.inference.priors import Given, Prior, own_priors, with_own
 from asperity.relaxation import Creep, fit
 from asperity.theory import exponential_growth, site_stiffness
 
@@ -43,6 +43,8 @@ Curve = Callable[[Floats, Values], Floats]
 """A curve at times of shape (n,): shape (m, n)."""
 
 MOST_BRANCHES = 3
+_LEAST = 1e-4
+"""Size by default at least, over the smallest value."""
 _RAMP = 16
 """Nodes in the time of a ramp."""
 _RATIOS, _TIMES = (1e-2, 1e2), (1e-8, 1e16)
@@ -71,6 +73,8 @@ class Model:
         Section ``[solid]`` of a configuration, of one set of parameters; None where none follows.
     ramp
         Time within which the load was put on, s: the growth is its mean over the ramp.
+    scaled
+        Whether the curve is known but for a factor, the parameter ``scale``.
     """
 
     name: str
@@ -81,6 +85,7 @@ class Model:
     held: Curve | None = None
     solid: Callable[[Mapping[str, float]], dict[str, object]] | None = None
     ramp: float = 0.0
+    scaled: bool = False
 
     def curve(self, time: Floats, p: Values) -> Floats:
         """What is observed, shape (m, n)."""
@@ -91,7 +96,7 @@ class Model:
             grown = sum(
                 (w / 2 * self.growth(time - s, p) for s, w in zip(begun, weights, strict=True)), 0 * grown
             )
-        if "scale" in p:
+        if self.scaled:
             return np.asarray(p["scale"][:, None] * grown)
         return grown if self.size is None else np.asarray(self.size(p)[:, None] * grown)
 
@@ -111,15 +116,26 @@ def of_name(
         expected = "a load put on at once, or a separable solid: model 'relaxation' or 'power'"
         raise InputError("ramp", expected=expected, got=checks.shown(name))
     if callable(name):
+        if absolute:
+            raise InputError("absolute", expected="a model of Asperity", got="a function of your own")
         return _own(name, priors)
     checks.choice("model", name, (*MODELS, "a function of time and parameters"))
     made = MODELS[str(name)](float(time[time > 0][0]), float(time[-1]), branches)
     known = made.priors
     if not absolute:
-        known = {"scale": Prior("log_uniform", float(value.min()) / 10, 2 * float(value.max())), **known}
+        known = {"scale": Prior("log_uniform", _LEAST * float(value.min()), 2 * float(value.max())), **known}
     elif made.size is None:
         raise InputError("absolute", expected="areas, for friction has no unit", got=f"model {name!r}")
-    return replace(made, priors=with_own(known, priors), ramp=ramp)
+    known = with_own(known, priors)
+    if "x1" in known and not np.all(_held(known["x1"].at(np.array(known["x1"].reach)), *_RATIOS)):
+        expected = f"values from {_RATIOS[0]:g} to {_RATIOS[1]:g}, where the theory is tabulated"
+        raise InputError("prior of x1", expected=expected, got=str(known["x1"]))
+    return replace(made, priors=known, ramp=ramp, scaled=not absolute)
+
+
+def _held(values: Floats, low: float, high: float) -> NDArray[np.bool_]:
+    """Whether values lie in a range, but for rounding."""
+    return np.asarray((values > low * (1 - 1e-9)) & (values < high * (1 + 1e-9)))
 
 
 _BODY = {
@@ -299,8 +315,10 @@ def _healing(time: Floats, p: Values) -> Floats:
 
 
 def _own(function: Callable[..., ArrayLike], priors: Mapping[str, Given] | None) -> Model:
-    made = {name: Prior.of(name, given, "") for name, given in (priors or {}).items()}
+    made = {name: Prior.of(name, given, "") for name, given in own_priors(priors).items()}
     try:
+        if not made:
+            raise TypeError("none")
         inspect.signature(function).bind(np.ones(2), **dict.fromkeys(made, 1.0))
     except TypeError as error:
         expected = "one for each parameter of the function, which takes the times first"
@@ -312,7 +330,11 @@ def _own(function: Callable[..., ArrayLike], priors: Mapping[str, Given] | None)
 
 def _own_curve(time: Floats, p: Values, *, function: Callable[..., ArrayLike]) -> Floats:
     rows = zip(*p.values(), strict=True)
-    curves = [function(time, **dict(zip(p, map(float, row), strict=True))) for row in rows]
+    curves = [np.asarray(function(time, **dict(zip(p, map(float, row), strict=True)))) for row in rows]
+    for curve in curves:
+        if curve.shape != time.shape:
+            expected = f"a function that returns shape {time.shape}, a value for each time"
+            raise InputError("model", expected=expected, got=f"shape {curve.shape}")
     return np.array(curves, dtype=np.float64).reshape(-1, time.size)
 
 

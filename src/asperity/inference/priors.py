@@ -76,7 +76,7 @@ class Prior:
             expected = 'a pair of ends, or a table such as {kind = "uniform", low = 0, high = 1}'
             raise InputError(f"prior of {name}", expected=expected, got=checks.shown(given))
         told: dict[str, Any] = {"kind": "log_uniform", **given}
-        numbers = KINDS.get(told["kind"], ())
+        numbers = KINDS.get(str(told["kind"]), ())
         if not numbers or set(told) != {"kind", *numbers}:
             expected = "; ".join(f"kind = {one!r} with {' and '.join(names)}" for one, names in KINDS.items())
             raise InputError(f"prior of {name}", expected=expected, got=checks.shown(dict(given)))
@@ -130,10 +130,16 @@ class Prior:
         return f"{first} × {second}^±1{unit}" if "log" in self.kind else f"{first} ± {second}{unit}"
 
 
+def own_priors(own: Mapping[str, Given] | None) -> dict[str, Given]:
+    """Priors by names of parameters; `InputError` for what is no mapping."""
+    made: dict[str, Given] = {} if own is None else own  # type: ignore[assignment]
+    return checks.instance("priors", made, dict, "{'time_1': (1, 1e6)}")
+
+
 def with_own(priors: Mapping[str, Prior], own: Mapping[str, Given] | None) -> dict[str, Prior]:
     """Replace default priors by the user's own; `InputError` for a parameter that is not there."""
     made = dict(priors)
-    for name, given in checks.instance("priors", dict(own or {}), dict, "{'time_1': (1, 1e6)}").items():
+    for name, given in own_priors(own).items():
         if name not in made:
             near = closest(str(name), made)
             raise InputError(

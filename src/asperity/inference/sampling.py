@@ -36,8 +36,12 @@ from asperity.results.store import whole_file
 
 ENSEMBLES = 4
 _MOST_ROUNDS = 100
-_LAST = 3
-"""Times as many steps are made once the data have their whole weight: copies of a walker must part."""
+_LEAST_ROUNDS = 3
+"""Rounds at the whole weight of the data, in which copies of a walker must part."""
+_TRIED, _STEP, _TOLD = 64, 1e-6, 1e-7
+"""Draws of the prior, step of a coordinate, and least singular value, by which a rank is found."""
+_FAR = 1e9
+"""Misfit, in errors, where there is no curve."""
 _LOST = -1e300
 """Logarithm of a likelihood that is 0, as a number that can be multiplied."""
 
@@ -58,18 +62,22 @@ class Problem:
             for (name, prior), column in zip(self.model.priors.items(), z.T, strict=True)
         }
 
-    def log_likelihood(self, z: Floats) -> Floats:
-        """Of normal errors, without its constant; very small for what is not allowed. Shape (m,)."""
+    def misfit(self, z: Floats) -> Floats:
+        """Curve less data, in errors, shape (m, n); infinite for what is not allowed."""
         values = self.values(z)
         allowed = np.broadcast_to(self.model.allowed(values), len(z))
-        found = np.full(len(z), _LOST)
+        found = np.full((len(z), self.time.size), np.inf)
         if allowed.any():
             some = {name: column[allowed] for name, column in values.items()}
             with np.errstate(all="ignore"):
-                missed = (self.model.curve(self.time, some) - self.value) / self.error
-                squares = (missed**2).sum(-1)
-            found[allowed] = np.where(squares < -_LOST, -squares / 2, _LOST)
+                found[allowed] = (self.model.curve(self.time, some) - self.value) / self.error
         return found
+
+    def log_likelihood(self, z: Floats) -> Floats:
+        """Of normal errors, without its constant; very small for what is not allowed. Shape (m,)."""
+        with np.errstate(all="ignore"):
+            squares = (self.misfit(z) ** 2).sum(-1)
+        return np.where(squares < -_LOST, -squares / 2, _LOST)
 
     @functools.cached_property
     def used(self) -> list[int]:
@@ -85,6 +93,21 @@ class Problem:
             if not np.array_equal(here, there, equal_nan=True):
                 changed.append(place)
         return changed
+
+    @functools.cached_property
+    def rank(self) -> int:
+        """How many combinations of the parameters the curve knows, however many points it has."""
+        time = np.geomspace(self.time[self.time > 0][0], self.time[-1], 50)
+        center = self.of_prior(np.random.default_rng(0), _TRIED)[:, np.newaxis]
+        step = _STEP * np.eye(center.shape[-1])[self.used]
+        with np.errstate(all="ignore"):
+            up, down, here = (
+                self.model.curve(time, self.values(z.reshape(-1, z.shape[-1]))).reshape(*z.shape[:-1], -1)
+                for z in (center + step, center - step, center)
+            )
+            slopes = np.nan_to_num((up - down) / here, posinf=0.0, neginf=0.0)
+        told = np.linalg.svd(slopes, compute_uv=False)
+        return int((told > _TOLD * told.max(-1, keepdims=True)).sum(-1).max())
 
     def of_prior(self, random: np.random.Generator, count: int) -> Floats:
         """Draws of the prior that are allowed, as coordinates: shape (count, parameters)."""
@@ -114,30 +137,35 @@ class Problem:
         found[inside] = self.log_likelihood(whole[inside])
         return np.where(found > _LOST, weight * found + prior, -np.inf)
 
-    def improved(self, z: Floats, places: Sequence[int]) -> tuple[float, Floats]:
-        """Least squares over some of the coordinates, from z, shape (parameters,): sum, residuals.
+    def improved(
+        self, z: Floats, places: Sequence[int], *, informed: bool = True, beyond: Sequence[int] = ()
+    ) -> tuple[float, Floats]:
+        """Least squares over some of the coordinates, from z, shape (parameters,): sum, and coordinates.
 
-        Priors that are knowledge (`Prior.bounded`) count as data; others only limit the search.
+        Priors that are knowledge (not `Prior.bounded`) count as data if ``informed``; others only limit the
+        search; those of some places, ``beyond``, are five times as wide.
         """
-        known = [not prior.bounded for prior in self.model.priors.values()]
+        known = [informed and not prior.bounded for prior in self.model.priors.values()]
         chosen = list(places)
 
-        def missed(part: Floats) -> Floats:
-            whole = z.copy()
-            whole[chosen] = part
-            values = self.values(whole[None])
-            with np.errstate(all="ignore"):
-                residual = (self.model.curve(self.time, values)[0] - self.value) / self.error
-            if not (np.all(self.model.allowed(values)) and np.isfinite(residual).all()):
-                residual = np.full(self.value.size, 1e6)
-            return np.concatenate([residual, whole[known]])
+        def whole(part: Floats) -> Floats:
+            made = z.copy()
+            made[chosen] = part
+            return made
 
-        low, high = np.array([prior.reach for prior in self.model.priors.values()])[chosen].T
+        def missed(part: Floats) -> Floats:
+            at = whole(part)
+            residual = np.concatenate([self.misfit(at[np.newaxis])[0], at[known]])
+            return np.clip(np.where(np.isnan(residual), _FAR, residual), -_FAR, _FAR)
+
+        reach = np.array([prior.reach for prior in self.model.priors.values()])
+        reach[list(beyond)] += (-2, 2)
+        low, high = reach[chosen].T
         found = np.clip(z[chosen], low, high)
         if chosen:
             found = least_squares(missed, found, bounds=(low, high), max_nfev=40).x
-        residual = missed(found)
-        return float(residual @ residual), residual[: self.value.size]
+        left = missed(found)
+        return float(left @ left), whole(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +183,11 @@ class Draws:
     z: Floats
     r_hat: float
     effective: float
+
+    @property
+    def flat(self) -> Floats:
+        """Of all ensembles, shape (draws, parameters)."""
+        return self.z.reshape(-1, self.z.shape[-1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,18 +214,20 @@ def sample(
 ) -> Draws:
     """Sample until ensembles agree, by their R-hat, and are worth so many independent draws.
 
-    Walkers make so many steps in a stage, three times as many in the last. So many draws are returned of
-    each ensemble.
+    Walkers make so many steps in a stage. So many draws are returned of each ensemble.
 
-    `ConvergenceError` if they do not in a hundred rounds; `CheckpointError` for one of another problem.
+    `ConvergenceError` if they do not in a hundred rounds, after which the same call goes on from a
+    checkpoint; `CheckpointError` for one of another problem.
     """
     asked = [problem.model.name, *map(str, problem.model.priors.items()), seed, walkers, steps]
-    data = np.concatenate([problem.time, problem.value, problem.error]).tobytes()
+    some = problem.misfit(problem.of_prior(np.random.default_rng(0), 4))  # of this function, and this ramp
+    data = np.concatenate([problem.time, problem.value, problem.error, some.ravel()]).tobytes()
     mark = hashlib.sha256(data + json.dumps(asked).encode()).hexdigest()
     given, first = _resumed(checkpoint, mark)
+    r_hat, worth = math.inf, 0.0
     spawned = functools.partial(ProcessPoolExecutor, min(workers, ENSEMBLES), get_context("spawn"))
     with spawned() if workers > 1 else nullcontext() as pool:
-        for turn in range(first, _MOST_ROUNDS):
+        for turn in range(first, first + _MOST_ROUNDS):
             tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(given)]
             given = several = list(pool.map(_advanced, tasks) if pool else map(_advanced, tasks))
             if checkpoint is not None:
@@ -203,9 +238,11 @@ def sample(
                 told(f"data at {100 * min(one.weight for one in several):.2g} % of their weight")
                 continue
             rounds = min(len(one.kept) for one in several) // walkers
+            if rounds < _LEAST_ROUNDS:
+                continue
             least = walkers * -(-rounds // 2)  # the later half: what the start has left wears off
             chains = np.stack([one.kept[-least:] for one in several])
-            r_hat, worth = _agreement(chains)
+            r_hat, worth = _agreement(chains, walkers)
             told(f"R-hat {r_hat:.3f}, {worth:.0f} effective draws")
             if r_hat < agreement and worth >= effective:
                 return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
@@ -251,7 +288,7 @@ def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _E
         share = np.exp(added * (found - found.max()))
         place = place[random.choice(len(place), walkers, p=share / share.sum())]
         weight = 1.0 if added == 1 - weight else weight + added
-    place = _walked(problem, place, random, weight, steps if weight < 1 else _LAST * steps)
+    place = _walked(problem, place, random, weight, steps)
     kept = [ensemble.kept, place] if weight == 1 else [ensemble.kept]
     return _Ensemble(place, weight, np.concatenate(kept))
 
@@ -280,12 +317,17 @@ def _weight_added(found: Floats, most: float, *, enough: float) -> float:
     return most if excess(high) >= 0 else math.exp(brentq(excess, high - 600, high))
 
 
-def _agreement(chains: Floats) -> tuple[float, float]:
-    """Largest R-hat, and smallest effective number of draws, of chains (ensembles, draws, used)."""
+def _agreement(chains: Floats, walkers: int) -> tuple[float, float]:
+    """Largest R-hat, and smallest effective number of draws, of chains (ensembles, draws, used).
+
+    Draws are in the order of rounds, by which R-hat sees a drift. For their number those of each walker
+    stand in a row, by which it sees how slowly walkers move.
+    """
     _, az = libraries()
-    dataset = az.convert_to_dataset({"z": chains})
+    in_rows = chains.reshape(len(chains), -1, walkers, chains.shape[-1]).swapaxes(1, 2).reshape(chains.shape)
+    dataset = az.convert_to_dataset({"z": in_rows})
     worth = (float(az.ess(dataset, method=method)["z"].min()) for method in ("bulk", "tail"))
-    return float(az.rhat(dataset)["z"].max()), min(worth)
+    return float(az.rhat(az.convert_to_dataset({"z": chains}))["z"].max()), min(worth)
 
 
 def _thinned(problem: Problem, chains: Floats, draws: int, seed: int) -> Floats:

@@ -3,29 +3,33 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from scipy.stats import chi2
 
 from asperity.base.checks import Floats
 from asperity.inference.models import Model
-from asperity.inference.priors import Prior
 from asperity.inference.sampling import Problem
 
 Word = Literal["determined", "bounded above", "bounded below", "not identified"]
+WORDS: tuple[Word, ...] = get_args(Word)
 
 LEVEL = 0.95
-_EXCLUDED = float(np.exp(-chi2.ppf(LEVEL, 1) / 2))
+_LIMIT = float(chi2.ppf(LEVEL, 1))
+EXCLUDED = float(np.exp(-_LIMIT / 2))
 """Density of the posterior over the prior's, over its peak, below which an end of the prior is excluded."""
 
 _TIGHTER = 3.0
 """How many times better than each of its members a combination must be known to be named."""
 
-_PROFILE, _OUTER = 13, 4
-"""Points of a profile about the posterior, and on either side of it."""
+_PROFILE, _OUTER, _HALVED = 9, 3, 8
+"""Points of a profile about the posterior, on either side of it, and halvings to where it is at its level."""
+_STEPS = 7
+"""Points on the way to what is beyond an end."""
 _LATER = 100.0
 
 
@@ -69,7 +73,8 @@ class Verdict:
         if self.verdict.startswith("bounded"):
             sign, end = ("<", self.high) if self.verdict == "bounded above" else (">", self.low)
             return f"{self.parameter} {sign} {end:.3g}{unit}"
-        return f"{self.parameter} = {self.median:.3g} [{self.low:.3g}, {self.high:.3g}]{unit}"
+        low, median, high = told_apart(self.low, self.median, self.high)
+        return f"{self.parameter} = {median} [{low}, {high}]{unit}"
 
 
 @dataclass(frozen=True)
@@ -104,7 +109,8 @@ class Candidate:
     name
         What would be measured.
     widths
-        Of each parameter that is not determined now: expected width of its interval over the present one.
+        Of parameters that are not determined now: width of the interval that is expected at most, over the
+        present one.
     """
 
     name: str
@@ -120,15 +126,29 @@ def verdict_of(
     width = max((high - low) / 20, 1 / prior.size)
     counts = np.histogram(share, np.arange(0, 1 + width, width))[0]
     at_low, at_high = (
-        np.count_nonzero(part <= width) < _EXCLUDED * counts.max() for part in (share, 1 - share)
+        np.count_nonzero(part <= width) < EXCLUDED * counts.max() for part in (share, 1 - share)
     )
     word: Word = "determined" if at_low and at_high else "bounded below" if at_low else "not identified"
-    ends = np.quantile(posterior, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-    if at_high and not at_low:
-        word, ends = "bounded above", np.array([prior.min(), np.quantile(posterior, LEVEL)])
-    elif word == "bounded below":
-        ends = np.array([np.quantile(posterior, 1 - LEVEL), prior.max()])
-    return Verdict(name, unit, word, float(ends[0]), float(ends[1]), float(np.median(posterior)), profile)
+    word = "bounded above" if at_high and not at_low else word
+    low, high = _ends(word, prior, posterior)
+    return Verdict(name, unit, word, low, high, float(np.median(posterior)), profile)
+
+
+def _ends(word: Word, prior: Floats, posterior: Floats) -> tuple[float, float]:
+    """The 95 % interval: of a bounded parameter from, or to, the end of the prior."""
+    if word == "bounded above":
+        return float(prior.min()), float(np.quantile(posterior, LEVEL))
+    if word == "bounded below":
+        return float(np.quantile(posterior, 1 - LEVEL)), float(prior.max())
+    low, high = np.quantile(posterior, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
+    return float(low), float(high)
+
+
+def told_apart(*values: float) -> list[str]:
+    """Rising numbers in so many digits, three or more, that their distance has two."""
+    size = max(abs(values[0]), abs(values[-1]))
+    digits = 2 - math.floor(math.log10((values[-1] - values[0]) / size)) if values[-1] > values[0] else 3
+    return [f"{value:.{min(max(digits, 3), 8)}g}" for value in values]
 
 
 def combinations_of(
@@ -188,45 +208,89 @@ def profile_of(problem: Problem, place: int, z: Floats, found: Floats) -> tuple[
     inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
     outer = np.linspace([first, inner[-1]], [inner[0], last], _OUTER).ravel()
     grid = np.unique(np.concatenate([inner, outer, z[np.argmax(found), place : place + 1]]))
-    squares = []
-    for at in grid:
+    known: dict[float, tuple[float, Floats]] = {}
+
+    def solve(at: float) -> None:
         near = np.argsort(np.abs(z[:, place] - at))[: len(z) // _PROFILE]
-        starts = z[near[np.argsort(found[near])[-2:]]]
-        starts[:, place] = at
-        squares.append(min(problem.improved(start, others)[0] for start in starts))
-    return prior.at(grid), np.array(squares) - min(squares)
+        starts = [*z[near[np.argsort(found[near])[-2:]]]]
+        starts += [known[one][1].copy() for one in sorted(known, key=lambda one: abs(one - at))[:1]]
+        for start in starts:
+            start[place] = at
+        known[at] = min((problem.improved(start, others) for start in starts), key=lambda one: one[0])
+
+    def profile() -> tuple[Floats, Floats]:
+        at = np.array(sorted(known))
+        squares = np.array([known[one][0] for one in at])
+        return at, squares - squares.min()
+
+    for at in sorted(grid, key=lambda at: abs(at - z[np.argmax(found), place])):
+        solve(float(at))
+    for _ in range(_HALVED):
+        points, deviance = profile()
+        for crossing in np.flatnonzero(np.diff(deviance > _LIMIT)):
+            solve(float(points[crossing : crossing + 2].mean()))
+    points, deviance = profile()
+    return prior.at(points), deviance
 
 
 def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
     """Where a profile is below its 95 % level; infinite on a side on which it stays so."""
-    limit, best = float(chi2.ppf(LEVEL, 1)), int(np.argmin(deviance))
+    best = int(np.argmin(deviance))
     ends = []
     for side, none in ((slice(best, None, -1), -np.inf), (slice(best, None), np.inf)):
         rising = np.maximum.accumulate(deviance[side])
-        ends.append(float(np.interp(limit, rising, values[side])) if rising[-1] > limit else none)
+        ends.append(float(np.interp(_LIMIT, rising, values[side])) if rising[-1] > _LIMIT else none)
     return ends[0], ends[1]
 
 
-def only_together(
-    verdicts: dict[str, Verdict], combinations: Sequence[Combination], priors: Mapping[str, Prior]
+_WITHOUT: dict[tuple[Word, str], Word] = {
+    ("determined", "low"): "bounded above",
+    ("determined", "high"): "bounded below",
+    ("bounded below", "low"): "not identified",
+    ("bounded above", "high"): "not identified",
+}
+
+
+def of_data_alone(
+    problem: Problem, verdicts: dict[str, Verdict], prior: Mapping[str, Floats], z: Floats, found: Floats
 ) -> dict[str, Verdict]:
-    """Take back what is known of a parameter only by the range, of a decade or more, of another's prior."""
-    made = dict(verdicts)
-    wide = {name for name, one in priors.items() if one.kind == "log_uniform" and one.second > 10 * one.first}
-    for one in combinations:
-        unknown = (name for name in one.members if verdicts[name].verdict == "not identified")
-        if "+" not in one.name and wide.intersection(unknown):
-            made |= {name: replace(verdicts[name], verdict="not identified") for name in one.members}
+    """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
+
+    The data exclude an end if they exclude what is a whole interval beyond it, too, where the ranges of the
+    others are five times as wide. Given are draws of the prior by name, coordinates of the posterior
+    and the logarithms of their likelihoods.
+    """
+    made, names = dict(verdicts), list(verdicts)
+    priors = [problem.model.priors[name] for name in names]
+    wide = [one.kind == "log_uniform" and one.second > 10 * one.first for one in priors]
+    least, _ = problem.improved(z[np.argmax(found)], problem.used)
+    for place in problem.used:
+        name, others = names[place], [one for one in problem.used if one != place]
+        low, high = np.quantile(z[:, place], ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
+        for end, at in (("low", 2 * low - high), ("high", 2 * high - low)):
+            word = _WITHOUT.get((made[name].verdict, end))
+            if word is None:
+                continue
+            near = np.argsort(np.abs(z[:, place] - at))[: len(z) // _PROFILE]
+            there, squares = z[near[np.argmax(found[near])]].copy(), math.inf
+            beyond = [one for one in others if wide[one]]
+            for step in np.linspace(there[place], np.clip(at, *priors[place].reach), _STEPS):
+                there[place] = step  # the others follow in small steps
+                squares, there = problem.improved(there, others, beyond=beyond)
+            if squares < least + _LIMIT:
+                ends = _ends(word, prior[name], priors[place].at(z[:, place]))
+                made[name] = replace(made[name], verdict=word, low=ends[0], high=ends[1])
     return made
 
 
 def candidates_of(problem: Problem, z: Floats, undetermined: Sequence[str]) -> tuple[Candidate, ...]:
     """Weigh experiments: by how much each would narrow what is not determined, if errors are as now.
 
-    The variance that is left of a parameter is that about its best linear estimate from the logarithms of the
-    data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley 2007).
+    The variance that is left of a parameter is at most that about its best linear estimate from the
+    logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley 2007).
     """
     time, model, values = problem.time[problem.time > 0], problem.model, problem.values(z)
+    loads = f"two known loads, with areas {'over the nominal one' if model.name == 'lattice' else 'in m²'}"
     relative = float(np.median(problem.error / problem.value))
     later = np.geomspace(time[-1], _LATER * time[-1], time.size)
     earlier = np.geomspace(time[0] / _LATER, time[0], time.size)
@@ -238,14 +302,17 @@ def candidates_of(problem: Problem, z: Floats, undetermined: Sequence[str]) -> t
             planned["earlier times (from a hundredth of the first)"] = np.log(model.curve(earlier, values))
         if model.size is not None:  # areas are in proportion to the load, which is measured, too
             areas = np.log(model.size(values)[:, None] * model.growth(time, values))
-            loads = np.log(values["load"])[:, None]
-            planned["two known loads, with areas in m²"] = np.hstack([areas, areas + np.log(2), loads])
+            measured = np.log(values["load"])[:, None]
+            planned[loads] = np.hstack([areas, areas + np.log(2), measured])
     made = []
     for name, curves in planned.items():
         fine = np.isfinite(curves).all(1)
         if np.count_nonzero(fine) > 2 * curves.shape[1]:
-            logarithmic = {one: model.priors[one].kind.startswith("log") for one in undetermined}
-            known = {one: np.log(values[one]) if log else values[one] for one, log in logarithmic.items()}
+            known = {
+                one: np.log(values[one]) if model.priors[one].kind.startswith("log") else values[one]
+                for one in undetermined
+                if (name, one) != (loads, "load")  # which is measured
+            }
             widths = {one: _left(curves[fine], known[one][fine], relative) for one in known}
             made.append(Candidate(name, widths))
     return tuple(made)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 import shlex
 import sys
-import tomllib
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,6 +17,7 @@ from asperity.errors import InputError
 
 _RESULTS = Results()
 _FLAGS = {name: f"--{name}" for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers")}
+_FLAGS["absolute"] = "--unit-area"
 
 
 @command()
@@ -89,6 +91,7 @@ def infer(
     from asperity.app.cli.computing import place_beside, tell_results
     from asperity.app.cli.output import check_free
     from asperity.app.cli.reports.infer import inference_report, write_inference
+    from asperity.app.config.reading import read_tables
     from asperity.base import checks
     from asperity.base.machine import cores
     from asperity.inference import infer as inferred
@@ -98,10 +101,12 @@ def infer(
 
     libraries()
     check_free(out, overwrite=results.overwrite)
-    columns = {"time": column_time, "value": column_value, "stderr": column_stderr}
+    columns = {"column-time": column_time, "column-value": column_value, "column-stderr": column_stderr}
+    units = {"unit-time": unit_time, "unit-area": unit_area}
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
-    data = _data(file, columns, error, unit_time, unit_area, record=model == "healing")
-    how |= {"priors": _priors(priors), "absolute": unit_area is not None, "seed": seed, "walkers": walkers}
+    *data, remarks = _data(file, columns, units, error, model)
+    how |= {"absolute": unit_area is not None, "seed": seed, "walkers": walkers}
+    how["priors"] = None if priors is None else read_tables(priors)
     asked = repr((*data, how))
     how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
     with place_beside(out, asked) as place, listener(not results.quiet) as progress:
@@ -110,6 +115,7 @@ def infer(
         except InputError as wrong:
             wrong.args = (f"{file}: {wrong}",) if wrong.name in ("time", "area", "friction") else wrong.args
             raise of_flags(wrong, _FLAGS) from wrong
+        found = replace(found, remarks=(*remarks, *found.remarks))
         rows = inference_report(found, str(file))
         progress.stage("writing the results")
         with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
@@ -121,56 +127,92 @@ def infer(
 def _data(
     file: Path,
     columns: dict[str, str | None],
+    units: dict[str, str | None],
     error: float | str | None,
-    unit_time: str | None,
-    unit_area: str | None,
-    *,
-    record: bool,
+    model: str,
 ) -> tuple[Any, ...]:
-    """Times in s, values and errors; or the record of a test."""
+    """Times in s, values and errors, and remarks on how they were read."""
     import numpy as np
 
-    from asperity.base import checks, units
-    from asperity.base.columns import Roles
     from asperity.base.tables import read_table
     from asperity.fits import read_measurements
-    from asperity.friction import read_record
+    from asperity.friction import hold_peaks, read_record
 
     names = read_table(file).names
-    if record and any(re.search("velocity|displacement", name, re.I) for name in names):
-        return (read_record(file),)
-    if columns["stderr"] is None and error is None:
-        columns |= {"stderr": next((name for name in names if re.search("std|err|sigma", name, re.I)), None)}
-    table = read_measurements(file, **columns)
-    _, named = Roles((("time", r"time|hold|^t$"),), {"time": ("s",)}).of(table.time_name)
-    seconds = units.factor(unit_time or named or "s", "s")
-    square = 1.0 if unit_area in (None, "1") else units.factor(str(unit_area), "m^2")
-    if seconds is None:
-        raise InputError("--unit-time", expected="a unit of time, such as min", got=unit_time)
-    if square is None:
-        raise InputError("--unit-area", expected="a unit of area, such as mm^2, or 1", got=unit_area)
-    given = None if table.stderr is None else square * table.stderr
-    if error is not None:
-        if given is not None:
-            raise InputError("--error", expected="none beside --column-stderr", got=error)
-        text = str(error).strip()
-        try:
-            amount = float(text.removesuffix("%"))
-        except ValueError:
-            raise InputError("--error", expected="a number, or a part such as 1%", got=error) from None
-        checks.number("--error", amount, above=0)
-        relative = text.endswith("%")
-        given = square * (amount / 100 * table.value if relative else np.full_like(table.value, amount))
-    return seconds * table.time, square * table.value, given
+    if model == "healing" and any(re.search("velocity|displacement", name, re.I) for name in names):
+        for flag, asked in (columns | units).items():
+            if asked is not None:
+                raise InputError(f"--{flag}", expected="a table of hold times and friction", got="a record")
+        peaks = hold_peaks(read_record(file))
+        order = np.argsort(peaks.duration, kind="stable")
+        time, value = peaks.duration[order], peaks.peak[order]
+        return time, value, _error(error, value, 1.0), ()
+    if columns["column-stderr"] is None and error is None:
+        columns["column-stderr"] = _errors_beside(names)
+    given = {name.removeprefix("column-"): column for name, column in columns.items()}
+    table = read_measurements(file, **given)
+    seconds, square = _factors(units, table.time_name, model)
+    if error is None:
+        errors = None if table.stderr is None else square * table.stderr
+    elif table.stderr is not None:
+        raise InputError("--error", expected="none beside --column-stderr", got=error)
+    else:
+        errors = _error(error, square * table.value, square)
+    return seconds * table.time, square * table.value, errors, table.remarks
 
 
-def _priors(path: Path | None) -> dict[str, Any] | None:
-    """The tables of a TOML file."""
-    if path is None:
+def _errors_beside(names: Sequence[str]) -> str | None:
+    """The column whose name says that it has standard errors of the values."""
+    found = [
+        name
+        for name in names
+        if re.search("std|err|sigma|uncert", name, re.I) and not re.match("t(ime)?\\b|hold", name, re.I)
+    ]
+    if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):
+        raise InputError(
+            "--column-stderr",
+            expected="one column of standard errors, in the unit of the values",
+            got=", ".join(map(repr, found)),
+            advice="its name, or --error 1%",
+        )
+    return found[0] if found else None
+
+
+def _error(error: float | str | None, value: Any, unit: float) -> Any:
+    """Standard errors of all values, from a number, or a part of each."""
+    import numpy as np
+
+    from asperity.base import checks
+
+    if error is None:
         return None
+    text = str(error).strip()
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError("--priors", expected="a TOML file", got=f"{path}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError("--priors", expected="a TOML file", got=f"{path}: {error}") from None
+        amount = float(text.removesuffix("%"))
+    except ValueError:
+        raise InputError("--error", expected="a number, or a part such as 1%", got=error) from None
+    checks.number("--error", amount, above=0)
+    return amount / 100 * value if text.endswith("%") else np.full_like(value, amount * unit)
+
+
+def _factors(given: dict[str, str | None], time_name: str, model: str) -> tuple[float, float]:
+    """The unit of the times over s, and that of the areas over m^2."""
+    from asperity.base import units
+    from asperity.base.columns import Roles
+
+    _, named = Roles((("time", r"time|hold|^t$"),), {"time": ("s",)}).of(time_name)
+    if re.search(r"\blog|\bln\b", time_name, re.I):
+        raise InputError("--column-time", expected="times, not their logarithms", got=repr(time_name))
+    unit = given["unit-time"] or (named if named is None else named or "s")
+    seconds = None if unit is None else units.factor(unit, "s")
+    if seconds is None:
+        got = f"a column {time_name!r}" if unit is None else unit
+        raise InputError("--unit-time", expected="a unit of time, such as min", got=got)
+    area = given["unit-area"] or "1"
+    square = 1.0 if area == "1" else units.factor(area, "m^2")
+    if square is None or (model == "lattice" and area != "1"):
+        expected = (
+            "1, for areas over the nominal one" if model == "lattice" else "a unit of area, such as mm^2"
+        )
+        raise InputError("--unit-area", expected=expected, got=area)
+    return seconds, square

@@ -17,14 +17,10 @@ def inference_report(found: Inference, source: str) -> list[Row]:
         ("data", f"{source}, {counted(found.time.size, 'point')}"),
         ("model", found.model.name),
     ]
-    for sentence in found.sentences:
-        word, _, rest = sentence.partition(": ")
-        rows.append((word.lower(), rest) if rest and word.lower() in _WORDS else ("", sentence))
+    rows += found.findings
+    rows += [("", sentence) for sentence in found.sentences[len(found.findings) :]]
     rows.append(("agreement", f"R-hat {found.draws.r_hat:.4f}, {found.draws.effective:.0f} effective draws"))
     return [*rows, *(("remark", remark) for remark in found.remarks)]
-
-
-_WORDS = ("determined", "bounded above", "bounded below", "not identified")
 
 
 def write_inference(
@@ -45,6 +41,6 @@ def write_inference(
         unknown = [one.parameter for one in found.verdicts.values() if one.verdict == "not identified"]
         head = f"# The most likely of the draws, inferred from {source} by the model {found.model.name}.\n"
         if unknown:
-            head += f"# Not identified, and so the middle of the prior: {', '.join(unknown)}.\n"
+            head += f"# Not identified, so set it before you rely on it: {', '.join(unknown)}.\n"
         text = head + tables_to_toml({"solid": found.solid()})
         (folder / "solid.toml").write_text(text, encoding="utf-8")
