@@ -131,6 +131,7 @@ def test_a_linear_model_has_its_closed_posterior():
         )
 
 
+@pytest.mark.slow
 def test_the_profile_of_a_curved_model_is_that_of_an_independent_search():
     """At both ends the misfit is 3.84 above the least, of all that scipy finds from ten starts."""
     value, error = two_times(3.0)
