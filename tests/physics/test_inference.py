@@ -194,8 +194,8 @@ def ranks_of(model, count, walkers, steps):
             seed=seed,
             walkers=walkers,
             draws=walkers,
-            effective=50,
-            agreement=1.1,
+            effective=100,
+            agreement=1.05,
             steps=steps,
         )
         z = drawn.z.reshape(-1, drawn.z.shape[-1])
@@ -220,7 +220,7 @@ def test_ranks_are_uniform_and_intervals_cover(model):
 @pytest.mark.parametrize("model", SBC)
 def test_ranks_of_five_hundred_curves_are_uniform_and_intervals_cover(model):
     """S. Talts et al., arXiv:1804.06788. The exact posterior of these curves of healing covers 93.7 %."""
-    check(ranks_of(model, 500, 100, 20), widest=0.02)
+    check(ranks_of(model, 500, 400, 10), widest=0.02)
 
 
 def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, monkeypatch):

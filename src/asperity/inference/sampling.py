@@ -38,6 +38,8 @@ ENSEMBLES = 4
 _MOST_ROUNDS = 100
 _LEAST_ROUNDS = 3
 """Rounds at the whole weight of the data, in which copies of a walker must part."""
+_WALKS, _MOVED = 20, 0.9
+"""Times that walkers walk in a stage, at most, until that part of them has moved: copies must part."""
 _TRIED, _STEP, _TOLD = 64, 1e-6, 1e-7
 """Draws of the prior, step of a coordinate, and least singular value, by which a rank is found."""
 _FAR = 1e9
@@ -214,7 +216,8 @@ def sample(
 ) -> Draws:
     """Sample until ensembles agree, by their R-hat, and are worth so many independent draws.
 
-    Walkers make so many steps in a stage. So many draws are returned of each ensemble.
+    Walkers make so many steps in a stage, or more where few of them move. So many draws are returned of
+    each ensemble.
 
     `ConvergenceError` if they do not in a hundred rounds, after which the same call goes on from a
     checkpoint; `CheckpointError` for one of another problem.
@@ -288,7 +291,11 @@ def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _E
         share = np.exp(added * (found - found.max()))
         place = place[random.choice(len(place), walkers, p=share / share.sum())]
         weight = 1.0 if added == 1 - weight else weight + added
-    place = _walked(problem, place, random, weight, steps)
+    begun = place
+    for _ in range(_WALKS):
+        place = _walked(problem, place, random, weight, steps)
+        if (place != begun).any(1).mean() > _MOVED:
+            break
     kept = [ensemble.kept, place] if weight == 1 else [ensemble.kept]
     return _Ensemble(place, weight, np.concatenate(kept))
 
