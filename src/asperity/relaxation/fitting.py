@@ -131,7 +131,7 @@ class Fit(views.InNotebooks):
             ]
             # A draw may be no relaxation where deviations are large.
             with suppress(InputError):
-                numbers: dict[str, Any] = dict(zip(self.data.names[1:], columns, strict=True))
+                numbers: dict[str, Any] = dict(zip(self.data.names()[1:], columns, strict=True))
                 table = replace(self.data, **numbers, noise=0.99)
                 times = self.times if self.per_decade else _improved(table, self.times)
                 drawn.append(_with(table, times, self.per_decade))
@@ -206,7 +206,9 @@ def fit(
         It is no data, `per_decade` or `branches` is out of its range, the data do not span the times in
         `over`, or a plateau is asked of a `Dynamic`.
     """
-    data = _measured(data)
+    if not isinstance(data, Measured):
+        expected = "a Relaxation, Creep or Dynamic"
+        raise InputError("data", expected=expected, got=checks.kind_of(data), advice="relaxation.read(path)")
     if extrapolate is not None:
         if isinstance(data, Dynamic):
             expected = "none beside storage and loss moduli, which have no last modulus"
@@ -313,10 +315,3 @@ def _with(data: Measured, times: Floats, per_decade: float | None = None) -> Fit
     span = (first, math.inf if data.extrapolate else last)
     series = replace(series, span=span, error=float(np.abs(of_all).max()))
     return Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade)
-
-
-def _measured(data: object) -> Measured:
-    if not isinstance(data, Measured):
-        expected = "a Relaxation, Creep or Dynamic"
-        raise InputError("data", expected=expected, got=checks.kind_of(data), advice="relaxation.read(path)")
-    return data
