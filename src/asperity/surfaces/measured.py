@@ -141,10 +141,10 @@ def read(
     checksum = _sha256(file)
     raw = _with_lengths(_read_raw(file, channel), file_unit, pixel_size, length_unit)
     heights, size = raw.heights, raw.pixel_size
-    cut: list[int] = []
+    cut: Provenance = {}
     if crop is not None:
         part = prepare.part_of(heights.shape, crop, crop_unit or "pixel", size, raw.length_unit)
-        heights, cut = heights[part], [edge for axis in part for edge in (axis.start, axis.stop)]
+        heights, cut["crop"] = heights[part], [edge for axis in part for edge in (axis.start, axis.stop)]
     missing = _checked_missing(file, heights, 0.0 if undefined == "refuse" else limit)
 
     level, filled, facts = levelling.levelled(heights, missing, tilt, limit if despike else None)
@@ -152,7 +152,8 @@ def read(
     level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
     factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=float(np.abs(filled).max()))
     final = prepare.make_periodic(level * factor, periodic)
-    done: Provenance = {
+    told: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
+    told |= {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),
         "undefined_fraction": float(missing.mean()),
@@ -167,15 +168,10 @@ def read(
         "rms_before": float(heights[~missing].std()),
         "rms_after": float(final.std()),
     }
-    if cut:
-        done["crop"] = cut
-    for name, wave in zip(("longest", "shortest"), limits, strict=True):
-        if wave is not None:
-            done[name] = wave
-    origin: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
+    told |= cut | prepare.told_band(limits)
     beyond: dict[Periodic, Edges] = {"reflect": "reflecting", "free": "free"}
     edges = beyond.get(periodic, "periodic")
-    return Surface(final, final_unit, size, raw.length_unit, {**origin, **done}, edges)
+    return Surface(final, final_unit, size, raw.length_unit, told, edges)
 
 
 def _with_lengths(

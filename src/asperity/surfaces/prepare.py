@@ -108,6 +108,12 @@ def checked_band(longest: float | None, shortest: float | None) -> tuple[float |
     return high, low
 
 
+def told_band(limits: tuple[float | None, float | None]) -> dict[str, float]:
+    """The limits that there are, by name."""
+    named = zip(("longest", "shortest"), limits, strict=True)
+    return {name: wave for name, wave in named if wave is not None}
+
+
 def band(
     heights: Field,
     pixel_size: tuple[float, ...] | None,
