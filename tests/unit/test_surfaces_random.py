@@ -98,11 +98,6 @@ def test_structure_function_grows_with_the_hurst_exponent() -> None:
     assert structure_exponent(1024, 0.3, [8, 16, 32, 64], 2) == pytest.approx(0.3, abs=0.02)
 
 
-def test_self_affine_is_homogeneous_in_delta_and_named_by_its_seed() -> None:
-    np.testing.assert_allclose(self_affine(16, delta=0.3, seed=4), 30 * self_affine(16, seed=4), rtol=1e-13)
-    assert not np.array_equal(self_affine(16, seed=4), self_affine(16, seed=5))
-
-
 def test_wrong_numbers_are_refused() -> None:
     def call(make: Any, *shape: Any, **options: Any) -> None:
         with refuses(next(iter(options)) if options else "shape" if make is not self_affine else "size"):
