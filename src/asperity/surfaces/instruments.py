@@ -34,9 +34,7 @@ def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
     """Read one channel of heights of a file that SurfaceTopography knows by its content.
 
     The channel is a name (of several channels of one name the first; the library tells them apart as
-    ``Height#1``, ``Height#2``), a number from 0, or None for the file's default. `MissingExtraError` if
-    the library is not installed; `SurfaceFileError` if the file is of no known kind, damaged or truncated
-    in any channel, not a regular grid, or has no such channel of heights.
+    ``Height#1``, ``Height#2``), a number from 0, or None for the file's default.
     """
     with _quiet() as remarks:
         with checks.extra("instruments", f"{path}: reading an instrument's file"):
