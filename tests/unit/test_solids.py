@@ -74,11 +74,13 @@ def test_spectra_are_checked_on_the_lattice(wrong, name):
     spring, neighbors = LaplacianSpectrum(uniform=1.0), LaplacianSpectrum(laplacian=1.0)
     branch = CreepBranch(**{"stiffness": spring, "mobility": neighbors, **wrong})
     with refuses(name):
-        Solid(neighbors, [branch]).on(Lattice((4, 4)))
+        Solid(neighbors, (branch,)).on(Lattice((4, 4)))
 
 
 def test_only_the_mean_may_have_no_stiffness():
     branch = CreepBranch(LaplacianSpectrum(laplacian=0.0), LaplacianSpectrum(uniform=1.0))
-    soft = Solid(lambda lattice: np.where(lattice.lam > 1, lattice.lam, 0.0), [branch], loaded_from_afar=True)
+    soft = Solid(
+        lambda lattice: np.where(lattice.lam > 1, lattice.lam, 0.0), (branch,), loaded_from_afar=True
+    )
     with refuses("stiffness"):
         soft.on(Lattice((16,)))

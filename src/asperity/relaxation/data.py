@@ -136,19 +136,10 @@ class Creep(_InTime):
 
     Parameters
     ----------
-    time
-        Rising times above 0, s, shape (n,), n >= 5.
     compliance
         Compliances above 0, 1/Pa, shape (n,); they may fall by `noise` at most.
-    noise
-        Largest relative fall that is taken for noise.
-    extrapolate
-        "plateau": the last compliance is assumed to stay after the last time. None: nothing is known there.
 
-    Raises
-    ------
-    InputError
-        A number is out of its range, or the compliance falls.
+    Other arguments and errors are those of `Relaxation`; the last compliance stays on a plateau.
     """
 
     compliance: Floats

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from asperity.base import units
 from asperity.base.checks import Floats, shown
@@ -82,10 +82,11 @@ def read(
     table = read_table(Path(path))
     found = [_ROLES.of(name) for name in table.names]
     chosen, positions = _chosen(table, [role for role, _ in found], kind, columns)
-    columns_of = zip(positions, _KINDS[chosen].names(), strict=True)
-    given: list[Any] = [_in_si(table, at, role, found[at][1]) for at, role in columns_of]
+    of_class: Callable[..., Measured] = _KINDS[chosen]
+    roles = _KINDS[chosen].names()
+    given = [_in_si(table, at, role, found[at][1]) for at, role in zip(positions, roles, strict=True)]
     try:
-        return _KINDS[chosen](*given, noise=noise)
+        return of_class(*given, noise=noise)
     except InputError as error:
         if error.name == "noise":
             raise

@@ -206,9 +206,7 @@ def fit(
         It is no data, `per_decade` or `branches` is out of its range, the data do not span the times in
         `over`, or a plateau is asked of a `Dynamic`.
     """
-    if not isinstance(data, Measured):
-        expected = "a Relaxation, Creep or Dynamic"
-        raise InputError("data", expected=expected, got=checks.kind_of(data), advice="relaxation.read(path)")
+    data = _measured(data)
     if extrapolate is not None:
         if isinstance(data, Dynamic):
             expected = "none beside storage and loss moduli, which have no last modulus"
@@ -315,3 +313,10 @@ def _with(data: Measured, times: Floats, per_decade: float | None = None) -> Fit
     span = (first, math.inf if data.extrapolate else last)
     series = replace(series, span=span, error=float(np.abs(of_all).max()))
     return Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade)
+
+
+def _measured(data: object) -> Measured:
+    if not isinstance(data, Measured):
+        expected = "a Relaxation, Creep or Dynamic"
+        raise InputError("data", expected=expected, got=checks.kind_of(data), advice="relaxation.read(path)")
+    return data

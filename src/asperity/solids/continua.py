@@ -137,11 +137,13 @@ def half_space(
             got="none",
             advice="branches, whose rest is permanent",
         )
+    rest: SpectrumOf
     made: tuple[CreepBranch, ...]
     if creep is not None:
         if branches or flow is not None:
             raise InputError("creep", expected="no branches and no flow beside it", got="both")
-        parameters |= checked_law(creep).parameters | ({"permanent": permanent} if permanent else {})
+        kept = {"permanent": permanent} if permanent else {}
+        parameters |= {**checked_law(creep).parameters, **kept}
         creeping, rest = Scaled(law, 1 - permanent) if permanent else law, Scaled(law, permanent)
         made = (CreepBranch(mounted(creeping, law, apparatus), LaplacianSpectrum()),)
     elif flow is None:
