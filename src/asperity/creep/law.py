@@ -82,10 +82,6 @@ class LocalCreep(Checked, ABC):
 def checked_law(creep: LocalCreep) -> LocalCreep:
     """Take a local law of creep and nothing else."""
     if not isinstance(creep, LocalCreep):
-        raise InputError(
-            "creep",
-            expected="a law of creep",
-            got=checks.kind_of(creep),
-            advice="asperity.solids.Eyring(rate=1.0, stress=1.0)",
-        )
+        got, advice = checks.kind_of(creep), "asperity.solids.Eyring(rate=1.0, stress=1.0)"
+        raise InputError("creep", expected="a law of creep", got=got, advice=advice)
     return creep

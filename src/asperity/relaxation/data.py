@@ -253,9 +253,8 @@ def _check_columns(data: Any) -> None:
         if (wrong := values < 0 if zero else values < 1 / LARGEST).any():
             at = int(np.argmax(wrong))
             expected = f"{name} {'not below' if zero else 'above'} 0"
-            raise InputError(
-                name, expected=expected, got=f"{values[at]:g} at point {at + 1} of {values.size}"
-            )
+            got = f"{values[at]:g} at point {at + 1} of {values.size}"
+            raise InputError(name, expected=expected, got=got)
     if not (rises := np.diff(along) > 0).all():
         at = int(np.argmin(rises))
         expected = f"{x} that rises from point to point"

@@ -112,9 +112,8 @@ def fractional_zener(
 
     Other arguments, result and errors are those of `power_law`.
     """
-    modulus = checks.number(
-        "instantaneous", instantaneous, least=1 / LARGEST, expected="a finite modulus > 0"
-    )
+    expected = "a finite modulus > 0"
+    modulus = checks.number("instantaneous", instantaneous, least=1 / LARGEST, expected=expected)
     expected = f"a modulus >= 0 and below the instantaneous one, {modulus:g}"
     permanent = checks.number("relaxed", relaxed, least=0, below=modulus, expected=expected) / modulus
     n = checks.number("exponent", exponent, least=0.02, most=1)
@@ -152,9 +151,8 @@ def _checked(time: float, first: float, last: float, accuracy: float) -> tuple[f
     first = checks.number("first", first, least=1 / LARGEST, expected="a finite time > 0")
     last = checks.number("last", last, above=first, expected=f"a time after the first, {first:g}")
     if (decades := math.log10(last / first)) > _DECADES:
-        raise InputError(
-            "last", expected=f"at most {_DECADES} decades from the first time", got=f"{decades:.1f}"
-        )
+        expected = f"at most {_DECADES} decades from the first time"
+        raise InputError("last", expected=expected, got=f"{decades:.1f}")
     return time, first, last, checks.number("accuracy", accuracy, least=_BEST, most=0.5)
 
 
@@ -196,9 +194,8 @@ def _approximate(
         best = min(best, error)
         if error <= accuracy:
             return dataclasses.replace(series, span=(first, last), error=error)
-    raise InputError(
-        "accuracy", expected=f"{best:.1g} or more, for this law between these times", got=f"{accuracy:g}"
-    )
+    expected = f"{best:.1g} or more, for this law between these times"
+    raise InputError("accuracy", expected=expected, got=f"{accuracy:g}")
 
 
 def _grid(first: float, last: float, per_decade: float) -> Floats:

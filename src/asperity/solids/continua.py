@@ -131,12 +131,8 @@ def half_space(
     parameters: dict[str, Any] = {"modulus": modulus}
     permanent = checked_permanent(permanent)
     if permanent and creep is None:
-        raise InputError(
-            "permanent",
-            expected="a law of creep beside it",
-            got="none",
-            advice="branches, whose rest is permanent",
-        )
+        expected, advice = "a law of creep beside it", "branches, whose rest is permanent"
+        raise InputError("permanent", expected=expected, got="none", advice=advice)
     rest: SpectrumOf
     made: tuple[CreepBranch, ...]
     if creep is not None:

@@ -48,10 +48,9 @@ def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
         # The library's forty readers raise whatever a damaged byte leads them to (IndexError, KeyError,
         # struct.error, ...), so nothing less than Exception keeps the promise of one clear error.
         except Exception as error:
+            got = _diagnosis(error)
             advice = "another format that the instrument's software exports, or a matrix of heights as text"
-            raise SurfaceFileError(
-                str(path), expected="a surface file", got=_diagnosis(error), advice=advice
-            ) from error
+            raise SurfaceFileError(str(path), expected="a surface file", got=got, advice=advice) from error
     told = tuple(str(w.message) for w in remarks if issubclass(w.category, (UserWarning, RuntimeWarning)))
     return dataclasses.replace(raw, remarks=told)
 
@@ -101,11 +100,9 @@ def _choose(reader: Any, path: Path, channel: str | int | None) -> Any:
         ]
     if not candidates:
         known = ", ".join(f"{c.channel_id!r} (number {c.index})" for c in listed)
-        raise SurfaceFileError(
-            str(path),
-            expected=f"one of its channels of heights: {known}" if listed else "a channel of heights",
-            got="none" if channel is None else f"channel {channel!r}",
-        )
+        expected = f"one of its channels of heights: {known}" if listed else "a channel of heights"
+        got = "none" if channel is None else f"channel {channel!r}"
+        raise SurfaceFileError(str(path), expected=expected, got=got)
     return candidates[0]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 from collections.abc import Sequence
 from pathlib import Path
@@ -259,32 +260,22 @@ def _sha256(file: Path) -> str:
 
 def _checked_missing(file: Path, heights: Field, limit: float) -> NDArray[np.bool_]:
     """Say which pixels are undefined; refuse infinite or absurd ones, and too many undefined."""
+    fail = functools.partial(SurfaceFileError, str(file))
     infinite = np.argwhere(np.isinf(heights))
     if len(infinite):
-        raise SurfaceFileError(
-            str(file),
-            expected="finite heights, or NaN for undefined pixels",
-            got=f"{len(infinite)} infinite of {heights.size}, the first at {infinite[0].tolist()}",
-        )
+        got = f"{len(infinite)} infinite of {heights.size}, the first at {infinite[0].tolist()}"
+        raise fail(expected="finite heights, or NaN for undefined pixels", got=got)
     largest = float(np.nanmax(np.abs(heights), initial=0.0))
     if largest > _LARGEST:
-        raise SurfaceFileError(
-            str(file),
-            expected=f"heights of at most {_LARGEST:g}",
-            got=f"one of {largest:g}",
-            advice="the right byte order: that is no height",
-        )
+        expected, advice = f"heights of at most {_LARGEST:g}", "the right byte order: that is no height"
+        raise fail(expected=expected, got=f"one of {largest:g}", advice=advice)
     missing = np.isnan(heights)
     count, fraction = int(missing.sum()), float(missing.mean())
     if count and fraction > limit:
+        expected = f"at most {limit:.3g} of the pixels undefined" if limit else "no undefined pixel"
         first = np.argwhere(missing)[0].tolist()
-        allowed = f"at most {limit:.3g} of the pixels undefined" if limit else "no undefined pixel"
+        got = f"{count} of {heights.size} undefined ({fraction:.3g}), the first at {first}"
         choice = "a larger max_undefined" if limit else "undefined = 'fill'"
         advice = "" if fraction == 1 else f"{choice}, or another measurement"
-        raise SurfaceFileError(
-            str(file),
-            expected=allowed,
-            got=f"{count} of {heights.size} undefined ({fraction:.3g}), the first at {first}",
-            advice=advice,
-        )
+        raise fail(expected=expected, got=got, advice=advice)
     return missing

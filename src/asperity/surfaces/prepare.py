@@ -209,18 +209,13 @@ def scale_factor(heights: Field, unit: str, target: str | None, *, largest: floa
     if target == "rms":
         rms = float(heights.std())
         if rms <= _ROUNDING * largest:
-            raise InputError(
-                "unit", expected="a rough surface, to divide by its rms height", got="a flat one"
-            )
+            expected = "a rough surface, to divide by its rms height"
+            raise InputError("unit", expected=expected, got="a flat one")
         return 1 / rms, "rms"
     if (factor := conversion(unit, target)) is None:
         got = "heights without a unit" if unit == "1" else f"heights in {unit!r}"
-        raise InputError(
-            "unit",
-            expected=f"heights with a unit of length, to give them in {target}",
-            got=got,
-            advice="no unit, or rms",
-        )
+        expected = f"heights with a unit of length, to give them in {target}"
+        raise InputError("unit", expected=expected, got=got, advice="no unit, or rms")
     return factor, target
 
 
