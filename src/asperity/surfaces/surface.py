@@ -99,16 +99,14 @@ class Surface(views.InNotebooks):
         """
         heights, spacing, lateral = f"heights in {self.unit!r}", self.pixel_size, self.length_unit
         if not prepare.is_length(self.unit):
-            got = "heights without a unit" if self.unit == "1" else heights
+            named = {"1": "heights without a unit", "rms": "heights in units of their rms"}
+            got = named.get(self.unit, heights)
             advice = "unit = 'nm' of a Surface, or file_unit = 'nm' (--file-unit) for a file without a unit"
-            if self.unit == "rms":
-                got, advice = "heights in units of their rms", "another unit than 'rms'"
+            advice = "another unit than 'rms'" if self.unit == "rms" else advice
             raise InputError("surface", expected="heights with a unit of length", got=got, advice=advice)
         if spacing is None:
-            got, advice = (
-                f"{heights}, and pixels of unknown size",
-                "pixel_size and length_unit (--pixel-size)",
-            )
+            got = f"{heights}, and pixels of unknown size"
+            advice = "pixel_size and length_unit (--pixel-size)"
             raise InputError("surface", expected="the distance between pixels", got=got, advice=advice)
         if (across := prepare.conversion(lateral, "m")) is None:
             got = f"pixels of {_sides(spacing)} in " + (repr(lateral) if lateral else "no unit")
