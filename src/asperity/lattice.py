@@ -298,6 +298,10 @@ def _foreign_transforms(array: object) -> Any:
 def _only_numpy(array: Field) -> Field:
     """The array, if it is numpy's: array libraries have no cosine transforms."""
     if not isinstance(array, np.ndarray):
-        expected, got = "numpy arrays where edges reflect", type(array).__module__
-        raise InputError("edges", expected=expected, got=got, advice="'periodic'")
+        raise InputError(
+            "edges",
+            expected="numpy arrays where edges reflect",
+            got=type(array).__module__,
+            advice="'periodic'",
+        )
     return array

@@ -82,6 +82,10 @@ class LocalCreep(Checked, ABC):
 def checked_law(creep: LocalCreep) -> LocalCreep:
     """Take a local law of creep and nothing else."""
     if not isinstance(creep, LocalCreep):
-        got, advice = checks.kind_of(creep), "asperity.solids.Eyring(rate=1.0, stress=1.0)"
-        raise InputError("creep", expected="a law of creep", got=got, advice=advice)
+        raise InputError(
+            "creep",
+            expected="a law of creep",
+            got=checks.kind_of(creep),
+            advice="asperity.solids.Eyring(rate=1.0, stress=1.0)",
+        )
     return creep
