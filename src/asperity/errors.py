@@ -50,7 +50,7 @@ class Remark(UserWarning):
 
 
 class InputError(AsperityError, ValueError):
-    """Something that was given is wrong.
+    """Something that was given is wrong; it keeps as attributes what it is made of, `got` as text.
 
     Parameters
     ----------
@@ -60,11 +60,6 @@ class InputError(AsperityError, ValueError):
         What was expected, and what came instead.
     advice
         What to write or do instead; may be empty.
-
-    Attributes
-    ----------
-    name, expected, got, advice
-        As given; `got` as text.
     """
 
     def __init__(self, name: str, *, expected: str, got: object, advice: str = "") -> None:
@@ -95,14 +90,7 @@ class ConfigError(InputError):
     Parameters
     ----------
     problems
-        One line for each mistake.
-
-    Attributes
-    ----------
-    problems
-        All of them.
-    shown
-        The first ten, and how many more there are.
+        One line for each mistake, kept; `shown` are the first ten, and how many more there are.
     """
 
     def __init__(self, problems: list[str]) -> None:

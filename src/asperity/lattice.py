@@ -191,8 +191,7 @@ class Lattice:
             modes = np.asarray(scipy.fft.dctn(_only_numpy(field), axes=axes, norm="ortho", workers=threads))
             modes *= modes.dtype.type(math.sqrt(self.sites))
             return modes
-        foreign = _foreign_transforms(field)
-        if foreign:
+        if foreign := _foreign_transforms(field):
             modes = foreign.rfftn(field, axes=axes)
         else:
             modes = scipy.fft.rfftn(field, axes=axes, workers=threads)
@@ -216,8 +215,7 @@ class Lattice:
             inverse: Any = scipy.fft.idctn
             field = inverse(modes, axes=axes, norm="ortho", overwrite_x=True, workers=threads)
             return field
-        foreign = _foreign_transforms(modes)
-        if foreign:
+        if foreign := _foreign_transforms(modes):
             field = foreign.irfftn(modes, s=self.shape, axes=axes)
             return field
         # One axis after the other: scipy.fft.irfftn would copy the modes once more, which takes longer

@@ -64,17 +64,7 @@ Say = Callable[[str, float], str]
 
 @dataclass(frozen=True)
 class Shifts:
-    """The shifts of a leg that slides.
-
-    Attributes
-    ----------
-    count
-        How many they are.
-    sites
-        By how many sites along each axis.
-    length
-        By which length.
-    """
+    """The shifts of a leg that slides: how many, and by how many sites along each axis, and length, each."""
 
     count: int
     sites: tuple[Fraction, ...]
@@ -279,10 +269,7 @@ class Step(Change):
     pressure: _Pressure = None
     approach: _Approach = None
 
-    @property
-    def duration(self) -> float:  # type: ignore[override]
-        """No time passes."""
-        return 0.0
+    duration = 0.0
 
     def words(self, say: Say) -> str:
         """See `Leg`."""
@@ -342,24 +329,15 @@ class Slide(Leg):
         return self.distance / self.speed
 
     def shifts(self, lattice: Lattice) -> Shifts:
-        """Shifts that make up the leg.
-
-        Raises
-        ------
-        InputError
-            The surface does not go around, has no such direction, or the distance is too short.
-        """
+        """See `Leg`."""
         check_edges(lattice)
         sites = sites_along(self.direction, lattice.dimension)
         length = lattice.length_of(sites) / self.substeps
         count = round(self.distance / length)
         if not 1 <= count <= _MOST_SHIFTS:
-            raise InputError(
-                "distance",
-                expected=f"from {length:g}, which is one shift, to {_MOST_SHIFTS:g} of them",
-                got=f"{self.distance:g}",
-                advice="" if count else "more substeps",
-            )
+            expected = f"from {length:g}, which is one shift, to {_MOST_SHIFTS:g} of them"
+            advice = "" if count else "more substeps"
+            raise InputError("distance", expected=expected, got=f"{self.distance:g}", advice=advice)
         return Shifts(count, tuple(Fraction(n, self.substeps) for n in sites), length)
 
     def words(self, say: Say) -> str:
@@ -371,22 +349,13 @@ class Slide(Leg):
 def check_edges(lattice: Lattice) -> None:
     """Refuse to slide a surface that does not go around."""
     if lattice.edges != "periodic":
-        raise InputError(
-            "slide",
-            expected="a surface with periodic edges",
-            got=f"one whose edges are {lattice.edges}, which has no other side to come from",
-            advice="a surface that is made periodic",
-        )
+        got = f"one whose edges are {lattice.edges}, which has no other side to come from"
+        expected, advice = "a surface with periodic edges", "a surface that is made periodic"
+        raise InputError("slide", expected=expected, got=got, advice=advice)
 
 
 def checked_direction(direction: object) -> str | tuple[int, ...]:
-    """One of the axes, or whole sites along each axis, in lowest terms.
-
-    Raises
-    ------
-    InputError
-        It is neither.
-    """
+    """One of the axes, or whole sites along each axis, in lowest terms; `InputError` if it is neither."""
     if isinstance(direction, str) and direction in _AXES:
         return direction
     expected = "'x', '-x', 'y', '-y', or whole numbers of sites along the axes"
@@ -398,13 +367,7 @@ def checked_direction(direction: object) -> str | tuple[int, ...]:
 
 
 def sites_along(direction: str | tuple[int, ...], dimension: int) -> tuple[int, ...]:
-    """Sites along each axis of one shift in a direction.
-
-    Raises
-    ------
-    InputError
-        The surface has no such direction.
-    """
+    """Sites along each axis of one shift; `InputError` if the surface has no such direction."""
     sites = _AXES[direction] if isinstance(direction, str) else direction
     if dimension == 1 and isinstance(direction, str) and not sites[0]:
         sites = sites[1:]
@@ -449,13 +412,7 @@ def _faster(leg: Leg) -> str:
 
 
 def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Leg]:
-    """Legs of a protocol one by one, repetitions written out.
-
-    Raises
-    ------
-    InputError
-        An entry is no leg, there is none, or there are more than 100,000.
-    """
+    """Legs one by one, repetitions written out; `InputError` for no leg, none or more than 100,000."""
     if isinstance(protocol, Leg):
         protocol = [protocol]
     advice = "[asperity.protocols.Hold(10.0), asperity.protocols.Step(load=160.0)]"
@@ -491,16 +448,15 @@ def in_words(legs: Iterable[Mapping[str, Any]]) -> str:
     """Legs as `described` writes them, in one line: ``hold 10, repeat 3 (step load=160, hold 1)``."""
     words = []
     for leg in legs:
-        short = {
-            key: f"{value:g}" if isinstance(value, float | int) else str(value)
-            for key, value in leg.items()
-            if key != "legs"
-        }
-        said = [short.pop(key) for key in ("kind", "duration", "count") if key in short]
-        usual = parameters_of(KINDS[leg["kind"]])
-        said += [f"{key}={value}" for key, value in short.items() if leg[key] != usual[key].default]
-        said += [f"({in_words(leg['legs'])})"] if "legs" in leg else []
-        words.append(" ".join(said))
+        usual, said, named = parameters_of(KINDS[leg["kind"]]), [leg["kind"]], []
+        for key, value in leg.items():
+            short = f"{value:g}" if isinstance(value, float | int) else str(value)
+            if key in ("duration", "count"):
+                said.append(short)
+            elif key not in ("kind", "legs") and value != usual[key].default:
+                named.append(f"{key}={short}")
+        nested = [f"({in_words(leg['legs'])})"] if "legs" in leg else []
+        words.append(" ".join(said + named + nested))
     return ", ".join(words)
 
 
@@ -518,15 +474,7 @@ KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ra
 
 @dataclass(frozen=True)
 class Schedule:
-    """A protocol against the times at which it is recorded.
-
-    Attributes
-    ----------
-    legs
-        The legs, repetitions written out.
-    switches
-        Times at which they begin and end: one more than legs, the first 0.
-    """
+    """Legs, repetitions written out, and the times at which they begin and end: one more, the first 0."""
 
     legs: tuple[Leg, ...]
     switches: tuple[float, ...]
@@ -535,10 +483,7 @@ class Schedule:
     def of(cls, protocol: Iterable[Leg], times: np.ndarray) -> Schedule:
         """Lay out legs; a switch that is one of the times but for rounding is that time.
 
-        Raises
-        ------
-        InputError
-            Some time is after the end.
+        `InputError` if some time is after the end.
         """
         legs = tuple(protocol)
         switches = [0.0]
@@ -546,12 +491,9 @@ class Schedule:
             near = times[np.searchsorted(times, end - _SAME_TIME * end) :][:1]
             switches.append(float(near[0]) if near.size and near[0] <= end + _SAME_TIME * end else end)
         if times.size and times[-1] > switches[-1]:
-            raise InputError(
-                "times",
-                expected=f"times up to {switches[-1]:g}, where the protocol ends",
-                got=f"{times[-1]:g}",
-                advice="a longer last Hold, or fewer times",
-            )
+            expected = f"times up to {switches[-1]:g}, where the protocol ends"
+            advice = "a longer last Hold, or fewer times"
+            raise InputError("times", expected=expected, got=f"{times[-1]:g}", advice=advice)
         return cls(legs, tuple(switches))
 
     @property

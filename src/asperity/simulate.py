@@ -119,35 +119,27 @@ def press(
     """
     given = {"load": load, "pressure": pressure, "separation": separation}
     name = checks.one_of("load=800.0", **given)
-    value = given[name]
+
+    def pressed(value: object) -> Contact:
+        if isinstance(heights, Contact):
+            control = _control(heights, name, value)
+            if start is not None or solid not in (None, heights.solid):
+                raise InputError(
+                    "heights",
+                    expected="heights, where a solid or a start is given",
+                    got="a contact, which brings its solid and its shape",
+                    advice="asperity.press(contact, load=...)",
+                )
+            return pressed_anew(heights, control, solver)
+        body = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
+        bodies = bodies_of(heights, body)
+        units.check_units(dict(body.parameters), si=bodies.si)
+        return first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
+
+    value: Any = given[name]
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:
-        return [_pressed(heights, solid, name, one, start, solver) for one in value]  # type: ignore[union-attr]
-    return _pressed(heights, solid, name, value, start, solver)
-
-
-def _pressed(
-    heights: ArrayLike | Contact,
-    solid: Solid | None,
-    name: str,
-    value: object,
-    start: Contact | None,
-    solver: ContactSolver | None,
-) -> Contact:
-    """Press under one load, at one pressure or at one separation, whichever has the name."""
-    if isinstance(heights, Contact):
-        control = _control(heights, name, value)
-        if start is not None or solid not in (None, heights.solid):
-            raise InputError(
-                "heights",
-                expected="heights, where a solid or a start is given",
-                got="a contact, which brings its solid and its shape",
-                advice="asperity.press(contact, load=...)",
-            )
-        return pressed_anew(heights, control, solver)
-    solid = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
-    bodies = bodies_of(heights, solid)
-    units.check_units(dict(solid.parameters), si=bodies.si)
-    return first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
+        return [pressed(one) for one in value]
+    return pressed(value)
 
 
 def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:
@@ -240,7 +232,7 @@ def age(
     given, moments = units.numbers("times", times, "s"), units.numbers("fields_at", fields_at, "s")
     recorded = checks.times("times", given)
     wanted = checks.times("fields_at", moments, at_least=0)
-    recorded, kept, keep_start = recorded[recorded > 0], wanted[wanted > 0], bool((wanted == 0).any())
+    recorded, kept = recorded[recorded > 0], wanted[wanted > 0]
     stops = np.union1d(recorded, kept)
     schedule = _schedule(contact, protocol, hold, stops)
     units.check_units(given, moments, si=contact.si)
@@ -253,13 +245,10 @@ def age(
     keeper, resume = None, None
     if checkpoint is not None:
         settings = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
-        fields = np.append(kept, 0.0) if keep_start else kept
-        keeper = Keeper(
-            settings,
-            fingerprint_of(contact, schedule, recorded, fields, tolerance, method, exact, carried),
-        )
-        place = keeper.read()
-        if place is not None:
+        fields = np.append(kept, 0.0) if 0 in wanted else kept
+        run = fingerprint_of(contact, schedule, recorded, fields, tolerance, method, exact, carried)
+        keeper = Keeper(settings, run)
+        if (place := keeper.read()) is not None:
             resume, rows, snapshots = place.midway, place.rows, place.snapshots
 
     def keep_place(here: LegMidway) -> None:
@@ -282,14 +271,13 @@ def age(
             shown.reached(frame)
             final = frame.contact
             of_its_time = not frame.passing
-            if of_its_time and (frame.time in kept or (frame.time == 0 and keep_start)):
+            if of_its_time and frame.time in wanted:
                 snapshots.append(snapshot_of(frame))
             if frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always)):
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
-    return History(
-        dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance), final
-    )
+    dataset = dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance)
+    return History(dataset, final)
 
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:
@@ -298,9 +286,8 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         control_of(contact, hold)
         schedule = Schedule.of([HoldLeg(float(times[-1]), hold)] if times.size else [], times)
     elif hold is not None:
-        raise InputError(
-            "hold", expected="none beside a protocol", got=repr(hold), advice=f"Hold(..., hold={hold!r})"
-        )
+        advice = f"Hold(..., hold={hold!r})"
+        raise InputError("hold", expected="none beside a protocol", got=repr(hold), advice=advice)
     else:
         legs = list(legs_of(protocol))
         checks.instance("contact", contact, Contact, WHERE_FROM)

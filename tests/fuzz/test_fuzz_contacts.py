@@ -93,55 +93,37 @@ def judged(contact: Contact, k: dict[str, float], load: float | None = None) -> 
         assert abs(contact.load - load) <= 1e-9 * load + rounding
 
 
-def pressed(draw: Draw) -> tuple[Contact | None, dict[str, Any]]:
-    rough = heights(draw)
-    k = springs(draw)
-    held = control(draw, rough, k["k0"] + k["k1"])
-    draw.say(f"{k} {held}")
-    contact = tried(lambda: asp.press(rough, asp.solids.spring_lattice(**k), **held))
-    draw.say(contact)
-    if isinstance(contact, AsperityError):
-        return None, k
-    judged(contact, k, held.get("load"))
-    return contact, k
-
-
-def test_contacts_of_springs():
+def test_springs():
     def attempt(draw: Draw) -> None:
-        contact, k = pressed(draw)
-        if contact is None:
+        rough = heights(draw)
+        k = springs(draw)
+        held = control(draw, rough, k["k0"] + k["k1"])
+        draw.say(f"{k} {held}")
+        contact = tried(lambda: asp.press(rough, asp.solids.spring_lattice(**k), **held))
+        draw.say(contact)
+        if isinstance(contact, AsperityError):
             return
+        judged(contact, k, held.get("load"))
         hold = draw.one([None, "load", "separation"])
         draw.say(f"hold {hold}")
         limit = tried(lambda: asp.relax(contact, hold=hold))
         draw.say(limit)
         if not isinstance(limit, AsperityError):
             judged(limit, k)
-
-    fuzz("contacts of springs", 60, attempt)
-
-
-def test_histories_of_springs():
-    def attempt(draw: Draw) -> None:
-        contact, k = pressed(draw)
-        if contact is None:
+        if draw.chance(0.5):
             return
-        hold = draw.one([None, "load", "separation"])
         unit = 1 / ((k["k0"] + k["k1"]) * (k["R"] + k["R_viscous"]) or 1.0)
         times = unit * 10.0 ** np.sort(draw.rng.uniform(-4, draw.one([2, 8, 20]), size=draw.between(1, 4)))
-        draw.say(f"hold {hold}, times {times.tolist()}")
-        keep = [0.0, times[-1]] if draw.chance(0.3) else ()
-        history = tried(
-            lambda: asp.age(contact, times, hold=hold, rtol=draw.one([1e-1, 1e-2]), fields_at=keep)
-        )
+        keep, rtol = [0.0, times[-1]] if draw.chance(0.3) else (), draw.one([1e-1, 1e-2])
+        draw.say(f"times {times.tolist()}")
+        history = tried(lambda: asp.age(contact, times, hold=hold, rtol=rtol, fields_at=keep))
         draw.say(history)
-        if isinstance(history, AsperityError):
-            return
-        series = history.dataset
-        assert np.isfinite(series[["area", "load", "separation", "energy", "residual"]].to_array()).all()
-        judged(history.final, k)
+        if not isinstance(history, AsperityError):
+            series = history.dataset[["area", "load", "separation", "energy", "residual"]]
+            assert np.isfinite(series.to_array()).all()
+            judged(history.final, k)
 
-    fuzz("histories of springs", 25, attempt)
+    fuzz("springs", 60, attempt)
 
 
 def relaxing(draw: Draw) -> list[tuple[float, float]]:

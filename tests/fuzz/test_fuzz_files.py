@@ -110,7 +110,7 @@ def test_surface_files(tmp_path: Path) -> None:
         assert_fine_surface(tried(lambda: asp.surfaces.read(path, **options)))
         path.unlink()
 
-    fuzz("surface files", 120, attempt)
+    fuzz("surface files", 300, attempt)
 
 
 def test_tables(tmp_path: Path) -> None:
@@ -141,7 +141,7 @@ def test_tables(tmp_path: Path) -> None:
             for note in found.notes:
                 assert_clear(note)
 
-    fuzz("tables", 60, attempt)
+    fuzz("tables", 200, attempt)
 
 
 @pytest.mark.parametrize("draws", [8, pytest.param(25, marks=pytest.mark.slow)])

@@ -13,52 +13,8 @@ def test_spring_lattice_spectra():
     np.testing.assert_array_equal(spectra.creeping, np.full((1, 6, 3), 3.0))
     np.testing.assert_allclose(spectra.rate[0], 3.0 * (0.5 * lattice.lam + 0.1))
     np.testing.assert_array_equal(spectra.mean_mobility, [0.1])
-
-
-@pytest.mark.parametrize("name", ["k0", "k1", "R", "R_viscous"])
-def test_parameters_are_checked_when_the_solid_is_built(name):
-    with refuses(name):
-        spring_lattice(**({"k0": 1.0, "k1": 3.0} | {name: -1.0}))
-
-
-def test_all_stiffness_zero_is_refused():
-    with refuses("k0 and k1"):
-        spring_lattice(k0=0.0, k1=0.0)
-
-
-def test_numbers_of_any_real_kind_are_accepted():
-    assert spring_lattice(k0=np.float64(1), k1=3).parameters == {
-        "k0": 1.0,
-        "k1": 3.0,
-        "R": 1.0,
-        "R_viscous": 0.0,
-    }
-
-
-def solid(permanent=None, stiffness=None, mobility=None):
-    return Solid(
-        permanent=permanent or LaplacianSpectrum(laplacian=1.0),
-        branches=(
-            CreepBranch(
-                stiffness=stiffness or LaplacianSpectrum(uniform=1.0),
-                mobility=mobility or LaplacianSpectrum(laplacian=1.0),
-            ),
-        ),
-    )
-
-
-@pytest.mark.parametrize(
-    ("wrong", "name"),
-    [
-        (solid(stiffness=LaplacianSpectrum(laplacian=1.0)), "creeping stiffness"),
-        (solid(mobility=LaplacianSpectrum(uniform=-1.0)), "mobility"),
-        (solid(stiffness=lambda _: np.ones(3)), "creeping stiffness"),
-        (solid(stiffness=lambda lattice: np.where(lattice.lam == 0, 1.0, np.nan)), "creeping stiffness"),
-    ],
-)
-def test_spectra_are_checked_on_the_lattice(wrong, name):
-    with refuses(name):
-        wrong.on(Lattice((4, 4)))
+    numbers = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": 0.0}
+    assert spring_lattice(k0=np.float64(1), k1=3).parameters == numbers
 
 
 def test_half_space_spectra():
@@ -70,41 +26,8 @@ def test_half_space_spectra():
     (rate,) = spectra.rate
     assert rate[0, 0] == 0
     np.testing.assert_allclose(rate.flat[1:], 0.25)  # every wave but the mean relaxes in the same time
-
-
-def test_a_half_space_that_does_not_creep():
-    spectra = half_space(modulus=1.0).on(Lattice((8,)))
-    assert spectra.creeping.shape == spectra.rate.shape == (0, 5)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "name"),
-    [
-        ({"modulus": 0.0}, "modulus"),
-        ({"modulus": "1"}, "modulus"),
-        ({"branches": [(0.5, -1.0)]}, "relaxation time of branch 1"),
-        ({"branches": [(1.5, 1.0)]}, "share of branch 1"),
-        ({"branches": [(0.5, 1.0), (np.nan, 1.0)]}, "share of branch 2"),
-        ({"branches": [(0.5, 1.0), (0.6, 1.0)]}, "branches"),
-        ({"flow": (1.0, 0.0), "branches": [(0.5, 1.0)]}, "flow"),
-        ({"apparatus": 0.0}, "apparatus"),
-    ],
-)
-def test_half_space_parameters_are_checked(wrong, name):
-    with refuses(name):
-        half_space(**{"modulus": 1.0, **wrong})
-
-
-def test_only_the_mean_may_have_no_stiffness():
-    soft = Solid(
-        permanent=lambda lattice: np.where(lattice.lam > 1, lattice.lam, 0.0),
-        branches=(
-            CreepBranch(stiffness=LaplacianSpectrum(laplacian=0.0), mobility=LaplacianSpectrum(uniform=1.0)),
-        ),
-        loaded_from_afar=True,
-    )
-    with refuses("stiffness"):
-        soft.on(Lattice((16,)))
+    elastic = half_space(modulus=1.0).on(Lattice((8,)))
+    assert elastic.creeping.shape == elastic.rate.shape == (0, 5)
 
 
 def test_contact_modulus_of_one_body_and_of_two():
@@ -113,9 +36,51 @@ def test_contact_modulus_of_one_body_and_of_two():
 
 
 @pytest.mark.parametrize(
-    ("young", "poisson", "name"),
-    [(0.0, 0.3, "young"), (1.0, 0.6, "poisson"), ([1.0, 2.0], 0.3, "young and poisson")],
+    ("make", "wrong", "name"),
+    [
+        *(
+            (spring_lattice, {"k0": 1.0, "k1": 3.0, name: -1.0}, name)
+            for name in ("k0", "k1", "R", "R_viscous")
+        ),
+        (spring_lattice, {"k0": 0.0, "k1": 0.0}, "k0 and k1"),
+        (half_space, {"modulus": 0.0}, "modulus"),
+        (half_space, {"modulus": "1"}, "modulus"),
+        (half_space, {"modulus": 1.0, "branches": [(0.5, -1.0)]}, "relaxation time of branch 1"),
+        (half_space, {"modulus": 1.0, "branches": [(1.5, 1.0)]}, "share of branch 1"),
+        (half_space, {"modulus": 1.0, "branches": [(0.5, 1.0), (np.nan, 1.0)]}, "share of branch 2"),
+        (half_space, {"modulus": 1.0, "branches": [(0.5, 1.0), (0.6, 1.0)]}, "branches"),
+        (half_space, {"modulus": 1.0, "flow": (1.0, 0.0), "branches": [(0.5, 1.0)]}, "flow"),
+        (half_space, {"modulus": 1.0, "apparatus": 0.0}, "apparatus"),
+        (contact_modulus, {"young": 0.0, "poisson": 0.3}, "young"),
+        (contact_modulus, {"young": 1.0, "poisson": 0.6}, "poisson"),
+        (contact_modulus, {"young": [1.0, 2.0], "poisson": 0.3}, "young and poisson"),
+    ],
 )
-def test_elastic_constants_are_checked(young, poisson, name):
+def test_parameters_are_checked_when_the_solid_is_built(make, wrong, name):
     with refuses(name):
-        contact_modulus(young, poisson)
+        make(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "name"),
+    [
+        ({"stiffness": LaplacianSpectrum(laplacian=1.0)}, "creeping stiffness"),
+        ({"mobility": LaplacianSpectrum(uniform=-1.0)}, "mobility"),
+        ({"stiffness": lambda _: np.ones(3)}, "creeping stiffness"),
+        ({"stiffness": lambda lattice: np.where(lattice.lam == 0, 1.0, np.nan)}, "creeping stiffness"),
+    ],
+)
+def test_spectra_are_checked_on_the_lattice(wrong, name):
+    spring, neighbors = LaplacianSpectrum(uniform=1.0), LaplacianSpectrum(laplacian=1.0)
+    branch = CreepBranch(**{"stiffness": spring, "mobility": neighbors, **wrong})
+    with refuses(name):
+        Solid(neighbors, (branch,)).on(Lattice((4, 4)))
+
+
+def test_only_the_mean_may_have_no_stiffness():
+    branch = CreepBranch(LaplacianSpectrum(laplacian=0.0), LaplacianSpectrum(uniform=1.0))
+    soft = Solid(
+        lambda lattice: np.where(lattice.lam > 1, lattice.lam, 0.0), (branch,), loaded_from_afar=True
+    )
+    with refuses("stiffness"):
+        soft.on(Lattice((16,)))

@@ -36,7 +36,7 @@ def test_a_polynomial_is_removed_and_told(shape: Any, rule: Any, order: int) -> 
     terms += [grids[a] * grids[b] for a in range(len(shape)) for b in range(a, len(shape))][
         : 99 * (order - 1)
     ]
-    numbers = [5.0, *([0.25, -2.0][: len(shape)]), *([0.5, -0.125, 0.0625][: len(terms) - 1 - len(shape)])]
+    numbers = [5.1, *([0.25, -2.0][: len(shape)]), *([0.5, -0.125, 0.0625][: len(terms) - 1 - len(shape)])]
     heights = sum(number * term for number, term in zip(numbers, terms, strict=True))
     defined = np.ones(shape, dtype=bool)
     if heights.size > 20:

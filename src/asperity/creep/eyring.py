@@ -7,17 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.constants import Avogadro, Boltzmann
 
 from asperity.base import units
 from asperity.base.checks import Floats
 from asperity.creep.law import LARGEST_EXPONENT, LocalCreep, Rate, Stress
 from asperity.errors import InputError
-
-BOLTZMANN = 1.380649e-23
-"""Boltzmann's constant, J/K (exact in the SI)."""
-
-_AVOGADRO = 6.02214076e23
-"""Avogadro's constant, 1/mol (exact in the SI)."""
 
 _BLOCK = 2**13
 """Stresses taken at a time, which stay in the cache."""
@@ -87,7 +82,7 @@ class Eyring(LocalCreep):
         InputError
             A number is out of its range, or v0 is too small for a number in double precision.
         """
-        thermal = BOLTZMANN * units.number("temperature", temperature, "K", above=0)
+        thermal = Boltzmann * units.number("temperature", temperature, "K", above=0)
         omega = units.number("volume", volume, "m^3", above=0)
         before = units.number("prefactor", prefactor, "m/s", above=0)
         barrier = joules(energy)
@@ -129,5 +124,5 @@ class Eyring(LocalCreep):
 def joules(energy: float | str) -> float:
     """An energy of activation in joules, from one for each mole where the text says so."""
     if isinstance(energy, str) and "mol" in energy:
-        return units.number("energy", energy, "J/mol", above=0) / _AVOGADRO
+        return units.number("energy", energy, "J/mol", above=0) / Avogadro
     return units.number("energy", energy, "J", above=0)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields, replace
-from typing import ClassVar, Literal, Self, get_args
+from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 
@@ -40,21 +40,34 @@ _PLATEAU = 100.0
 class _Data(views.Brief):
     """Data against times or frequencies: those first, then each quantity, and then how they are taken."""
 
-    @property
-    def names(self) -> list[str]:
+    falls: ClassVar[bool] = False
+    """Whether the first quantity falls along the data; else it rises."""
+
+    def __post_init__(self) -> None:
+        _check_columns(self)
+        _check_trend(self)
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
         """Names of the columns."""
-        return [one.name for one in fields(self) if one.name not in ("noise", "extrapolate")]
+        return tuple(one.name for one in fields(cls) if one.name not in ("noise", "extrapolate"))
 
     @property
     def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
         """Times or angular frequencies, and the quantities at them."""
-        x, *values = (getattr(self, name) for name in self.names)
+        x, *values = (getattr(self, name) for name in self.names())
         return x, tuple(values)
 
     @property
     def fitted(self) -> Self:
         """What branches are fitted to: the data, and the plateau after them where that is assumed."""
         return self
+
+    def shifted(self, factor: float) -> Self:
+        """Data at another temperature: times multiplied, frequencies divided by `factor`."""
+        factor = checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
+        name, x = self.names()[0], self.columns[0]
+        return replace(self, **{name: factor * x if name == "time" else x / factor})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,19 +82,15 @@ class _InTime(_Data):
         """First and last time."""
         return float(self.time[0]), float(self.time[-1])
 
-    def shifted(self, factor: float) -> Self:
-        """Data at another temperature: times multiplied by `factor`."""
-        return replace(self, time=_factor(factor) * self.time)
-
     @property
     def fitted(self) -> Self:
-        """The data, and the plateau after them where that is assumed."""
+        """See `_Data`."""
         if self.extrapolate is None:
             return self
         _, (values,) = self.columns
         later = self.time[-1] * np.geomspace(1, _PLATEAU, values.size + 1)[1:]
         longer = np.append(values, np.full(values.size, values[-1]))
-        return replace(self, time=np.append(self.time, later), extrapolate=None, **{self.names[1]: longer})
+        return replace(self, time=np.append(self.time, later), extrapolate=None, **{self.names()[1]: longer})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,10 +118,7 @@ class Relaxation(_InTime):
     noise: float = _NOISE
 
     quantities: ClassVar[tuple[str, ...]] = ("relaxation modulus",)
-
-    def __post_init__(self) -> None:
-        _check_columns(self)
-        _check_trend("modulus", self.time, self.modulus, self.noise, falls=True)
+    falls: ClassVar[bool] = True
 
     def predicted(self, series: PronySeries, time: Floats) -> tuple[Floats, ...]:
         """What a series says in place of the data."""
@@ -130,29 +136,16 @@ class Creep(_InTime):
 
     Parameters
     ----------
-    time
-        Rising times above 0, s, shape (n,), n >= 5.
     compliance
         Compliances above 0, 1/Pa, shape (n,); they may fall by `noise` at most.
-    noise
-        Largest relative fall that is taken for noise.
-    extrapolate
-        "plateau": the last compliance is assumed to stay after the last time. None: nothing is known there.
 
-    Raises
-    ------
-    InputError
-        A number is out of its range, or the compliance falls.
+    Other arguments and errors are those of `Relaxation`; the last compliance stays on a plateau.
     """
 
     compliance: Floats
     noise: float = _NOISE
 
     quantities: ClassVar[tuple[str, ...]] = ("creep compliance",)
-
-    def __post_init__(self) -> None:
-        _check_columns(self)
-        _check_trend("compliance", self.time, self.compliance, self.noise, falls=False)
 
     def predicted(self, series: PronySeries, time: Floats) -> tuple[Floats, ...]:
         """What a series says in place of the data."""
@@ -211,19 +204,14 @@ class Dynamic(_Data):
     def __post_init__(self) -> None:
         frequency = checks.line("frequency", self.frequency)
         if frequency.size > 1 and frequency[0] > frequency[-1]:
-            for name in ("frequency", "storage", "loss"):
+            for name in self.names():
                 object.__setattr__(self, name, checks.line(name, getattr(self, name))[::-1])
-        _check_columns(self)
-        _check_trend("storage", self.frequency, self.storage, self.noise, falls=False)
+        super().__post_init__()
 
     @property
     def span(self) -> tuple[float, float]:
         """Shortest and longest time that the data know of: 1/frequency."""
         return 1 / float(self.frequency[-1]), 1 / float(self.frequency[0])
-
-    def shifted(self, factor: float) -> Dynamic:
-        """Data at another temperature: times multiplied, frequencies divided by `factor`."""
-        return replace(self, frequency=self.frequency / _factor(factor))
 
     def predicted(self, series: PronySeries, frequency: Floats) -> tuple[Floats, ...]:
         """What a series says in place of the data."""
@@ -247,13 +235,9 @@ def scales(data: Measured) -> tuple[Floats, ...]:
     return (first, *(np.maximum(loss, _SMALLEST_LOSS * first) for loss in others))
 
 
-def _factor(factor: float) -> float:
-    return checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
-
-
-def _check_columns(data: Measured) -> None:
+def _check_columns(data: Any) -> None:
     """Make the columns float64, of one length, and positive."""
-    x, *names = data.names
+    x, *names = data.names()
     if data.extrapolate not in (None, *get_args(Extrapolate)):
         raise InputError("extrapolate", expected="'plateau' or None", got=checks.shown(data.extrapolate))
     object.__setattr__(data, "noise", checks.number("noise", data.noise, least=0, below=1))
@@ -269,9 +253,8 @@ def _check_columns(data: Measured) -> None:
         if (wrong := values < 0 if zero else values < 1 / LARGEST).any():
             at = int(np.argmax(wrong))
             expected = f"{name} {'not below' if zero else 'above'} 0"
-            raise InputError(
-                name, expected=expected, got=f"{values[at]:g} at point {at + 1} of {values.size}"
-            )
+            got = f"{values[at]:g} at point {at + 1} of {values.size}"
+            raise InputError(name, expected=expected, got=got)
     if not (rises := np.diff(along) > 0).all():
         at = int(np.argmin(rises))
         expected = f"{x} that rises from point to point"
@@ -279,18 +262,18 @@ def _check_columns(data: Measured) -> None:
         raise InputError(x, expected=expected, got=got)
 
 
-def _check_trend(name: str, x: Floats, values: Floats, noise: float, *, falls: bool) -> None:
+def _check_trend(data: Any) -> None:
     """Refuse values that rise (or fall) by more than noise, against any value before them."""
+    (along, name, *_), (x, (values, *_)), falls = data.names(), data.columns, data.falls
     extreme = np.minimum.accumulate(values) if falls else np.maximum.accumulate(values)
     change = values / extreme - 1 if falls else 1 - values / extreme
     at = int(np.argmax(change))
-    if change[at] > noise:
-        along = "frequency" if name == "storage" else "time"
+    if change[at] > data.noise:
         before = int(np.flatnonzero(values[: at + 1] == extreme[at])[0])
         least = math.ceil(100 * change[at] + 1e-9) / 100
         raise InputError(
             name,
-            expected=f"no {'rise' if falls else 'fall'} with {along} beyond {100 * noise:g} % of noise",
+            expected=f"no {'rise' if falls else 'fall'} with {along} beyond {100 * data.noise:g} % of noise",
             got=f"{values[before]:.4g} at {x[before]:.3g}, then {values[at]:.4g} at {x[at]:.3g}",
             advice=f"noise={least:g}, if this is noise" if least < 0.5 else "",
         )

@@ -18,11 +18,7 @@ from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 
 Kind = Literal["relaxation", "creep", "dynamic"]
 
-_KINDS: dict[Kind, tuple[Callable[..., Measured], tuple[str, ...]]] = {
-    "relaxation": (Relaxation, ("time", "modulus")),
-    "creep": (Creep, ("time", "compliance")),
-    "dynamic": (Dynamic, ("frequency", "storage", "loss")),
-}
+_KINDS: dict[Kind, type[Measured]] = {"relaxation": Relaxation, "creep": Creep, "dynamic": Dynamic}
 _UNITS: dict[str, tuple[str, ...]] = {
     "time": ("s",),
     "modulus": ("Pa",),
@@ -86,7 +82,8 @@ def read(
     table = read_table(Path(path))
     found = [_ROLES.of(name) for name in table.names]
     chosen, positions = _chosen(table, [role for role, _ in found], kind, columns)
-    of_class, roles = _KINDS[chosen]
+    of_class: Callable[..., Measured] = _KINDS[chosen]
+    roles = _KINDS[chosen].names()
     given = [_in_si(table, at, role, found[at][1]) for at, role in zip(positions, roles, strict=True)]
     try:
         return of_class(*given, noise=noise)
@@ -100,22 +97,22 @@ def _chosen(
     table: Table, roles: list[str], kind: Kind | None, columns: Sequence[int | str] | None
 ) -> tuple[Kind, list[int]]:
     """The kind of the data, and the positions of its columns."""
+    wanted = {one: of_class.names() for one, of_class in _KINDS.items()}
     if columns is not None:
         if isinstance(columns, str):
             raise InputError("columns", expected="a list of names or numbers", got=shown(columns))
         positions = [position(table, column) for column in columns]
         asked = tuple(roles[at] for at in positions)
-        chosen = kind or next((one for one, (_, wanted) in _KINDS.items() if asked == wanted), None)
+        chosen = kind or next((one for one, names in wanted.items() if asked == names), None)
         if chosen is None:
             raise _unclear(table, 'kind="relaxation", "creep" or "dynamic"')
-        if len(set(positions)) != (count := len(_KINDS[chosen][1])) or len(positions) != count:
-            expected = f"{count} different ones: {', '.join(_KINDS[chosen][1])}"
+        if len(set(positions)) != (count := len(wanted[chosen])) or len(positions) != count:
+            expected = f"{count} different ones: {', '.join(wanted[chosen])}"
             raise InputError("columns", expected=expected, got=shown(list(columns)))
         return chosen, positions
     if kind is not None and not any(table.names):
-        count = len(_KINDS[kind][1])
-        if len(table.names) < count:
-            expected = f"{count} columns: {', '.join(_KINDS[kind][1])}"
+        if len(table.names) < (count := len(wanted[kind])):
+            expected = f"{count} columns: {', '.join(wanted[kind])}"
             raise InputError(table.name, expected=expected, got=f"{len(table.names)} columns")
         return kind, list(range(count))
     # Two moduli against frequency, without more words: storage and loss.
@@ -125,8 +122,8 @@ def _chosen(
         roles[plain[0]], roles[plain[1]] = "storage", "loss"
     fitting = [
         one
-        for one, (_, wanted) in _KINDS.items()
-        if kind in (None, one) and all(roles.count(role) == 1 for role in wanted)
+        for one, names in wanted.items()
+        if kind in (None, one) and all(roles.count(role) == 1 for role in names)
     ]
     if len(fitting) != 1:
         if not any(table.names):
@@ -135,7 +132,7 @@ def _chosen(
             raise _unclear(table, f"a first line that names them with their units, such as {example}")
         what = "kind=..., " if len(fitting) > 1 else ""
         raise _unclear(table, f"{what}columns=[...] to choose, or names such as {_EXAMPLES}")
-    return fitting[0], [roles.index(role) for role in _KINDS[fitting[0]][1]]
+    return fitting[0], [roles.index(role) for role in wanted[fitting[0]]]
 
 
 def _unclear(table: Table, advice: str) -> InputError:

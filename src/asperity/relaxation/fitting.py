@@ -131,7 +131,7 @@ class Fit(views.InNotebooks):
             ]
             # A draw may be no relaxation where deviations are large.
             with suppress(InputError):
-                numbers: dict[str, Any] = dict(zip(self.data.names[1:], columns, strict=True))
+                numbers: dict[str, Any] = dict(zip(self.data.names()[1:], columns, strict=True))
                 table = replace(self.data, **numbers, noise=0.99)
                 times = self.times if self.per_decade else _improved(table, self.times)
                 drawn.append(_with(table, times, self.per_decade))
@@ -212,9 +212,8 @@ def fit(
             expected = "none beside storage and loss moduli, which have no last modulus"
             raise InputError("extrapolate", expected=expected, got=checks.shown(extrapolate))
         data = replace(data, extrapolate=extrapolate)
-    found = _found(
-        data if data.extrapolate is None else replace(data, extrapolate=None), per_decade, branches
-    )
+    alone = data if data.extrapolate is None else replace(data, extrapolate=None)
+    found = _found(alone, per_decade, branches)
     if data.extrapolate is not None:  # the plateau has no say in how many times there are
         times = found.times if found.per_decade else _improved(data, found.times)
         found = _with(data, times, found.per_decade)
@@ -231,9 +230,8 @@ def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fi
     """The fit of these data alone."""
     if branches is not None:
         if per_decade is not None:
-            raise InputError(
-                "branches", expected="none beside a number per decade", got=checks.shown(branches)
-            )
+            expected = "none beside a number per decade"
+            raise InputError("branches", expected=expected, got=checks.shown(branches))
         most = (data.columns[0].size - 1) // 2
         expected = f"a number from 1 to {most}, for as many points as there are"
         count = checks.integer("branches", branches, least=1, most=most, expected=expected)

@@ -75,9 +75,7 @@ def power_law(
     """
     modulus = checks.number("modulus", modulus, least=1 / LARGEST, expected="a finite modulus > 0")
     n = checks.number("exponent", exponent, above=0, below=1)
-    time = checks.number("time", time, least=1 / LARGEST, expected="a finite time > 0")
-    first, last = _times(first, last)
-    accuracy = checks.number("accuracy", accuracy, least=_BEST, most=0.5)
+    time, first, last, accuracy = _checked(time, first, last, accuracy)
 
     def law(t: Floats) -> Floats:
         return np.asarray((t / first) ** -n)
@@ -114,15 +112,12 @@ def fractional_zener(
 
     Other arguments, result and errors are those of `power_law`.
     """
-    modulus = checks.number(
-        "instantaneous", instantaneous, least=1 / LARGEST, expected="a finite modulus > 0"
-    )
+    expected = "a finite modulus > 0"
+    modulus = checks.number("instantaneous", instantaneous, least=1 / LARGEST, expected=expected)
     expected = f"a modulus >= 0 and below the instantaneous one, {modulus:g}"
     permanent = checks.number("relaxed", relaxed, least=0, below=modulus, expected=expected) / modulus
     n = checks.number("exponent", exponent, least=0.02, most=1)
-    time = checks.number("time", time, least=1 / LARGEST, expected="a finite time > 0")
-    first, last = _times(first, last)
-    accuracy = checks.number("accuracy", accuracy, least=_BEST, most=0.5)
+    time, first, last, accuracy = _checked(time, first, last, accuracy)
 
     def law(t: Floats) -> Floats:
         return np.asarray(permanent + (1 - permanent) * mittag_leffler(n, t / time))
@@ -151,14 +146,14 @@ def mittag_leffler(exponent: float, time: Floats) -> Floats:
     return np.reshape(values, np.shape(time))
 
 
-def _times(first: float, last: float) -> tuple[float, float]:
+def _checked(time: float, first: float, last: float, accuracy: float) -> tuple[float, ...]:
+    time = checks.number("time", time, least=1 / LARGEST, expected="a finite time > 0")
     first = checks.number("first", first, least=1 / LARGEST, expected="a finite time > 0")
     last = checks.number("last", last, above=first, expected=f"a time after the first, {first:g}")
     if (decades := math.log10(last / first)) > _DECADES:
-        raise InputError(
-            "last", expected=f"at most {_DECADES} decades from the first time", got=f"{decades:.1f}"
-        )
-    return first, last
+        expected = f"at most {_DECADES} decades from the first time"
+        raise InputError("last", expected=expected, got=f"{decades:.1f}")
+    return time, first, last, checks.number("accuracy", accuracy, least=_BEST, most=0.5)
 
 
 def _approximate(
@@ -199,9 +194,8 @@ def _approximate(
         best = min(best, error)
         if error <= accuracy:
             return dataclasses.replace(series, span=(first, last), error=error)
-    raise InputError(
-        "accuracy", expected=f"{best:.1g} or more, for this law between these times", got=f"{accuracy:g}"
-    )
+    expected = f"{best:.1g} or more, for this law between these times"
+    raise InputError("accuracy", expected=expected, got=f"{accuracy:g}")
 
 
 def _grid(first: float, last: float, per_decade: float) -> Floats:

@@ -70,22 +70,14 @@ def check_branches(branches: Iterable[Sequence[float | str]]) -> Branches:
         try:
             share, time = [] if isinstance(pair, (str, dict, set)) else pair
         except (TypeError, ValueError) as error:
-            raise InputError(
-                f"branch {number}",
-                expected="a share and a relaxation time",
-                got=checks.shown(pair),
-                advice=advice,
-            ) from error
-        found.append(
-            (
-                checks.number(
-                    f"share {of}", share, above=0, most=1 + ROUNDING, expected="a share > 0 and <= 1"
-                ),
-                units.number(
-                    f"relaxation time {of}", time, "s", least=1 / LARGEST, expected="a finite time > 0"
-                ),
-            )
-        )
+            expected = "a share and a relaxation time"
+            got = checks.shown(pair)
+            raise InputError(f"branch {number}", expected=expected, got=got, advice=advice) from error
+        expected = "a share > 0 and <= 1"
+        share = checks.number(f"share {of}", share, above=0, most=1 + ROUNDING, expected=expected)
+        expected = "a finite time > 0"
+        time = units.number(f"relaxation time {of}", time, "s", least=1 / LARGEST, expected=expected)
+        found.append((share, time))
     total = math.fsum(share for share, _ in found)
     if total > 1 + ROUNDING:
         raise InputError(

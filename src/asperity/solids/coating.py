@@ -20,21 +20,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.base import units
+from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.relaxation import check_branches
 from asperity.relaxation.positive_sums import positive_weights
-from asperity.solids.continua import Branches, checked_apparatus, checked_poisson
-from asperity.solids.laws import FixedRate, WithApparatus
+from asperity.solids.continua import Branches, checked_apparatus, checked_poisson, continuum, mounted
+from asperity.solids.laws import FixedRate
 from asperity.solids.solid import CreepBranch, Solid
-
-Floats = NDArray[np.float64]
 
 _PER_DECADE, _TIMES_PER_DECADE, _FREQUENCIES_PER_DECADE = 24, 4, 8
 _LEAST, _MOST = 1e-4, 30.0
@@ -82,11 +80,6 @@ class Coated:
         top = M * N + 4 * m * N * x * near - m * n * near**2
         bottom = M * N - (m * N + n * M + 4 * m * N * x**2) * near + m * n * near**2
         return np.asarray(film / (1 - nu1) * bottom / top)
-
-    @property
-    def relaxes(self) -> bool:
-        """Whether film or base relax."""
-        return bool(self.film.branches or self.base.branches)
 
     def times(self) -> Floats:
         """Relaxation times that branches may have, s."""
@@ -179,9 +172,8 @@ def coated_half_space(
     film = _material("", modulus, poisson, branches)
     base = _material("base_", base_modulus, base_poisson, base_branches)
     coated = Coated(film, base, units.number("thickness", thickness, "m", above=0))
-    permanent, at_once = CoatedStiffness(coated, "permanent"), CoatedStiffness(coated, "at once")
     apparatus = checked_apparatus(apparatus)
-    parameters: dict[str, float | tuple[tuple[float, float], ...]] = {
+    parameters: dict[str, Any] = {
         "modulus": film.modulus,
         "poisson": film.poisson,
         "thickness": coated.thickness,
@@ -191,7 +183,7 @@ def coated_half_space(
         "base_branches": base.branches,
     }
     made: tuple[CreepBranch, ...] = ()
-    if coated.relaxes:
+    if film.branches or base.branches:
         _, times, _, error = shares_of(coated)
         if error > _LARGEST_ERROR:
             raise InputError(
@@ -205,16 +197,9 @@ def coated_half_space(
         made = tuple(
             CreepBranch(law, FixedRate(1 / time, law)) for law, time in zip(laws, times, strict=True)
         )
-    if apparatus is not None:
-        parameters["apparatus"] = apparatus
-    return Solid(
-        permanent=permanent if apparatus is None else WithApparatus(permanent, at_once, apparatus),
-        branches=made,
-        parameters=parameters,
-        loaded_from_afar=True,
-        in_lengths=True,
-        kind="coated_half_space",
-    ).with_hardness(hardness)
+    permanent, at_once = CoatedStiffness(coated, "permanent"), CoatedStiffness(coated, "at once")
+    rest = mounted(permanent, at_once, apparatus)
+    return continuum("coated_half_space", parameters, rest, made, apparatus, hardness)
 
 
 def _material(prefix: str, modulus: float | str, poisson: float, branches: Branches) -> Material:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from asperity.base import checks, units
 from asperity.creep import LocalCreep, checked_law
@@ -19,7 +20,7 @@ from asperity.solids.laws import (
     WaveNumberSpectrum,
     WithApparatus,
 )
-from asperity.solids.solid import CreepBranch, Parameters, Solid
+from asperity.solids.solid import CreepBranch, Solid
 
 Branches = Sequence[tuple[float, float | str]]
 
@@ -126,48 +127,34 @@ def half_space(
     """
     modulus = units.number("modulus", modulus, "Pa", above=0)
     apparatus = checked_apparatus(apparatus)
-    law = WaveNumberSpectrum(modulus / 2)
-    parameters = {"modulus": modulus}
+    law: SpectrumOf = WaveNumberSpectrum(modulus / 2)
+    parameters: dict[str, Any] = {"modulus": modulus}
     permanent = checked_permanent(permanent)
     if permanent and creep is None:
-        raise InputError(
-            "permanent",
-            expected="a law of creep beside it",
-            got="none",
-            advice="branches, whose rest is permanent",
-        )
+        expected, advice = "a law of creep beside it", "branches, whose rest is permanent"
+        raise InputError("permanent", expected=expected, got="none", advice=advice)
+    rest: SpectrumOf
+    made: tuple[CreepBranch, ...]
     if creep is not None:
         if branches or flow is not None:
             raise InputError("creep", expected="no branches and no flow beside it", got="both")
-        creeping = Scaled(law, 1 - permanent) if permanent else law
         kept = {"permanent": permanent} if permanent else {}
-        return Solid(
-            permanent=Scaled(law, permanent),
-            branches=(CreepBranch(_mounted(creeping, law, apparatus), LaplacianSpectrum()),),
-            parameters={**parameters, **checked_law(creep).parameters, **kept, **_named(apparatus)},
-            loaded_from_afar=True,
-            in_lengths=True,
-            creep=creep,
-            kind="half_space",
-        ).with_hardness(hardness)
-    if flow is None:
-        solid = _solid("half_space", law, parameters, branches, apparatus, loaded_from_afar=True)
-        return solid.with_hardness(hardness)
-    if others := check_branches(branches):
-        raise InputError("flow", expected="no branches beside it", got=f"{len(others)} branches")
-    law_of_flow = checks.line("flow", flow).tolist()
-    if len(law_of_flow) != 2 or not (law_of_flow[0] > 0 and -2 <= law_of_flow[1] <= 4):
-        expected = "a mobility above 0 and an exponent from -2 to 4"
-        raise InputError("flow", expected=expected, got=checks.shown(flow), advice="flow=(1e-20, 0)")
-    mobility, exponent = law_of_flow
-    return Solid(
-        permanent=_mounted(Scaled(law, 0.0), law, apparatus),
-        branches=(CreepBranch(Scaled(law, 1.0), PowerMobility(mobility, exponent)),),
-        parameters={**parameters, "flow": (mobility, exponent), **_named(apparatus)},
-        loaded_from_afar=True,
-        in_lengths=True,
-        kind="half_space",
-    ).with_hardness(hardness)
+        parameters |= {**checked_law(creep).parameters, **kept}
+        creeping, rest = Scaled(law, 1 - permanent) if permanent else law, Scaled(law, permanent)
+        made = (CreepBranch(mounted(creeping, law, apparatus), LaplacianSpectrum()),)
+    elif flow is None:
+        parameters["branches"], rest, made = _maxwell(law, branches)
+        rest = mounted(rest, law, apparatus)
+    else:
+        if others := check_branches(branches):
+            raise InputError("flow", expected="no branches beside it", got=f"{len(others)} branches")
+        law_of_flow = checks.line("flow", flow).tolist()
+        if len(law_of_flow) != 2 or not (law_of_flow[0] > 0 and -2 <= law_of_flow[1] <= 4):
+            expected = "a mobility above 0 and an exponent from -2 to 4"
+            raise InputError("flow", expected=expected, got=checks.shown(flow), advice="flow=(1e-20, 0)")
+        parameters["flow"], rest = tuple(law_of_flow), mounted(Scaled(law, 0.0), law, apparatus)
+        made = (CreepBranch(Scaled(law, 1.0), PowerMobility(*law_of_flow)),)
+    return continuum("half_space", parameters, rest, made, apparatus, hardness, creep=creep)
 
 
 def layer(
@@ -212,40 +199,41 @@ def layer(
     modulus = units.number("modulus", modulus, "Pa", above=0)
     thickness = units.number("thickness", thickness, "m", above=0)
     law = LayerSpectrum(modulus, poisson, thickness, bonded)
-    parameters = {"modulus": modulus, "poisson": poisson, "thickness": thickness, "bonded": float(bonded)}
-    return _solid("layer", law, parameters, branches).with_hardness(hardness)
+    checked, rest, made = _maxwell(law, branches)
+    numbers = {"modulus": modulus, "poisson": poisson, "thickness": thickness, "bonded": float(bonded)}
+    parameters = {**numbers, "branches": checked}
+    return continuum("layer", parameters, rest, made, hardness=hardness, loaded_from_afar=False)
 
 
-def _solid(
-    kind: str,
-    law: SpectrumOf,
-    parameters: Parameters,
-    branches: Branches,
-    apparatus: float | None = None,
-    *,
-    loaded_from_afar: bool = False,
-) -> Solid:
-    """A generalized Maxwell solid: the share of each branch of one law of stiffness."""
+def _maxwell(law: SpectrumOf, branches: Branches) -> tuple[Any, SpectrumOf, tuple[CreepBranch, ...]]:
+    """A generalized Maxwell solid: pairs of share and time, what does not relax, and the branches."""
     checked = check_branches(branches)
     parts = [(Scaled(law, share), time) for share, time in checked]
     rest = 1.0 - math.fsum(share for share, _ in checked)
-    permanent = Scaled(law, rest if rest > 1e-12 else 0.0)
-    return Solid(
-        permanent=_mounted(permanent, law, apparatus),
-        branches=tuple(CreepBranch(part, FixedRate(1 / time, part)) for part, time in parts),
-        parameters={**parameters, "branches": checked, **_named(apparatus)},
-        loaded_from_afar=loaded_from_afar,
-        in_lengths=True,
-        kind=kind,
-    )
+    made = tuple(CreepBranch(part, FixedRate(1 / time, part)) for part, time in parts)
+    return checked, Scaled(law, rest if rest > 1e-12 else 0.0), made
 
 
-def _mounted(permanent: SpectrumOf, law: SpectrumOf, apparatus: float | None) -> SpectrumOf:
-    return permanent if apparatus is None else WithApparatus(permanent, law, apparatus)
+def mounted(law: SpectrumOf, whole: SpectrumOf, apparatus: float | None) -> SpectrumOf:
+    """A law on an apparatus, if there is one."""
+    return law if apparatus is None else WithApparatus(law, whole, apparatus)
 
 
-def _named(apparatus: float | None) -> dict[str, float]:
-    return {} if apparatus is None else {"apparatus": apparatus}
+def continuum(
+    kind: str,
+    parameters: Mapping[str, Any],
+    permanent: SpectrumOf,
+    branches: tuple[CreepBranch, ...],
+    apparatus: float | None = None,
+    hardness: float | str | None = None,
+    *,
+    loaded_from_afar: bool = True,
+    creep: LocalCreep | None = None,
+) -> Solid:
+    """A solid whose spectra depend on the spacing, with the parameters to record."""
+    named = {} if apparatus is None else {"apparatus": apparatus}
+    made = Solid(permanent, branches, {**parameters, **named}, loaded_from_afar, True, creep, kind=kind)
+    return made.with_hardness(hardness)
 
 
 def checked_apparatus(stiffness: float | str | None) -> float | None:

@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
+import scipy.fft
 
 from asperity.base import checks
 from asperity.errors import InputError
-from asperity.lattice import Lattice, Spectrum
-from asperity.solids.pixels import compliance_of_pixels
+from asperity.lattice import Field, Lattice, Spectrum
 
 SpectrumOf = Callable[[Lattice], Spectrum]
 
@@ -119,16 +120,9 @@ class Scaled(Numbers):
 
 @dataclass(frozen=True)
 class WithApparatus:
-    """A law that vanishes at wave vector 0, and there the stiffness of an apparatus, force per length.
+    """A law that vanishes at wave vector 0, and there the stiffness > 0 of an apparatus, force per length.
 
-    Parameters
-    ----------
-    law
-        The law; `whole` is that of all branches together.
-    whole
-        Its largest value is the scale of `RIGID`, for which an infinite stiffness stands.
-    stiffness
-        That of the apparatus, > 0; it may be infinite.
+    An infinite stiffness stands for `RIGID` times the largest value of the law of the whole solid.
     """
 
     law: SpectrumOf
@@ -180,3 +174,30 @@ class PowerMobility(Numbers):
         spectrum = self.mobility * q**self.exponent / lattice.cell
         spectrum.flat[0] = 0.0
         return spectrum
+
+
+@lru_cache(maxsize=1)
+def compliance_of_pixels(lattice: Lattice) -> Spectrum:
+    r"""Spectrum of the displacement of a half-space by even pressures on pixels, times E* over the pressure.
+
+    A unit of pressure on one pixel displaces the surface of a half-space at a distance (y, x) by the integral
+    of 1 / (pi E* r) over the pixel, which has a closed form (A. E. H. Love, Phil. Trans. R. Soc. A 228, 377
+    (1929), DOI 10.1098/rsta.1929.0009). Along each axis of the embedding (two of them) the distance is that
+    to the nearest image, and the body covers less than half of it: so within the body sums of these are those
+    of an infinite half-space. That the sums in the empty space are of nothing real does no harm, as it has
+    neither forces nor heights. The spectrum is positive, a length.
+    """
+    corners = (
+        (np.arange(n // 2 + 2) - 0.5) * side for n, side in zip(lattice.shape, lattice.spacing, strict=True)
+    )
+    integral = _from_origin(*np.meshgrid(*corners, indexing="ij", sparse=True))
+    near = np.diff(np.diff(integral, axis=0), axis=1) / np.pi
+    for axis, n in enumerate(lattice.shape):  # and the same at the distances before the next image
+        mirrored = np.flip(np.take(near, np.arange(1, (n + 1) // 2), axis), axis)
+        near = np.concatenate((near, mirrored), axis)
+    return np.ascontiguousarray(scipy.fft.rfftn(near).real)
+
+
+def _from_origin(y: Field, x: Field) -> Field:
+    """Integral of 1 / r over the rectangle between the origin and (y, x)."""
+    return np.asarray(x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y)))

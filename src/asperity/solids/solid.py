@@ -159,18 +159,12 @@ class Solid(views.InNotebooks):
     @property
     def springs(self) -> SpringConstants | None:
         """The spring constants, if this is Jagla's lattice of springs and nothing else."""
-        if len(self.branches) != 1:
-            return None
-        (branch,) = self.branches
-        H, C, M = self.permanent, branch.stiffness, branch.mobility
-        if not (
-            isinstance(H, LaplacianSpectrum)
-            and isinstance(C, LaplacianSpectrum)
-            and isinstance(M, LaplacianSpectrum)
-            and H.uniform == C.laplacian == 0
-        ):
-            return None
-        return SpringConstants(H.laplacian, C.uniform, M.laplacian, M.uniform)
+        match self.permanent, *self.branches:
+            case LaplacianSpectrum(k0, 0), CreepBranch(
+                LaplacianSpectrum(0, k1), LaplacianSpectrum(R, viscous)
+            ):
+                return SpringConstants(k0, k1, R, viscous)
+        return None
 
     @property
     def separable(self) -> bool:

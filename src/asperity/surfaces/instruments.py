@@ -34,9 +34,7 @@ def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
     """Read one channel of heights of a file that SurfaceTopography knows by its content.
 
     The channel is a name (of several channels of one name the first; the library tells them apart as
-    ``Height#1``, ``Height#2``), a number from 0, or None for the file's default. `MissingExtraError` if
-    the library is not installed; `SurfaceFileError` if the file is of no known kind, damaged or truncated
-    in any channel, not a regular grid, or has no such channel of heights.
+    ``Height#1``, ``Height#2``), a number from 0, or None for the file's default.
     """
     with _quiet() as remarks:
         with checks.extra("instruments", f"{path}: reading an instrument's file"):
@@ -50,10 +48,9 @@ def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
         # The library's forty readers raise whatever a damaged byte leads them to (IndexError, KeyError,
         # struct.error, ...), so nothing less than Exception keeps the promise of one clear error.
         except Exception as error:
+            got = _diagnosis(error)
             advice = "another format that the instrument's software exports, or a matrix of heights as text"
-            raise SurfaceFileError(
-                str(path), expected="a surface file", got=_diagnosis(error), advice=advice
-            ) from error
+            raise SurfaceFileError(str(path), expected="a surface file", got=got, advice=advice) from error
     told = tuple(str(w.message) for w in remarks if issubclass(w.category, (UserWarning, RuntimeWarning)))
     return dataclasses.replace(raw, remarks=told)
 
@@ -103,11 +100,9 @@ def _choose(reader: Any, path: Path, channel: str | int | None) -> Any:
         ]
     if not candidates:
         known = ", ".join(f"{c.channel_id!r} (number {c.index})" for c in listed)
-        raise SurfaceFileError(
-            str(path),
-            expected=f"one of its channels of heights: {known}" if listed else "a channel of heights",
-            got="none" if channel is None else f"channel {channel!r}",
-        )
+        expected = f"one of its channels of heights: {known}" if listed else "a channel of heights"
+        got = "none" if channel is None else f"channel {channel!r}"
+        raise SurfaceFileError(str(path), expected=expected, got=got)
     return candidates[0]
 
 

@@ -31,10 +31,8 @@ _FEW = 100
 def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[float]]:
     """Remove the tilt, found from the defined pixels alone; also return what was removed.
 
-    The rule is "plane" (the least-squares plane; a line for a profile), "quadratic" (the least-squares
-    polynomial of second order), "mean" (a level plane) or "none". What was removed is the height at
-    pixel 0, the slope along each axis, a pixel, and of a polynomial its coefficients of second order, a
-    pixel squared: of i^2, i j and j^2, where i counts rows and j columns.
+    That is the height at pixel 0, the slope along each axis, a pixel, and of a polynomial of second order its
+    coefficients of i^2, i j and j^2, a pixel squared, where i counts rows and j columns.
     """
     axes = heights.ndim
     if rule == "none":
@@ -66,9 +64,7 @@ def levelled(
     """Fill undefined pixels and remove the tilt; fill the spikes too, unless None of the pixels may be any.
 
     Without its spikes a surface has another tilt and deviation, so that is repeated until there is none.
-    `InputError` if more than this part of the pixels are spikes. Returns the heights; these before the tilt
-    was removed; and what was done and found: how many pixels are spikes, the highest in robust standard
-    deviations, and how many spikes were filled, if that was asked.
+    Returns the heights, these before the tilt was removed, and what was done and found.
     """
     ignored = missing.copy()
     while True:
@@ -91,9 +87,8 @@ def levelled(
 def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:
     """Find the defined pixels far above all others, and the highest one in robust standard deviations.
 
-    These are 1.4826 times the median distance from the median, which is the standard deviation of Gaussian
-    heights: Hampel's identifier, L. Davies and U. Gather, J. Am. Stat. Assoc. 88, 782 (1993), DOI
-    10.1080/01621459.1993.10476339.
+    These are 1.4826 times the median distance from the median, the standard deviation of Gaussian heights:
+    Hampel's identifier, see `asperity.surfaces.read`.
     """
     known = heights[defined]
     median = np.median(known)
@@ -105,10 +100,10 @@ def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:
 
 
 def bow(heights: Field) -> dict[str, float]:
-    """Part of the variance in a polynomial of second order, and part of the highest 1 % at the edges.
+    """Parts of the variance in a polynomial of second order, and of the highest 1 % in the outer tenth.
 
-    Spikes are left out. At the edges is what lies in the outer tenth of an axis. Of large surfaces, every so
-    many rows and columns are looked at. Both are 0 of surfaces too small to tell.
+    Spikes are left out; of large surfaces, every so many rows and columns are looked at. Both are 0 of
+    surfaces too small to tell.
     """
     part = heights[tuple(slice(None, None, -(-n // _LOOKED_AT)) for n in heights.shape)]
     chosen = ~spikes(part, np.ones(part.shape, dtype=bool))[0]

@@ -31,11 +31,7 @@ _LABELS = 5
 
 
 def read_npy(path: Path) -> RawSurface:
-    """Read a ``.npy`` file of real numbers; pickled objects are refused, not loaded.
-
-    `SurfaceFileError` if the file is of another kind, truncated, or holds anything but real numbers in
-    one or two dimensions.
-    """
+    """Read a ``.npy`` file of real numbers; pickled objects are refused, not loaded."""
     with _one_error(path, ".npy", npy.MAGIC_PREFIX), path.open("rb") as file:
         if fault := _fault(file, path.stat().st_size):
             advice = "numpy.save of an array of floats" if "objects" in fault else ""
@@ -49,8 +45,7 @@ def read_npz(path: Path, channel: str | int | None) -> RawSurface:
     """Read one array of a ``.npz`` file like a ``.npy`` file.
 
     The channel is the name, or number from 0, of one of its arrays of real numbers in one or two
-    dimensions; it may be None where there is a single one. `SurfaceFileError` as `read_npy`; or if there
-    is no such array, or several and no channel.
+    dimensions; it may be None where there is a single one.
     """
     with _one_error(path, ".npz", b"PK"), zipfile.ZipFile(path) as archive:
         members = {}
@@ -123,9 +118,7 @@ def read_text(path: Path) -> RawSurface:
     Numbers are separated by semicolons, tabs, commas or blanks; they may have decimal commas where no
     comma separates. ``#`` starts a comment; empty lines are skipped; ``NaN`` and, between delimiters,
     nothing at all stand for an undefined pixel. The numbers 0, 1, 2, ... of lines and columns that pandas
-    writes are left out. One row or one column is a profile. `SurfaceFileError`, with the number of the
-    line, if it holds anything but numbers or has another count of them than the first; if there is no
-    number; or if the columns look like coordinates.
+    writes are left out. One row or one column is a profile. Columns that look like coordinates are refused.
     """
     matrix = read_table(path, matrix=True, failure=SurfaceFileError).values
     matrix, remarks = _without_labels(matrix)

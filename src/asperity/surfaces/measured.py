@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 from collections.abc import Sequence
 from pathlib import Path
@@ -141,10 +142,10 @@ def read(
     checksum = _sha256(file)
     raw = _with_lengths(_read_raw(file, channel), file_unit, pixel_size, length_unit)
     heights, size = raw.heights, raw.pixel_size
-    cut: list[int] = []
+    cut: Provenance = {}
     if crop is not None:
         part = prepare.part_of(heights.shape, crop, crop_unit or "pixel", size, raw.length_unit)
-        heights, cut = heights[part], [edge for axis in part for edge in (axis.start, axis.stop)]
+        heights, cut["crop"] = heights[part], [edge for axis in part for edge in (axis.start, axis.stop)]
     missing = _checked_missing(file, heights, 0.0 if undefined == "refuse" else limit)
 
     level, filled, facts = levelling.levelled(heights, missing, tilt, limit if despike else None)
@@ -152,7 +153,8 @@ def read(
     level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
     factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=float(np.abs(filled).max()))
     final = prepare.make_periodic(level * factor, periodic)
-    done: Provenance = {
+    told: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
+    told |= {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),
         "undefined_fraction": float(missing.mean()),
@@ -167,15 +169,10 @@ def read(
         "rms_before": float(heights[~missing].std()),
         "rms_after": float(final.std()),
     }
-    if cut:
-        done["crop"] = cut
-    for name, wave in zip(("longest", "shortest"), limits, strict=True):
-        if wave is not None:
-            done[name] = wave
-    origin: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
+    told |= cut | prepare.told_band(limits)
     beyond: dict[Periodic, Edges] = {"reflect": "reflecting", "free": "free"}
     edges = beyond.get(periodic, "periodic")
-    return Surface(final, final_unit, size, raw.length_unit, {**origin, **done}, edges)
+    return Surface(final, final_unit, size, raw.length_unit, told, edges)
 
 
 def _with_lengths(
@@ -263,32 +260,22 @@ def _sha256(file: Path) -> str:
 
 def _checked_missing(file: Path, heights: Field, limit: float) -> NDArray[np.bool_]:
     """Say which pixels are undefined; refuse infinite or absurd ones, and too many undefined."""
+    fail = functools.partial(SurfaceFileError, str(file))
     infinite = np.argwhere(np.isinf(heights))
     if len(infinite):
-        raise SurfaceFileError(
-            str(file),
-            expected="finite heights, or NaN for undefined pixels",
-            got=f"{len(infinite)} infinite of {heights.size}, the first at {infinite[0].tolist()}",
-        )
+        got = f"{len(infinite)} infinite of {heights.size}, the first at {infinite[0].tolist()}"
+        raise fail(expected="finite heights, or NaN for undefined pixels", got=got)
     largest = float(np.nanmax(np.abs(heights), initial=0.0))
     if largest > _LARGEST:
-        raise SurfaceFileError(
-            str(file),
-            expected=f"heights of at most {_LARGEST:g}",
-            got=f"one of {largest:g}",
-            advice="the right byte order: that is no height",
-        )
+        expected, advice = f"heights of at most {_LARGEST:g}", "the right byte order: that is no height"
+        raise fail(expected=expected, got=f"one of {largest:g}", advice=advice)
     missing = np.isnan(heights)
     count, fraction = int(missing.sum()), float(missing.mean())
     if count and fraction > limit:
+        expected = f"at most {limit:.3g} of the pixels undefined" if limit else "no undefined pixel"
         first = np.argwhere(missing)[0].tolist()
-        allowed = f"at most {limit:.3g} of the pixels undefined" if limit else "no undefined pixel"
+        got = f"{count} of {heights.size} undefined ({fraction:.3g}), the first at {first}"
         choice = "a larger max_undefined" if limit else "undefined = 'fill'"
         advice = "" if fraction == 1 else f"{choice}, or another measurement"
-        raise SurfaceFileError(
-            str(file),
-            expected=allowed,
-            got=f"{count} of {heights.size} undefined ({fraction:.3g}), the first at {first}",
-            advice=advice,
-        )
+        raise fail(expected=expected, got=got, advice=advice)
     return missing

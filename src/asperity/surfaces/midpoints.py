@@ -53,46 +53,32 @@ def self_affine(size: int, *, hurst: float = 0.5, delta: float = 0.01, seed: int
         If the size is not a power of two, `hurst` is outside (0, 1], `delta` is not positive and
         finite, or the seed is not an integer of 0 or more.
     """
-    length = _checked_size(size)
+    expected = "a power of two, 2 or more"
+    length = checks.integer("size", size, least=2, expected=expected, advice="256")
+    if length & (length - 1):
+        below = 1 << (length.bit_length() - 1)
+        raise InputError("size", expected=expected, got=length, advice=f"{below} or {2 * below}")
     expected = "a number above 0 and up to 1"
     exponent = checks.number("hurst", hurst, above=0, most=1, expected=expected, advice="0.5")
     width = checks.number("delta", delta, above=0)
     rng = np.random.default_rng(checks.seed(seed))
+
+    def noise(distance: float) -> Field:
+        """Random values for new centers at this distance from their corners: width l^H delta."""
+        return rng.normal(scale=distance**exponent * width, size=corners.shape)
 
     xi = np.zeros((length, length))
     step = length  # side of the squares whose corners are known
     while step > 1:
         half = step // 2
         corners = xi[::step, ::step]
-        centers = _around(corners) + _noise(rng, corners.shape, step / math.sqrt(2), exponent, width)
+        pairs = corners + np.roll(corners, -1, axis=0)
+        centers = (pairs + np.roll(pairs, -1, axis=1)) / 4 + noise(step / math.sqrt(2))
         xi[half::step, half::step] = centers
         # The squares turned by 45 degrees have two old corners and two new centers around each edge's middle.
-        across = (corners + np.roll(corners, -1, axis=0) + centers + np.roll(centers, 1, axis=1)) / 4
+        across = (pairs + centers + np.roll(centers, 1, axis=1)) / 4
         along = (corners + np.roll(corners, -1, axis=1) + centers + np.roll(centers, 1, axis=0)) / 4
-        xi[half::step, ::step] = across + _noise(rng, corners.shape, half, exponent, width)
-        xi[::step, half::step] = along + _noise(rng, corners.shape, half, exponent, width)
+        xi[half::step, ::step] = across + noise(half)
+        xi[::step, half::step] = along + noise(half)
         step = half
     return xi
-
-
-def _around(corners: Field) -> Field:
-    """Mean of the four periodic corners of each square."""
-    pairs = corners + np.roll(corners, -1, axis=0)
-    return (pairs + np.roll(pairs, -1, axis=1)) / 4
-
-
-def _noise(
-    rng: np.random.Generator, shape: tuple[int, ...], distance: float, hurst: float, delta: float
-) -> Field:
-    """Random values for new centers at this distance from their corners: width l^H delta."""
-    return rng.normal(scale=distance**hurst * delta, size=shape)
-
-
-def _checked_size(size: int) -> int:
-    length = checks.integer("size", size, least=2, expected="a power of two, 2 or more", advice="256")
-    if length & (length - 1):
-        below = 1 << (length.bit_length() - 1)
-        raise InputError(
-            "size", expected="a power of two, 2 or more", got=length, advice=f"{below} or {2 * below}"
-        )
-    return length

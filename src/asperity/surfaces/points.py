@@ -42,13 +42,9 @@ def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, float]]:
     x, y, z = points[~np.isnan(points[:, 2])].T
     column, row = _numbered(x), _numbered(-y)
     if column is None or row is None or (row[0].max() + 1.0) * (column[0].max() + 1.0) > _SPARSE * z.size:
+        expected, got = "points x, y, z of a regular grid", f"{len(points)} scattered points"
         advice = "heights interpolated to a grid, or the name .txt for a matrix of heights with three columns"
-        raise SurfaceFileError(
-            name,
-            expected="points x, y, z of a regular grid",
-            got=f"{len(points)} scattered points",
-            advice=advice,
-        )
+        raise SurfaceFileError(name, expected=expected, got=got, advice=advice)
     heights = np.full((row[0].max() + 1, column[0].max() + 1), np.nan)
     heights[row[0], column[0]] = z
     double = np.flatnonzero(heights[row[0], column[0]] != z)

@@ -1,17 +1,4 @@
-r"""From measured heights to heights that a lattice can bear: eight rules, in this order.
-
-1. A part is cut out, if asked.
-2. Undefined pixels are filled by the discrete harmonic function: each gets the mean of its neighbors on
-   the pixel grid (three at an edge, two at a corner), which is the solution of the Laplace equation with
-   the defined pixels as boundary values. By its maximum principle no filled pixel is above the highest
-   defined pixel around its hole: filling creates no summit, so it creates no contact of its own.
-3. The tilt of the sample in the instrument is removed, and the bow of its scanner, if asked.
-4. Spikes are filled like undefined pixels, if asked, and the tilt is found without them.
-5. Pixels that are not square are averaged to square ones, if asked.
-6. Waves that are too long or too short are left out, if asked.
-7. The heights are converted to the wanted unit.
-8. The surface is made periodic, or gets reflecting edges.
-"""
+"""From measured heights to heights that a lattice can bear: the rules of `asperity.surfaces.read`."""
 
 from __future__ import annotations
 
@@ -63,12 +50,7 @@ def part_of(
     pixel_size: tuple[float, ...] | None,
     length_unit: str | None,
 ) -> tuple[slice, ...]:
-    """Find the pixels of a part of a surface of this shape.
-
-    The bounds are begin and end along each axis, one axis after the other, counted from the first pixel,
-    in "pixel" or a unit of length. `InputError` if they are not those of a part, or are lengths and the
-    pixels have no size (None) or unit.
-    """
+    """Find the pixels of a part of a surface of this shape; bounds and unit are those of `Surface.crop`."""
     scale = [1.0] * len(shape)
     if unit != "pixel":
         if not is_length(unit):
@@ -108,6 +90,12 @@ def checked_band(longest: float | None, shortest: float | None) -> tuple[float |
     return high, low
 
 
+def told_band(limits: tuple[float | None, float | None]) -> dict[str, float]:
+    """The limits that there are, by name."""
+    named = zip(("longest", "shortest"), limits, strict=True)
+    return {name: wave for name, wave in named if wave is not None}
+
+
 def band(
     heights: Field,
     pixel_size: tuple[float, ...] | None,
@@ -117,9 +105,8 @@ def band(
 ) -> Field:
     """Leave out the waves that are longer than the first limit or shorter than the second; the mean stays.
 
-    Limits are wavelengths in the unit of the pixel size (None: 1 along each axis); None for no limit.
-    Waves are those of a periodic surface, or of one with reflecting edges: cosines with their crests at
-    the edges, as a scan has together with its mirror images.
+    Limits are in the unit of the pixel size (None: 1 along each axis). Waves of reflecting edges are cosines
+    with their crests at the edges, as a scan has together with its mirror images.
     """
     longest, shortest = limits
     if longest is None and shortest is None:
@@ -133,7 +120,12 @@ def band(
 
 
 def fill(heights: Field) -> Field:
-    """Fill undefined pixels, NaN, with the discrete harmonic function; at least one pixel is defined."""
+    """Fill undefined pixels, NaN, with the discrete harmonic function; at least one pixel is defined.
+
+    Each gets the mean of its neighbors on the pixel grid (three at an edge, two at a corner), which solves
+    the Laplace equation with the defined pixels as boundary values. By its maximum principle no filled pixel
+    is above the highest one around its hole: filling creates no summit, so it creates no contact of its own.
+    """
     flat = heights.ravel()
     missing = np.isnan(flat)
     unknowns = int(missing.sum())
@@ -187,8 +179,7 @@ def square(heights: Field, pixel_size: tuple[float, ...] | None) -> tuple[Field,
     """Average heights along the axis of the shorter spacing, so that the pixels become square.
 
     Each new height is the mean of the old ones over the larger spacing, of which the pixels at both ends
-    may give parts; what is left at the end of the axis is dropped. Square pixels, and those of unknown
-    size (None), stay as they are. `InputError` if the axis is shorter than two of the new pixels.
+    may give parts; what is left at the end of the axis is dropped.
     """
     if pixel_size is None or is_square(pixel_size):
         return heights, pixel_size
@@ -210,27 +201,21 @@ def square(heights: Field, pixel_size: tuple[float, ...] | None) -> tuple[Field,
 def scale_factor(heights: Field, unit: str, target: str | None, *, largest: float) -> tuple[float, str]:
     """Find the factor from a unit ("1" for none) to the wanted one, and that unit's name.
 
-    None keeps the unit, "rms" divides by the rms of the heights, of which the tilt is removed; `largest`,
-    in magnitude before that, measures its rounding. `InputError` if there is no unit to convert from, or
-    the heights are flat and shall be divided by their rms.
+    The tilt is removed from the heights; for "rms" they are flat if their rms is but a rounding error of the
+    largest magnitude before that.
     """
     if target is None or target == unit:
         return 1.0, unit
     if target == "rms":
         rms = float(heights.std())
         if rms <= _ROUNDING * largest:
-            raise InputError(
-                "unit", expected="a rough surface, to divide by its rms height", got="a flat one"
-            )
+            expected = "a rough surface, to divide by its rms height"
+            raise InputError("unit", expected=expected, got="a flat one")
         return 1 / rms, "rms"
     if (factor := conversion(unit, target)) is None:
         got = "heights without a unit" if unit == "1" else f"heights in {unit!r}"
-        raise InputError(
-            "unit",
-            expected=f"heights with a unit of length, to give them in {target}",
-            got=got,
-            advice="no unit, or rms",
-        )
+        expected = f"heights with a unit of length, to give them in {target}"
+        raise InputError("unit", expected=expected, got=got, advice="no unit, or rms")
     return factor, target
 
 

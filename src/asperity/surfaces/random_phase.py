@@ -131,14 +131,7 @@ def from_spectrum(
         ln q; outside of it there are no waves. q is in radians per unit of the pixel size, C in the squared
         unit of the heights times the squared unit of the pixel size; of a profile, times that unit.
     pixel_size
-        Distance between sites: one number, or one an axis.
-    seed
-        Seed of the random numbers; the same seed gives the same surface.
-
-    Returns
-    -------
-    ndarray of float64, of the given shape
-        The heights, of mean 0.
+        Distance between sites, as the spacing of `spectral`; seed and result are those of `spectral` too.
 
     Raises
     ------

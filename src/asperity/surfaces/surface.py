@@ -21,15 +21,14 @@ from asperity.surfaces.moments import Statistics, statistics
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Provenance = dict[str, str | int | float | bool | list[int] | list[float] | list[str]]
+Provenance = dict[str, Any]
+"""Words, numbers, and lists of them, by name."""
 
 _SPIKY = 0.1
 """Largest part of the pixels that are filled as spikes."""
 
 _ALIKE = 1e-6
 """Relative difference up to which pixels of two surfaces are of one size."""
-
-_DIMENSIONLESS = ("1", "rms")
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +87,7 @@ class Surface(views.InNotebooks):
     @property
     def has_lengths(self) -> bool:
         """Whether it has a unit of any kind; without, heights and pixels count as plain numbers."""
-        return self.unit not in _DIMENSIONLESS or self.length_unit is not None
+        return self.unit not in ("1", "rms") or self.length_unit is not None
 
     def in_meters(self) -> tuple[Field, tuple[float, ...]]:
         """Heights, and spacing along each axis, in meters.
@@ -100,16 +99,14 @@ class Surface(views.InNotebooks):
         """
         heights, spacing, lateral = f"heights in {self.unit!r}", self.pixel_size, self.length_unit
         if not prepare.is_length(self.unit):
-            got = "heights without a unit" if self.unit == "1" else heights
+            named = {"1": "heights without a unit", "rms": "heights in units of their rms"}
+            got = named.get(self.unit, heights)
             advice = "unit = 'nm' of a Surface, or file_unit = 'nm' (--file-unit) for a file without a unit"
-            if self.unit == "rms":
-                got, advice = "heights in units of their rms", "another unit than 'rms'"
+            advice = "another unit than 'rms'" if self.unit == "rms" else advice
             raise InputError("surface", expected="heights with a unit of length", got=got, advice=advice)
         if spacing is None:
-            got, advice = (
-                f"{heights}, and pixels of unknown size",
-                "pixel_size and length_unit (--pixel-size)",
-            )
+            got = f"{heights}, and pixels of unknown size"
+            advice = "pixel_size and length_unit (--pixel-size)"
             raise InputError("surface", expected="the distance between pixels", got=got, advice=advice)
         if (across := prepare.conversion(lateral, "m")) is None:
             got = f"pixels of {_sides(spacing)} in " + (repr(lateral) if lateral else "no unit")
@@ -130,8 +127,7 @@ class Surface(views.InNotebooks):
     @property
     def remarks(self) -> tuple[str, ...]:
         """What whoever presses it should know: what its reader remarked, and heights that may be none."""
-        told = self.provenance.get("reader_remarks", [])
-        return (*map(str, told if isinstance(told, list) else ()), *levelling.remarks(self.provenance))
+        return (*self.provenance.get("reader_remarks", ()), *levelling.remarks(self.provenance))
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights, into axes that are given or a new figure; see `asperity.figures.plot_surface`."""
@@ -152,13 +148,12 @@ class Surface(views.InNotebooks):
         else:
             across = "pixel" if size is None else lateral or "unit of length"
             slope_unit, curvature_unit = f"{self.unit}/{across}", f"{self.unit}/{_squared(across)}"
-        undefined = self.provenance.get("undefined_pixels", 0)
         return dataclasses.replace(
             statistics(self.heights, size),
             unit=self.unit,
             slope_unit=slope_unit,
             curvature_unit=curvature_unit,
-            undefined_pixels=undefined if isinstance(undefined, int) else 0,
+            undefined_pixels=self.provenance.get("undefined_pixels", 0),
         )
 
     def crop(self, bounds: Sequence[float], unit: str = "pixel") -> Surface:
@@ -185,11 +180,11 @@ class Surface(views.InNotebooks):
         """
         part = prepare.part_of(self.shape, bounds, unit, self.pixel_size, self.length_unit)
         facts = {name: value for name, value in self.provenance.items() if name != "periodic_rule"}
-        cut = [edge for axis in part for edge in (axis.start, axis.stop)]
+        facts["crop"] = [edge for axis in part for edge in (axis.start, axis.stop)]
         heights = self.heights[part]
         kept = heights.size == self.heights.size or self.edges == "free"
         edges: Edges = self.edges if kept else "reflecting"
-        return dataclasses.replace(self, heights=heights, edges=edges, provenance={**facts, "crop": cut})
+        return dataclasses.replace(self, heights=heights, edges=edges, provenance=facts)
 
     def level(self, tilt: levelling.Tilt = "plane", *, despike: bool = False) -> Surface:
         """Remove tilt, bow and spikes.
@@ -237,9 +232,8 @@ class Surface(views.InNotebooks):
         """
         limits = prepare.checked_band(longest, shortest)
         heights = prepare.band(self.heights, self.pixel_size, limits, reflecting=self.edges != "periodic")
-        names = zip(("longest", "shortest"), limits, strict=True)
-        facts: Provenance = {name: value for name, value in names if value is not None}
-        return dataclasses.replace(self, heights=heights, provenance={**self.provenance, **facts})
+        told = self.provenance | prepare.told_band(limits)
+        return dataclasses.replace(self, heights=heights, provenance=told)
 
 
 def combined(first: Surface, second: Surface) -> Surface:
@@ -307,15 +301,10 @@ def check_square(heights: ArrayLike) -> None:
     size = heights.pixel_size if isinstance(heights, Surface) else None
     if isinstance(heights, Surface) and size is not None and not prepare.is_square(size):
         unit = f" {heights.length_unit}" if heights.length_unit else ""
-        between_rows, between_columns = (f"{side:.4g}{unit}" for side in size)
-        raise InputError(
-            "heights",
-            expected="square pixels",
-            got=f"{between_rows} between rows and {between_columns} between columns",
-            advice=f"resample = true (--resample): means over {max(size):.4g}{unit}"
-            if "file" in heights.provenance
-            else "",
-        )
+        got = f"{size[0]:.4g}{unit} between rows and {size[1]:.4g}{unit} between columns"
+        asked = f"resample = true (--resample): means over {max(size):.4g}{unit}"
+        advice = asked if "file" in heights.provenance else ""
+        raise InputError("heights", expected="square pixels", got=got, advice=advice)
 
 
 def measured_part(shape: tuple[int, ...], provenance: Mapping[str, object]) -> tuple[slice, ...]:
