@@ -13,7 +13,7 @@ from asperity import Contact, History, age, press, protocols, relax
 from asperity.analysis import SiteState, with_limit
 from asperity.analysis.maps import maps_between
 from asperity.figures import plot_history, plot_spectrum, plot_surface, style
-from asperity.figures.marks import COLORS
+from asperity.figures.contacts import COLORS
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian, power_spectrum
 from tests.refusals import refuses

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import textwrap
+from typing import Any
+
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -45,38 +48,34 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
         raise InputError(
             "summary", expected="a history with times above 0", got="none", advice="age(contact, times)"
         )
-    panels = 1 if summary.load is None else 2
-    figure = style.Drawing(figsize=(6.4, 4.6 + 2.4 * (panels - 1)), layout="constrained")
-    grid = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 2)[:panels], squeeze=False)[:, 0]
+    falls = summary.load is not None
+    figure, grid = style.stacked((6.4, 4.6 + 2.4 * falls), *(3, 2)[: 1 + falls])
     axes = grid[0]
     axes.set_xscale("log")
     _draw_computed(axes, summary.time, summary.area_ratio)
     _draw_law(axes, summary)
     _draw_theory(axes, summary)
     _draw_limit(axes, summary.area_ratio, summary.relaxed_ratio)
-    _frame(axes, summary)
+    axes.set_ylabel(r"contact area $A(t)\,/\,A(0)$")
+    axes.margins(x=0.03)
+    style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
     if summary.load is not None:
-        _draw_load(grid[1], summary, summary.load)
+        ratio = summary.load / summary.initial_load
+        _draw_computed(grid[1], summary.time, ratio)
+        _draw_limit(grid[1], ratio, summary.relaxed_load and summary.relaxed_load / summary.initial_load)
+        grid[1].set_ylabel(r"load $F(t)\,/\,F(0)$")
     for one in grid:
         style.finish(one)
     grid[-1].set_xlabel(style.over_time(dataset, "hold time $t$"))
     held = str(dataset.attrs["held"])
     held = f"{held} {style.said(dataset, held, float(dataset.attrs[f'held_{held}']))} held"
-    style.entitle(figure, dataset, "Real contact area against hold time", held)
+    style.entitle(figure, "Real contact area against hold time", style.conditions(dataset, held))
     return figure
 
 
 def _draw_computed(axes: Axes, time: Field, ratio: Field) -> None:
     # Not clipped: the axis ends at full contact.
     style.curve(axes, time, ratio, "o", style.INK, "computed", markersize=4.5, zorder=4, clip_on=False)
-
-
-def _draw_load(axes: Axes, summary: AgingSummary, load: Field) -> None:
-    ratio = load / summary.initial_load
-    _draw_computed(axes, summary.time, ratio)
-    limit = None if summary.relaxed_load is None else summary.relaxed_load / summary.initial_load
-    _draw_limit(axes, ratio, limit)
-    axes.set_ylabel(r"load $F(t)\,/\,F(0)$")
 
 
 def _draw_law(axes: Axes, summary: AgingSummary) -> None:
@@ -117,30 +116,10 @@ def _draw_theory(axes: Axes, summary: AgingSummary) -> None:
     if summary.dilute_time[-1] < summary.curve_time[-1]:
         ends = power(float(f"{summary.dilute_time[-1]:.0e}"))
         label += f", while\ncontacts are far apart: $t$ < ${ends}$"
-    axes.plot(
-        summary.dilute_time,
-        summary.dilute_ratio,
-        "--",
-        color=style.VERMILION,
-        linewidth=1.8,
-        label=label,
-        zorder=3,
-    )
-
-
-def _frame(axes: Axes, summary: AgingSummary) -> None:
-    """Label the axes; the right one counts the nominal area, and ends where all of it touches."""
-    axes.set_ylabel(r"contact area $A(t)\,/\,A(0)$")
-    axes.margins(x=0.03)
-    style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
+    look: dict[str, Any] = {"color": style.VERMILION, "linewidth": 1.8, "zorder": 3}
+    axes.plot(summary.dilute_time, summary.dilute_ratio, "--", label=label, **look)
 
 
 def _wrapped(text: str) -> str:
     """Break a long note for the legend."""
-    lines, line = [], ""
-    for word in text.split():
-        if len(line) + len(word) > 42:
-            lines.append(line)
-            line = ""
-        line = f"{line} {word}".strip()
-    return "\n   ".join([*lines, line])
+    return "\n   ".join(textwrap.wrap(text, 43, break_long_words=False, break_on_hyphens=False))

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.analysis.legs import LegRow, leg_table, protocol_of
-from asperity.analysis.scan import readable
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.figures.time_axis import BESIDE, GAP, Column, Entries, columns_of, entries_of, label_times
@@ -56,9 +55,7 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     names = ["load", "area"] if _only_load(dataset, table) else ["separation", "load", "area"]
     columns = columns_of(dataset, table, _width)
     ratios = [2.0] * (len(names) - 1) + [3.0]
-    size = (_width(len(columns)), 1.6 + 0.8 * sum(ratios))
-    figure = style.Drawing(figsize=size, layout="constrained")
-    grid = figure.subplots(len(names), 1, sharex=True, height_ratios=ratios)
+    figure, grid = style.stacked((_width(len(columns)), 1.6 + 0.8 * sum(ratios)), *ratios)
     entries = entries_of(dataset, table, columns)
     figure.align_ylabels(grid)
     for axes, name in zip(grid, names, strict=True):
@@ -78,7 +75,7 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     title = ["Contact area in a history of " + (" and ".join(names[-2::-1]))]
     if not columns and (protocol := protocol_of(dataset)):
         title.append(style.verbatim(style.fitted(", ".join(leg.words(say) for leg in protocol), figure.room)))
-    style.entitle(figure, dataset, "\n".join(title))
+    style.entitle(figure, "\n".join(title), style.conditions(dataset))
     return figure
 
 
@@ -110,9 +107,8 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
     if name == "area":
         unit = str(dataset["contact_area"].attrs["units"])
         scale = float(dataset["contact_area"][0]) / max(float(values[0]), 1.0)
-    shown, factor = readable(unit, float(np.abs(values).max()) * scale)
-    factor *= scale
-    return values * factor, style.with_unit(label, shown), factor
+    label, factor = style.scaled(label, unit, float(np.abs(values).max()) * scale)
+    return values * (factor * scale), label, factor * scale
 
 
 def _only_load(dataset: xr.Dataset, table: list[LegRow]) -> bool:
@@ -172,14 +168,8 @@ def _head(axes: Axes, table: list[LegRow], columns: list[Column], say: Say, per_
         if column is columns[-1]:
             parts += [f"then {jump(row, say)}" for row in table[column.row.number + 1 :]]
         room = 72 * (column.right - column.left + GAP) - 6
-        axes.text(
-            column.left,
-            1.03,
-            "\n".join(style.lines(part.split(" "), room, 8, between=" ") for part in parts),
-            transform=axes.get_xaxis_transform(),
-            fontsize=8,
-            verticalalignment="bottom",
-        )
+        head = "\n".join(style.lines(part.split(" "), room, 8, between=" ") for part in parts)
+        axes.text(column.left, 1.03, head, transform=axes.get_xaxis_transform(), fontsize=8, va="bottom")
 
 
 def _sinks(table: list[LegRow], row: LegRow) -> bool:
@@ -194,13 +184,10 @@ def _mark_lowest(axes: Axes, table: list[LegRow], columns: list[Column], per_sit
     for column in columns:
         if _sinks(table, column.row):
             lowest = column.row.lowest_area * per_site
-            axes.annotate(
-                "",
-                xy=(float(column.place(column.row.lowest_after)), lowest),
-                xytext=(0, 22 if lowest < bottom + 0.15 * (top - bottom) else -22),
-                textcoords="offset points",
-                arrowprops={"arrowstyle": "->", "color": style.VERMILION, "shrinkA": 0, "shrinkB": 4},
-            )
+            tip = float(column.place(column.row.lowest_after)), lowest
+            tail = 0, 22 if lowest < bottom + 0.15 * (top - bottom) else -22
+            arrow = {"arrowstyle": "->", "color": style.VERMILION, "shrinkA": 0, "shrinkB": 4}
+            axes.annotate("", tip, tail, textcoords="offset points", arrowprops=arrow)
 
 
 def jump(row: LegRow, say: Say) -> str:

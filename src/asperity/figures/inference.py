@@ -22,8 +22,7 @@ _BINS = 41
 
 def curve_figure(found: Inference) -> Figure:
     """Draw the data, and the curve with the 95 % band of the posterior; below, the deviations."""
-    figure = style.Drawing(figsize=(6.8, 5.0), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3.0, 1.0])
+    figure, (upper, lower) = style.stacked((6.8, 5.0), 3, 1)
     t, first = found.time, float(found.time[found.time > 0][0])
     shown = t > 0
     at = np.geomspace(first, t[-1], 120)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.maps import color_range
@@ -129,17 +131,15 @@ def surface_figure(
     checks.instance("surface", surface, Surface, "asperity.surfaces.Surface(heights)")
     view = SurfaceView(surface)
     flat = view.heights.ndim == 2
-    figure = style.Drawing(figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout="constrained")
-    engine = figure.get_layout_engine()
-    assert engine is not None
-    engine.set(w_pad=_PAD, h_pad=_PAD / 2)  # type: ignore[call-arg]
+    figure = style.Drawing(
+        figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout=ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2)
+    )
     if flat:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.2, 1), height_ratios=(1.5, 1))
         upper_left = figure.add_subplot(grid[0, 0])
         draw_map(upper_left, view)
-        upper_left.axhline(
-            float(view.along(0, view.heights.shape[0] // 2)), color="white", linestyle="--", linewidth=1.0
-        )
+        middle = float(view.along(0, view.heights.shape[0] // 2))
+        upper_left.axhline(middle, color="white", linestyle="--", linewidth=1.0)
         waves, profile, histogram = (figure.add_subplot(grid[i, j]) for i, j in ((0, 1), (1, 0), (1, 1)))
         profile.set_title("profile along the dashed line", fontsize=9)
     else:
@@ -147,16 +147,19 @@ def surface_figure(
         profile, histogram = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[1, 0])
         waves = figure.add_subplot(grid[1, 1])
         profile.set_title("profile", fontsize=9)
-    profile.plot(*view.profile(), color=style.INK, linewidth=0.8)
-    profile.set_xlabel(style.with_unit("position", view.length_unit))
-    profile.set_ylabel(style.with_unit("height", view.unit))
-    profile.margins(x=0)
+    draw_heights(profile, view)
     _draw_histogram(histogram, view)
     draw_spectrum(waves, view.in_units(power_spectrum(surface) if spectrum is None else spectrum))
-    about = [title, *(style.lines(note.split(", "), figure.room).split("\n") if note else [])]
-    about[0] = style.lines([title], figure.room)
-    figure.suptitle("\n".join(about), fontsize=10)
+    style.entitle(figure, style.lines([title], figure.room), note.split(", ") if note else [])
     return figure
+
+
+def draw_heights(axes: Axes, view: SurfaceView) -> None:
+    """Draw the heights of a profile, or along the middle line of a surface."""
+    axes.plot(*view.profile(), color=style.INK, linewidth=0.8)
+    axes.set_xlabel(style.with_unit("position", view.length_unit))
+    axes.set_ylabel(style.with_unit("height", view.unit))
+    axes.margins(x=0)
 
 
 def draw_map(axes: Axes, view: SurfaceView) -> None:
@@ -167,15 +170,13 @@ def draw_map(axes: Axes, view: SurfaceView) -> None:
         cmap=style.HEIGHT_MAP,
         clim=view.height_range,
         extent=(0.0, columns * view.pixel_size[1], rows * view.pixel_size[0], 0.0),
-        interpolation="antialiased",
-        rasterized=True,
+        **style.PIXELS,
     )
     axes.set_xlabel(style.with_unit("x", view.length_unit))
     axes.set_ylabel(style.with_unit("y", view.length_unit))
     axes.set_title("height map", fontsize=9)
-    figure = axes.get_figure()
-    assert figure is not None
-    figure.colorbar(image, ax=axes, label=style.with_unit("height", view.unit), shrink=0.85, extend="both")
+    label = style.with_unit("height", view.unit)
+    axes.figure.colorbar(image, ax=axes, label=label, shrink=0.85, extend="both")
 
 
 def _draw_histogram(axes: Axes, view: SurfaceView) -> None:
@@ -198,14 +199,9 @@ def draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
     flat = len(spectrum.along) == 2
     # What a surface of smooth waves has beyond the shortest of them is rounding.
     shown = spectrum.power > _ROUNDING * spectrum.power.max(initial=0.0)
-    axes.loglog(
-        spectrum.wave_number[shown],
-        spectrum.power[shown],
-        "o",
-        color=style.BLUE,
-        markersize=3.5,
-        label="mean over directions" if flat else "mean over bins",
-    )
+    label = "mean over directions" if flat else "mean over bins"
+    look: dict[str, Any] = {"color": style.BLUE, "markersize": 3.5, "label": label}
+    axes.loglog(spectrum.wave_number[shown], spectrum.power[shown], "o", **look)
     fit = spectrum.fit
     if fit is not None:
         q = 2 * np.pi / np.array([fit.longest, fit.shortest])

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -58,22 +59,14 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Entries:
-    """Where the entries of a history are drawn.
-
-    Attributes
-    ----------
-    place
-        Their coordinates on the time axis.
-    after
-        Whether an entry is the state just after a jump; the entry before it is the state just before.
-    start
-        Where the column of an entry begins, if the entry before it, which ends the column before, is the
-        state at that moment; NaN otherwise.
-    """
+    """Where the entries of a history are drawn."""
 
     place: Field
+    """Their coordinates on the time axis."""
     after: Mask
+    """Whether an entry is the state just after a jump; the entry before it is the state just before."""
     start: Field
+    """Where the column of an entry begins, if the entry before it is the state then; NaN otherwise."""
 
 
 def columns_of(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], float]) -> list[Column]:
@@ -143,17 +136,9 @@ def label_times(grid: Iterable[Axes], columns: list[Column]) -> None:
         fine = fine[(fine >= column.first) & (fine <= lasting)]
         minor += column.place(fine).tolist()
         breaks = column.left + _STRIP / 2 + np.array([-0.03, 0.03])
-        lowest.plot(
-            breaks,
-            [0, 0],
-            linestyle="none",
-            marker=[(-1, -2), (1, 2)],
-            markersize=8,
-            color=style.INK,
-            markeredgewidth=0.8,
-            transform=lowest.get_xaxis_transform(),
-            clip_on=False,
-        )
+        mark: dict[str, Any] = {"ls": "none", "marker": [(-1, -2), (1, 2)], "ms": 8, "markeredgewidth": 0.8}
+        mark |= {"transform": lowest.get_xaxis_transform(), "clip_on": False}
+        lowest.plot(breaks, [0, 0], color=style.INK, **mark)
     for axes in grid:
         for left, right in pairwise(columns):
             axes.axvspan(left.right, right.left, color="0.93", linewidth=0, zorder=0)
