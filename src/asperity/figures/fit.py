@@ -83,8 +83,8 @@ def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
     label = f"means over bins of {thousands(growth.points)} values" if growth.shown_are_means else "data"
     time, value, error = growth.shown_time, growth.shown_value, growth.shown_stderr
     many = time.size > 100
-    look = {"color": style.INK, "markersize": 4.5 if time.size < 100 else 3, "markerfacecolor": "white"}
-    axes.errorbar(time, value, error, fmt="o", label=label, zorder=1 if many else 4, **look, **_BARS)
+    look: dict[str, Any] = {"markersize": 4.5 if time.size < 100 else 3, "markerfacecolor": "white", **_BARS}
+    axes.errorbar(time, value, error, fmt="o", label=label, color=style.INK, zorder=1 if many else 4, **look)
     if growth.initial_points and growth.rate is not None:
         initial = growth.rate.initial_area
         count = f", mean of {growth.initial_points}" if growth.initial_points > 1 else ""
@@ -103,8 +103,8 @@ def _draw_residuals(axes: Axes, growth: MeasuredGrowth, *, line: bool) -> None:
     for (color, _, marker), time, residual in strips:
         error = errors[np.isin(growth.shown_time, time)]
         bars = None if growth.shown_stderr is None else error
-        look = {"color": color, "markersize": 3.5, "markerfacecolor": color if marker == "o" else "none"}
-        axes.errorbar(time, 100 * residual, bars, fmt=marker, **look, **_BARS)
+        look: dict[str, Any] = {"markerfacecolor": color if marker == "o" else "none", "markersize": 3.5}
+        axes.errorbar(time, 100 * residual, bars, fmt=marker, color=color, **look, **_BARS)
         reach = max(reach, 1.15 * float(np.max(np.abs(100 * residual) + error, initial=0)))
     axes.set_ylim(-reach, reach)
     axes.set_ylabel("data / fit − 1 [%]")

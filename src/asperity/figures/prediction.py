@@ -29,8 +29,8 @@ def growth_figure(prediction: Prediction) -> Figure:
     growth = prediction.growth
     draw_growth(grid[0], prediction)
     begin, end, slope = np.transpose(growth.decades)
-    edges, look = np.append(begin, end[-1]), {"color": style.BLUE, "linewidth": 1.8}
-    grid[1].stairs(100 * slope, edges, baseline=None, label="decade by decade", **look)
+    edges, label = np.append(begin, end[-1]), "decade by decade"
+    grid[1].stairs(100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.8, label=label)
     low, high = (100 * edge for edge in growth.band)
     label = f"mean of all {100 * growth.per_decade:.3g} %, 95 % band"
     grid[1].axhspan(low, high, color=style.SKY, alpha=0.35, linewidth=0, label=label)

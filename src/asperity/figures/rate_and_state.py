@@ -89,7 +89,7 @@ def _legend(found: StateLaws, law: StateLaw) -> str:
 def _draw_residuals(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
     axes.axhline(0, color=style.INK, linewidth=0.8)
     look: dict[str, Any] = {"markersize": 2.5, "markerfacecolor": "none"}
-    for law, marker in (("aging", "o"), ("slip", "s")):
+    for law, marker in zip(STATE_LAWS, "os", strict=True):
         fit = found.fits[law]
         axes.plot(slip[fit.used], fit.residual, marker, color=_LINES[law][0], **look)
 
