@@ -207,9 +207,8 @@ def on_the_surface(dataset: xr.Dataset) -> xr.Dataset:
     for name, field in dataset.data_vars.items():
         own = [axis for axis in axes if axis in field.dims]
         if own and "field_time" in field.dims:
-            back = [
-                one.roll({axis: -round(float(one[f"field_shift_{axis}"])) for axis in own}) for one in field
-            ]
+            shifts = ({axis: -round(float(one[f"field_shift_{axis}"])) for axis in own} for one in field)
+            back = [one.roll(shift) for one, shift in zip(field, shifts, strict=True)]
             moved[name] = field.copy(data=np.stack(back))
     return dataset.assign(moved)
 

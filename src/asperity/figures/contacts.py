@@ -90,7 +90,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     whole[0].set_title(f"rough surface{yielded}", fontsize=8.5 if yielded else 9)
     label = style.with_unit("height", maps.unit)
     figure.colorbar(image, ax=whole[0], location="left", shrink=0.9, label=label, pad=0.02, extend="both")
-    states = maps.sampled(side) if side > 1 else maps.states
+    states = maps.sampled(side)
     for number, axes in enumerate(whole[1:panels]):
         draw_states(axes, maps, states[number], side)
         axes.set_title(caption(maps, number), fontsize=8.5)

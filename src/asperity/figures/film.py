@@ -123,7 +123,7 @@ def animate_history(
 def _maps(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
     """How one map is drawn, with the scale of its length."""
     side = cells_in(axes, maps)
-    states = maps.sampled(side) if side > 1 else maps.states
+    states = maps.sampled(side)
 
     def show(number: int) -> None:
         contacts.draw_states(axes, maps, states[number], side)

@@ -83,11 +83,11 @@ def plot_contact(
     else:
         side = cells_in(axes, maps)
         if since is not None:
-            draw_states(axes, maps, (maps.sampled(side) if side > 1 else maps.states)[-1], side)
+            draw_states(axes, maps, maps.sampled(side)[-1], side)
             if colorbar:
                 _explain(axes, maps)
         else:
-            shown = maps.coarsened(pressure[np.newaxis], side, np.nan)[0] if side > 1 else pressure
+            shown = maps.coarsened(pressure[np.newaxis], side, np.nan)[0]
             colored = draw_pressure(axes, maps, shown, _norm(shown), side)
         draw_scale_bar(axes, maps)
     if colorbar and colored is not None:
