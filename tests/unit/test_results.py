@@ -167,11 +167,10 @@ def test_what_cannot_be_written_is_left_alone(here):
 
 
 def test_what_is_no_result_is_refused(here):
+    (here / "empty").mkdir()
+    (here / "other").mkdir()
+    (here / "other" / "notes.txt").write_text("hello")
     for name in ("missing", "empty", "other"):
-        if name != "missing":
-            (here / name).mkdir()
-        if name == "other":
-            (here / name / "notes.txt").write_text("hello")
         with refuses("path"):
             asp.results.load(name)
 
