@@ -107,7 +107,10 @@ def test_the_legend_gives_the_fit_and_its_misfit(aged: xr.Dataset, summary: Agin
     assert "relaxed limit" in text
     text = legend_of(aging_curve(aged, dataclasses.replace(known, relaxed_ratio=None)))
     assert "$a$ = 2.93, extrapolated" in text
-    ended = {"dilute_time": summary.dilute_time[:50], "dilute_ratio": summary.dilute_ratio[:50]}
+    ended: dict[str, Any] = {
+        "dilute_time": summary.dilute_time[:50],
+        "dilute_ratio": summary.dilute_ratio[:50],
+    }
     assert "far apart" in legend_of(aging_curve(aged, dataclasses.replace(summary, **ended)))
     # What is missing is not drawn, and the legend says why.
     none: dict[str, Any] = {"fit": None, "fit_curve": None, "fit_note": "no fit: the area does not grow"}

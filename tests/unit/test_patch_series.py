@@ -196,8 +196,8 @@ def test_the_series_is_that_of_its_maps(shape: tuple[int, ...]) -> None:
             shapes = shapes_of(touching, (1.0, 1.0))
             each = [float(shapes.aspect[n - 1]) for n in shapes.found.labels[touching]]
             ended = [one for one in each if not math.isnan(one)]
-            expected = np.mean(ended) if ended else math.nan
-            assert row["mean_patch_aspect"] == pytest.approx(expected, nan_ok=True)
+            mean = float(np.mean(ended)) if ended else math.nan
+            assert row["mean_patch_aspect"] == pytest.approx(mean, nan_ok=True)
     change = series["births"] - series["deaths"] + series["splits"] - series["merges"]
     np.testing.assert_array_equal(series["patches"][0] + np.cumsum(change), series["patches"])
     gained = np.sum([series[name] for name in series if name.startswith("gained_by")], axis=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize, to_rgb, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
@@ -225,13 +226,19 @@ def _side(maps: ContactMaps, number: int) -> str:
 def legend(figure: Figure, maps: ContactMaps, *, topography: bool = False) -> None:
     """Explain the colors of the states that occur, and that of the topography, below all panels."""
     first = _moment(maps, float(maps.times[0]))
-    found = {state: color for state, color in COLORS.items() if (maps.states == state).any()}
-    handles = [style.swatch(color, _WORDS[state].format(first=first)) for state, color in found.items()]
+    words = {state: word.format(first=first) for state, word in _WORDS.items()}
+    handles = swatches(maps.states, words)
     if topography and maps.indentation.any():
         handles.append(style.swatch(_YIELDED, "rough surface has yielded"))
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles) or 1, fontsize=9, frameon=False
     )
+
+
+def swatches(states: NDArray[np.int8], words: Mapping[SiteState, str], size: float = 7) -> list[Line2D]:
+    """Explain the colors of those states that occur."""
+    found = {state: color for state, color in COLORS.items() if (states == state).any()}
+    return [style.swatch(color, words[state], size) for state, color in found.items()]
 
 
 def _moment(maps: ContactMaps, time: float) -> str:
@@ -245,7 +252,7 @@ def _profile_figure(maps: ContactMaps) -> Figure:
     upper, lower = figure.subplots(2, 1, height_ratios=(3, 2))
     first, last = maps.window
     step, label = positions(maps)
-    draw_profile(upper, maps, [_moment(maps, float(time)) for time in maps.times])
+    draw_profile(upper, maps, {n: _moment(maps, float(time)) for n, time in enumerate(maps.times)})
     ends = (SiteState.KEPT, SiteState.NEW)
     draw_sites(upper, maps, ends, color=style.VERMILION, label="contact at the end")
     stretch = "the whole profile" if last - first == maps.heights.size else "the stretch with most contacts"
@@ -257,30 +264,34 @@ def _profile_figure(maps: ContactMaps) -> Figure:
     return figure
 
 
-def draw_profile(axes: Axes, maps: ContactMaps, labels: list[str]) -> None:
-    """Draw the rough profile in the stretch with most contacts, and above it the elastic surfaces."""
+def draw_profile(axes: Axes, maps: ContactMaps, labels: Mapping[int, str]) -> None:
+    """Draw the rough profile in the stretch with most contacts, and above it some of the elastic surfaces."""
     first, last = maps.window
     step, _ = positions(maps)
     here = step * np.arange(first, last)
-    heights, surfaces = maps.heights[first:last], maps.surfaces[:, first:last]
+    heights, surfaces = maps.heights[first:last], maps.surfaces[list(labels), first:last]
     floor = float(heights.min()) - 0.08 * float(np.ptp(surfaces) + np.ptp(heights) or 1.0)
     now = heights - maps.indentation[first:last]
     axes.fill_between(here, now, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
     if (now < heights).any():
         label = "what has yielded"
         axes.fill_between(here, heights, now, step="mid", color=style.PURPLE, linewidth=0, label=label)
-    for number, (surface, label) in enumerate(zip(surfaces, labels, strict=True)):
+    light, dark = np.array([0.62, 0.79, 0.93]), np.array([0.0, 0.20, 0.42])  # blue
+    for number, (surface, label) in enumerate(zip(surfaces, labels.values(), strict=True)):
         shade = 1 - (len(labels) - 1 - number) / max(1, len(labels) - 1)
-        axes.plot(here, surface, color=_shade(shade), linewidth=1.1 + 0.7 * shade, label=label)
+        color = tuple(light + shade * (dark - light))
+        axes.plot(here, surface, color=color, linewidth=1.1 + 0.7 * shade, label=label)
     axes.set_xlim(step * (first - 0.5), step * (last - 0.5))
     axes.set_ylim(floor, None)
     axes.set_ylabel(style.with_unit("height", maps.unit))
 
 
-def draw_sites(axes: Axes, maps: ContactMaps, states: Collection[SiteState], **look: Any) -> None:
-    """Mark the sites of a profile that are in these states in the last map, where there are such."""
+def draw_sites(
+    axes: Axes, maps: ContactMaps, states: Collection[SiteState], number: int = -1, **look: Any
+) -> None:
+    """Mark the sites of a profile that are in these states in one map, where there are such."""
     first, last = maps.window
-    at = first + np.flatnonzero(np.isin(maps.states[-1, first:last], list(states)))
+    at = first + np.flatnonzero(np.isin(maps.states[number, first:last], list(states)))
     if at.size:
         step, _ = positions(maps)
         heights = (maps.heights - maps.indentation)[at]
@@ -314,10 +325,3 @@ def _draw_strips(axes: Axes, maps: ContactMaps, step: float) -> None:
     title += ", which is mirrored: one of 2 copies is shown" if maps.copies > 1 else ""
     title += "; ticks are wider than sites" if tick == _TICK else ""
     axes.set_title(title, fontsize=10)
-
-
-def _shade(part: float) -> tuple[float, float, float]:
-    """From light to dark blue."""
-    light, dark = np.array([0.62, 0.79, 0.93]), np.array([0.0, 0.20, 0.42])
-    red, green, blue = (light + part * (dark - light)).tolist()
-    return red, green, blue

@@ -19,7 +19,7 @@ from asperity.analysis.legs import numbers_of
 from asperity.base import checks, views
 from asperity.errors import InputError, OutputError
 from asperity.figures import style
-from asperity.figures.plots import cells_in, check_series, draw_series, only, shown_figure
+from asperity.figures.plots import cells_in, check_series, draw_series, shown_figure
 from asperity.lattice import Field
 from asperity.results.store import whole_file
 
@@ -134,14 +134,13 @@ def _maps(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
 
 def _profiles(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
     """How one elastic surface is drawn, above a profile whose axes do not move."""
-    contacts.draw_profile(axes, maps, [""] * len(maps.times))
+    contacts.draw_profile(axes, maps, dict.fromkeys(range(len(maps.times)), ""))
     limits = axes.get_ylim()
 
     def show(number: int) -> None:
-        now = only(maps, number)
-        contacts.draw_profile(axes, now, ["elastic surface"])
+        contacts.draw_profile(axes, maps, {number: "elastic surface"})
         for state in (SiteState.KEPT, SiteState.NEW):
-            contacts.draw_sites(axes, now, [state], color=contacts.COLORS[state])
+            contacts.draw_sites(axes, maps, [state], number, color=contacts.COLORS[state])
         axes.set_ylim(limits)
         axes.set_xlabel(contacts.positions(maps)[1])
 

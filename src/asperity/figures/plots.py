@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from asperity.figures.contacts import (
     draw_states,
     positions,
     side_of_cells,
+    swatches,
 )
 from asperity.figures.history import draw_legs, shown_series
 from asperity.figures.surface import SurfaceView, draw_heights, draw_map, draw_spectrum
@@ -158,9 +158,8 @@ def check_series(dataset: xr.Dataset, quantity: str) -> None:
     if quantity not in series:
         raise InputError("quantity", expected=f"one of {', '.join(series)}", got=checks.shown(quantity))
     if float(dataset["time"][-1]) <= 0:
-        raise InputError(
-            "history", expected="times above 0", got="time 0 alone", advice="age(contact, times=[1.0, 10.0])"
-        )
+        advice = "age(contact, times=[1.0, 10.0])"
+        raise InputError("history", expected="times above 0", got="time 0 alone", advice=advice)
 
 
 def draw_series(
@@ -269,7 +268,7 @@ def _draw_line(axes: Axes, maps: ContactMaps, pressure: Field, *, told: bool) ->
     first, last = maps.window
     step, across = positions(maps)
     axes.set_xlabel(across)
-    draw_profile(axes, maps if told else only(maps, 1), ["then", "now"] if told else ["elastic surface"])
+    draw_profile(axes, maps, {0: "then", 1: "now"} if told else {1: "elastic surface"})
     if told:
         for state, word in _SINCE.items():
             draw_sites(axes, maps, [state], color=COLORS[state], label=word)
@@ -281,18 +280,8 @@ def _draw_line(axes: Axes, maps: ContactMaps, pressure: Field, *, told: bool) ->
     return axes.scatter(step * at, (maps.heights - maps.indentation)[at], c=pressure[at], zorder=5, **look)
 
 
-def only(maps: ContactMaps, number: int) -> ContactMaps:
-    """One of the maps alone."""
-    one = slice(number, number + 1)
-    return dataclasses.replace(
-        maps, times=maps.times[one], states=maps.states[one], surfaces=maps.surfaces[one]
-    )
-
-
 def _explain(axes: Axes, maps: ContactMaps) -> None:
-    found = {state: color for state, color in COLORS.items() if (maps.states[-1] == state).any()}
-    handles = [style.swatch(color, _SINCE[state], 6) for state, color in found.items()]
-    if handles:
+    if handles := swatches(maps.states[-1], _SINCE, 6):
         corner = (1.0, 0.0 if maps.pixel_size is None else -0.07)
         look: dict[str, Any] = {"ncols": len(handles), "fontsize": 8, "frameon": False}
         axes.legend(handles=handles, loc="upper right", bbox_to_anchor=corner, **look)
@@ -311,14 +300,12 @@ def _said(contact: Contact, maps: ContactMaps) -> str:
 
 def _limit_of(dataset: xr.Dataset, quantity: str, limit: Contact | None) -> float | None:
     """The quantity in the relaxed state, where that is known."""
-    if limit is None:
-        known = dataset.attrs.get(f"relaxed_{quantity}")
-        return None if known is None else float(known)
-    checks.instance("limit", limit, Contact, "asperity.relax(contact)")
-    value = getattr(limit, quantity, None)
-    if value is None:
-        raise InputError("limit", expected=f"none, as a contact alone has no {quantity}", got="a contact")
-    return float(value)
+    known = dataset.attrs.get(f"relaxed_{quantity}")
+    if limit is not None:
+        known = getattr(checks.instance("limit", limit, Contact, "asperity.relax(contact)"), quantity, None)
+        if known is None:
+            raise InputError("limit", expected=f"none, as a contact alone has no {quantity}", got="a contact")
+    return None if known is None else float(known)
 
 
 def cells_in(axes: Axes, maps: ContactMaps) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import scipy.ndimage
@@ -48,14 +49,14 @@ def shapes_of(
     own = pieces.labels.ravel()[sites]
     sized = found.sizes.astype(np.float64)
     offsets, center, perimeter = [], [], np.zeros(found.count)
-    beyond = "wrap" if edges == "periodic" else "nearest"
+    beyond: Literal["wrap", "nearest"] = "wrap" if edges == "periodic" else "nearest"
     for axis, (index, step) in enumerate(zip(indices, spacing, strict=True)):
         place = (index + touching.shape[axis] * places[own, axis]) * float(step)
         mean = _over_patches(numbers, found.count, place) / sized
         offsets.append(place - mean[numbers - 1])
         center.append(np.mod(mean, touching.shape[axis] * step))
         beside = scipy.ndimage.correlate1d(touching.astype(np.int8), [1, 0, 1], axis, mode=beyond)
-        free = _over_patches(numbers, found.count, 2.0 - beside.ravel()[sites])
+        free = _over_patches(numbers, found.count, 2 - beside.ravel()[sites].astype(np.float64))
         perimeter += free * (math.prod(spacing) / step)
     nowhere = endless[1:]
     return Shapes(
