@@ -24,6 +24,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.base import views
+from asperity.contact.state import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import SaturationFit, saturation
 from asperity.lattice import Field
@@ -160,6 +161,42 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
         dilute_ratio=dilute_ratio,
         dilute_note=dilute_note,
     )
+
+
+def with_limit(dataset: xr.Dataset, limit: Contact) -> xr.Dataset:
+    """Add the relaxed state to a history.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History`.
+    limit
+        The state from `asperity.relax`, of the same surface.
+
+    Returns
+    -------
+    Dataset
+        A copy with the fields ``in_contact_relaxed`` and ``u_relaxed`` and the attributes
+        ``relaxed_area`` (sites), ``relaxed_load``, ``relaxed_separation``, ``relaxed_energy`` and
+        ``relaxed_residual``.
+
+    Raises
+    ------
+    InputError
+        The state is of another lattice.
+    """
+    check_dataset(dataset)
+    sites = dataset["heights"].dims
+    if limit.heights.shape != dataset["heights"].shape:
+        expected = f"a contact of shape {dataset['heights'].shape}"
+        raise InputError("limit", expected=expected, got=limit.heights.shape)
+    touching = {"long_name": "whether the site is in contact in the relaxed state", "units": "1"}
+    unit = dataset["heights"].attrs.get("units", "height unit")
+    height = {"long_name": "height of the elastic surface in the relaxed state", "units": unit}
+    numbers = ("area", "load", "separation", "energy", "residual")
+    return dataset.assign(
+        in_contact_relaxed=(sites, limit.in_contact, touching), u_relaxed=(sites, limit.u, height)
+    ).assign_attrs({f"relaxed_{name}": getattr(limit, name) for name in numbers})
 
 
 def _fit(time: Field, area: Field, limit: float | None) -> tuple[SaturationFit | None, str]:

@@ -85,16 +85,15 @@ def _draw_law(axes: Axes, summary: AgingSummary) -> None:
             axes.plot([], [], " ", label=_wrapped(summary.fit_note))
         return
     known = summary.relaxed_ratio is not None
-    label = "\n   ".join(
-        [
-            r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
-            f"$a$ = {fit.a:.5g}, the relaxed limit" if known else f"$a$ = {fit.a:.3g}, extrapolated",
-            f"$q$ = {fit.q:.3g}, $t_0$ = {fit.t0:.3g}",
-            f"misfit {100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst",
-        ]
-        + ([_wrapped(summary.fit_note)] if summary.fit_note else [])
-    )
-    axes.plot(summary.curve_time, summary.fit_curve, "-", color=style.BLUE, linewidth=1.6, label=label)
+    said = [
+        r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
+        f"$a$ = {fit.a:.5g}, the relaxed limit" if known else f"$a$ = {fit.a:.3g}, extrapolated",
+        f"$q$ = {fit.q:.3g}, $t_0$ = {fit.t0:.3g}",
+        f"misfit {100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst",
+        *([_wrapped(summary.fit_note)] if summary.fit_note else []),
+    ]
+    look: dict[str, Any] = {"color": style.BLUE, "linewidth": 1.6, "label": "\n   ".join(said)}
+    axes.plot(summary.curve_time, summary.fit_curve, "-", **look)
 
 
 def _draw_limit(axes: Axes, ratio: Field, limit: float | None) -> None:

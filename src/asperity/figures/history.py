@@ -125,15 +125,14 @@ def _draw(axes: Axes, entries: Entries, dataset: xr.Dataset, name: str) -> float
     """Draw one series: each entry once, and what joins them; what one of the series is in what is drawn."""
     values, label, factor = shown_series(dataset, name)
     axes.set_ylabel(label, multialignment="center")
-    path: list[tuple[float, float]] = []
-    jumps: list[tuple[float, float]] = []
-    points = list(zip(entries.place.tolist(), values.tolist(), strict=True))
+    path, jumps = [], []
+    gap, points = (math.nan, math.nan), list(zip(entries.place, values, strict=True))
     for i, point in enumerate(points):
         if entries.after[i]:
-            jumps += [points[i - 1], point, (math.nan, math.nan)]
-            path.append((math.nan, math.nan))
+            jumps += [points[i - 1], point, gap]
+            path.append(gap)
         elif math.isfinite(entries.start[i]):
-            path.append((float(entries.start[i]), points[i - 1][1]))
+            path.append((entries.start[i], points[i - 1][1]))
         path.append(point)
     axes.plot(*np.transpose(path), "-", color=style.BLUE, linewidth=1.0, zorder=3)
     if jumps:

@@ -147,15 +147,11 @@ def observed_figure(prediction: Prediction) -> Figure:
     factor = extent[1] / (touching.shape[1] * prediction.spacing[1])
     seen_extent = (0.0, columns * factor, rows * factor, 0.0)
     assert observation.seen is not None
+    above, sharp = f"above {observation.threshold:g} of full contact", {"interpolation": "nearest"}
     maps = (
         (touching, extent, style.PIXELS, "contact"),
         (observation.image, seen_extent, style.PIXELS, "its image"),
-        (
-            observation.seen,
-            seen_extent,
-            {"interpolation": "nearest"},
-            f"above {observation.threshold:g} of full contact",
-        ),
+        (observation.seen, seen_extent, sharp, above),
     )
     for axes, (field, where, look, title) in zip(grid, maps, strict=True):
         axes.imshow(field, cmap="gray_r", clim=(0, 1), extent=where, **look)

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable, written
 from asperity.base import checks
+from asperity.base.words import counted
 from asperity.figures import style
 from asperity.relaxation import Creep, Dynamic, Fit
 
@@ -36,12 +37,9 @@ def relaxation_figure(fit: Fit) -> Figure:
     x, _ = fit.data.columns
     for i, deviation in enumerate(fit.residuals()):
         middle.plot(x, 100 * deviation, _MARKERS[i], **_look(i))
-    count = len(fit.series.branches)
-    upper.set_title(
-        f"{count} {'branch' if count == 1 else 'branches'} over {fit.decades:.1f} decades; "
-        f"data missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most",
-        fontsize=10,
-    )
+    found = counted(len(fit.series.branches), "branch", "branches")
+    missed = f"{100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
+    upper.set_title(f"{found} over {fit.decades:.1f} decades; data missed by {missed}", fontsize=10)
     middle.axhline(0, color=style.INK, linewidth=0.8)
     reach = 1.25 * max(100 * fit.series.error, 1e-3)
     middle.set_ylim(-reach, reach)

@@ -30,18 +30,8 @@ _ROUNDING = 1e-18
 class SurfaceView:
     """A surface as it is shown: the measured part of it, not its mirror images, in readable units.
 
-    Attributes
-    ----------
-    heights
-        Shape ``(n,)`` or ``(n, m)``.
-    unit, length_unit
-        Units of the heights ("1" or a power of ten, such as "1e-06", if unknown) and of the axes ("pixel" if
-        unknown). Lengths are given in the unit that makes the numbers readable, which need not be the
-        surface's.
-    pixel_size
-        Distance between sites along each axis in `length_unit`.
-    height_range
-        As in `asperity.analysis.ContactMaps`.
+    `unit` is that of the `heights`, "1" or a power of ten such as "1e-06" if unknown; `length_unit` that of
+    the axes and of the `pixel_size` along each, "pixel" if unknown. `height_range` is what colors tell apart.
     """
 
     def __init__(self, surface: Surface) -> None:
@@ -134,22 +124,18 @@ def surface_figure(
     figure = style.Drawing(
         figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout=ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2)
     )
+    widths, heights = ((1.2, 1), (1.5, 1)) if flat else ((1, 1), (1, 1))
+    grid = [["map", "waves"], ["profile", "heights"]] if flat else [["profile"] * 2, ["heights", "waves"]]
+    panels = figure.subplot_mosaic(grid, width_ratios=widths, height_ratios=heights)
     if flat:
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.2, 1), height_ratios=(1.5, 1))
-        upper_left = figure.add_subplot(grid[0, 0])
-        draw_map(upper_left, view)
+        draw_map(panels["map"], view)
         middle = float(view.along(0, view.heights.shape[0] // 2))
-        upper_left.axhline(middle, color="white", linestyle="--", linewidth=1.0)
-        waves, profile, histogram = (figure.add_subplot(grid[i, j]) for i, j in ((0, 1), (1, 0), (1, 1)))
-        profile.set_title("profile along the dashed line", fontsize=9)
-    else:
-        grid = figure.add_gridspec(2, 2)
-        profile, histogram = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[1, 0])
-        waves = figure.add_subplot(grid[1, 1])
-        profile.set_title("profile", fontsize=9)
-    draw_heights(profile, view)
-    _draw_histogram(histogram, view)
-    draw_spectrum(waves, view.in_units(power_spectrum(surface) if spectrum is None else spectrum))
+        panels["map"].axhline(middle, color="white", linestyle="--", linewidth=1.0)
+    panels["profile"].set_title("profile along the dashed line" if flat else "profile", fontsize=9)
+    draw_heights(panels["profile"], view)
+    _draw_histogram(panels["heights"], view)
+    measured = power_spectrum(surface) if spectrum is None else spectrum
+    draw_spectrum(panels["waves"], view.in_units(measured))
     style.entitle(figure, style.lines([title], figure.room), note.split(", ") if note else [])
     return figure
 
