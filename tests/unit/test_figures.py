@@ -271,13 +271,8 @@ def long_history(*, repeats: int) -> xr.Dataset:
     """A history of which there is much to say."""
     solid = spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)
     contact = press(Surface(gaussian((16, 16)), provenance={"file": LONG_NAME}), solid, load=123.456789)
-    legs: list[Leg] = [
-        Step(load=100.123456),
-        Hold(12.3456789, hold="separation", mobility=123.456789),
-        Step(separation=-1.23456789),
-        Ramp(12.3456789, load=1e-4 / 3),
-        Step(load=123.456789),
-    ]
+    held, ramp = Hold(12.3456789, hold="separation", mobility=123.456789), Ramp(12.3456789, load=1e-4 / 3)
+    legs: list[Leg] = [Step(load=100.123456), held, Step(separation=-1.23456789), ramp, Step(load=123.456789)]
     end = repeats * 2 * 12.3456789
     return age(contact, np.geomspace(0.01, end, 30), protocol=[Repeat(legs, repeats)], rtol=1e-2).dataset
 
@@ -288,9 +283,7 @@ def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
     many = contact_maps(separated)
     named = Surface(1e-6 * gaussian((30, 90)), provenance={"file": LONG_NAME})
     growth = measured_growth(np.geomspace(1, 1e4, 9), 1 + 0.1 * np.log(np.geomspace(1, 1e4, 9)))
-    note = (
-        "512 × 512 pixels, 1234567 undefined pixels filled, plane removed, mirrored to 1024 × 1024 in a run"
-    )
+    note = "512 × 512 pixels, 1234567 undefined pixels filled, plane removed, mirrored to 1024 × 1024 at last"
     return {
         "load held": aging_curve(aged, aging_summary(aged)),
         "separation held": aging_curve(separated, aging_summary(separated)),
@@ -336,8 +329,11 @@ def test_figures_can_be_written(aged: xr.Dataset, summary: AgingSummary, tmp_pat
     assert path.read_bytes().startswith(magic)
 
 
-def test_no_global_figure_machinery_is_touched() -> None:
-    code = "import sys, asperity.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
+def test_results_load_no_figures_and_figures_no_global_machinery() -> None:
+    code = (
+        "import sys, asperity.results; assert 'matplotlib' not in sys.modules; "
+        "import asperity.figures; assert 'matplotlib.pyplot' not in sys.modules"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0
 
 
