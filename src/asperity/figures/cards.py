@@ -254,6 +254,7 @@ def _card(title: str, rows: Iterable[Row], axes: Axes | None, *notes: str) -> st
 def _data_of(axes: Axes) -> str:
     axes.set_title("")
     figure = axes.get_figure(root=True)
+    assert figure is not None
     for one in (inner for outer in figure.axes for inner in (outer, *outer.child_axes)):
         for text in (one.xaxis.label, one.yaxis.label, *one.get_xticklabels(), *one.get_yticklabels()):
             text.set_fontsize(7)

@@ -125,7 +125,7 @@ def surface_figure(
         figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout=ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2)
     )
     widths, heights = ((1.2, 1), (1.5, 1)) if flat else ((1, 1), (1, 1))
-    grid = [["map", "waves"], ["profile", "heights"]] if flat else [["profile"] * 2, ["heights", "waves"]]
+    grid: list[Any] = [["map", "waves"], ["profile", "heights"]] if flat else [["profile"] * 2, ["heights", "waves"]]
     panels = figure.subplot_mosaic(grid, width_ratios=widths, height_ratios=heights)
     if flat:
         draw_map(panels["map"], view)
