@@ -124,9 +124,12 @@ def surface_figure(
     figure = style.Drawing(
         figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout=ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2)
     )
-    widths, heights = ((1.2, 1), (1.5, 1)) if flat else ((1, 1), (1, 1))
-    grid: list[Any] = [["map", "waves"], ["profile", "heights"]] if flat else [["profile"] * 2, ["heights", "waves"]]
-    panels = figure.subplot_mosaic(grid, width_ratios=widths, height_ratios=heights)
+    grid: list[Any] = [["profile", "profile"], ["heights", "waves"]]
+    ratios: dict[str, Any] = {}
+    if flat:
+        grid = [["map", "waves"], ["profile", "heights"]]
+        ratios = {"width_ratios": (1.2, 1), "height_ratios": (1.5, 1)}
+    panels = figure.subplot_mosaic(grid, **ratios)
     if flat:
         draw_map(panels["map"], view)
         middle = float(view.along(0, view.heights.shape[0] // 2))
