@@ -45,9 +45,8 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     checks.instance("summary", summary, AgingSummary, "asperity.analysis.aging_summary(history.dataset)")
     check_dataset(dataset)
     if summary.time.size == 0:
-        raise InputError(
-            "summary", expected="a history with times above 0", got="none", advice="age(contact, times)"
-        )
+        expected, advice = "a history with times above 0", "age(contact, times)"
+        raise InputError("summary", expected=expected, got="none", advice=advice)
     falls = summary.load is not None
     figure, grid = style.stacked((6.4, 4.6 + 2.4 * falls), *(3, 2)[: 1 + falls])
     axes = grid[0]

@@ -81,7 +81,7 @@ def _(contact: Contact) -> str:
         f"The fields leave a residual of {contact.residual:.1e} of the mean contact force; "
         f"at most {ACCEPTED_RESIDUAL:.0e} is accepted."
     )
-    return _card("Contact", rows, plot_contact(contact, _axes()), proof, _note(contact))
+    return _card("Contact", rows, plot_contact(contact, _axes()), proof, _OWN_UNITS * (not contact.si))
 
 
 @html_of.register
@@ -103,7 +103,7 @@ def _(history: History) -> str:
         del rows[4]
     axes = plot_history(data, _axes()) if time[-1] > 0 else None
     proof = f"{_worst(data)}; tolerance in time {data.attrs['rtol']:g}."
-    return _card("History", rows, axes, proof, _note(final))
+    return _card("History", rows, axes, proof, _OWN_UNITS * (not final.si))
 
 
 @html_of.register
@@ -203,10 +203,6 @@ def _say(contact: Contact) -> Callable[[float, str], str]:
 
 def _worst(data: xr.Dataset) -> str:
     return f"Worst residual {float(data['residual'].max()):.1e} of the mean contact force"
-
-
-def _note(contact: Contact) -> str:
-    return "" if contact.si else _OWN_UNITS
 
 
 def _share(area: int, sites: int) -> str:

@@ -92,6 +92,8 @@ def animate_history(
     writer = None if target is None else _writer(target, rate, overwrite=overwrite)
     check_series(dataset, quantity)
     figure = shown_figure(_SIZE)
+    import matplotlib.pyplot as plt  # as `shown_figure` does: it looks for a display
+
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
     entries = draw_series(right, dataset, quantity)
     contacts.legend(figure, maps)
@@ -116,7 +118,8 @@ def animate_history(
     if target is not None and writer is not None:
         with whole_file(target) as part:
             film.save(part, writer=writer, dpi=_DPI)
-    _leave_to_its_player(film, written=target is not None)
+    if target is not None or "inline" in plt.get_backend():
+        plt.close(figure)  # it is in a file, or a notebook shows it with a player
     return film
 
 
@@ -175,11 +178,3 @@ def _writer(path: Path, rate: float, *, overwrite: bool) -> AbstractMovieWriter:
     if path.exists() and not overwrite:
         raise OutputError(f"{path} exists already and is kept; choose another name, or overwrite=True")
     return PillowWriter(fps=rate) if suffix == ".gif" else FFMpegWriter(fps=rate)  # type: ignore[arg-type]
-
-
-def _leave_to_its_player(film: Film, *, written: bool) -> None:
-    """Close the window of a film that is in a file, or that a notebook shows with a player."""
-    import matplotlib.pyplot as plt
-
-    if written or "inline" in plt.get_backend():
-        plt.close(film._fig)  # type: ignore[attr-defined]

@@ -58,8 +58,10 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
         color, dashes, _ = _LINES[law]
         label = _legend(law, fit, unit)
         upper.plot(growth.curve_time, growth.curves[law], dashes, color=color, linewidth=1.6, label=label)
-    if line:
-        _draw_line(upper, growth)
+    if line and growth.rate is not None:
+        slope, error = (math.log(10) * one for one in (growth.rate.slope, growth.rate.slope_stderr))
+        label = f"straight line, {uncertain(slope, error)} per decade"
+        upper.plot(growth.line_time, growth.line_value, ":", color=style.INK, linewidth=1.6, label=label)
     _draw_residuals(lower, growth, line=line)
     upper.set_ylabel(style.verbatim(style.fitted(quantity, 280)))
     lower.set_xlabel(f"hold time $t$ [{unit or 'unit of the table'}]")
@@ -67,16 +69,6 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
         style.finish(axes, legend=axes is upper)
     upper.margins(x=0.03)
     return figure
-
-
-def _draw_line(axes: Axes, growth: MeasuredGrowth) -> None:
-    """Straight line in ln t, over its window."""
-    rate, per_decade = growth.rate, math.log(10)
-    if rate is None:
-        return
-    slope = uncertain(rate.slope * per_decade, rate.slope_stderr * per_decade)
-    label = f"straight line, {slope} per decade"
-    axes.plot(growth.line_time, growth.line_value, ":", color=style.INK, linewidth=1.6, label=label)
 
 
 def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:

@@ -49,10 +49,10 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     """
     table = leg_table(dataset)
     if not table:
-        raise InputError(
-            "dataset", expected="a history with times above 0", got="none", advice="age(contact, times)"
-        )
-    names = ["load", "area"] if _only_load(dataset, table) else ["separation", "load", "area"]
+        expected, advice = "a history with times above 0", "age(contact, times)"
+        raise InputError("dataset", expected=expected, got="none", advice=advice)
+    by_load = dataset.attrs["held"] == "load" and not any(row.leg.moves_the_body for row in table)
+    names = ["load", "area"] if by_load else ["separation", "load", "area"]
     columns = columns_of(dataset, table, _width)
     ratios = [2.0] * (len(names) - 1) + [3.0]
     figure, grid = style.stacked((_width(len(columns)), 1.6 + 0.8 * sum(ratios)), *ratios)
@@ -82,16 +82,15 @@ def history_figure(dataset: xr.Dataset) -> Figure:
 def draw_legs(axes: Axes, dataset: xr.Dataset, name: str) -> Field:
     """Draw one series of a history with a protocol, leg by leg; return where its entries are on the axis."""
     table = leg_table(dataset)
-    width = axes.get_window_extent().width / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    width = axes.get_window_extent().width / axes.figure.dpi
     columns = columns_of(dataset, table, lambda _: width + BESIDE)
     entries = entries_of(dataset, table, columns)
     factor = _draw(axes, entries, dataset, name)
     if columns:
         label_times([axes], columns)
         _head(axes, table, columns, partial(style.said, dataset, digits=5), factor)
-    axes.set_xlabel(
-        style.over_time(dataset, "time since the beginning of each leg" if columns else "time $t$")
-    )
+    what = "time since the beginning of each leg" if columns else "time $t$"
+    axes.set_xlabel(style.over_time(dataset, what))
     return entries.place
 
 
@@ -109,11 +108,6 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
         scale = float(dataset["contact_area"][0]) / max(float(values[0]), 1.0)
     label, factor = style.scaled(label, unit, float(np.abs(values).max()) * scale)
     return values * (factor * scale), label, factor * scale
-
-
-def _only_load(dataset: xr.Dataset, table: list[LegRow]) -> bool:
-    """Whether no leg prescribes a separation."""
-    return dataset.attrs["held"] == "load" and not any(row.leg.moves_the_body for row in table)
 
 
 def _width(columns: int) -> float:
