@@ -81,7 +81,7 @@ def _(contact: Contact) -> str:
         f"The fields leave a residual of {contact.residual:.1e} of the mean contact force; "
         f"at most {ACCEPTED_RESIDUAL:.0e} is accepted."
     )
-    return _card("Contact", rows, plot_contact(contact, _axes()), proof, _OWN_UNITS * (not contact.si))
+    return _card("Contact", rows, plot_contact(contact, _axes()), proof, "" if contact.si else _OWN_UNITS)
 
 
 @html_of.register
@@ -103,7 +103,7 @@ def _(history: History) -> str:
         del rows[4]
     axes = plot_history(data, _axes()) if time[-1] > 0 else None
     proof = f"{_worst(data)}; tolerance in time {data.attrs['rtol']:g}."
-    return _card("History", rows, axes, proof, _OWN_UNITS * (not final.si))
+    return _card("History", rows, axes, proof, "" if final.si else _OWN_UNITS)
 
 
 @html_of.register
