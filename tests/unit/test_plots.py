@@ -195,3 +195,17 @@ def test_surfaces_and_spectra_are_drawn() -> None:
         plot_surface(gaussian((8, 8)), axes())  # type: ignore[arg-type]
     with refuses("spectrum"):
         plot_spectrum(surface, axes())  # type: ignore[arg-type]
+
+
+def test_a_film_marks_the_contacts_of_a_profile_where_it_has_yielded() -> None:
+    solid = spring_lattice(k0=1.0, k1=3.0, hardness=1.0)
+    history = age(press(gaussian((64,)), solid, load=10.0), [1.0], fields_at=[0.0, 1.0])
+    film = history.animate()
+    assert "<img" in film._repr_html_()
+    film._func(1)  # type: ignore[attr-defined]
+    left = film._fig.axes[0]  # type: ignore[attr-defined]
+    marks = [line for line in left.lines if line.get_marker() == "s"]
+    heights = np.sort(np.concatenate([np.asarray(line.get_ydata()) for line in marks]))
+    final = history.final
+    assert final.permanent_indentation.max() > 0.1
+    np.testing.assert_allclose(heights, np.sort(final.heights[final.in_contact]), rtol=0, atol=1e-12)
