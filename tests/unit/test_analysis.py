@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -9,17 +10,13 @@ import pytest
 import xarray as xr
 
 from asperity import age, press, relax
-from asperity.analysis import ContactMaps, SiteState, aging_summary, contact_maps, with_limit
+from asperity.analysis import SiteState, aging_summary, contact_maps, with_limit
 from asperity.analysis.aging import FAR_APART
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, gaussian, self_affine
-from asperity.theory import (
-    ExponentialHeights,
-    GaussianHeights,
-    exponential_growth,
-    site_stiffness,
-)
+from asperity.theory import ExponentialHeights, GaussianHeights, exponential_growth, site_stiffness
 from tests.refusals import refuses
+from tests.unit.test_figures import some_maps
 
 TIMES = np.geomspace(1e-2, 1e4, 25)
 
@@ -145,13 +142,8 @@ def mirrored(scan: np.ndarray) -> Surface:
     heights = scan
     for axis in range(scan.ndim):
         heights = np.concatenate([heights, np.flip(heights, axis)], axis)
-    provenance: dict[str, Any] = {
-        "file": "scan.npy",
-        "unit": "nm",
-        "periodic_rule": "mirror",
-        "pixel_size": [0.5] * scan.ndim,
-        "length_unit": "um",
-    }
+    provenance: dict[str, Any] = {"file": "scan.npy", "unit": "nm", "periodic_rule": "mirror"}
+    provenance |= {"pixel_size": [0.5] * scan.ndim, "length_unit": "um"}
     return Surface(heights, "nm", (0.5,) * scan.ndim, "um", provenance)
 
 
@@ -167,13 +159,6 @@ def test_maps_of_a_mirrored_scan_show_the_scan(shape: tuple[int, ...]) -> None:
     assert maps.area(0) * maps.copies == pytest.approx(contact.area, rel=0.05)
 
 
-def some_maps(states: np.ndarray) -> ContactMaps:
-    heights = np.zeros(states.shape[1:])
-    return ContactMaps(
-        heights, heights, np.arange(2.0), states, np.zeros(states.shape), (-1, 1), (0, 1), "nm", 1, 0.05, "um"
-    )
-
-
 def test_a_sample_of_contacts_has_their_share_and_their_places() -> None:
     rng = np.random.default_rng(4)
     states = np.where(rng.random((2, 301, 210)) < 0.03, SiteState.NEW, SiteState.FREE).astype(np.int8)
@@ -185,12 +170,8 @@ def test_a_sample_of_contacts_has_their_share_and_their_places() -> None:
     assert 4 * np.count_nonzero((cells != 0).any(axis=0)) == pytest.approx(touching.any(axis=0).sum(), abs=4)
     for number in range(2):
         assert 4 * np.count_nonzero(cells[number]) == pytest.approx(touching[number].sum(), rel=0.05)
-        blocks = (
-            np.pad(states[number], ((0, 1), (0, 0)))
-            .reshape(151, 2, 105, 2)
-            .swapaxes(1, 2)
-            .reshape(151, 105, 4)
-        )
+        whole = np.pad(states[number], ((0, 1), (0, 0)))
+        blocks = whole.reshape(151, 2, 105, 2).swapaxes(1, 2).reshape(151, 105, 4)
         assert (blocks == cells[number][..., None]).any(axis=-1).all()
     np.testing.assert_array_equal(some_maps(states).sampled(1), states)
 
@@ -201,6 +182,7 @@ def test_a_close_up_is_where_most_happens_and_a_scale_bar_is_round() -> None:
     states[1, 140:150, 260:300] = SiteState.NEW
     maps = some_maps(states)
     assert maps.close_up() == (slice(128, 256), slice(256, 384))
+    maps = dataclasses.replace(maps, pixel_size=0.05, length_unit="um")
     assert maps.scale_bar(400) == pytest.approx((100, 5, "um"))
     assert maps.scale_bar(40) == pytest.approx((10, 500, "nm"))
 
@@ -210,22 +192,13 @@ def test_a_fit_that_means_little_says_so() -> None:
     two_steps = saturating(TIMES, 2.0, 3.0, 0.1) + saturating(TIMES, 9.0, 3.0, 300.0) - 1
     assert "misses these areas by" in aging_summary(synthetic(two_steps)).fit_note
     constant = aging_summary(synthetic(np.ones(25)))
-    assert (constant.fit, constant.fit_curve, constant.fit_note) == (
-        None,
-        None,
-        "no fit: the area does not grow",
-    )
     few = aging_summary(synthetic(np.array([1.5]), times=np.array([1.0])))
-    assert few.fit is None
-    assert few.fit_note == "no fit: it takes 4 times above 0 or more"
+    none = aging_summary(synthetic(np.empty(0), times=np.empty(0)))
+    assert none.time.size == none.curve_time.size == 0
     assert np.isnan(few.steepest_per_decade)
-
-
-def test_a_history_of_time_0_alone_has_no_growth() -> None:
-    summary = aging_summary(synthetic(np.empty(0), times=np.empty(0)))
-    assert summary.time.size == summary.curve_time.size == 0
-    assert summary.fit is None
-    assert "only time 0" in summary.fit_note
+    whys = ["the area does not grow", "it takes 4 times above 0 or more", "only time 0 was asked for"]
+    for one, why in zip((constant, few, none), whys, strict=True):
+        assert (one.fit, one.fit_curve, one.fit_note) == (None, None, f"no fit: {why}")
 
 
 def test_exponential_heights_grow_like_the_compliance_until_the_dips_meet() -> None:

@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 import asperity as asp
 from asperity.figures import history_figure
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Step
-from tests.refusals import refuses
 from tests.surfaces import uncorrelated
 
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
@@ -138,8 +137,3 @@ def test_a_fall_after_a_jump_is_pointed_at():
         if arrows:
             assert arrows[0].xy[1] == 8
             assert arrows[0].xy[0] in panels(figure)["load"][0][0]
-
-
-def test_a_history_of_time_0_alone_has_no_figure():
-    with refuses("dataset"):
-        history_figure(asp.age(CONTACT, [0.0]).dataset)

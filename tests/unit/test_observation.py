@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -120,10 +121,8 @@ def test_lengths_are_those_of_the_contact(contact: asp.Contact) -> None:
 
 def test_a_dataset_is_seen_as_the_contact(contact: asp.Contact) -> None:
     history = asp.age(contact, [1.0], fields_at=[0.0, 1.0])
-    ours, theirs = (
-        asp.observe(history.dataset.isel(field_time=0), blur="2um"),
-        asp.observe(contact, blur="2um"),
-    )
+    at_first = history.dataset.isel(field_time=0)
+    ours, theirs = (asp.observe(image, blur="2um") for image in (at_first, contact))
     np.testing.assert_array_equal(ours.image, theirs.image)
     assert ours.spacing == theirs.spacing
     with refuses("image"):
@@ -140,19 +139,10 @@ def test_a_profile_is_seen_too() -> None:
 
 def test_what_cannot_be_seen(contact: asp.Contact) -> None:
     touching = brightness((6, 8)) < 0.5
-    with refuses("pixel"):
-        asp.observe(touching, pixel=7.0)
-    with refuses("pixel"):
-        asp.observe(touching, pixel="1 um")
-    with refuses("pixel"):
-        asp.observe(contact, pixel="1 MPa")
-    with refuses("blur"):
-        asp.observe(touching, blur=-1.0)
-    with refuses("spacing"):
-        asp.observe(touching, spacing=[1.0, 2.0, 3.0])
-    with refuses("spacing"):
-        asp.observe(contact, spacing=1.0)
-    with refuses("edges"):
-        asp.observe(touching, edges="open")  # type: ignore[arg-type]
+    refused: list[tuple[Any, str, Any]] = [(touching, "pixel", 7.0), (touching, "pixel", "1 um")]
+    refused += [(contact, "pixel", "1 MPa"), (touching, "blur", -1.0), (touching, "spacing", [1.0, 2.0, 3.0])]
+    for image, name, value in (*refused, (contact, "spacing", 1.0), (touching, "edges", "open")):
+        with refuses(name):
+            asp.observe(image, **{name: value})
     with refuses("patches"):
         assert asp.observe(touching).patches

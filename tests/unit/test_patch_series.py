@@ -190,17 +190,14 @@ def test_the_series_is_that_of_its_maps(shape: tuple[int, ...]) -> None:
         assert row["perimeter"] == sum(
             np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in range(touching.ndim)
         )
-        if box is None:
-            assert math.isnan(row["clustering"])
-        else:
-            assert row["clustering"] == clustering(touching, box)
+        expected = math.nan if box is None else clustering(touching, box)
+        np.testing.assert_equal(row["clustering"], expected)
         if len(shape) == 2:
             shapes = shapes_of(touching, (1.0, 1.0))
             each = [float(shapes.aspect[n - 1]) for n in shapes.found.labels[touching]]
             ended = [one for one in each if not math.isnan(one)]
-            assert row["mean_patch_aspect"] == pytest.approx(
-                np.mean(ended) if ended else math.nan, nan_ok=True
-            )
+            mean = float(np.mean(ended)) if ended else math.nan
+            assert row["mean_patch_aspect"] == pytest.approx(mean, nan_ok=True)
     change = series["births"] - series["deaths"] + series["splits"] - series["merges"]
     np.testing.assert_array_equal(series["patches"][0] + np.cumsum(change), series["patches"])
     gained = np.sum([series[name] for name in series if name.startswith("gained_by")], axis=0)
@@ -215,10 +212,8 @@ def test_maps_without_contact_have_no_sizes_and_no_ages() -> None:
     series = map_series([nothing, some, nothing], [0.0, 1.0, 3.0], Lattice((16, 16)))
     assert series["patches"].tolist() == [0, 1, 0]
     assert (series["births"].tolist(), series["deaths"].tolist()) == ([0, 1, 0], [0, 0, 1])
-    assert (series["gained_by_births"].tolist(), series["lost_by_deaths"].tolist()) == (
-        [0, 18, 0],
-        [0, 0, 18],
-    )
+    changes = (series["gained_by_births"].tolist(), series["lost_by_deaths"].tolist())
+    assert changes == ([0, 18, 0], [0, 0, 18])
     assert np.isnan(series["mean_patch_size"]).tolist() == [True, False, True]
     assert series["contact_age"][1].tolist() == [0.0] * len(QUANTILES)
     assert np.isnan(series["contact_age"][2]).all()
@@ -266,11 +261,8 @@ def test_a_table_of_patches_adds_up(history: asp.results.History) -> None:
     for name in table.variables:
         np.testing.assert_allclose(of_map[name], table[name], rtol=1e-9, atol=1e-9)
         assert of_map[name].attrs == table[name].attrs
-    columns = table.to_dataframe().reset_index().columns
-    assert list(columns) == [
-        *("patch", "size", "perimeter", "aspect", "y", "x"),
-        *("load", "mean_pressure", "largest_pressure"),
-    ]
+    columns = "patch size perimeter aspect y x load mean_pressure largest_pressure"
+    assert list(table.to_dataframe().reset_index().columns) == columns.split()
 
 
 def test_units_of_a_table_are_those_of_the_contact() -> None:
@@ -366,12 +358,9 @@ def test_what_has_no_fields_is_refused(history: asp.results.History) -> None:
             function(without)
         with refuses("dataset"):
             function(history)  # type: ignore[arg-type]
-    with refuses("image"):
-        patch_table(history.dataset)
-    with refuses("image"):
-        patch_table(without)
-    with refuses("image"):
-        patch_table(history.final.in_contact)  # type: ignore[arg-type]
+    for image in (history.dataset, without, history.final.in_contact):
+        with refuses("image"):
+            patch_table(image)  # type: ignore[arg-type]
     with refuses("connectivity"):
         patch_table(history.final, connectivity=3)
 

@@ -16,11 +16,8 @@ from tests.refusals import refuses
 
 def flooded(touching: Mask, connectivity: int = 1) -> list[set[tuple[int, ...]]]:
     """The patches by flood fill, site by site, on the periodic lattice."""
-    steps = [
-        step
-        for step in np.ndindex(*(3,) * touching.ndim)
-        if 0 < sum(abs(s - 1) for s in step) <= connectivity
-    ]
+    around = np.ndindex(*(3,) * touching.ndim)
+    steps = [step for step in around if 0 < sum(abs(s - 1) for s in step) <= connectivity]
     dry = {tuple(map(int, site)) for site in np.argwhere(touching)}
     found = []
     while dry:
@@ -52,9 +49,7 @@ def test_patches_are_those_of_flood_fill(shape: tuple[int, ...], connectivity: i
         assert found.sizes.tolist() == sorted(map(len, expected), reverse=True)
         assert found.count == len(expected)
         # The labels are the same sets, numbered by size.
-        labeled = [
-            set(zip(*map(list, np.nonzero(found.labels == k + 1)), strict=True)) for k in range(found.count)
-        ]
+        labeled = [set(map(tuple, np.argwhere(found.labels == k + 1))) for k in range(found.count)]
         assert [len(patch) for patch in labeled] == found.sizes.tolist()
         assert set(map(frozenset, labeled)) == set(map(frozenset, expected))
         np.testing.assert_array_equal(found.labels == 0, ~touching)

@@ -167,17 +167,16 @@ def test_what_cannot_be_written_is_left_alone(here):
 
 
 def test_what_is_no_result_is_refused(here):
+    (here / "empty").mkdir()
+    (here / "other").mkdir()
+    (here / "other" / "notes.txt").write_text("hello")
     for name in ("missing", "empty", "other"):
-        if name != "missing":
-            (here / name).mkdir()
-        if name == "other":
-            (here / name / "notes.txt").write_text("hello")
         with refuses("path"):
             asp.results.load(name)
 
 
 DAMAGES = {
-    "a byte of the numbers": ("u/c/0/0/0", lambda content: content[:-9] + b"?" + content[-8:]),
+    "a byte of the numbers": ("u/c/0/0/0", lambda content: content[:600] + b"?" + content[601:]),
     "half of the numbers": ("area/c/0", lambda content: content[: len(content) // 2]),
     "a description of another type": (
         "area/zarr.json",

@@ -1,9 +1,8 @@
 """Analysis of a history: growth of the contact area, patches and maps of contact, legs, the relaxed limit."""
 
-from asperity.analysis.aging import AgingSummary, aging_summary
+from asperity.analysis.aging import AgingSummary, aging_summary, with_limit
 from asperity.analysis.field_values import Distribution, distributions
 from asperity.analysis.legs import LegRow, leg_table
-from asperity.analysis.limit import with_limit
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
 from asperity.analysis.prediction import Growth, Prediction, Resolved

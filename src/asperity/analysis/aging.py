@@ -24,6 +24,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.base import views
+from asperity.contact.state import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import SaturationFit, saturation
 from asperity.lattice import Field
@@ -129,7 +130,7 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     if area[0] == 0:
         raise InputError("dataset", expected="contact at time 0", got="none", advice="a larger load")
     later, ratio = time[1:], area[1:] / area[0]
-    relaxed = dataset.attrs.get("relaxed_area")
+    relaxed, relaxed_load = dataset.attrs.get("relaxed_area"), dataset.attrs.get("relaxed_load")
     # The law is the paper's, for its lattice; a continuum follows its own relaxation times.
     fit, fit_note = (None, "") if "modulus" in dataset.attrs else _fit(time, area, relaxed)
     curve_time = np.geomspace(later[0], later[-1], _SMOOTH_CURVE) if later.size else later
@@ -138,7 +139,6 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     forces = np.asarray(dataset["load"], dtype=np.float64)
     load = None if dataset.attrs["held"] == "load" else forces[1:]
     load_per_decade, load_time = (math.nan, math.nan) if load is None else _steepest(later, load)
-    relaxed_load = dataset.attrs.get("relaxed_load")
     return AgingSummary(
         time=later,
         area_ratio=ratio,
@@ -161,6 +161,42 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
         dilute_ratio=dilute_ratio,
         dilute_note=dilute_note,
     )
+
+
+def with_limit(dataset: xr.Dataset, limit: Contact) -> xr.Dataset:
+    """Add the relaxed state to a history.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History`.
+    limit
+        The state from `asperity.relax`, of the same surface.
+
+    Returns
+    -------
+    Dataset
+        A copy with the fields ``in_contact_relaxed`` and ``u_relaxed`` and the attributes
+        ``relaxed_area`` (sites), ``relaxed_load``, ``relaxed_separation``, ``relaxed_energy`` and
+        ``relaxed_residual``.
+
+    Raises
+    ------
+    InputError
+        The state is of another lattice.
+    """
+    check_dataset(dataset)
+    sites = dataset["heights"].dims
+    if limit.heights.shape != dataset["heights"].shape:
+        expected = f"a contact of shape {dataset['heights'].shape}"
+        raise InputError("limit", expected=expected, got=limit.heights.shape)
+    touching = {"long_name": "whether the site is in contact in the relaxed state", "units": "1"}
+    unit = dataset["heights"].attrs.get("units", "height unit")
+    height = {"long_name": "height of the elastic surface in the relaxed state", "units": unit}
+    numbers = ("area", "load", "separation", "energy", "residual")
+    return dataset.assign(
+        in_contact_relaxed=(sites, limit.in_contact, touching), u_relaxed=(sites, limit.u, height)
+    ).assign_attrs({f"relaxed_{name}": getattr(limit, name) for name in numbers})
 
 
 def _fit(time: Field, area: Field, limit: float | None) -> tuple[SaturationFit | None, str]:
@@ -199,23 +235,22 @@ def _steepest(time: Field, value: Field) -> tuple[float, float]:
 
 def _dilute(dataset: xr.Dataset, law: HeightLaw | None, time: Field) -> tuple[Field, Field, str]:
     """Times up to the horizon, the theory's A(t)/A(0) there, and why there is none."""
-    nothing = np.empty(0)
+    none = np.empty(0), np.empty(0)
     k0, k1, R, viscous = (float(dataset.attrs.get(name, 0)) for name in ("k0", "k1", "R", "R_viscous"))
     if law is None:
-        return nothing, nothing, "the dilute theory needs independent sites"
+        return *none, "the dilute theory needs independent sites"
     if dataset.attrs["held"] != "load":
-        return nothing, nothing, "the dilute theory needs a constant load"
+        return *none, "the dilute theory needs a constant load"
     if not (k0 > 0 and k1 > 0 and R > 0):
-        return nothing, nothing, "the dilute theory needs k0, k1 and R above 0"
-    dimension = dataset["heights"].ndim
-    load_per_site = float(dataset.attrs["held_load"]) / dataset["heights"].size
+        return *none, "the dilute theory needs k0, k1 and R above 0"
+    dimension, sites = dataset["heights"].ndim, dataset["heights"].size
     growth = compliance(k1 / k0, k0 * R * np.append(0.0, time), viscous / R, dimension) / k0
-    fraction = dilute_area(load_per_site, growth, law)
+    fraction = dilute_area(float(dataset.attrs["held_load"]) / sites, growth, law)
     initial, later = float(fraction[0]), fraction[1:]
     room = later ** (-1 / dimension) / FAR_APART
     apart = (
         (later <= DILUTE_FRACTION)
-        & (later * dataset["heights"].size >= FEWEST_CONTACTS)
+        & (later * sites >= FEWEST_CONTACTS)
         & (np.sqrt(k0 / k1) < room)
         & (k0 * R * time < room**4)
         & (np.sqrt(k0 * viscous * time) < room)
@@ -223,5 +258,5 @@ def _dilute(dataset: xr.Dataset, law: HeightLaw | None, time: Field) -> tuple[Fi
     # The fraction only grows and so do the dips: once they are near each other they stay so.
     holds = np.logical_and.accumulate(apart)
     if not holds.any():
-        return nothing, nothing, "the contacts are too dense or too few for the dilute theory"
+        return *none, "the contacts are too dense or too few for the dilute theory"
     return time[holds], later[holds] / initial, ""

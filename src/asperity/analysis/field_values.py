@@ -14,6 +14,9 @@ from asperity.patches import patches
 from asperity.results.history import check_fields
 from asperity.solids import spring_lattice
 
+ONE_TIME = "dataset.isel(field_time=-1), of a history with fields_at=[...]"
+"""What to give for a dataset with fields of several times, or of none."""
+
 
 @dataclass(frozen=True, eq=False)
 class Distribution:
@@ -62,12 +65,10 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
     for number, time in enumerate(dataset["field_time"].values.tolist()):
         here = dataset.isel(field_time=number)
         touching = np.asarray(here["in_contact"], dtype=bool)
-        gap = np.asarray(here["u"] - _rough(here))[~touching]
+        gap = np.sort(np.asarray(here["u"] - _rough(here))[~touching])
         pressure = np.sort(np.asarray(here["pressure"])[touching]) if "pressure" in here else None
-        sizes = patches(touching, edges=dataset.attrs.get("edges", "periodic")).sizes
-        found.append(
-            Distribution(time, np.sort(gap), pressure, np.sort(sizes).astype(np.float64), touching.size)
-        )
+        sizes = patches(touching, edges=dataset.attrs.get("edges", "periodic")).sizes[::-1]
+        found.append(Distribution(time, gap, pressure, sizes.astype(np.float64), touching.size))
     return found
 
 

@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity.lattice import Field
 from asperity.protocols import Hold, Leg, Schedule, leg_of, legs_of
 from asperity.results.history import check_dataset
 
@@ -104,25 +103,12 @@ def _row(dataset: xr.Dataset, number: int, leg: Leg, begin: float, end: float) -
     own = np.setdiff1d(own, first)
     last = own[-1:][time[own[-1:]] == end]
 
-    def at_ends(name: str) -> tuple[float, float]:
-        values = dataset[name].values
-        return _single(values[first]), _single(values[last])
+    def at(name: str, entries: NDArray[np.int_]) -> float:
+        return float(dataset[name].values[entries[0]]) if entries.size else math.nan
 
     entries = np.concatenate([first, own])
     lowest = entries[np.argsort(dataset["area"].values[entries], kind="stable")[:1]]
-    return LegRow(
-        number,
-        leg,
-        begin,
-        end,
-        load=at_ends("load"),
-        separation=at_ends("separation"),
-        area=at_ends("area"),
-        lowest_area=_single(dataset["area"].values[lowest]),
-        lowest_after=_single(time[lowest]) - begin,
-    )
-
-
-def _single(values: Field) -> float:
-    """Make a number of an array of one entry, and NaN of an array of none."""
-    return float(values[0]) if values.size else math.nan
+    names = ("load", "separation", "area")
+    load, separation, area = ((at(name, first), at(name, last)) for name in names)
+    lowest_after = at("time", lowest) - begin
+    return LegRow(number, leg, begin, end, load, separation, area, at("area", lowest), lowest_after)

@@ -132,8 +132,7 @@ class ContactMaps(views.Brief):
         order = np.argsort(_along_a_z_curve(rows // side, columns // side), kind="stable")
         order = order[side**2 // 2 :: side**2]
         rows, columns = rows[order], columns[order]
-        cells = np.empty((len(fields), -(-n // side), -(-m // side)), dtype=fields.dtype)
-        cells.fill(free)
+        cells = np.full((len(fields), -(-n // side), -(-m // side)), free, dtype=fields.dtype)
         cells[:, rows // side, columns // side] = fields[:, rows, columns]
         return cells
 
@@ -209,8 +208,8 @@ def on_the_surface(dataset: xr.Dataset) -> xr.Dataset:
         own = [axis for axis in axes if axis in field.dims]
         if own and "field_time" in field.dims:
             shifts = ({axis: -round(float(one[f"field_shift_{axis}"])) for axis in own} for one in field)
-            rolled = [one.roll(shift).values for one, shift in zip(field, shifts, strict=True)]
-            moved[name] = field.copy(data=np.stack(rolled))
+            back = [one.roll(shift) for one, shift in zip(field, shifts, strict=True)]
+            moved[name] = field.copy(data=np.stack(back))
     return dataset.assign(moved)
 
 
@@ -222,8 +221,7 @@ def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
     both = (contact if since is None else since, contact)
     earlier, heights = (one.heights + one.permanent_indentation for one in both)
     if not np.allclose(earlier, heights, rtol=1e-12, atol=1e-12 * float(np.ptp(heights))):
-        got = "one of other heights"
-        raise InputError("since", expected="a contact of the same surface", got=got)
+        raise InputError("since", expected="a contact of the same surface", got="one of other heights")
     return _maps_of(
         heights,
         contact.permanent_indentation,
@@ -257,11 +255,13 @@ def _maps_of(
         size, lateral, unit = spacing, "m", "m"
     low, high = color_range(heights)
     unit, factor = readable(unit, high - low)
+    before, now = touching[0], np.stack(touching)
+    kinds = [SiteState.KEPT, SiteState.NEW, SiteState.LOST]
     return ContactMaps(
         heights=heights * factor,
         indentation=indentation * factor,
         times=np.asarray(times),
-        states=np.stack([_compared(touching[0], now) for now in touching]),
+        states=np.select([before & now, now, before], kinds, SiteState.FREE).astype(np.int8),
         surfaces=np.stack(surfaces) * factor,
         height_range=(low * factor, high * factor),
         window=_busiest(touching[-1]),
@@ -278,11 +278,6 @@ def color_range(heights: Field) -> tuple[float, float]:
     """Range of all heights but the lowest and the highest 0.3 %: single spikes do not wash out a map."""
     low, high = np.percentile(heights, (0.3, 99.7))
     return float(low), float(high)
-
-
-def _compared(before: Mask, now: Mask) -> NDArray[np.int8]:
-    kinds = [SiteState.KEPT, SiteState.NEW, SiteState.LOST]
-    return np.select([before & now, now, before], kinds, SiteState.FREE).astype(np.int8)
 
 
 def _along_a_z_curve(rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -27,7 +27,7 @@ import scipy.special
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.analysis.field_values import lattice_of
+from asperity.analysis.field_values import ONE_TIME, lattice_of
 from asperity.base import checks, units
 from asperity.contact import Contact
 from asperity.errors import InputError
@@ -187,17 +187,14 @@ def _scene(
         lattice = image.lattice
         return image.in_contact.astype(np.float64), lattice.spacing, lattice.edges, image.si
     if isinstance(image, xr.Dataset):
-        advice = "dataset.isel(field_time=-1), of a history with fields_at=[...]"
         touching = image.get("in_contact")
         if touching is None or "field_time" in touching.dims:
             got = "none" if touching is None else f"fields of {image.sizes['field_time']} times"
-            raise InputError("image", expected="a dataset with fields of one time", got=got, advice=advice)
+            raise InputError("image", expected="a dataset with fields of one time", got=got, advice=ONE_TIME)
         lattice = lattice_of(image)
         return touching.values.astype(np.float64), lattice.spacing, lattice.edges, bool(image.attrs.get("si"))
-    brightness = np.asarray(image)
-    brightness = checks.heights(
-        "image", brightness.astype(np.float64) if brightness.dtype == np.bool_ else image
-    )
+    is_mask = np.asarray(image).dtype == np.bool_
+    brightness = checks.heights("image", np.asarray(image, dtype=np.float64) if is_mask else image)
     given = np.ones(1) if spacing is None else checks.positive("spacing", spacing).reshape(-1)
     if given.size not in (1, brightness.ndim):
         raise InputError("spacing", expected=f"one length, or {brightness.ndim}", got=given.size)

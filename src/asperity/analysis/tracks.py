@@ -11,12 +11,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity.analysis.field_values import lattice_of, pressure_of
+from asperity.analysis.field_values import ONE_TIME, lattice_of, pressure_of
 from asperity.base import views
 from asperity.base.checks import kind_of
 from asperity.contact.state import Contact
 from asperity.errors import InputError
-from asperity.lattice import Field, Lattice, Mask
+from asperity.lattice import Field, Lattice
 from asperity.patches import Patches, Shapes, ages_of, linked, shapes_of
 from asperity.results.history import check_fields
 from asperity.results.quantities import select, units_named, units_of
@@ -110,14 +110,10 @@ def patch_table(image: Contact | xr.Dataset, connectivity: int = 1) -> xr.Datase
         lattice, touching = lattice_of(image), np.asarray(image["in_contact"], dtype=bool)
         units, in_lengths, pressure = _units(image), "pressure" in image, pressure_of(image)
     else:
-        raise InputError(
-            "image",
-            expected="a contact, or a dataset with fields of one time",
-            got=f"fields of {image.sizes['field_time']} times"
-            if isinstance(image, xr.Dataset) and "field_time" in image.dims
-            else kind_of(image),
-            advice="dataset.isel(field_time=-1), of a history with fields_at=[...]",
-        )
+        several = isinstance(image, xr.Dataset) and "field_time" in image.dims
+        got = f"fields of {image.sizes['field_time']} times" if several else kind_of(image)
+        expected = "a contact, or a dataset with fields of one time"
+        raise InputError("image", expected=expected, got=got, advice=ONE_TIME)
     shapes = shapes_of(touching, lattice.spacing, lattice.edges, connectivity)
     columns = _columns(shapes, lattice, in_lengths, pressure)
     return _described(columns | {"patch": np.arange(1, shapes.found.count + 1)}, "patch", units)
@@ -161,15 +157,10 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
         one, other = link.pairs.T - 1
         pairs = {"before": numbers[one], "after": own[other], "shared": link.shared}
         links.append({"map": np.full(one.size, number)} | pairs)
-        entries.append(
-            {
-                "map": np.full(own.size, number),
-                "time": np.full(own.size, time),
-                "patch": np.arange(1, own.size + 1),
-                "track": own,
-            }
-            | _columns(shapes, lattice, "pressure" in dataset, pressure_of(dataset.isel(field_time=number)))
-        )
+        pressure = pressure_of(dataset.isel(field_time=number))
+        entry = {"map": np.full(own.size, number), "time": np.full(own.size, time)}
+        entry |= {"patch": np.arange(1, own.size + 1), "track": own}
+        entries.append(entry | _columns(shapes, lattice, "pressure" in dataset, pressure))
         before, numbers = shapes.found, own
     everything = _joined(entries)
     largest = np.zeros(len(fates), dtype=np.int64)
@@ -228,18 +219,14 @@ def _columns(
         total = np.bincount(shapes.numbers, values, minlength=sizes.size + 1)[1:]
         largest = np.zeros(sizes.size)
         np.maximum.at(largest, shapes.numbers - 1, values)
-        columns |= {
-            "load": total * lattice.cell,
-            "mean_pressure": total / sizes,
-            "largest_pressure": largest,
-        }
+        columns |= {"load": total * lattice.cell, "mean_pressure": total / sizes}
+        columns["largest_pressure"] = largest
     return columns
 
 
 def _maps(dataset: xr.Dataset) -> tuple[Field, NDArray[np.bool_]]:
     check_fields(dataset)
-    maps: Mask = np.asarray(dataset["in_contact"], dtype=bool)
-    return np.asarray(dataset["field_time"], dtype=np.float64), maps
+    return np.asarray(dataset["field_time"], dtype=np.float64), np.asarray(dataset["in_contact"], dtype=bool)
 
 
 def _units(dataset: xr.Dataset) -> Mapping[str, str]:
@@ -253,9 +240,7 @@ def _joined(parts: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
 
 
 def _described(columns: Mapping[str, NDArray[Any]], dimension: str, units: Mapping[str, str]) -> xr.Dataset:
-    table = xr.Dataset({name: (dimension, values) for name, values in columns.items() if name != dimension})
-    if dimension in columns:
-        table = table.assign_coords({dimension: columns[dimension]})
+    table = xr.Dataset({name: (dimension, values) for name, values in columns.items()})
     for name in columns:
         long_name, unit = _PATCHES[name]
         table[name].attrs.update(long_name=long_name, units=units.get(unit, unit))

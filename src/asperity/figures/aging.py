@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import textwrap
+from typing import Any
+
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -42,41 +45,36 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     checks.instance("summary", summary, AgingSummary, "asperity.analysis.aging_summary(history.dataset)")
     check_dataset(dataset)
     if summary.time.size == 0:
-        raise InputError(
-            "summary", expected="a history with times above 0", got="none", advice="age(contact, times)"
-        )
-    panels = 1 if summary.load is None else 2
-    figure = style.Drawing(figsize=(6.4, 4.6 + 2.4 * (panels - 1)), layout="constrained")
-    grid = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 2)[:panels], squeeze=False)[:, 0]
+        expected, advice = "a history with times above 0", "age(contact, times)"
+        raise InputError("summary", expected=expected, got="none", advice=advice)
+    falls = summary.load is not None
+    figure, grid = style.stacked((6.4, 4.6 + 2.4 * falls), *(3, 2)[: 1 + falls])
     axes = grid[0]
     axes.set_xscale("log")
     _draw_computed(axes, summary.time, summary.area_ratio)
     _draw_law(axes, summary)
     _draw_theory(axes, summary)
     _draw_limit(axes, summary.area_ratio, summary.relaxed_ratio)
-    _frame(axes, summary)
+    axes.set_ylabel(r"contact area $A(t)\,/\,A(0)$")
+    axes.margins(x=0.03)
+    style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
     if summary.load is not None:
-        _draw_load(grid[1], summary, summary.load)
+        ratio = summary.load / summary.initial_load
+        _draw_computed(grid[1], summary.time, ratio)
+        _draw_limit(grid[1], ratio, summary.relaxed_load and summary.relaxed_load / summary.initial_load)
+        grid[1].set_ylabel(r"load $F(t)\,/\,F(0)$")
     for one in grid:
         style.finish(one)
     grid[-1].set_xlabel(style.over_time(dataset, "hold time $t$"))
     held = str(dataset.attrs["held"])
     held = f"{held} {style.said(dataset, held, float(dataset.attrs[f'held_{held}']))} held"
-    style.entitle(figure, dataset, "Real contact area against hold time", held)
+    style.entitle(figure, "Real contact area against hold time", style.conditions(dataset, held))
     return figure
 
 
 def _draw_computed(axes: Axes, time: Field, ratio: Field) -> None:
     # Not clipped: the axis ends at full contact.
     style.curve(axes, time, ratio, "o", style.INK, "computed", markersize=4.5, zorder=4, clip_on=False)
-
-
-def _draw_load(axes: Axes, summary: AgingSummary, load: Field) -> None:
-    ratio = load / summary.initial_load
-    _draw_computed(axes, summary.time, ratio)
-    limit = None if summary.relaxed_load is None else summary.relaxed_load / summary.initial_load
-    _draw_limit(axes, ratio, limit)
-    axes.set_ylabel(r"load $F(t)\,/\,F(0)$")
 
 
 def _draw_law(axes: Axes, summary: AgingSummary) -> None:
@@ -86,16 +84,15 @@ def _draw_law(axes: Axes, summary: AgingSummary) -> None:
             axes.plot([], [], " ", label=_wrapped(summary.fit_note))
         return
     known = summary.relaxed_ratio is not None
-    label = "\n   ".join(
-        [
-            r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
-            f"$a$ = {fit.a:.5g}, the relaxed limit" if known else f"$a$ = {fit.a:.3g}, extrapolated",
-            f"$q$ = {fit.q:.3g}, $t_0$ = {fit.t0:.3g}",
-            f"misfit {100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst",
-        ]
-        + ([_wrapped(summary.fit_note)] if summary.fit_note else [])
-    )
-    axes.plot(summary.curve_time, summary.fit_curve, "-", color=style.BLUE, linewidth=1.6, label=label)
+    said = [
+        r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
+        f"$a$ = {fit.a:.5g}, the relaxed limit" if known else f"$a$ = {fit.a:.3g}, extrapolated",
+        f"$q$ = {fit.q:.3g}, $t_0$ = {fit.t0:.3g}",
+        f"misfit {100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst",
+        *([_wrapped(summary.fit_note)] if summary.fit_note else []),
+    ]
+    look: dict[str, Any] = {"color": style.BLUE, "linewidth": 1.6, "label": "\n   ".join(said)}
+    axes.plot(summary.curve_time, summary.fit_curve, "-", **look)
 
 
 def _draw_limit(axes: Axes, ratio: Field, limit: float | None) -> None:
@@ -117,30 +114,10 @@ def _draw_theory(axes: Axes, summary: AgingSummary) -> None:
     if summary.dilute_time[-1] < summary.curve_time[-1]:
         ends = power(float(f"{summary.dilute_time[-1]:.0e}"))
         label += f", while\ncontacts are far apart: $t$ < ${ends}$"
-    axes.plot(
-        summary.dilute_time,
-        summary.dilute_ratio,
-        "--",
-        color=style.VERMILION,
-        linewidth=1.8,
-        label=label,
-        zorder=3,
-    )
-
-
-def _frame(axes: Axes, summary: AgingSummary) -> None:
-    """Label the axes; the right one counts the nominal area, and ends where all of it touches."""
-    axes.set_ylabel(r"contact area $A(t)\,/\,A(0)$")
-    axes.margins(x=0.03)
-    style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
+    look: dict[str, Any] = {"color": style.VERMILION, "linewidth": 1.8, "zorder": 3}
+    axes.plot(summary.dilute_time, summary.dilute_ratio, "--", label=label, **look)
 
 
 def _wrapped(text: str) -> str:
     """Break a long note for the legend."""
-    lines, line = [], ""
-    for word in text.split():
-        if len(line) + len(word) > 42:
-            lines.append(line)
-            line = ""
-        line = f"{line} {word}".strip()
-    return "\n   ".join([*lines, line])
+    return "\n   ".join(textwrap.wrap(text, 43, break_long_words=False, break_on_hyphens=False))

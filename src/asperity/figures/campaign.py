@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
 from asperity.base import checks
 from asperity.errors import InputError
 from asperity.figures import style
+from asperity.lattice import Field
 
 _MOST_PANELS, _MOST_CURVES = 6, 7
 _MARKERS = "osD^vP*"
@@ -64,9 +64,11 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
     logarithmic = float(drawn.max()) > _WIDE * float(drawn.min())
     for axes, panel in zip(grid.flat, panels, strict=False):
         for number, curve in enumerate(curves):
-            _draw(
-                axes, dataset, mean, spread, {**panel, **curve}, (number, len(curves)), _said(dataset, curve)
-            )
+            time, middle, half = _curve(dataset, mean, spread, {**panel, **curve})
+            color = colormaps["cividis"](0.85 * number / max(len(curves) - 1, 1))
+            axes.fill_between(time, middle - half, middle + half, color=color, alpha=0.3, linewidth=0)
+            look: dict[str, Any] = {"linewidth": 1.3, "markersize": 3.5, "color": color}
+            style.curve(axes, time, middle, f"{_MARKERS[number]}-", label=_said(dataset, curve), **look)
         if "leg" not in dataset.coords:
             axes.set_xscale("log")
         if logarithmic:
@@ -78,11 +80,10 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
         style.finish(axes, legend=axes is grid[0, 0])
     for axes in grid.flat[len(panels) :]:
         axes.set_axis_off()
-    figure.supxlabel(
-        style.over_time(dataset, f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"), fontsize=10
-    )
+    what = f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"
+    figure.supxlabel(style.over_time(dataset, what), fontsize=10)
     figure.supylabel("real contact [% of nominal area]", fontsize=10)
-    figure.suptitle(style.lines(_title(dataset, others, along), figure.room), fontsize=10)
+    style.entitle(figure, "", _title(dataset, others, along))
     return figure
 
 
@@ -93,26 +94,14 @@ def _points(dataset: xr.Dataset, dims: list[str], most: int) -> list[Where]:
     return [points[number] for number in chosen]
 
 
-def _draw(
-    axes: Axes,
-    dataset: xr.Dataset,
-    mean: xr.DataArray,
-    spread: xr.DataArray,
-    where: Where,
-    which: tuple[int, int],
-    label: str,
-) -> None:
-    """One curve and its band; what is not finished is left out."""
-    here = dict(where)
-    time = dataset["time"].isel({dim: at for dim, at in here.items() if dim in dataset["time"].dims}).values
-    middle, half = mean.isel(here).values, spread.isel(here).values
+def _curve(
+    dataset: xr.Dataset, mean: xr.DataArray, spread: xr.DataArray, where: Where
+) -> tuple[Field, Field, Field]:
+    """Times of a curve, its values, and half the width of its band; what is not finished is left out."""
+    time = dataset["time"].isel(where, missing_dims="ignore").values
+    middle, half = mean.isel(where).values, spread.isel(where).values
     shown = np.isfinite(middle) & (time > 0 if "leg" not in dataset.coords else np.isfinite(time))
-    time, middle, half = time[shown], middle[shown], np.nan_to_num(half[shown])
-    number, count = which
-    color = colormaps["cividis"](0.85 * number / max(count - 1, 1))
-    axes.fill_between(time, middle - half, middle + half, color=color, alpha=0.3, linewidth=0)
-    look: dict[str, Any] = {"marker": _MARKERS[number], "markersize": 3.5, "markerfacecolor": "white"}
-    axes.plot(time, middle, color=color, linewidth=1.3, label=label, **look)
+    return time[shown], middle[shown], np.nan_to_num(half[shown])
 
 
 def _said(dataset: xr.Dataset, where: Where) -> str:

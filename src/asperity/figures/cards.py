@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import base64
 import math
 from collections.abc import Callable, Iterable
 from functools import singledispatch
 from html import escape
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import lateral_unit, written
@@ -18,7 +17,7 @@ from asperity.base import views
 from asperity.base.words import thousands, uncertain
 from asperity.contact.state import ACCEPTED_RESIDUAL, Contact
 from asperity.figures import style
-from asperity.figures.page import pixels, quantity
+from asperity.figures.page import Picture, pixels, quantity
 from asperity.figures.plots import plot_contact, plot_history, plot_surface
 from asperity.figures.prediction import draw_growth
 from asperity.figures.relaxation import draw_moduli
@@ -78,13 +77,11 @@ def _(contact: Contact) -> str:
             ("largest pressure", say(contact.largest_pressure, "pressure")),
         ]
     rows.append(("solid", _line(contact.solid)))
-    figure = _figure()
-    plot_contact(contact, figure.subplots()).set_title("")
     proof = (
         f"The fields leave a residual of {contact.residual:.1e} of the mean contact force; "
         f"at most {ACCEPTED_RESIDUAL:.0e} is accepted."
     )
-    return _card("Contact", rows, figure, proof, _note(contact))
+    return _card("Contact", rows, plot_contact(contact, _axes()), proof, "" if contact.si else _OWN_UNITS)
 
 
 @html_of.register
@@ -104,15 +101,9 @@ def _(history: History) -> str:
     ]
     if math.isclose(data["load"][0], data["load"][-1], rel_tol=1e-6):
         del rows[4]
-    figure = None
-    if time[-1] > 0:
-        figure = _figure()
-        plot_history(data, figure.subplots())
-    proof = (
-        f"Worst residual {float(data['residual'].max()):.1e} of the mean contact force; "
-        f"tolerance in time {data.attrs['rtol']:g}."
-    )
-    return _card("History", rows, figure, proof, _note(final))
+    axes = plot_history(data, _axes()) if time[-1] > 0 else None
+    proof = f"{_worst(data)}; tolerance in time {data.attrs['rtol']:g}."
+    return _card("History", rows, axes, proof, "" if final.si else _OWN_UNITS)
 
 
 @html_of.register
@@ -122,21 +113,17 @@ def _(surface: Surface) -> str:
     rows = [("sites", " × ".join(map(str, surface.shape)))]
     if surface.pixel_size is not None:
         rows.append(("pixels", " × ".join(_of(side, lengths) for side in surface.pixel_size)))
+    ends = ", ".join(_of(height, measured.unit) for height in (measured.minimum, measured.maximum))
     rows += [
         ("rms height", _of(measured.rms_height, measured.unit)),
         ("rms slope", _of(measured.rms_slope, measured.slope_unit)),
-        (
-            "lowest, highest",
-            f"{_of(measured.minimum, measured.unit)}, {_of(measured.maximum, measured.unit)}",
-        ),
+        ("lowest, highest", ends),
         ("edges", surface.edges),
     ]
     origin = surface.provenance.get("file") or surface.provenance.get("kind")
     if origin:
         rows.insert(0, ("from", str(origin)))
-    figure = _figure()
-    plot_surface(surface, figure.subplots()).set_title("")
-    return _card("Surface", rows, figure, *surface.remarks)
+    return _card("Surface", rows, plot_surface(surface, _axes()), *surface.remarks)
 
 
 @html_of.register
@@ -148,20 +135,20 @@ def _(solid: Solid) -> str:
     rows += [(f"share {share:.3g}", f"relaxes in {time:.3g}") for share, time in pairs[:_MOST_BRANCHES]]
     if len(pairs) > _MOST_BRANCHES:
         rows.append(("and", f"{len(pairs) - _MOST_BRANCHES} more branches"))
-    figure = None
-    if pairs:
-        figure = _figure()
-        _draw_relaxation(figure.subplots(), PronySeries(1.0, tuple(pairs)))
+    axes = None
+    if pairs:  # the modulus over that at once
+        axes, series = _axes(), PronySeries(1.0, tuple(pairs))
+        t = np.geomspace(0.03 * pairs[0][1], 30 * pairs[-1][1], 200)
+        axes.semilogx(t, series.modulus_at(t), color=style.BLUE)
+        axes.set(ylim=(0, 1.05), xlabel="time", ylabel="modulus, over that at once")
     note = "Moduli in Pa, times in s, lengths in m under a surface with units." if solid.in_lengths else ""
-    return _card("Solid", rows, figure, note)
+    return _card("Solid", rows, axes, note)
 
 
 @html_of.register
 def _(fit: FitResult) -> str:
-    rows = []
-    for name in parameters_of(fit):
-        value, error = getattr(fit, name), getattr(fit, f"{name}_stderr")
-        rows.append((name, uncertain(value, error)))
+    names = parameters_of(fit)
+    rows = [(name, uncertain(getattr(fit, name), getattr(fit, f"{name}_stderr"))) for name in names]
     rows += [
         ("points", str(fit.points)),
         ("misfit", f"{100 * fit.rms_residual:.2g} % rms"),
@@ -182,14 +169,14 @@ def _(fit: Fit) -> str:
         ("modulus at once", quantity(series.modulus, "Pa")),
         ("deviations", f"{100 * fit.rms:.2g} % rms, {100 * series.error:.2g} % at most"),
     ]
-    figure = _figure()
-    draw_moduli(figure.subplots(), fit)
-    return _card("Fit of relaxation", rows, figure)
+    axes = _axes()
+    draw_moduli(axes, fit)
+    return _card("Fit of relaxation", rows, axes)
 
 
 @html_of.register
 def _(prediction: Prediction) -> str:
-    growth, data = prediction.growth, prediction.dataset
+    growth = prediction.growth
     low, high = growth.ratio_band
     least, most = growth.range
     rows = [
@@ -201,13 +188,11 @@ def _(prediction: Prediction) -> str:
     ]
     if (friction := prediction.friction) is not None:
         rows.append(("static friction", f"{friction[0]:.3g} to {friction[-1]:.3g}"))
-    figure = _figure()
-    axes = figure.subplots()
+    axes = _axes()
     draw_growth(axes, prediction)
     axes.legend(loc="upper left")
     axes.set_xlabel("time under load [s]")
-    proof = f"Worst residual {float(data['residual'].max()):.1e} of the mean contact force."
-    return _card("Prediction", rows, figure, proof, *prediction.remarks)
+    return _card("Prediction", rows, axes, f"{_worst(prediction.dataset)}.", *prediction.remarks)
 
 
 def _say(contact: Contact) -> Callable[[float, str], str]:
@@ -216,18 +201,8 @@ def _say(contact: Contact) -> Callable[[float, str], str]:
     return lambda value, dimension: style.spaced(written(value, units[dimension] if contact.si else "1"))
 
 
-def _draw_relaxation(axes: Axes, series: PronySeries) -> None:
-    """Draw the modulus over that at once."""
-    times = [time for _, time in series.branches]
-    t = np.geomspace(0.03 * times[0], 30 * times[-1], 200)
-    axes.semilogx(t, series.modulus_at(t), color=style.BLUE)
-    axes.set_ylim(0, 1.05)
-    axes.set_xlabel("time")
-    axes.set_ylabel("modulus, over that at once")
-
-
-def _note(contact: Contact) -> str:
-    return "" if contact.si else _OWN_UNITS
+def _worst(data: xr.Dataset) -> str:
+    return f"Worst residual {float(data['residual'].max()):.1e} of the mean contact force"
 
 
 def _share(area: int, sites: int) -> str:
@@ -249,35 +224,37 @@ def _number(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _figure() -> Figure:
-    return style.Drawing(figsize=_SIZE, layout="constrained")
+def _axes() -> Axes:
+    _, axes = style.single(_SIZE)
+    return axes
 
 
-_NAME, _NOTE = (
-    "text-align:left;font-weight:normal;opacity:.75;padding-right:1em",
-    "font-size:smaller;opacity:.75",
-)
+_NAME = "text-align:left;font-weight:normal;opacity:.75;padding-right:1em"
+_NOTE = "font-size:smaller;opacity:.75"
 
 
-def _card(title: str, rows: Iterable[Row], figure: Figure | None, *notes: str) -> str:
+def _card(title: str, rows: Iterable[Row], axes: Axes | None, *notes: str) -> str:
     """Lay out a picture beside a table, with sentences below; colors are those of the notebook."""
     cells = "".join(
         f'<tr><th style="{_NAME}">{escape(name)}</th><td style="text-align:left">{escape(value)}</td></tr>'
         for name, value in rows
     )
     said = "".join(f'<div style="{_NOTE};max-width:36em">{escape(note)}</div>' for note in notes if note)
-    picture = "" if figure is None else f'<img alt="{escape(title)}" src="{_data_of(figure)}">'
+    picture = "" if axes is None else f'<img alt="{escape(title)}" src="{_data_of(axes)}">'
     return (
         '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:center">'
         f"{picture}<div><b>{escape(title)}</b><table>{cells}</table>{said}</div></div>"
     )
 
 
-def _data_of(figure: Figure) -> str:
-    for axes in (inner for outer in figure.axes for inner in (outer, *outer.child_axes)):
-        for text in (axes.xaxis.label, axes.yaxis.label, *axes.get_xticklabels(), *axes.get_yticklabels()):
+def _data_of(axes: Axes) -> str:
+    axes.set_title("")
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    for one in (inner for outer in figure.axes for inner in (outer, *outer.child_axes)):
+        for text in (one.xaxis.label, one.yaxis.label, *one.get_xticklabels(), *one.get_yticklabels()):
             text.set_fontsize(7)
-        if (legend := axes.get_legend()) is not None:
+        if (legend := one.get_legend()) is not None:
             for text in legend.get_texts():
                 text.set_fontsize(6.5)
-    return "data:image/png;base64," + base64.b64encode(pixels(figure, dpi=_DPI)).decode("ascii")
+    return f"data:image/png;base64,{Picture('', pixels(figure, dpi=_DPI)).data}"

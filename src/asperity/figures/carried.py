@@ -40,9 +40,8 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     if not known or dataset.sizes["time"] < 2:
         expected, advice = "what a contact carries, at several times", "age(..., carried=asperity.Carried())"
         raise InputError("dataset", expected=expected, got="none", advice=advice)
-    panels = 1 + ("stick_fraction" in dataset)
-    figure = style.Drawing(figsize=(6.4, 4.0 + 2.2 * (panels - 1)), layout="constrained")
-    grid = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 2)[:panels], squeeze=False)[:, 0]
+    sticks = "stick_fraction" in dataset
+    figure, grid = style.stacked((6.4, 4.0 + 2.2 * sticks), *(3, 2)[: 1 + sticks])
     loaded = dataset.isel(time=dataset["load"].values > 0)
     time = loaded["time"].values
     for color, names in _ALIKE.items():
@@ -53,7 +52,7 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
             values = next(iter(here.values())).values
             style.curve(grid[0], time, values / values[0], "o-", color, f"{said} at first", markersize=4)
     grid[0].set_ylabel("over the first")
-    if panels > 1:
+    if sticks:
         style.curve(grid[1], time, loaded["stick_fraction"].values, "o-", style.INK, "")
         grid[1].set_ylabel("share of the contact\nthat sticks")
         grid[1].set_ylim(0, 1)
@@ -68,5 +67,5 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
         style.finish(axes, legend=False)
     grid[0].legend(fontsize=8, loc="lower left")  # stiffness rises, and resistance falls
     grid[-1].set_xlabel(style.over_time(dataset, "time $t$"))
-    style.entitle(figure, dataset, "What the contact carries", "")
+    style.entitle(figure, "What the contact carries", style.conditions(dataset))
     return figure

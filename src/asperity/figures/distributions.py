@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.analysis import distributions
-from asperity.analysis.scan import readable
 from asperity.base.words import power
 from asperity.figures import style
 from asperity.lattice import Field
@@ -41,33 +40,23 @@ def distribution_figure(dataset: xr.Dataset) -> Figure:
     moments = [every[0], every[-1]][: len(every)]
     si, plane = bool(dataset.attrs.get("si")), dataset["heights"].ndim == 2
     cell = math.prod(json.loads(dataset.attrs["spacing"])) if si else 1
+    gaps = [(one.gap, one.sites) for one in moments]
+    sizes = [(cell * one.patch, one.patch.size) for one in moments]
+    pressures = [(one.pressure, one.pressure.size) for one in moments if one.pressure is not None]
     panels: list[tuple[str, str, str, list[tuple[Field, int]]]] = [
-        (
-            "gap",
-            "m" if si else "1",
-            "surface\nwith as much or more",
-            [(one.gap, one.sites) for one in moments],
-        ),
-        (
-            "area of a patch" if si else "sites of a patch",
-            ("m^2" if plane else "m") if si else "1",
-            "patches\nwith as much or more",
-            [(cell * one.patch, one.patch.size) for one in moments],
-        ),
+        ("gap", "m", "surface", gaps),
+        ("area of a patch" if si else "sites of a patch", "m^2" if plane else "m", "patches", sizes),
+        *([("contact pressure", "Pa", "contact", pressures)] if pressures else []),
     ]
-    pressures = [one.pressure for one in moments if one.pressure is not None]
-    if pressures:
-        samples = [(values, values.size) for values in pressures]
-        panels.append(("contact pressure", "Pa" if si else "1", "contact\nwith as much or more", samples))
     figure = style.Drawing(figsize=(3.4 * len(panels), 3.4), layout="constrained")
     for axes, (name, unit, of_what, samples) in zip(figure.subplots(1, len(panels)), panels, strict=True):
         largest = max((float(values[-1]) for values, _ in samples if values.size), default=0.0)
-        shown, factor = readable(unit, largest)
+        label, factor = style.scaled(name, unit if si else "1", largest)
         for moment, (values, whole), (color, dash) in zip(moments, samples, _LOOKS, strict=False):
             said = f"$t$ = ${power(moment.time)}${' s' if si else ''}"
             _draw(axes, factor * values, whole, color=color, linestyle=dash, label=said)
-        axes.set_xlabel(style.with_unit(name, shown))
-        axes.set_ylabel(f"part of the {of_what}")
+        axes.set_xlabel(label)
+        axes.set_ylabel(f"part of the {of_what}\nwith as much or more")
         if "patch" in name:
             axes.set_xscale("log")
             axes.set_yscale("log")

@@ -19,14 +19,12 @@ from asperity.analysis.legs import numbers_of
 from asperity.base import checks, views
 from asperity.errors import InputError, OutputError
 from asperity.figures import style
-from asperity.figures.marks import COLORS
-from asperity.figures.plots import cells_in, check_series, draw_series, only, shown_figure
+from asperity.figures.plots import cells_in, check_series, draw_series, shown_figure
 from asperity.lattice import Field
 from asperity.results.store import whole_file
 
 _SIZE = (9.6, 4.8)
 _DPI = 100
-
 
 _SIGNS = {
     "minus": "−",
@@ -94,6 +92,8 @@ def animate_history(
     writer = None if target is None else _writer(target, rate, overwrite=overwrite)
     check_series(dataset, quantity)
     figure = shown_figure(_SIZE)
+    import matplotlib.pyplot as plt  # as `shown_figure` does: it looks for a display
+
     left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
     entries = draw_series(right, dataset, quantity)
     contacts.legend(figure, maps)
@@ -118,37 +118,34 @@ def animate_history(
     if target is not None and writer is not None:
         with whole_file(target) as part:
             film.save(part, writer=writer, dpi=_DPI)
-    _leave_to_its_player(film, written=target is not None)
+    if target is not None or "inline" in plt.get_backend():
+        plt.close(figure)  # it is in a file, or a notebook shows it with a player
     return film
 
 
 def _maps(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
     """How one map is drawn, with the scale of its length."""
     side = cells_in(axes, maps)
-    states = maps.sampled(side) if side > 1 else maps.states
+    states = maps.sampled(side)
 
     def show(number: int) -> None:
-        contacts.draw_states(axes, states[number], contacts.everywhere(maps), side, maps.aspect)
-        contacts.draw_scale_bar(axes, maps, contacts.everywhere(maps))
+        contacts.draw_states(axes, maps, states[number], side)
+        contacts.draw_scale_bar(axes, maps)
 
     return show
 
 
 def _profiles(axes: Axes, maps: ContactMaps) -> Callable[[int], None]:
     """How one elastic surface is drawn, above a profile whose axes do not move."""
-    first, last = maps.window
-    step, across = contacts.positions(maps)
-    contacts.draw_profile(axes, maps, [""] * len(maps.times))
+    contacts.draw_profile(axes, maps, dict.fromkeys(range(len(maps.times)), ""))
     limits = axes.get_ylim()
 
     def show(number: int) -> None:
-        contacts.draw_profile(axes, only(maps, number), ["elastic surface"])
-        for state, color in COLORS.items():
-            at = first + np.flatnonzero(maps.states[number, first:last] == state)
-            if state != SiteState.LOST:
-                axes.plot(step * at, maps.heights[at], "s", color=color, markersize=4, zorder=5)
+        contacts.draw_profile(axes, maps, {number: "elastic surface"})
+        for state in (SiteState.KEPT, SiteState.NEW):
+            contacts.draw_sites(axes, maps, [state], number, color=contacts.COLORS[state])
         axes.set_ylim(limits)
-        axes.set_xlabel(across)
+        axes.set_xlabel(contacts.positions(maps)[1])
 
     return show
 
@@ -176,20 +173,8 @@ def _writer(path: Path, rate: float, *, overwrite: bool) -> AbstractMovieWriter:
     if suffix not in (".gif", ".mp4"):
         raise InputError("path", expected="a name that ends in .gif or .mp4", got=path, advice="aging.gif")
     if suffix == ".mp4" and not FFMpegWriter.isAvailable():
-        raise InputError(
-            "path",
-            expected="a name that ends in .gif where no ffmpeg is installed",
-            got=path,
-            advice=str(path.with_suffix(".gif")),
-        )
+        expected, advice = "a name that ends in .gif where no ffmpeg is installed", path.with_suffix(".gif")
+        raise InputError("path", expected=expected, got=path, advice=str(advice))
     if path.exists() and not overwrite:
         raise OutputError(f"{path} exists already and is kept; choose another name, or overwrite=True")
     return PillowWriter(fps=rate) if suffix == ".gif" else FFMpegWriter(fps=rate)  # type: ignore[arg-type]
-
-
-def _leave_to_its_player(film: Film, *, written: bool) -> None:
-    """Close the window of a film that is in a file, or that a notebook shows with a player."""
-    import matplotlib.pyplot as plt
-
-    if written or "inline" in plt.get_backend():
-        plt.close(film._fig)  # type: ignore[attr-defined]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,9 +20,8 @@ _LINES: dict[Law, tuple[str, str, str]] = {
     "logarithm": (style.VERMILION, "--", "s"),
 }
 
-
-_BAR_WIDTH, _CAP = 1.2, 2.5
-"""Line width, and half width of the ends, of error bars; points."""
+_BARS: dict[str, Any] = {"ecolor": style.GRAY, "elinewidth": 1.2, "capsize": 2.5}
+"""How error bars look: their width, and half that of their ends, in points."""
 
 UNDETERMINED = "not determined by these times"
 
@@ -49,8 +49,7 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
     Figure
     """
     checks.instance("growth", growth, MeasuredGrowth, "asperity.fits.measured_growth(...)")
-    figure = style.Drawing(figsize=(6.8, 6.0), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3.2, 1])
+    figure, (upper, lower) = style.stacked((6.8, 6.0), 3.2, 1)
     upper.set_xscale("log")
     _draw_data(upper, growth)
     unit = style.spelled(style.fitted(unit_time, 150))
@@ -59,8 +58,10 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
         color, dashes, _ = _LINES[law]
         label = _legend(law, fit, unit)
         upper.plot(growth.curve_time, growth.curves[law], dashes, color=color, linewidth=1.6, label=label)
-    if line:
-        _draw_line(upper, growth)
+    if line and growth.rate is not None:
+        slope, error = (math.log(10) * one for one in (growth.rate.slope, growth.rate.slope_stderr))
+        label = f"straight line, {uncertain(slope, error)} per decade"
+        upper.plot(growth.line_time, growth.line_value, ":", color=style.INK, linewidth=1.6, label=label)
     _draw_residuals(lower, growth, line=line)
     upper.set_ylabel(style.verbatim(style.fitted(quantity, 280)))
     lower.set_xlabel(f"hold time $t$ [{unit or 'unit of the table'}]")
@@ -70,38 +71,12 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
     return figure
 
 
-def _draw_line(axes: Axes, growth: MeasuredGrowth) -> None:
-    """Straight line in ln t, over its window."""
-    rate, per_decade = growth.rate, math.log(10)
-    if rate is None:
-        return
-    slope = uncertain(rate.slope * per_decade, rate.slope_stderr * per_decade)
-    axes.plot(
-        growth.line_time,
-        growth.line_value,
-        ":",
-        color=style.INK,
-        linewidth=1.6,
-        label=f"straight line, {slope} per decade",
-    )
-
-
 def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
     label = f"means over bins of {thousands(growth.points)} values" if growth.shown_are_means else "data"
-    axes.errorbar(
-        growth.shown_time,
-        growth.shown_value,
-        yerr=growth.shown_stderr,
-        fmt="o",
-        color=style.INK,
-        ecolor=style.GRAY,
-        elinewidth=_BAR_WIDTH,
-        capsize=_CAP,
-        markersize=4.5 if growth.shown_time.size < 100 else 3,
-        markerfacecolor="white",
-        label=label,
-        zorder=1 if growth.shown_time.size > 100 else 4,
-    )
+    time, value, error = growth.shown_time, growth.shown_value, growth.shown_stderr
+    many = time.size > 100
+    look: dict[str, Any] = {"markersize": 4.5 if time.size < 100 else 3, "markerfacecolor": "white", **_BARS}
+    axes.errorbar(time, value, error, fmt="o", label=label, color=style.INK, zorder=1 if many else 4, **look)
     if growth.initial_points and growth.rate is not None:
         initial = growth.rate.initial_area
         count = f", mean of {growth.initial_points}" if growth.initial_points > 1 else ""
@@ -119,18 +94,9 @@ def _draw_residuals(axes: Axes, growth: MeasuredGrowth, *, line: bool) -> None:
     reach = 1e-3  # an exact fit leaves rounding errors, which are no news
     for (color, _, marker), time, residual in strips:
         error = errors[np.isin(growth.shown_time, time)]
-        axes.errorbar(
-            time,
-            100 * residual,
-            yerr=None if growth.shown_stderr is None else error,
-            fmt=marker,
-            color=color,
-            markersize=3.5,
-            markerfacecolor=color if marker == "o" else "none",
-            ecolor=style.GRAY,
-            elinewidth=_BAR_WIDTH,
-            capsize=_CAP,
-        )
+        bars = None if growth.shown_stderr is None else error
+        look: dict[str, Any] = {"markerfacecolor": color if marker == "o" else "none", "markersize": 3.5}
+        axes.errorbar(time, 100 * residual, bars, fmt=marker, color=color, **look, **_BARS)
         reach = max(reach, 1.15 * float(np.max(np.abs(100 * residual) + error, initial=0)))
     axes.set_ylim(-reach, reach)
     axes.set_ylabel("data / fit − 1 [%]")

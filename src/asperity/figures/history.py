@@ -12,10 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.analysis.legs import LegRow, leg_table, protocol_of
-from asperity.analysis.scan import readable
 from asperity.errors import InputError
 from asperity.figures import style
-from asperity.figures.time_axis import BESIDE, GAP, Column, Entries, columns_of, entries_of, label_times
+from asperity.figures.time_axis import BESIDE, GAP, TimeAxis, label_times, time_axis
 from asperity.lattice import Field
 from asperity.protocols import Say
 from asperity.results.quantities import select
@@ -29,6 +28,8 @@ _ON_SITES = {
     "area": " [sites]",
 }
 """Unit on an axis where that is of sites."""
+
+_EACH_LEG = "time since the beginning of each leg"
 
 
 def history_figure(dataset: xr.Dataset) -> Figure:
@@ -50,52 +51,43 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     """
     table = leg_table(dataset)
     if not table:
-        raise InputError(
-            "dataset", expected="a history with times above 0", got="none", advice="age(contact, times)"
-        )
-    names = ["load", "area"] if _only_load(dataset, table) else ["separation", "load", "area"]
-    columns = columns_of(dataset, table, _width)
+        expected, advice = "a history with times above 0", "age(contact, times)"
+        raise InputError("dataset", expected=expected, got="none", advice=advice)
+    by_load = dataset.attrs["held"] == "load" and not any(row.leg.moves_the_body for row in table)
+    names = ["load", "area"] if by_load else ["separation", "load", "area"]
+    time = time_axis(dataset, table, _width)
     ratios = [2.0] * (len(names) - 1) + [3.0]
-    size = (_width(len(columns)), 1.6 + 0.8 * sum(ratios))
-    figure = style.Drawing(figsize=size, layout="constrained")
-    grid = figure.subplots(len(names), 1, sharex=True, height_ratios=ratios)
-    entries = entries_of(dataset, table, columns)
+    figure, grid = style.stacked((_width(len(time.columns)), 1.6 + 0.8 * sum(ratios)), *ratios)
     figure.align_ylabels(grid)
     for axes, name in zip(grid, names, strict=True):
-        per_site = _draw(axes, entries, dataset, name)
+        per_site = _draw(axes, time, dataset, name)
     say = partial(style.said, dataset, digits=5)
-    if columns:
-        label_times(grid, columns)
-        what = "hold time $t$" if len(columns) == 1 else "time since the beginning of each leg"
-        grid[-1].set_xlabel(style.over_time(dataset, what))
-        _head(grid[0], table, columns, say, per_site)
-        _mark_lowest(grid[-1], table, columns, per_site)
-    else:
-        grid[-1].set_xlabel(style.over_time(dataset, "time $t$"))
+    what = _EACH_LEG if len(time.columns) > 1 else "hold time $t$" if time.columns else "time $t$"
+    grid[-1].set_xlabel(style.over_time(dataset, what))
+    if time.columns:
+        label_times(grid, time.columns)
+        _head(grid[0], time, say, per_site)
+        _mark_lowest(grid[-1], time, per_site)
     style.count_nominal_area(grid[-1], 100.0 / (dataset["heights"].size * per_site))
     for axes in grid:
         style.finish(axes, legend=axes is grid[-1], lines_along="y")
     title = ["Contact area in a history of " + (" and ".join(names[-2::-1]))]
-    if not columns and (protocol := protocol_of(dataset)):
+    if not time.columns and (protocol := protocol_of(dataset)):
         title.append(style.verbatim(style.fitted(", ".join(leg.words(say) for leg in protocol), figure.room)))
-    style.entitle(figure, dataset, "\n".join(title))
+    style.entitle(figure, "\n".join(title), style.conditions(dataset))
     return figure
 
 
 def draw_legs(axes: Axes, dataset: xr.Dataset, name: str) -> Field:
     """Draw one series of a history with a protocol, leg by leg; return where its entries are on the axis."""
-    table = leg_table(dataset)
-    width = axes.get_window_extent().width / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
-    columns = columns_of(dataset, table, lambda _: width + BESIDE)
-    entries = entries_of(dataset, table, columns)
-    factor = _draw(axes, entries, dataset, name)
-    if columns:
-        label_times([axes], columns)
-        _head(axes, table, columns, partial(style.said, dataset, digits=5), factor)
-    axes.set_xlabel(
-        style.over_time(dataset, "time since the beginning of each leg" if columns else "time $t$")
-    )
-    return entries.place
+    width = axes.get_window_extent().width / axes.figure.dpi
+    time = time_axis(dataset, leg_table(dataset), lambda _: width + BESIDE)
+    factor = _draw(axes, time, dataset, name)
+    if time.columns:
+        label_times([axes], time.columns)
+        _head(axes, time, partial(style.said, dataset, digits=5), factor)
+    axes.set_xlabel(style.over_time(dataset, _EACH_LEG if time.columns else "time $t$"))
+    return time.place
 
 
 def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
@@ -110,14 +102,8 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
     if name == "area":
         unit = str(dataset["contact_area"].attrs["units"])
         scale = float(dataset["contact_area"][0]) / max(float(values[0]), 1.0)
-    shown, factor = readable(unit, float(np.abs(values).max()) * scale)
-    factor *= scale
-    return values * factor, style.with_unit(label, shown), factor
-
-
-def _only_load(dataset: xr.Dataset, table: list[LegRow]) -> bool:
-    """Whether no leg prescribes a separation."""
-    return dataset.attrs["held"] == "load" and not any(row.leg.moves_the_body for row in table)
+    label, factor = style.scaled(label, unit, float(np.abs(values).max()) * scale)
+    return values * (factor * scale), label, factor * scale
 
 
 def _width(columns: int) -> float:
@@ -125,30 +111,29 @@ def _width(columns: int) -> float:
     return 6.4 + 0.9 * max(columns - 2, 0)
 
 
-def _draw(axes: Axes, entries: Entries, dataset: xr.Dataset, name: str) -> float:
+def _draw(axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str) -> float:
     """Draw one series: each entry once, and what joins them; what one of the series is in what is drawn."""
     values, label, factor = shown_series(dataset, name)
     axes.set_ylabel(label, multialignment="center")
-    path: list[tuple[float, float]] = []
-    jumps: list[tuple[float, float]] = []
-    points = list(zip(entries.place.tolist(), values.tolist(), strict=True))
+    path, jumps = [], []
+    gap, points = (math.nan, math.nan), list(zip(time.place, values, strict=True))
     for i, point in enumerate(points):
-        if entries.after[i]:
-            jumps += [points[i - 1], point, (math.nan, math.nan)]
-            path.append((math.nan, math.nan))
-        elif math.isfinite(entries.start[i]):
-            path.append((float(entries.start[i]), points[i - 1][1]))
+        if time.after[i]:
+            jumps += [points[i - 1], point, gap]
+            path.append(gap)
+        elif math.isfinite(time.start[i]):
+            path.append((time.start[i], points[i - 1][1]))
         path.append(point)
     axes.plot(*np.transpose(path), "-", color=style.BLUE, linewidth=1.0, zorder=3)
     if jumps:
         axes.plot(*np.transpose(jumps), "--", color=style.GRAY, linewidth=1.2, zorder=3)
     size = 4.0 if values.size <= _MANY else 2.0
     common: dict[str, Any] = {"color": style.INK, "markersize": size, "zorder": 4, "clip_on": False}
-    usual = ~entries.after
-    axes.plot(entries.place[usual], values[usual], "o", markerfacecolor="white", **common)
-    if entries.after.any():
-        places = entries.place[entries.after]
-        axes.plot(places, values[entries.after], "D", label="just after a jump", **common)
+    usual = ~time.after
+    axes.plot(time.place[usual], values[usual], "o", markerfacecolor="white", **common)
+    if time.after.any():
+        places = time.place[time.after]
+        axes.plot(places, values[time.after], "D", label="just after a jump", **common)
     axes.ticklabel_format(axis="y", useOffset=False)
     if np.ptp(values) <= 1e-6 * np.abs(values).max():
         axes.set_ylim(values[0] - 0.1 * abs(values[0] or 1), values[0] + 0.1 * abs(values[0] or 1))
@@ -157,8 +142,9 @@ def _draw(axes: Axes, entries: Entries, dataset: xr.Dataset, name: str) -> float
     return factor
 
 
-def _head(axes: Axes, table: list[LegRow], columns: list[Column], say: Say, per_site: float) -> None:
+def _head(axes: Axes, time: TimeAxis, say: Say, per_site: float) -> None:
     """Say above each column what happens before it and in it, and above the last one what happens after."""
+    table, columns = time.table, time.columns
     for number, column in enumerate(columns):
         earlier = columns[number - 1].row.number if number else -1
         parts = [jump(row, say) for row in table[earlier + 1 : column.row.number]]
@@ -172,14 +158,8 @@ def _head(axes: Axes, table: list[LegRow], columns: list[Column], say: Say, per_
         if column is columns[-1]:
             parts += [f"then {jump(row, say)}" for row in table[column.row.number + 1 :]]
         room = 72 * (column.right - column.left + GAP) - 6
-        axes.text(
-            column.left,
-            1.03,
-            "\n".join(style.lines(part.split(" "), room, 8, between=" ") for part in parts),
-            transform=axes.get_xaxis_transform(),
-            fontsize=8,
-            verticalalignment="bottom",
-        )
+        head = "\n".join(style.lines(part.split(" "), room, 8, between=" ") for part in parts)
+        axes.text(column.left, 1.03, head, transform=axes.get_xaxis_transform(), fontsize=8, va="bottom")
 
 
 def _sinks(table: list[LegRow], row: LegRow) -> bool:
@@ -188,19 +168,16 @@ def _sinks(table: list[LegRow], row: LegRow) -> bool:
     return jumped and row.leg.rests and row.lowest_area < min(row.area)
 
 
-def _mark_lowest(axes: Axes, table: list[LegRow], columns: list[Column], per_site: float) -> None:
+def _mark_lowest(axes: Axes, time: TimeAxis, per_site: float) -> None:
     """Point at the lowest area after a jump: the fall before it may be a small part of the axis."""
     bottom, top = axes.get_ylim()
-    for column in columns:
-        if _sinks(table, column.row):
+    for column in time.columns:
+        if _sinks(time.table, column.row):
             lowest = column.row.lowest_area * per_site
-            axes.annotate(
-                "",
-                xy=(float(column.place(column.row.lowest_after)), lowest),
-                xytext=(0, 22 if lowest < bottom + 0.15 * (top - bottom) else -22),
-                textcoords="offset points",
-                arrowprops={"arrowstyle": "->", "color": style.VERMILION, "shrinkA": 0, "shrinkB": 4},
-            )
+            tip = float(column.place(column.row.lowest_after)), lowest
+            tail = 0, 22 if lowest < bottom + 0.15 * (top - bottom) else -22
+            arrow = {"arrowstyle": "->", "color": style.VERMILION, "shrinkA": 0, "shrinkB": 4}
+            axes.annotate("", tip, tail, textcoords="offset points", arrowprops=arrow)
 
 
 def jump(row: LegRow, say: Say) -> str:

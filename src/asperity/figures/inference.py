@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -22,19 +23,19 @@ _BINS = 41
 
 def curve_figure(found: Inference) -> Figure:
     """Draw the data, and the curve with the 95 % band of the posterior; below, the deviations."""
-    figure = style.Drawing(figsize=(6.8, 5.0), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[3.0, 1.0])
+    figure, (upper, lower) = style.stacked((6.8, 5.0), 3, 1)
     t, first = found.time, float(found.time[found.time > 0][0])
     shown = t > 0
     at = np.geomspace(first, t[-1], 120)
     low, middle, high = found.predicted(at)
     upper.fill_between(at, low, high, color=style.SKY, alpha=0.5, label="95 % band of the posterior")
     upper.plot(at, middle, color=style.BLUE, linewidth=1.4, label=f"model {found.model.name}, median")
-    look = {"fmt": "o", "color": style.INK, "markersize": 4, "markerfacecolor": "white", "elinewidth": 0.8}
-    upper.errorbar(t[shown], found.value[shown], found.error[shown], label="data", **look)
+    look: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
+    measured = t[shown], found.value[shown], found.error[shown]
+    upper.errorbar(*measured, fmt="o", label="data", elinewidth=0.8, **look)
     deviation = (found.value - found.predicted(t)[1]) / found.error
     lower.axhline(0, color=style.INK, linewidth=0.8)
-    lower.plot(t[shown], deviation[shown], "o", color=style.INK, markersize=4, markerfacecolor="white")
+    lower.plot(t[shown], deviation[shown], "o", **look)
     upper.set_xscale("log")
     upper.set_ylabel("static friction" if found.model.name == "healing" else "area")
     lower.set_ylabel("deviation [errors]")

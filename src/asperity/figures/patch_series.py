@@ -21,7 +21,6 @@ _GAINS = (
 )
 _LOSSES = (("lost_by_shrinkage", "shrinkage", style.GRAY), ("lost_by_deaths", "patches gone", "#C8C8C8"))
 
-
 _LEGEND = 0.2
 """Room for a legend, of the height of an axis."""
 
@@ -46,12 +45,8 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     check_dataset(dataset)
     count = dataset.sizes.get("field_time", 0) if "patches" in dataset else 0
     if count < 2:
-        raise InputError(
-            "dataset",
-            expected="a history that kept fields at two times or more",
-            got=f"{count}",
-            advice="age(..., fields_at=times)",
-        )
+        expected, advice = "a history that kept fields at two times or more", "age(..., fields_at=times)"
+        raise InputError("dataset", expected=expected, got=f"{count}", advice=advice)
     time = dataset["field_time"].values.astype(np.float64)
     figure = style.Drawing(figsize=(7.2, 5.4), layout="constrained")
     (number, size), (growth, age) = figure.subplots(2, 2, sharex=True)
@@ -72,14 +67,9 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
         size.set_ylim(0.0, high * (1 + _LEGEND))
     size.legend(fontsize=8, framealpha=0.95, loc="upper center", ncols=3)
     for parts, sign in ((_GAINS, 1), (_LOSSES, -1)):
-        sums = [sign * np.cumsum(dataset[name].values) for name, _, _ in parts]
-        growth.stackplot(
-            time,
-            sums,
-            labels=[label for _, label, _ in parts],
-            colors=[color for _, _, color in parts],
-            linewidth=0,
-        )
+        names, labels, colors = zip(*parts, strict=True)
+        sums = [sign * np.cumsum(dataset[name].values) for name in names]
+        growth.stackplot(time, sums, labels=labels, colors=colors, linewidth=0)
     growth.axhline(0, color=style.INK, linewidth=0.8)
     growth.set_ylabel("gained and lost since\nthe first map [sites]", multialignment="center")
     ages = dataset["contact_age"]

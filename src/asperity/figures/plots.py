@@ -2,34 +2,35 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, to_hex
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure
 
 from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.maps import maps_between
-from asperity.analysis.scan import readable, written
+from asperity.analysis.scan import written
 from asperity.base import checks, views
 from asperity.contact.state import Contact
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.figures.contacts import (
+    COLORS,
     draw_pressure,
     draw_profile,
     draw_scale_bar,
+    draw_sites,
     draw_states,
-    everywhere,
     positions,
     side_of_cells,
+    swatches,
 )
 from asperity.figures.history import draw_legs, shown_series
-from asperity.figures.marks import COLORS
-from asperity.figures.surface import SurfaceView, draw_map, draw_spectrum
+from asperity.figures.surface import SurfaceView, draw_heights, draw_map, draw_spectrum
 from asperity.lattice import Field
 from asperity.results.history import check_dataset
 from asperity.surfaces import PowerSpectrum, Surface
@@ -74,20 +75,23 @@ def plot_contact(
     maps = maps_between(contact, since)
     axes = axes_for(ax)
     pressure, label = _pressure(contact, maps)
+    colored: ScalarMappable | None = None
     if maps.heights.ndim == 1:
-        _draw_line(axes, maps, pressure, label, told=since is not None, colorbar=colorbar)
-    elif since is not None:
-        side = cells_in(axes, maps)
-        states = maps.sampled(side)[-1] if side > 1 else maps.states[-1]
-        draw_states(axes, states, everywhere(maps), side, maps.aspect)
-        draw_scale_bar(axes, maps, everywhere(maps))
+        colored = _draw_line(axes, maps, pressure, told=since is not None)
         if colorbar:
-            _explain(axes, maps)
+            axes.legend(fontsize=7.5, loc="lower left", framealpha=0.95)
     else:
         side = cells_in(axes, maps)
-        if side > 1:
-            pressure = maps.coarsened(pressure[np.newaxis], side, np.nan)[0]
-        _draw_pressures(axes, maps, pressure, label, side, colorbar=colorbar)
+        if since is not None:
+            draw_states(axes, maps, maps.sampled(side)[-1], side)
+            if colorbar:
+                _explain(axes, maps)
+        else:
+            shown = maps.coarsened(pressure[np.newaxis], side, np.nan)[0]
+            colored = draw_pressure(axes, maps, shown, _norm(shown), side)
+        draw_scale_bar(axes, maps)
+    if colorbar and colored is not None:
+        axes.figure.colorbar(colored, ax=axes, label=label, extend="min", shrink=0.9)
     axes.set_title(_said(contact, maps), fontsize=9)
     return axes
 
@@ -154,9 +158,8 @@ def check_series(dataset: xr.Dataset, quantity: str) -> None:
     if quantity not in series:
         raise InputError("quantity", expected=f"one of {', '.join(series)}", got=checks.shown(quantity))
     if float(dataset["time"][-1]) <= 0:
-        raise InputError(
-            "history", expected="times above 0", got="time 0 alone", advice="age(contact, times=[1.0, 10.0])"
-        )
+        advice = "age(contact, times=[1.0, 10.0])"
+        raise InputError("history", expected="times above 0", got="time 0 alone", advice=advice)
 
 
 def draw_series(
@@ -183,14 +186,8 @@ def draw_series(
         axes.set_xlabel(style.over_time(dataset, "hold time $t$"))
     if relaxed is not None:
         own = f"{label}: " if label else ""
-        axes.axhline(
-            relaxed * factor,
-            color=color if label else style.INK,
-            linestyle=":",
-            linewidth=1.4,
-            label=rf"{own}relaxed limit, $t \to \infty$",
-            zorder=1,
-        )
+        look: dict[str, Any] = {"color": color if label else style.INK, "linestyle": ":", "linewidth": 1.4}
+        axes.axhline(relaxed * factor, label=rf"{own}relaxed limit, $t \to \infty$", zorder=1, **look)
     style.finish(axes, lines_along="y" if "protocol" in dataset.attrs else "both")
     return place
 
@@ -210,10 +207,7 @@ def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
     if view.heights.ndim == 2:
         draw_map(axes, view)
     else:
-        axes.plot(*view.profile(), color=style.INK, linewidth=0.8)
-        axes.set_xlabel(style.with_unit("position", view.length_unit))
-        axes.set_ylabel(style.with_unit("height", view.unit))
-        axes.margins(x=0)
+        draw_heights(axes, view)
     return axes
 
 
@@ -256,8 +250,8 @@ def _pressure(contact: Contact, maps: ContactMaps) -> tuple[Field, str]:
         return pressure, r"contact force  [stiffness $\times$ height]"
     if not contact.si:
         return pressure, "contact pressure"
-    unit, factor = readable("Pa", float(np.nanmax(pressure, initial=0.0)))
-    return pressure * factor, style.with_unit("contact pressure", unit)
+    label, factor = style.scaled("contact pressure", "Pa", float(np.nanmax(pressure, initial=0.0)))
+    return pressure * factor, label
 
 
 def _norm(pressure: Field) -> LogNorm:
@@ -269,69 +263,28 @@ def _norm(pressure: Field) -> LogNorm:
     return LogNorm(low if low < high else high / 2, high)
 
 
-def _draw_pressures(
-    axes: Axes, maps: ContactMaps, pressure: Field, label: str, side: int, *, colorbar: bool
-) -> None:
-    image = draw_pressure(axes, pressure, _norm(pressure), everywhere(maps), side, maps.aspect)
-    draw_scale_bar(axes, maps, everywhere(maps))
-    if colorbar:
-        figure_of(axes).colorbar(image, ax=axes, label=label, extend="min", shrink=0.9)
-
-
-def _draw_line(
-    axes: Axes, maps: ContactMaps, pressure: Field, label: str, *, told: bool, colorbar: bool
-) -> None:
+def _draw_line(axes: Axes, maps: ContactMaps, pressure: Field, *, told: bool) -> ScalarMappable | None:
+    """Draw a profile and where it touches: what changed if that is told, else in the colors of pressures."""
     first, last = maps.window
     step, across = positions(maps)
-    if not told:
-        maps = only(maps, 1)
-    draw_profile(axes, maps, ["then", "now"] if told else ["elastic surface"])
-    here, heights = step * np.arange(first, last), (maps.heights - maps.indentation)[first:last]
-    pressed = pressure[first:last]
-    touching = ~np.isnan(pressed)
+    axes.set_xlabel(across)
+    draw_profile(axes, maps, {0: "then", 1: "now"} if told else {1: "elastic surface"})
     if told:
         for state, word in _SINCE.items():
-            (at,) = np.nonzero(maps.states[-1, first:last] == state)
-            if at.size:
-                axes.plot(here[at], heights[at], "s", color=COLORS[state], markersize=4, zorder=5, label=word)
-    elif touching.any():
-        dots = axes.scatter(
-            here[touching],
-            heights[touching],
-            c=pressed[touching],
-            norm=_norm(pressed),
-            cmap=style.PRESSURE_MAP,
-            marker="s",
-            s=16,
-            zorder=5,
-        )
-        if colorbar:
-            figure_of(axes).colorbar(dots, ax=axes, label=label, extend="min", shrink=0.9)
-    axes.set_xlabel(across)
-    if colorbar:
-        axes.legend(fontsize=7.5, loc="lower left", framealpha=0.95)
-
-
-def only(maps: ContactMaps, number: int) -> ContactMaps:
-    """One of the maps alone."""
-    one = slice(number, number + 1)
-    return dataclasses.replace(
-        maps, times=maps.times[one], states=maps.states[one], surfaces=maps.surfaces[one]
-    )
+            draw_sites(axes, maps, [state], color=COLORS[state], label=word)
+        return None
+    at = first + np.flatnonzero(~np.isnan(pressure[first:last]))
+    if not at.size:
+        return None
+    look: dict[str, Any] = {"norm": _norm(pressure[at]), "cmap": style.PRESSURE_MAP, "marker": "s", "s": 16}
+    return axes.scatter(step * at, (maps.heights - maps.indentation)[at], c=pressure[at], zorder=5, **look)
 
 
 def _explain(axes: Axes, maps: ContactMaps) -> None:
-    found = {state: color for state, color in COLORS.items() if (maps.states[-1] == state).any()}
-    handles = [style.swatch(color, _SINCE[state], 6) for state, color in found.items()]
-    if handles:
-        axes.legend(
-            handles=handles,
-            loc="upper right",
-            bbox_to_anchor=(1.0, 0.0 if maps.pixel_size is None else -0.07),
-            ncols=len(handles),
-            fontsize=8,
-            frameon=False,
-        )
+    if handles := swatches(maps.states[-1], _SINCE, 6):
+        corner = (1.0, 0.0 if maps.pixel_size is None else -0.07)
+        look: dict[str, Any] = {"ncols": len(handles), "fontsize": 8, "frameon": False}
+        axes.legend(handles=handles, loc="upper right", bbox_to_anchor=corner, **look)
 
 
 def _said(contact: Contact, maps: ContactMaps) -> str:
@@ -347,23 +300,14 @@ def _said(contact: Contact, maps: ContactMaps) -> str:
 
 def _limit_of(dataset: xr.Dataset, quantity: str, limit: Contact | None) -> float | None:
     """The quantity in the relaxed state, where that is known."""
-    if limit is None:
-        known = dataset.attrs.get(f"relaxed_{quantity}")
-        return None if known is None else float(known)
-    checks.instance("limit", limit, Contact, "asperity.relax(contact)")
-    value = getattr(limit, quantity, None)
-    if value is None:
-        raise InputError("limit", expected=f"none, as a contact alone has no {quantity}", got="a contact")
-    return float(value)
+    known = dataset.attrs.get(f"relaxed_{quantity}")
+    if limit is not None:
+        known = getattr(checks.instance("limit", limit, Contact, "asperity.relax(contact)"), quantity, None)
+        if known is None:
+            raise InputError("limit", expected=f"none, as a contact alone has no {quantity}", got="a contact")
+    return None if known is None else float(known)
 
 
 def cells_in(axes: Axes, maps: ContactMaps) -> int:
     """Sites along a side of the cells that are drawn in these axes."""
-    return side_of_cells(maps, axes.get_window_extent().width / figure_of(axes).dpi)
-
-
-def figure_of(axes: Axes) -> Figure | SubFigure:
-    """The figure that the axes are in."""
-    figure = axes.get_figure()
-    assert figure is not None
-    return figure
+    return side_of_cells(maps, axes.get_window_extent().width / axes.figure.dpi)

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from asperity.analysis.maps import SiteState, color_range
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import readable
 from asperity.base.words import power
 from asperity.figures import style
-from asperity.figures.marks import COLORS
+from asperity.figures.contacts import COLORS
 
 _BINS = 60
 
@@ -23,15 +25,12 @@ def growth_figure(prediction: Prediction) -> Figure:
     """Draw the area against the logarithm of time, its growth in each decade, and friction."""
     friction = prediction.friction
     panels = 2 if friction is None else 3
-    figure = style.Drawing(figsize=(6.8, 3.2 + 2.1 * (panels - 1)), layout="constrained")
-    grid = figure.subplots(panels, 1, sharex=True, height_ratios=(3, 2, 2)[:panels])
+    figure, grid = style.stacked((6.8, 3.2 + 2.1 * (panels - 1)), *(3, 2, 2)[:panels])
     growth = prediction.growth
     draw_growth(grid[0], prediction)
-    begin, end, slope = (np.array(column) for column in zip(*growth.decades, strict=True))
-    edges = np.append(begin, end[-1])
-    grid[1].stairs(
-        100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.8, label="decade by decade"
-    )
+    begin, end, slope = np.transpose(growth.decades)
+    edges, label = np.append(begin, end[-1]), "decade by decade"
+    grid[1].stairs(100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.8, label=label)
     low, high = (100 * edge for edge in growth.band)
     label = f"mean of all {100 * growth.per_decade:.3g} %, 95 % band"
     grid[1].axhspan(low, high, color=style.SKY, alpha=0.35, linewidth=0, label=label)
@@ -43,8 +42,7 @@ def growth_figure(prediction: Prediction) -> Figure:
         style.curve(grid[2], prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
         grid[2].set_ylabel("static friction $\\mu$")
     for axes in grid:
-        axes.grid(visible=True, which="major", color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
+        style.finish(axes, legend=False)
         # Above the panel: areas that do not grow would leave no room in it.
         columns = 2 if len(axes.get_legend_handles_labels()[1]) == 4 else 3
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, fontsize=8, frameon=False)
@@ -79,30 +77,21 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
 
 def contact_maps_figure(prediction: Prediction) -> Figure:
     """Draw where the scan touches at the first and the last time, and with which pressure."""
-    dataset = prediction.dataset
-    heights = np.asarray(dataset["heights"])
-    touching, pressure = (np.asarray(dataset[name])[[0, -1]] for name in ("in_contact", "pressure"))
+    heights = np.asarray(prediction.dataset["heights"])
+    times, touching, pressure = (_ends(prediction, name) for name in ("field_time", "in_contact", "pressure"))
     tall = heights.shape[0] * prediction.spacing[0] / (heights.shape[1] * prediction.spacing[1])
     figure = style.Drawing(figsize=(8.4, 1.2 + 6.1 * min(max(tall, 0.3), 1.6)), layout="constrained")
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
     unit, extent = _extent(prediction, heights.shape)
     low, high = color_range(heights)
-    height_unit, factor = readable("m", high - low)
-    times = np.asarray(dataset["field_time"])[[0, -1]]
-    pressure_unit, scale = readable("Pa", float(pressure.max()))
-    positive = pressure[pressure > 0] * scale
-    limits = LogNorm(*np.quantile(positive, (0.02, 1.0)))
-    shown = {
-        "extent": extent,
-        "interpolation": "antialiased",
-        "interpolation_stage": "rgba",
-        "rasterized": True,
-    }
+    height_label, factor = style.scaled("height", "m", high - low)
+    pressure_label, scale = style.scaled("contact pressure", "Pa", float(pressure.max()))
+    limits = LogNorm(*np.quantile(pressure[pressure > 0] * scale, (0.02, 1.0)))
+    shown: dict[str, Any] = {"extent": extent, "interpolation_stage": "rgba", **style.PIXELS}
+    gray: dict[str, Any] = {"cmap": "gray", "clim": (low * factor, high * factor), "alpha": 0.75}
     for column, time in enumerate(times):
         upper, lower = grid[:, column]
-        relief = upper.imshow(
-            heights * factor, cmap="gray", clim=(low * factor, high * factor), alpha=0.75, **shown
-        )
+        relief = upper.imshow(heights * factor, **gray, **shown)
         colors = np.zeros((*heights.shape, 4))
         colors[touching[column]] = to_rgba(COLORS[SiteState.NEW])
         colors[touching[0]] = to_rgba(COLORS[SiteState.KEPT])
@@ -110,21 +99,13 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
         percent = 100 * touching[column].mean()
         upper.set_title(f"$t$ = ${power(float(time))}$ s: {percent:.3g} % of the pixels touch", fontsize=9)
         lower.set_facecolor("0.93")
-        image = lower.imshow(
-            np.where(touching[column], pressure[column] * scale, np.nan),
-            cmap=style.PRESSURE_MAP,
-            norm=limits,
-            **shown,
-        )
+        values = np.where(touching[column], pressure[column] * scale, np.nan)
+        image = lower.imshow(values, cmap=style.PRESSURE_MAP, norm=limits, **shown)
         lower.set_xlabel(style.with_unit("x", unit))
     for axes in grid[:, 0]:
         axes.set_ylabel(style.with_unit("y", unit))
-    figure.colorbar(
-        relief, ax=grid[0, :], label=style.with_unit("height", height_unit), shrink=0.9, extend="both"
-    )
-    figure.colorbar(
-        image, ax=grid[1, :], label=f"contact pressure [{pressure_unit}]", shrink=0.9, extend="min"
-    )
+    figure.colorbar(relief, ax=grid[0, :], label=height_label, shrink=0.9, extend="both")
+    figure.colorbar(image, ax=grid[1, :], label=pressure_label, shrink=0.9, extend="min")
     handles = [
         style.swatch(COLORS[SiteState.KEPT], "touches since the first time"),
         style.swatch(COLORS[SiteState.NEW], "touches at the last time only"),
@@ -135,35 +116,23 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
 
 def pressure_figure(prediction: Prediction) -> Figure:
     """Draw the distribution of the contact pressure at the first and the last time."""
-    pressure = np.asarray(prediction.dataset["pressure"])[[0, -1]]
-    touching = np.asarray(prediction.dataset["in_contact"])[[0, -1]]
+    times, touching, pressure = (_ends(prediction, name) for name in ("field_time", "in_contact", "pressure"))
     unit, scale = readable("Pa", float(np.quantile(pressure[touching], 0.9)))
-    figure = style.Drawing(figsize=(6.8, 3.6), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = style.single((6.8, 3.6))
     edges = np.linspace(0, scale * float(np.quantile(pressure[0][touching[0]], 0.98)), _BINS + 1)
     looks = ((style.GRAY, "--"), (style.VERMILION, "-"))
-    for field, mask, time, (color, dash) in zip(
-        pressure, touching, np.asarray(prediction.dataset["field_time"])[[0, -1]], looks, strict=True
-    ):
+    for field, mask, time, (color, dash) in zip(pressure, touching, times, looks, strict=True):
         values = scale * field[mask]
-        density, _ = np.histogram(values, bins=edges)
+        density = np.histogram(values, bins=edges)[0] / values.size / np.diff(edges)
         label = f"$t$ = ${power(float(time))}$ s, mean {values.mean():.3g} {unit}"
-        axes.stairs(
-            density / values.size / np.diff(edges),
-            edges,
-            color=color,
-            linestyle=dash,
-            linewidth=1.6,
-            label=label,
-        )
+        axes.stairs(density, edges, color=color, linestyle=dash, linewidth=1.6, label=label)
         axes.axvline(values.mean(), color=color, linestyle=":", linewidth=1.2)
     axes.set_xlim(0, edges[-1])
     axes.set_ylim(0, None)
     axes.set_xlabel(f"contact pressure [{unit}]")
     axes.set_ylabel(f"part of the contact area\nper pressure [1/{unit}]")
+    style.finish(axes, legend=False)
     axes.legend(loc="upper right", fontsize=8, framealpha=0.95)
-    axes.grid(visible=True, color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
     return figure
 
 
@@ -177,21 +146,26 @@ def observed_figure(prediction: Prediction) -> Figure:
     rows, columns = (n * side for n, side in zip(observation.image.shape, observation.spacing, strict=True))
     factor = extent[1] / (touching.shape[1] * prediction.spacing[1])
     seen_extent = (0.0, columns * factor, rows * factor, 0.0)
-    maps = ((touching, extent, "contact"), (observation.image, seen_extent, "its image"))
-    for axes, (field, where, title) in zip(grid, maps, strict=False):
-        axes.imshow(
-            field, cmap="gray_r", clim=(0, 1), extent=where, interpolation="antialiased", rasterized=True
-        )
-        axes.set_title(title, fontsize=9)
     assert observation.seen is not None
-    grid[2].imshow(observation.seen, cmap="gray_r", clim=(0, 1), extent=seen_extent, interpolation="nearest")
-    grid[2].set_title(f"above {observation.threshold:g} of full contact", fontsize=9)
-    for axes in grid:
+    above, sharp = f"above {observation.threshold:g} of full contact", {"interpolation": "nearest"}
+    maps = (
+        (touching, extent, style.PIXELS, "contact"),
+        (observation.image, seen_extent, style.PIXELS, "its image"),
+        (observation.seen, seen_extent, sharp, above),
+    )
+    for axes, (field, where, look, title) in zip(grid, maps, strict=True):
+        axes.imshow(field, cmap="gray_r", clim=(0, 1), extent=where, **look)
+        axes.set_title(title, fontsize=9)
         axes.set_xlabel(style.with_unit("x", unit))
         axes.set_xlim(extent[0], extent[1])
         axes.set_ylim(extent[2], extent[3])
     grid[0].set_ylabel(style.with_unit("y", unit))
     return figure
+
+
+def _ends(prediction: Prediction, name: str) -> NDArray[Any]:
+    """Of what the maps know, that at the first and the last time."""
+    return np.asarray(prediction.dataset[name])[[0, -1]]
 
 
 def _areas(prediction: Prediction) -> tuple[str, float]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,6 +16,7 @@ from asperity.friction import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw
 
 _LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
+_RINGS = {"markersize": 3.5, "markeredgewidth": 1, "markerfacecolor": "white"}
 _MANY = 400
 """Entries above which the record is drawn as dots without edges."""
 
@@ -34,21 +37,19 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     peaks = found.peaks()
     holds = peaks.duration.size > 1
     figure = style.Drawing(figsize=(9.6 if holds else 6.8, 5.8), layout="constrained")
-    grid = figure.add_gridspec(
-        2, 2 if holds else 1, height_ratios=[3.0, 1], width_ratios=[1.7, 1][: 1 + holds]
-    )
+    grid = figure.add_gridspec(2, 1 + holds, height_ratios=[3.0, 1], width_ratios=[1.7, 1][: 1 + holds])
     upper = figure.add_subplot(grid[0, 0])
     lower = figure.add_subplot(grid[1, 0], sharex=upper)
     upper.tick_params(labelbottom=False)
-    slip, unit, factor = found.record.displacement, "", 1.0
+    slip, label, factor = found.record.displacement, "slip [length of the record]", 1.0
     if found.record.si:
-        unit, factor = readable("m", float(slip.max()))
-        slip = factor * slip
+        label, factor = style.scaled("slip", "m", float(slip.max()))
+    slip = factor * slip
     _draw_record(upper, found, slip)
     _draw_residuals(lower, found, slip)
     upper.set_ylabel(r"friction coefficient $\mu$")
     lower.set_ylabel(r"$\mu$ − law")
-    lower.set_xlabel(style.with_unit("slip", unit) if unit else "slip [length of the record]")
+    lower.set_xlabel(label)
     upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), fontsize=8, frameon=False)
     if holds:
         _draw_peaks(figure.add_subplot(grid[:, 1]), found)
@@ -61,16 +62,9 @@ def _draw_record(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
     record, surfaces = found.record, f", mean of {found.runs} surfaces" if found.runs > 1 else ""
     shown = found.fits["aging"].used
     small = record.time.size > _MANY
-    axes.plot(
-        slip[shown],
-        record.friction[shown],
-        "o",
-        color=style.GRAY,
-        markersize=2 if small else 3.5,
-        markeredgewidth=0 if small else 1,
-        markerfacecolor=style.GRAY if small else "white",
-        label=f"record{surfaces}",
-    )
+    dots: dict[str, Any] = {"markersize": 2, "markeredgewidth": 0} if small else _RINGS
+    label = f"record{surfaces}"
+    axes.plot(slip[shown], record.friction[shown], "o", color=style.GRAY, label=label, **dots)
     for law in STATE_LAWS:
         color, dashes = _LINES[law]
         friction = np.where(shown, found.fits[law].predict(record), np.nan)
@@ -81,11 +75,8 @@ def _legend(found: StateLaws, law: StateLaw) -> str:
     estimates = found.estimates[law]
     unit, scale = readable("m", float(estimates["D_c"].value)) if found.record.si else ("", 1.0)
     numbers = []
-    for name, factor, end in (
-        ("a", 1.0, ""),
-        ("b", 1.0, ""),
-        ("D_c", scale, f" {style.spelled(unit)}".rstrip()),
-    ):
+    length = f" {style.spelled(unit)}".rstrip()
+    for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", scale, length)):
         value, stderr = float(estimates[name].value), float(estimates[name].stderr)
         if (name == "D_c" and not found.fits[law].determined) or stderr > 100 * abs(value):
             numbers.append(f"${name}$ not determined")
@@ -97,24 +88,16 @@ def _legend(found: StateLaws, law: StateLaw) -> str:
 
 def _draw_residuals(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
     axes.axhline(0, color=style.INK, linewidth=0.8)
-    for law in STATE_LAWS:
+    look: dict[str, Any] = {"markersize": 2.5, "markerfacecolor": "none"}
+    for law, marker in zip(STATE_LAWS, "os", strict=True):
         fit = found.fits[law]
-        marker = "o" if law == "aging" else "s"
-        axes.plot(
-            slip[fit.used], fit.residual, marker, color=_LINES[law][0], markersize=2.5, markerfacecolor="none"
-        )
+        axes.plot(slip[fit.used], fit.residual, marker, color=_LINES[law][0], **look)
 
 
 def _draw_peaks(axes: Axes, found: StateLaws) -> None:
     peaks = found.peaks()
-    axes.semilogx(
-        peaks.duration,
-        peaks.peak - peaks.before,
-        "o",
-        color=style.GRAY,
-        markerfacecolor="white",
-        label="record",
-    )
+    look: dict[str, Any] = {"color": style.GRAY, "markerfacecolor": "white", "label": "record"}
+    axes.semilogx(peaks.duration, peaks.peak - peaks.before, "o", **look)
     for law in STATE_LAWS:
         color, dashes = _LINES[law]
         of_law = found.peaks(law)

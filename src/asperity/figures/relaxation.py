@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable, written
 from asperity.base import checks
+from asperity.base.words import counted
 from asperity.figures import style
 from asperity.relaxation import Creep, Dynamic, Fit
 
@@ -30,24 +31,21 @@ def relaxation_figure(fit: Fit) -> Figure:
     Figure
     """
     checks.instance("fit", fit, Fit, "asperity.relaxation.fit(data)")
-    figure = style.Drawing(figsize=(6.8, 7.0), layout="constrained")
-    upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=[3.0, 1.0, 1.3])
+    figure, grid = style.stacked((6.8, 7.0), 3.0, 1.0, 1.3)
+    upper, middle, lower = grid
     draw_moduli(upper, fit)
     x, _ = fit.data.columns
     for i, deviation in enumerate(fit.residuals()):
         middle.plot(x, 100 * deviation, _MARKERS[i], **_look(i))
-    count = len(fit.series.branches)
-    upper.set_title(
-        f"{count} {'branch' if count == 1 else 'branches'} over {fit.decades:.1f} decades; "
-        f"data missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most",
-        fontsize=10,
-    )
+    found = counted(len(fit.series.branches), "branch", "branches")
+    missed = f"{100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
+    upper.set_title(f"{found} over {fit.decades:.1f} decades; data missed by {missed}", fontsize=10)
     middle.axhline(0, color=style.INK, linewidth=0.8)
     reach = 1.25 * max(100 * fit.series.error, 1e-3)
     middle.set_ylim(-reach, reach)
     middle.set_ylabel("data − fit [%]")
     _draw_branches(lower, fit)
-    for axes in (upper, middle, lower):
+    for axes in grid:
         style.finish(axes)
     return figure
 
@@ -59,9 +57,8 @@ def draw_moduli(axes: Axes, fit: Fit) -> None:
     scale, unit = _unit(fit)
     for i, name in enumerate(fit.data.quantities):
         axes.plot(x, values[i] * scale, _MARKERS[i], label=name, **_look(i))
-        axes.plot(
-            curve_x, curves[i] * scale, "-", color=_COLORS[i], linewidth=1.4, label=f"fit of the {name}"
-        )
+        label = f"fit of the {name}"
+        axes.plot(curve_x, curves[i] * scale, "-", color=_COLORS[i], linewidth=1.4, label=label)
     axes.set_xscale("log")
     drawn = np.concatenate(values)
     if drawn.max() > 5 * drawn.min():
@@ -84,18 +81,11 @@ def _draw_branches(axes: Axes, fit: Fit) -> None:
     axes.plot(at, 100 * branches[:, 0], "D", color=style.INK, markersize=4)
     axes.set_ylim(0, 118 * max(branches[:, 0], default=1.0))
     axes.set_ylabel("share of each\nbranch [%]")
-    axes.set_xlabel(
-        "angular frequency, 1 / relaxation time [rad/s]" if dynamic else "time, relaxation time [s]"
-    )
-    axes.text(
-        0.015,
-        0.93,
-        f"permanent share {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}",
-        transform=axes.transAxes,
-        va="top",
-        fontsize=8,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5},
-    )
+    frequency, time = "angular frequency, 1 / relaxation time [rad/s]", "time, relaxation time [s]"
+    axes.set_xlabel(frequency if dynamic else time)
+    said = f"permanent share {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}"
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5}
+    axes.text(0.015, 0.93, said, transform=axes.transAxes, va="top", fontsize=8, bbox=box)
 
 
 def _unit(fit: Fit) -> tuple[float, str]:

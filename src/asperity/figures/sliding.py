@@ -7,7 +7,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from asperity.analysis.legs import leg_table, numbers_of
-from asperity.analysis.scan import readable
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.figures.history import shown_series
@@ -47,11 +46,12 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     name = "friction" if "friction" in dataset else "area"
     values, quantity, per_site = shown_series(dataset, name)
     way = dataset["displacement"].values
-    unit, factor = str(dataset["displacement"].attrs["units"]), 1.0
+    unit = str(dataset["displacement"].attrs["units"])
+    label, factor = style.with_unit("displacement", unit), 1.0
     if dataset.attrs.get("si"):
-        unit, factor = readable(unit, float(way.max()))
-    figure = style.Drawing(figsize=(6.4, 4.2), layout="constrained")
-    axes = figure.subplots()
+        label, factor = style.scaled("displacement", unit, float(way.max()))
+    way = factor * way
+    figure, axes = style.single((6.4, 4.2))
     numbers = numbers_of(dataset)
     shaded = False
     speeds: dict[float, str] = {}
@@ -60,7 +60,7 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
         own = np.flatnonzero(numbers == row.number)
         own = np.insert(own, 0, own[:1] - 1) if own.size and own[0] > 0 else own
         if not row.leg.speed:
-            axes.plot(factor * way[own], values[own], "o-", color=style.INK, markersize=3, label=resting)
+            axes.plot(way[own], values[own], "o-", color=style.INK, markersize=3, label=resting)
             resting = None
             continue
         speed = row.leg.speed
@@ -68,22 +68,20 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
         color = speeds.setdefault(speed, _COLORS[len(speeds) % len(_COLORS)])
         place, first = np.unique(way[own], return_index=True)
         after, before = values[own[first]], values[own[np.append(first[1:], own.size) - 1]]
-        label = None if said in axes.get_legend_handles_labels()[1] else said
-        axes.plot(
-            factor * place, before, "o-", color=color, markersize=3, markerfacecolor="white", label=label
-        )
-        axes.fill_between(factor * place, after, before, color=color, alpha=0.2, linewidth=0)
+        named = None if said in axes.get_legend_handles_labels()[1] else said
+        style.curve(axes, place, before, "o-", color, named, linewidth=1.5, markersize=3)
+        axes.fill_between(place, after, before, color=color, alpha=0.2, linewidth=0)
         shaded |= bool((after != before).any())
     if shaded:
         axes.fill_between([], [], [], color=style.GRAY, alpha=0.3, linewidth=0, label=_SHADE)
     low, high = axes.get_ylim()
     if high - low < _NARROWEST * high:
         axes.set_ylim(0.0, 1.2 * high)
-    axes.set_xlabel(style.with_unit("displacement", unit))
+    axes.set_xlabel(label)
     axes.set_ylabel("friction coefficient" if name == "friction" else quantity)
     if name == "area":
         style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * per_site))
     style.finish(axes)
     what = "Friction" if name == "friction" else "Contact area"
-    style.entitle(figure, dataset, f"{what} against displacement")
+    style.entitle(figure, f"{what} against displacement", style.conditions(dataset))
     return figure

@@ -17,10 +17,8 @@ from matplotlib import font_manager, rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
-from numpy.typing import ArrayLike
 
-from asperity.analysis.scan import written
+from asperity.analysis.scan import readable, written
 from asperity.creep import PARAMETERS_OF_LAWS
 from asperity.lattice import Field
 
@@ -40,6 +38,8 @@ PRESSURE_MAP = "viridis"
 RESOLUTION = 200
 """Dots per inch of figures that are written as pixels."""
 
+PIXELS: dict[str, Any] = {"interpolation": "antialiased", "rasterized": True}
+"""How ``imshow`` draws maps of which a pixel may hold many sites."""
 
 _MARGIN = 12.0
 """Kept free beside a text that is as wide as its figure, points."""
@@ -91,43 +91,52 @@ def lines(parts: list[str], width: float, size: float = 10, between: str = ", ")
     return "\n".join(verbatim(fitted(line, width, size)) for line in laid)
 
 
-def conditions(dataset: xr.Dataset, prescribed: str) -> list[str]:
-    """Say what the surface was, what was prescribed and what the solid was; lay it out with `lines`."""
+def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Axes]]:
+    """Make a figure, of this size in inches, with panels of these heights above a common axis."""
+    figure = Drawing(figsize=size, layout="constrained")
+    grid = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)
+    return figure, list(grid[:, 0])
+
+
+def single(size: tuple[float, float]) -> tuple[Drawing, Axes]:
+    """Make a figure, of this size in inches, with one panel."""
+    figure = Drawing(figsize=size, layout="constrained")
+    return figure, figure.subplots()
+
+
+def conditions(dataset: xr.Dataset, prescribed: str = "") -> list[str]:
+    """Say what the surface was, what was prescribed, by default the load at first, and what the solid was."""
     attrs = dataset.attrs
+
+    def say(name: str, unit: str) -> str:
+        return written(attrs[name], (attrs.get("si") and unit) or "1")
+
     origin = json.loads(attrs.get("surface", "{}"))
     source = str(origin.get("file") or str(origin.get("kind", "")).replace("_", "-"))
+    prescribed = prescribed or f"load {said(dataset, 'load', float(dataset['load'].values[0]))} at first"
     lattice = " × ".join(str(n) for n in dataset["heights"].shape)
-    parts = [source] if source else []
-    parts += [f"{lattice} sites", prescribed]
+    parts = [*([source] if source else []), f"{lattice} sites", prescribed]
     if "modulus" in attrs:
-        pascal, meter = ("Pa", "m") if attrs.get("si") else ("1", "1")
-        parts.append(f"{str(attrs['solid']).replace('_', '-')}, E* = {written(attrs['modulus'], pascal)}")
+        parts.append(f"{str(attrs['solid']).replace('_', '-')}, E* = {say('modulus', 'Pa')}")
         if "thickness" in attrs:
-            parts.append(f"thickness {written(attrs['thickness'], meter)}")
+            parts.append(f"thickness {say('thickness', 'm')}")
         if count := len(json.loads(attrs.get("branches", "[]"))):
             parts.append(f"{count} relaxation time{'s' * (count > 1)}")
-    parts += [f"{name} = {float(attrs[name]):g}" for name in ("k0", "k1", "R") if name in attrs]
-    if float(attrs.get("R_viscous", 0)) > 0:
-        parts.append(f"R_viscous = {float(attrs['R_viscous']):g}")
-    parts += [
-        f"{what.symbol} = {written(attrs[name], (attrs.get('si') and what.unit) or '1')}"
-        for name, what in PARAMETERS_OF_LAWS.items()
-        if name in attrs
-    ]
+    springs = [name for name in ("k0", "k1", "R") if name in attrs]
+    springs += ["R_viscous"] * (float(attrs.get("R_viscous", 0)) > 0)
+    parts += [f"{name} = {float(attrs[name]):g}" for name in springs]
+    laws = PARAMETERS_OF_LAWS.items()
+    parts += [f"{what.symbol} = {say(name, what.unit)}" for name, what in laws if name in attrs]
     if "permanent" in attrs:
         parts.append(f"permanent share {float(attrs['permanent']):g}")
     if "hardness" in attrs:
-        parts.append(f"hardness = {written(attrs['hardness'], 'Pa' if attrs.get('si') else '1')}")
+        parts.append(f"hardness = {say('hardness', 'Pa')}")
     return parts
 
 
-def entitle(figure: Drawing, dataset: xr.Dataset, title: str, prescribed: str = "") -> None:
-    """Write a title above a figure of a history, and under it the conditions that `conditions` says.
-
-    What was prescribed is by default the load at first.
-    """
-    prescribed = prescribed or f"load {said(dataset, 'load', float(dataset['load'].values[0]))} at first"
-    figure.suptitle(f"{title}\n{lines(conditions(dataset, prescribed), figure.room)}", fontsize=10)
+def entitle(figure: Drawing, title: str, parts: list[str]) -> None:
+    """Write a title above a figure, if there is one, and under it what must be said, on lines that fit."""
+    figure.suptitle("\n".join(filter(None, [title, lines(parts, figure.room)])), fontsize=10)
 
 
 def finish(axes: Axes, *, legend: bool = True, lines_along: Literal["x", "y", "both"] = "both") -> None:
@@ -173,16 +182,10 @@ def count_nominal_area(axes: Axes, percent: float) -> None:
 
     One unit of the left axis, of the contact area, is so many percent.
     """
-
-    def to_percent(area: ArrayLike) -> Field:
-        return np.asarray(area, dtype=np.float64) * percent
-
-    def to_area(share: ArrayLike) -> Field:
-        return np.asarray(share, dtype=np.float64) / percent
-
-    right = axes.secondary_yaxis("right", functions=(to_percent, to_area))
+    there, back = (lambda area: np.multiply(area, percent)), (lambda share: np.divide(share, percent))
+    right = axes.secondary_yaxis("right", functions=(there, back))
     right.set_ylabel("real contact [% of nominal area]")
-    right.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    right.yaxis.set_major_formatter("{x:g}")
     axes.set_ylim(top=min(axes.get_ylim()[1], 100.0 / percent))
 
 
@@ -202,6 +205,12 @@ def verbatim(text: str) -> str:
 def with_unit(quantity: str, unit: str) -> str:
     """Label an axis: quantity and unit, where it has one."""
     return quantity if unit == "1" else f"{quantity} [{spelled(unit)}]"
+
+
+def scaled(quantity: str, unit: str, span: float) -> tuple[str, float]:
+    """Label an axis on which a span is readable; and the factor to its unit."""
+    shown, factor = readable(unit, span)
+    return with_unit(quantity, shown), factor
 
 
 def spelled(unit: str) -> str:

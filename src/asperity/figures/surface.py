@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.maps import color_range
@@ -28,18 +30,8 @@ _ROUNDING = 1e-18
 class SurfaceView:
     """A surface as it is shown: the measured part of it, not its mirror images, in readable units.
 
-    Attributes
-    ----------
-    heights
-        Shape ``(n,)`` or ``(n, m)``.
-    unit, length_unit
-        Units of the heights ("1" or a power of ten, such as "1e-06", if unknown) and of the axes ("pixel" if
-        unknown). Lengths are given in the unit that makes the numbers readable, which need not be the
-        surface's.
-    pixel_size
-        Distance between sites along each axis in `length_unit`.
-    height_range
-        As in `asperity.analysis.ContactMaps`.
+    `unit` is that of the `heights`, "1" or a power of ten such as "1e-06" if unknown; `length_unit` that of
+    the axes and of the `pixel_size` along each, "pixel" if unknown. `height_range` is what colors tell apart.
     """
 
     def __init__(self, surface: Surface) -> None:
@@ -129,34 +121,34 @@ def surface_figure(
     checks.instance("surface", surface, Surface, "asperity.surfaces.Surface(heights)")
     view = SurfaceView(surface)
     flat = view.heights.ndim == 2
-    figure = style.Drawing(figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout="constrained")
-    engine = figure.get_layout_engine()
-    assert engine is not None
-    engine.set(w_pad=_PAD, h_pad=_PAD / 2)  # type: ignore[call-arg]
+    figure = style.Drawing(
+        figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout=ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2)
+    )
+    grid: list[Any] = [["profile", "profile"], ["heights", "waves"]]
+    ratios: dict[str, Any] = {}
     if flat:
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.2, 1), height_ratios=(1.5, 1))
-        upper_left = figure.add_subplot(grid[0, 0])
-        draw_map(upper_left, view)
-        upper_left.axhline(
-            float(view.along(0, view.heights.shape[0] // 2)), color="white", linestyle="--", linewidth=1.0
-        )
-        waves, profile, histogram = (figure.add_subplot(grid[i, j]) for i, j in ((0, 1), (1, 0), (1, 1)))
-        profile.set_title("profile along the dashed line", fontsize=9)
-    else:
-        grid = figure.add_gridspec(2, 2)
-        profile, histogram = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[1, 0])
-        waves = figure.add_subplot(grid[1, 1])
-        profile.set_title("profile", fontsize=9)
-    profile.plot(*view.profile(), color=style.INK, linewidth=0.8)
-    profile.set_xlabel(style.with_unit("position", view.length_unit))
-    profile.set_ylabel(style.with_unit("height", view.unit))
-    profile.margins(x=0)
-    _draw_histogram(histogram, view)
-    draw_spectrum(waves, view.in_units(power_spectrum(surface) if spectrum is None else spectrum))
-    about = [title, *(style.lines(note.split(", "), figure.room).split("\n") if note else [])]
-    about[0] = style.lines([title], figure.room)
-    figure.suptitle("\n".join(about), fontsize=10)
+        grid = [["map", "waves"], ["profile", "heights"]]
+        ratios = {"width_ratios": (1.2, 1), "height_ratios": (1.5, 1)}
+    panels = figure.subplot_mosaic(grid, **ratios)
+    if flat:
+        draw_map(panels["map"], view)
+        middle = float(view.along(0, view.heights.shape[0] // 2))
+        panels["map"].axhline(middle, color="white", linestyle="--", linewidth=1.0)
+    panels["profile"].set_title("profile along the dashed line" if flat else "profile", fontsize=9)
+    draw_heights(panels["profile"], view)
+    _draw_histogram(panels["heights"], view)
+    measured = power_spectrum(surface) if spectrum is None else spectrum
+    draw_spectrum(panels["waves"], view.in_units(measured))
+    style.entitle(figure, style.lines([title], figure.room), note.split(", ") if note else [])
     return figure
+
+
+def draw_heights(axes: Axes, view: SurfaceView) -> None:
+    """Draw the heights of a profile, or along the middle line of a surface."""
+    axes.plot(*view.profile(), color=style.INK, linewidth=0.8)
+    axes.set_xlabel(style.with_unit("position", view.length_unit))
+    axes.set_ylabel(style.with_unit("height", view.unit))
+    axes.margins(x=0)
 
 
 def draw_map(axes: Axes, view: SurfaceView) -> None:
@@ -167,15 +159,13 @@ def draw_map(axes: Axes, view: SurfaceView) -> None:
         cmap=style.HEIGHT_MAP,
         clim=view.height_range,
         extent=(0.0, columns * view.pixel_size[1], rows * view.pixel_size[0], 0.0),
-        interpolation="antialiased",
-        rasterized=True,
+        **style.PIXELS,
     )
     axes.set_xlabel(style.with_unit("x", view.length_unit))
     axes.set_ylabel(style.with_unit("y", view.length_unit))
     axes.set_title("height map", fontsize=9)
-    figure = axes.get_figure()
-    assert figure is not None
-    figure.colorbar(image, ax=axes, label=style.with_unit("height", view.unit), shrink=0.85, extend="both")
+    label = style.with_unit("height", view.unit)
+    axes.figure.colorbar(image, ax=axes, label=label, shrink=0.85, extend="both")
 
 
 def _draw_histogram(axes: Axes, view: SurfaceView) -> None:
@@ -198,14 +188,9 @@ def draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
     flat = len(spectrum.along) == 2
     # What a surface of smooth waves has beyond the shortest of them is rounding.
     shown = spectrum.power > _ROUNDING * spectrum.power.max(initial=0.0)
-    axes.loglog(
-        spectrum.wave_number[shown],
-        spectrum.power[shown],
-        "o",
-        color=style.BLUE,
-        markersize=3.5,
-        label="mean over directions" if flat else "mean over bins",
-    )
+    label = "mean over directions" if flat else "mean over bins"
+    look: dict[str, Any] = {"color": style.BLUE, "markersize": 3.5, "label": label}
+    axes.loglog(spectrum.wave_number[shown], spectrum.power[shown], "o", **look)
     fit = spectrum.fit
     if fit is not None:
         q = 2 * np.pi / np.array([fit.longest, fit.shortest])

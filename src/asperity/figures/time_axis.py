@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -57,27 +58,23 @@ class Column:
 
 
 @dataclass(frozen=True, eq=False)
-class Entries:
-    """Where the entries of a history are drawn.
+class TimeAxis:
+    """Where the legs of a history and its entries are drawn."""
 
-    Attributes
-    ----------
-    place
-        Their coordinates on the time axis.
-    after
-        Whether an entry is the state just after a jump; the entry before it is the state just before.
-    start
-        Where the column of an entry begins, if the entry before it, which ends the column before, is the
-        state at that moment; NaN otherwise.
-    """
-
+    table: list[LegRow]
+    """All legs."""
+    columns: list[Column]
+    """One for each leg that lasts; none where one linear axis shows as much."""
     place: Field
+    """Coordinates of the entries."""
     after: Mask
+    """Whether an entry is the state just after a jump; the entry before it is the state just before."""
     start: Field
+    """Where the column of an entry begins, if the entry before it is the state then; NaN otherwise."""
 
 
-def columns_of(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], float]) -> list[Column]:
-    """Lay columns out in the width that so many of them have; none where one linear axis shows as much."""
+def _columns_of(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], float]) -> list[Column]:
+    """Lay columns out in the width that so many of them have."""
     time, numbers = dataset["time"].values, numbers_of(dataset)
     lasting = [row for row in table if row.end > row.begin]
     firsts: list[float | None] = []
@@ -102,9 +99,10 @@ def columns_of(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], 
     ]
 
 
-def entries_of(dataset: xr.Dataset, table: list[LegRow], columns: list[Column]) -> Entries:
-    """Find the places of all entries."""
+def time_axis(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], float]) -> TimeAxis:
+    """Find the places of legs and entries, in the width in inches that a figure of so many columns has."""
     time, numbers = dataset["time"].values.astype(np.float64), numbers_of(dataset)
+    columns = _columns_of(dataset, table, width)
     steps = np.array([row.leg.duration == 0 for row in table])
     after = steps[numbers] & (np.arange(time.size) > 0)
     place, start = time.copy(), np.full(time.size, np.nan)
@@ -120,7 +118,7 @@ def entries_of(dataset: xr.Dataset, table: list[LegRow], columns: list[Column]) 
             start[first[time[first - 1] == row.begin]] = column.left
         else:
             place[here] = column.left
-    return Entries(place, after, start)
+    return TimeAxis(table, columns, place, after, start)
 
 
 def label_times(grid: Iterable[Axes], columns: list[Column]) -> None:
@@ -143,17 +141,9 @@ def label_times(grid: Iterable[Axes], columns: list[Column]) -> None:
         fine = fine[(fine >= column.first) & (fine <= lasting)]
         minor += column.place(fine).tolist()
         breaks = column.left + _STRIP / 2 + np.array([-0.03, 0.03])
-        lowest.plot(
-            breaks,
-            [0, 0],
-            linestyle="none",
-            marker=[(-1, -2), (1, 2)],
-            markersize=8,
-            color=style.INK,
-            markeredgewidth=0.8,
-            transform=lowest.get_xaxis_transform(),
-            clip_on=False,
-        )
+        mark: dict[str, Any] = {"ls": "none", "marker": [(-1, -2), (1, 2)], "ms": 8, "markeredgewidth": 0.8}
+        mark |= {"transform": lowest.get_xaxis_transform(), "clip_on": False}
+        lowest.plot(breaks, [0, 0], color=style.INK, **mark)
     for axes in grid:
         for left, right in pairwise(columns):
             axes.axvspan(left.right, right.left, color="0.93", linewidth=0, zorder=0)

@@ -57,39 +57,26 @@ class Patches(views.Brief):
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """The patches of one contact on a lattice cut open along its seams, and how they are joined there.
-
-    Attributes
-    ----------
-    labels
-        0 off contact, and on contact the number of the piece, from 1 on; shape of the lattice.
-    numbers
-        Number of the patch to which each piece belongs, by `sizes`; 0 for piece 0.
-    sizes
-        Sites of each patch, descending.
-    joined
-        Pairs of pieces that touch each other across a seam, shape ``(bonds, 2)``.
-    turns
-        How often one goes around the lattice along each axis on the way from the first piece of a pair to
-        the second: -1, 0 or 1; shape ``(bonds, dimension)``.
-    """
+    """The patches of one contact on a lattice cut open along its seams, and how they are joined there."""
 
     labels: NDArray[np.signedinteger[Any]]
+    """0 off contact, and on contact the number of the piece, from 1 on; shape of the lattice."""
     numbers: Labels
+    """Number of the patch to which each piece belongs, by `sizes`; 0 for piece 0."""
     sizes: NDArray[np.int64]
+    """Sites of each patch, descending."""
     joined: NDArray[np.int32]
+    """Pairs of pieces that touch each other across a seam, shape ``(bonds, 2)``."""
     turns: NDArray[np.int64]
+    """How often one goes around the lattice along each axis on the way from the first piece of a pair to the
+    second: -1, 0 or 1; shape ``(bonds, dimension)``."""
 
     @cached_property
     def places(self) -> tuple[NDArray[np.int64], Mask]:
-        """Where each piece stands so that its patch is in one piece, and which patches have no such place.
+        """By how many lengths of the lattice each piece is moved so that its patch is in one piece.
 
-        Returns
-        -------
-        ndarray of int, shape ``(pieces + 1, dimension)``
-            By how many lengths of the lattice each piece is moved along each axis.
-        ndarray of bool, shape ``(patches + 1,)``
-            Whether a patch reaches around the lattice, and has no ends; false for number 0.
+        Shape ``(pieces + 1, dimension)``; and whether a patch reaches around the lattice, so that it has no
+        ends and no such place, shape ``(patches + 1,)``, false for number 0.
         """
         places = np.zeros((self.numbers.size, self.labels.ndim), dtype=np.int64)
         one, other = self.joined.T
@@ -131,13 +118,7 @@ def patches(in_contact: ArrayLike, connectivity: int = 1, *, edges: Edges = "per
 
 
 def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
-    """Find patches, and remember how they lie across the seams.
-
-    Raises
-    ------
-    InputError
-        A connectivity other than 1 or 2; other edges.
-    """
+    """Find patches, and remember how they lie across the seams; arguments and errors as of `patches`."""
     expected = "1 (nearest neighbors) or 2 (diagonals too)"
     connectivity = checks.integer("connectivity", connectivity, least=1, most=2, expected=expected)
     checks.choice("edges", edges, get_args(Edges))

@@ -106,32 +106,30 @@ class Links(views.Brief):
 
         Of each, the other is the one with which it shares most sites, and of several such the largest.
         """
-        heirs = self._first_of(0)[self.pairs[:, 0] - 1]
-        chosen = self._first_of(1)[self.pairs[:, 1] - 1]
-        here = np.arange(self.shared.size)
-        mutual = (heirs == here) & (chosen == here)
+        one, other = self.pairs.T
+        mutual = (self.main_successor[one - 1] == other) & (self.main_predecessor[other - 1] == one)
         found = np.zeros(self.after.size, dtype=np.int64)
-        found[self.pairs[mutual, 1] - 1] = self.pairs[mutual, 0]
+        found[other[mutual] - 1] = one[mutual]
         return found
 
     @cached_property
     def main_predecessor(self) -> Labels:
         """The patch before with which each patch after shares most sites; 0 for none."""
-        return np.append(self.pairs[:, 0], 0)[self._first_of(1)]
+        return self._main(1)
 
     @cached_property
     def main_successor(self) -> Labels:
         """The patch after with which each patch before shares most sites; 0 for none."""
-        return np.append(self.pairs[:, 1], 0)[self._first_of(0)]
+        return self._main(0)
 
-    def _first_of(self, side: int) -> Counts:
-        """The link of most shared sites of each patch before (0) or after (1); -1 for none."""
+    def _main(self, side: int) -> Labels:
+        """The patch with which each patch before (0) or after (1) shares most sites; 0 for none."""
         own, other = self.pairs[:, side], self.pairs[:, 1 - side]
         order = np.lexsort((other, -self.shared, own))
         numbers, places = np.unique(own[order], return_index=True)
-        first = np.full((self.before, self.after)[side].size, -1, dtype=np.int64)
-        first[numbers - 1] = order[places]
-        return first
+        found = np.zeros((self.before, self.after)[side].size, dtype=np.int64)
+        found[numbers - 1] = other[order[places]]
+        return found
 
     def _over_links(self, side: int, weights: Counts | None = None) -> Counts:
         """Number of links, or sum of their weights, of each patch before (0) or after (1)."""
@@ -229,15 +227,13 @@ def turnover(before: ArrayLike, after: ArrayLike) -> Turnover:
     """
     first, last = masks(before, after)
     gained = last & ~first
-    either = patches(first | last)
-    old = np.zeros(either.count + 1, dtype=bool)
-    old[either.labels[first]] = True
-    attached = int(np.count_nonzero(old[either.labels[gained]]))
-    total = int(np.count_nonzero(gained))
+    labels = patches(first | last).labels
+    attached = int(np.isin(labels[gained], labels[first]).sum())
+    total = int(gained.sum())
     return Turnover(
-        kept=int(np.count_nonzero(first & last)),
+        kept=int((first & last).sum()),
         gained=total,
-        lost=int(np.count_nonzero(first & ~last)),
+        lost=int((first & ~last).sum()),
         gained_attached=attached,
         gained_detached=total - attached,
     )

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from asperity.lattice import Field, Lattice, Mask
 from asperity.patches.dispersion import clustering, usual_box
-from asperity.patches.labels import Patches
 from asperity.patches.links import linked
 from asperity.patches.shapes import Shapes, shapes_of
 
@@ -36,24 +35,14 @@ def quantiles(values: Field) -> Field:
 
 
 def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str, NDArray[Any]]:
-    """Measure the patches of each map, and follow them from map to map.
-
-    Parameters
-    ----------
-    maps
-        Whether each site is in contact, one array of the shape of the lattice for each time.
-    times
-        When, not decreasing.
-    lattice
-        The lattice.
+    """Measure the patches of each map, at times that do not decrease, and follow them from map to map.
 
     Returns
     -------
     dict of arrays, shape ``(maps,)``; of ``contact_age`` ``(maps, quantiles)``
-        ``patches``, ``mean_patch_size``, ``median_patch_size``, ``largest_patch_size``, ``perimeter``,
-        ``mean_patch_aspect`` (not on a line), ``clustering``, and ``mean_contact_age``; since the map before,
-        0 at the first: what `Links` has.
-        NaN where there is no patch, and of the clustering where there are no boxes.
+        What the table of quantities has of maps, but for the pressure. Changes since the map before, those of
+        `Links`, are 0 at the first. NaN where there is no patch, and of the clustering where there are no
+        boxes.
     """
     rows: list[dict[str, Any]] = []
     box, before = clustering_box(maps), None
@@ -64,7 +53,9 @@ def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str
         row["clustering"] = math.nan if box is None else clustering(touching, box)
         links = linked(before or shapes.found, shapes.found)
         row |= {name: getattr(links, name) for name in _EVENTS}
-        row |= _ages(since.ravel()[shapes.sites], moments[: number + 1])
+        ages = moments[number] - moments[since.ravel()[shapes.sites]]
+        row["mean_contact_age"] = float(ages.mean()) if ages.size else math.nan
+        row["contact_age"] = quantiles(ages)
         rows.append(row)
         before = shapes.found
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
@@ -91,20 +82,14 @@ def ages_of(maps: Maps, times: Sequence[float]) -> Field:
 
 def _touching_since(maps: Maps) -> Iterator[NDArray[np.int32]]:
     """For each map, the number of the map since which each site in contact has been so in all."""
-    since: NDArray[np.int32] | None = None
-    before: Mask | None = None
+    since = np.zeros(np.shape(maps)[1:], dtype=np.int32)
     for number, touching in enumerate(maps):
-        if since is None or before is None:
-            since = np.zeros(touching.shape, dtype=np.int32)
-        else:
-            np.copyto(since, number, where=~before)
         yield since
-        before = touching
+        np.copyto(since, number + 1, where=~touching)
 
 
 def _sizes(shapes: Shapes, dimension: int) -> dict[str, Any]:
-    found: Patches = shapes.found
-    sized = found.sizes.astype(np.float64)
+    found, sized = shapes.found, shapes.found.sizes.astype(np.float64)
     row = {
         "patches": found.count,
         "mean_patch_size": found.mean_size,
@@ -117,10 +102,3 @@ def _sizes(shapes: Shapes, dimension: int) -> dict[str, Any]:
         weight = sized[ended].sum()
         row["mean_patch_aspect"] = float(shapes.aspect[ended] @ sized[ended] / weight) if weight else math.nan
     return row
-
-
-def _ages(since: NDArray[np.int32], times: Field) -> dict[str, Any]:
-    """Ages of the sites in contact, of which maps know no more than since which map each is there."""
-    ages = times[-1] - times[since]
-    mean = float(ages.mean()) if ages.size else math.nan
-    return {"mean_contact_age": mean, "contact_age": quantiles(ages)}

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+import scipy.ndimage
 from numpy.typing import NDArray
 
 from asperity.lattice import Edges, Field, Mask
@@ -15,54 +17,29 @@ from asperity.patches.labels import Labels, Patches, pieces_of
 
 @dataclass(frozen=True, eq=False)
 class Shapes:
-    """The patches of one contact, and their shapes; arrays over the patches, largest first.
-
-    Attributes
-    ----------
-    found
-        The patches.
-    sites
-        Numbers of the sites in contact, along the last axis first, shape ``(area,)``.
-    numbers
-        The patch of each of them.
-    perimeter
-        Length of the rim: of the sides between sites in contact and sites off it. On a line the number of
-        ends. Reflecting edges of the lattice are no rim.
-    aspect
-        Ratio of the axes of the ellipse (at least 1) that has the second moments of the patch, each site a
-        rectangle: of a x b sites, a/b. NaN on a line, and of a patch that reaches around the lattice.
-    center
-        Center of area, within the lattice, from the center of the first site on; shape ``(count,
-        dimension)``; NaN of a patch that reaches around the lattice.
-    """
+    """The patches of one contact, and their shapes; arrays over the patches, largest first."""
 
     found: Patches
+    """The patches."""
     sites: NDArray[np.int64]
+    """Numbers of the sites in contact, along the last axis first, shape ``(area,)``."""
     numbers: Labels
+    """The patch of each of them."""
     perimeter: Field
+    """Length of the rim: of the sides between sites in contact and sites off it. On a line the number of
+    ends. Reflecting edges of the lattice are no rim."""
     aspect: Field
+    """Ratio of the axes of the ellipse (at least 1) that has the second moments of the patch, each site a
+    rectangle: of a x b sites, a/b. NaN on a line, and of a patch that reaches around the lattice."""
     center: Field
+    """Center of area, within the lattice, from the center of the first site on; shape ``(count,
+    dimension)``; NaN of a patch that reaches around the lattice."""
 
 
 def shapes_of(
     touching: Mask, spacing: Sequence[float], edges: Edges = "periodic", connectivity: int = 1
 ) -> Shapes:
-    """Measure the patches of a contact.
-
-    Parameters
-    ----------
-    touching
-        Whether each site is in contact, shape ``(n,)`` or ``(n, m)``.
-    spacing
-        Distance between sites along each axis, any unit of length.
-    edges, connectivity
-        As `patches` takes them.
-
-    Returns
-    -------
-    Shapes
-        Lengths in the unit of the spacing.
-    """
+    """Measure the patches of a contact, in the unit of the spacing; other arguments as of `patches`."""
     pieces = pieces_of(touching, connectivity, edges)
     found = Patches(pieces.numbers[pieces.labels], pieces.sizes)
     indices = np.nonzero(touching)
@@ -71,18 +48,22 @@ def shapes_of(
     places, endless = pieces.places
     own = pieces.labels.ravel()[sites]
     sized = found.sizes.astype(np.float64)
-    offsets, center = [], []
+    offsets, center, perimeter = [], [], np.zeros(found.count)
+    beyond: Literal["wrap", "nearest"] = "wrap" if edges == "periodic" else "nearest"
     for axis, (index, step) in enumerate(zip(indices, spacing, strict=True)):
         place = (index + touching.shape[axis] * places[own, axis]) * float(step)
         mean = _over_patches(numbers, found.count, place) / sized
         offsets.append(place - mean[numbers - 1])
         center.append(np.mod(mean, touching.shape[axis] * step))
+        beside = scipy.ndimage.correlate1d(touching.astype(np.int8), [1, 0, 1], axis, mode=beyond)
+        free = _over_patches(numbers, found.count, 2 - beside.ravel()[sites].astype(np.float64))
+        perimeter += free * (math.prod(spacing) / step)
     nowhere = endless[1:]
     return Shapes(
         found=found,
         sites=sites,
         numbers=numbers,
-        perimeter=_perimeter(touching, sites, numbers, found.count, spacing, edges),
+        perimeter=perimeter,
         aspect=np.where(nowhere, math.nan, _aspect(numbers, offsets, spacing, sized)),
         center=np.where(nowhere[:, None], math.nan, np.column_stack(center)),
     )
@@ -102,21 +83,3 @@ def _aspect(numbers: Labels, offsets: Sequence[Field], spacing: Sequence[float],
     mean, spread = (yy + xx) / 2, np.hypot((yy - xx) / 2, xy)
     # The product of the roots is the determinant: mean - spread would lose the digits of a thin patch.
     return np.asarray((mean + spread) / np.sqrt(yy * xx - xy * xy))
-
-
-def _perimeter(
-    touching: Mask,
-    sites: NDArray[np.int64],
-    numbers: Labels,
-    count: int,
-    spacing: Sequence[float],
-    edges: Edges,
-) -> Field:
-    total = np.zeros(count)
-    for axis, step in enumerate(spacing):
-        rows = np.moveaxis(touching, axis, 0)
-        ends = (rows[-1:], rows[:1]) if edges == "periodic" else (rows[:1], rows[-1:])
-        sides = np.diff(np.concatenate([ends[0], rows, ends[1]]), axis=0).astype(np.float64)
-        free = np.moveaxis(sides[:-1] + sides[1:], 0, axis).ravel()[sites]
-        total += _over_patches(numbers, count, free) * (math.prod(spacing) / step)
-    return total

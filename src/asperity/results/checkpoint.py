@@ -95,7 +95,7 @@ class Keeper:
         remove_parts(self.path)
         if not self.path.exists():
             return None
-        advice = "another path, or remove the file"
+        known = {"expected": "a checkpoint of this run", "advice": "another path, or remove the file"}
         try:
             with self.path.open("rb") as file, zipfile.ZipFile(file):
                 file.seek(0)
@@ -104,17 +104,10 @@ class Keeper:
             facts = json.loads(str(arrays["facts"]))
             stranger = facts["fingerprint"] != self.fingerprint
         except Exception as error:  # of an archive, of headers, of JSON: a damaged byte leads anywhere
-            got = f"{self.path}: {reason_of(error)}"
-            raise CheckpointError(
-                "checkpoint", expected="a checkpoint of this run", got=got, advice=advice
-            ) from error
+            raise CheckpointError("checkpoint", got=f"{self.path}: {reason_of(error)}", **known) from error
         if stranger:
-            raise CheckpointError(
-                "checkpoint",
-                expected="a checkpoint of this run",
-                got=f"{self.path}, of a run with other parameters",
-                advice=advice,
-            )
+            got = f"{self.path}, of a run with other parameters"
+            raise CheckpointError("checkpoint", got=got, **known)
         return _unpacked(facts, arrays)
 
 
@@ -131,23 +124,15 @@ def fingerprint_of(
     """Hash all that a history depends on."""
     solid = start.solid
     laws = () if solid.springs else tuple(vars(solid.on(start.lattice.embedding)).values())
-    facts: tuple[object, ...] = (
-        __version__,
-        start.control,
-        start.lattice,
-        schedule,
-        solid.springs,
-        rtol,
-        solver,
-        exact,
-    )
+    facts: list[object] = [__version__, start.control, start.lattice, schedule]
+    facts += [solid.springs, rtol, solver, exact]
     if carried is not None:
-        facts = (*facts, carried)
+        facts.append(carried)
     if solid.creep is not None:
-        facts = (*facts, solid.creep.fingerprint())
+        facts.append(solid.creep.fingerprint())
     if solid.yields:
-        facts = (*facts, solid.hardness, start.permanent_indentation.sum())
-    digest = hashlib.sha256(repr(facts).encode())
+        facts += [solid.hardness, start.permanent_indentation.sum()]
+    digest = hashlib.sha256(repr(tuple(facts)).encode())
     for array in (start.heights, start.u, start.anchors, *laws, times, fields_at):
         digest.update(f"{array.shape} {array.dtype}".encode())
         digest.update(np.ascontiguousarray(array).tobytes())

@@ -62,24 +62,10 @@ def dataset_of(
     *,
     rtol: float,
 ) -> xr.Dataset:
-    """Gather a history into a Dataset.
+    """Gather a history into a Dataset: its entries, of which the first is at time 0, and the fields kept.
 
-    Parameters
-    ----------
-    start
-        The contact from which it started.
-    control
-        What was prescribed at the start.
-    protocol
-        The history, if it was not just one hold; then every entry says to which leg it belongs.
-    keeps_area
-        Whether, without a protocol, the area was held.
-    rows
-        The time series; the first is at time 0.
-    snapshots
-        The moments whose fields are kept; may be empty.
-    rtol
-        The tolerance to record.
+    `control` is what was prescribed at the start. With a protocol every entry says to which leg it belongs;
+    without one, `keeps_area` says whether the area was held.
     """
     sites = ("y", "x")[2 - start.heights.ndim :]
     slides = bool(rows) and "displacement" in rows[0]
@@ -103,12 +89,11 @@ def dataset_of(
         if "branch" in dataset.dims:
             dataset = dataset.assign_coords(branch=np.arange(dataset.sizes["branch"]))
         if protocol is not None:
-            legs = [snapshot.leg for snapshot in snapshots]
-            dataset = dataset.assign_coords(field_leg=("field_time", legs))
+            dataset = dataset.assign_coords(field_leg=("field_time", [one.leg for one in snapshots]))
         if slides:
-            places = np.array([snapshot.shift for snapshot in snapshots])
-            for axis, place in zip(sites, places.T, strict=True):
-                dataset = dataset.assign_coords({f"field_shift_{axis}": ("field_time", place)})
+            places = zip(sites, np.transpose([one.shift for one in snapshots]), strict=True)
+            shifts = {f"field_shift_{axis}": ("field_time", place) for axis, place in places}
+            dataset = dataset.assign_coords(shifts)
         dataset = _with_patches(dataset, start, snapshots)
     describe(dataset, start)
     attributes = {"title": "Aging of a rough contact", "rtol": rtol, **attributes_of(start, control)}
@@ -129,9 +114,8 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     series = map_series(maps, times, start.lattice)
     in_lengths = start.solid.in_lengths
     pressure = dataset["pressure"].values if in_lengths else dataset["force"].values / start.lattice.cell
-    series["contact_pressure"] = np.array(
-        [quantiles(one[touching]) for one, touching in zip(pressure, maps, strict=True)]
-    )
+    pressures = [quantiles(one[touching]) for one, touching in zip(pressure, maps, strict=True)]
+    series["contact_pressure"] = np.array(pressures)
     box = clustering_box(maps)
     named = xr.Dataset(
         {name: (("field_time", "quantile")[: values.ndim], values) for name, values in series.items()},

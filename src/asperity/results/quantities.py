@@ -37,43 +37,29 @@ _NONE = Table(0)
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that is recorded.
-
-    Attributes
-    ----------
-    name
-        Its name in the Dataset, and that of the attribute of `Contact` or `Frame` from which it is read.
-    dimension
-        A key of `units_of`, or the unit itself.
-    long_name
-        What it is.
-    tables
-        Where it is a column.
-    of
-        Which have it: solids that are defined on ``"sites"``, ``"continua"``, those with a hardness
-        (``"yielding"``), histories with ``"sliding"``, a shear strength (``"friction"``) or what `Carried`
-        asks for (``"carried"``), or ``"all"``.
-    home
-        ``"series"``, over time; ``"field"``, over the sites at the times of the fields; ``"contact"``, a
-        field that one contact has besides; ``"map"``, what is known at the times of the fields;
-        ``"coordinate"``.
-    symbol
-        How the paper writes it, and in which equation, as in docs/notation.md.
-    label
-        What axes and the page call it; by default its name.
-    whole
-        Whether it is a whole number.
-    """
+    """A number that is recorded."""
 
     name: str
+    """Its name in the Dataset, and that of the attribute of `Contact` or `Frame` from which it is read."""
     dimension: str
+    """A key of `units_of`, or the unit itself."""
     long_name: str
+    """What it is."""
     tables: Table = _NONE
+    """Where it is a column."""
     of: Of = "all"
+    """Which have it: solids that are defined on ``"sites"``, ``"continua"``, those with a hardness
+    (``"yielding"``), histories with ``"sliding"``, a shear strength (``"friction"``) or what `Carried`
+    asks for (``"carried"``), or ``"all"``."""
     home: Home = "series"
+    """``"series"``, over time; ``"field"``, over the sites at the times of the fields; ``"contact"``, a field
+    that one contact has besides; ``"map"``, what is known at the times of the fields; ``"coordinate"``."""
     symbol: str = ""
+    """How the paper writes it, and in which equation, as in docs/notation.md."""
     label: str = ""
+    """What axes and the page call it; by default its name."""
     whole: bool = False
+    """Whether it is a whole number."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", self.label or self.name.replace("_", " "))
@@ -206,43 +192,25 @@ def had_by(contact: Contact, *homes: Home, slides: bool = False) -> dict[str, Qu
 Units = Mapping[str, str]
 """Unit of each dimension."""
 
-_SITES = {
-    "length": "height unit",
-    "force": "stiffness unit * height unit",
-    "energy": "stiffness unit * height unit^2",
-    "pressure": "stiffness unit * height unit / site",
-    "stress": "stiffness unit * height unit",
-    "velocity": "stiffness unit * height unit * R unit",
-    "time": "1 / (stiffness unit * R unit)",
-    "place": "lattice spacing",
-    "place / time": "lattice spacing * stiffness unit * R unit",
+_SYSTEMS = {
+    "length": ("height unit", "length unit", "m"),
+    "area": ("", "length unit^2", "m^2"),
+    "force": ("stiffness unit * height unit", "force unit", "N"),
+    "energy": ("stiffness unit * height unit^2", "force unit * length unit", "J"),
+    "pressure": ("stiffness unit * height unit / site", "force unit / length unit^2", "Pa"),
+    "stress": ("stiffness unit * height unit", "force unit / length unit^2", "Pa"),
+    "velocity": ("stiffness unit * height unit * R unit", "length unit / time unit", "m/s"),
+    "stiffness": ("", "force unit / length unit", "N/m"),
+    "time": ("1 / (stiffness unit * R unit)", "time unit", "s"),
+    "place": ("lattice spacing", "length unit", "m"),
+    "place / time": ("lattice spacing * stiffness unit * R unit", "length unit / time unit", "m/s"),
 }
-_OWN = {
-    "length": "length unit",
-    "area": "length unit^2",
-    "force": "force unit",
-    "energy": "force unit * length unit",
-    "pressure": "force unit / length unit^2",
-    "stress": "force unit / length unit^2",
-    "velocity": "length unit / time unit",
-    "stiffness": "force unit / length unit",
-    "time": "time unit",
-    "place": "length unit",
-    "place / time": "length unit / time unit",
-}
-_SI = {
-    "length": "m",
-    "area": "m^2",
-    "force": "N",
-    "energy": "J",
-    "pressure": "Pa",
-    "stress": "Pa",
-    "velocity": "m/s",
-    "stiffness": "N/m",
-    "time": "s",
-    "place": "m",
-    "place / time": "m/s",
-}
+"""Units of solids that are defined on sites, of continua in the user's own units, and of continua in SI."""
+
+_SITES, _OWN, _SI = (
+    {dimension: units[system] for dimension, units in _SYSTEMS.items() if units[system]}
+    for system in range(3)
+)
 _SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "stiffness": "N/m^2"}
 """Of a profile, which stands for a surface of ridges: for each metre of their length."""
 

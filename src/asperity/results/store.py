@@ -52,12 +52,8 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     target = Path(path)
     if target.suffix.lower() in _OTHER_FORMATS:
-        raise InputError(
-            "path",
-            expected="a name that ends in .zarr",
-            got=target,
-            advice=f'dataset.to_netcdf("{target.name}")',
-        )
+        advice = f'dataset.to_netcdf("{target.name}")'
+        raise InputError("path", expected="a name that ends in .zarr", got=target, advice=advice)
     if overwrite and target.exists() and not _is_zarr(target):
         raise OutputError(
             f"{target} is kept: it is no zarr folder, so save did not write it; choose another name"
