@@ -14,7 +14,7 @@ from asperity.errors import CheckpointError, ConvergenceError
 from asperity.inference import Prior, sampling
 from asperity.inference.models import of_name
 from asperity.inference.sampling import Problem, sample
-from asperity.inference.verdicts import verdict_of
+from asperity.inference.verdicts import excluded_ends, verdict_of
 from tests.refusals import refuses
 
 T = np.geomspace(1, 1e4, 25)
@@ -265,7 +265,8 @@ def test_words_follow_from_what_of_the_prior_is_left():
         "determined": draws.normal(0.05, 0.01, 4000),
     }
     for word, posterior in cases.items():
-        found = verdict_of("x", "", prior, posterior, (-math.inf, math.inf))
+        excluded = excluded_ends(prior, posterior)
+        found = verdict_of("x", "", excluded, prior, posterior, (-math.inf, math.inf))
         assert found.verdict == word
         assert 0 <= found.low < found.high <= 1
 

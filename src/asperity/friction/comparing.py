@@ -18,7 +18,7 @@ from asperity.base import checks, views
 from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import Estimate, jackknife
-from asperity.fits.comparison import ROUNDING, UNLIKELY
+from asperity.fits.comparison import ROUNDING, UNLIKELY, lack_of
 from asperity.friction.fitting import Events, RateAndStateFit, rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.records import HoldPeaks, Record, hold_peaks
@@ -175,7 +175,7 @@ def _check_same(first: Record, other: Record) -> None:
 
 def _lack(fit: RateAndStateFit) -> float:
     """Ln of the mean square of the residuals, above what rounding leaves."""
-    return 2 * math.log(max(float(np.sqrt(np.mean(fit.residual**2))), ROUNDING * fit.mu_0))
+    return lack_of(fit.residual, given=False, rounding=ROUNDING * fit.mu_0)
 
 
 def _log_ratio(fits: Mapping[StateLaw, RateAndStateFit]) -> float:

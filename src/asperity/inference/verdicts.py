@@ -5,10 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from asperity.base.checks import Floats
@@ -16,7 +17,14 @@ from asperity.inference.models import Model
 from asperity.inference.sampling import Problem
 
 Word = Literal["determined", "bounded above", "bounded below", "not identified"]
-WORDS: tuple[Word, ...] = get_args(Word)
+_WORD: dict[tuple[bool, bool], Word] = {
+    (True, True): "determined",
+    (False, True): "bounded above",
+    (True, False): "bounded below",
+    (False, False): "not identified",
+}
+"""Verdicts by whether the low and the high end of the prior are excluded."""
+WORDS = tuple(_WORD.values())
 
 LEVEL = 0.95
 _LIMIT = float(chi2.ppf(LEVEL, 1))
@@ -117,30 +125,55 @@ class Candidate:
     widths: Mapping[str, float]
 
 
-def verdict_of(
-    name: str, unit: str, prior: Floats, posterior: Floats, profile: tuple[float, float]
-) -> Verdict:
-    """Judge one parameter by draws of its prior and of its posterior, shape (n,) each."""
+def verdicts_of(
+    problem: Problem,
+    prior: Mapping[str, Floats],
+    z: Floats,
+    found: Floats,
+    profiles: Mapping[str, tuple[Floats, Floats]],
+) -> dict[str, Verdict]:
+    """Judge each parameter, by draws of its prior and of the posterior, and the logarithms of likelihoods."""
+    least, _ = problem.improved(z[np.argmax(found)], problem.used)
+    values, made = problem.values(z), {}
+    for place, (name, one) in enumerate(problem.model.priors.items()):
+        excluded, profile = excluded_ends(prior[name], values[name]), (-math.inf, math.inf)
+        if name in profiles:
+            excluded = _by_data_alone(problem, place, excluded, z, found, least + _LIMIT)
+            profile = interval_of(*profiles[name])
+        made[name] = verdict_of(name, one.unit, excluded, prior[name], values[name], profile)
+    return made
+
+
+def excluded_ends(prior: Floats, posterior: Floats) -> tuple[bool, bool]:
+    """Which ends of its prior draws of one parameter exclude, shape (n,) each."""
     share = np.searchsorted(np.sort(prior), posterior) / prior.size  # uniform where the data say nothing
-    low, high = np.quantile(share, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
+    low, high = _middle(share)
     width = max((high - low) / 20, 1 / prior.size)
-    counts = np.histogram(share, np.arange(0, 1 + width, width))[0]
-    at_low, at_high = (
-        np.count_nonzero(part <= width) < EXCLUDED * counts.max() for part in (share, 1 - share)
-    )
-    word: Word = "determined" if at_low and at_high else "bounded below" if at_low else "not identified"
-    word = "bounded above" if at_high and not at_low else word
-    low, high = _ends(word, prior, posterior)
-    return Verdict(name, unit, word, low, high, float(np.median(posterior)), profile)
+    most = np.histogram(share, np.arange(0, 1 + width, width))[0].max()
+    low_end, high_end = (np.count_nonzero(part <= width) for part in (share, 1 - share))
+    return low_end < EXCLUDED * most, high_end < EXCLUDED * most
 
 
-def _ends(word: Word, prior: Floats, posterior: Floats) -> tuple[float, float]:
-    """The 95 % interval: of a bounded parameter from, or to, the end of the prior."""
-    if word == "bounded above":
-        return float(prior.min()), float(np.quantile(posterior, LEVEL))
-    if word == "bounded below":
-        return float(np.quantile(posterior, 1 - LEVEL)), float(prior.max())
-    low, high = np.quantile(posterior, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
+def verdict_of(
+    name: str,
+    unit: str,
+    excluded: tuple[bool, bool],
+    prior: Floats,
+    posterior: Floats,
+    profile: tuple[float, float],
+) -> Verdict:
+    """The verdict where these ends are excluded; a bounded parameter lies from, or to, the other end."""
+    low, high = _middle(posterior)
+    if excluded == (False, True):
+        low, high = float(prior.min()), float(np.quantile(posterior, LEVEL))
+    elif excluded == (True, False):
+        low, high = float(np.quantile(posterior, 1 - LEVEL)), float(prior.max())
+    return Verdict(name, unit, _WORD[excluded], low, high, float(np.median(posterior)), profile)
+
+
+def _middle(values: Floats) -> tuple[float, float]:
+    """Ends of the middle 95 %."""
+    low, high = np.quantile(values, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
     return float(low), float(high)
 
 
@@ -189,9 +222,8 @@ def _spread(values: Floats) -> float:
 
 
 def _combined(name: str, members: tuple[str, ...], made: Floats, spread: Mapping[str, float]) -> Combination:
-    low, high = np.quantile(made, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
     tighter = min(spread[one] for one in members) / max(_spread(made), 1e-12)
-    return Combination(name, members, float(low), float(high), tighter)
+    return Combination(name, members, *_middle(made), tighter)
 
 
 def profile_of(problem: Problem, place: int, z: Floats, found: Floats) -> tuple[Floats, Floats]:
@@ -211,8 +243,7 @@ def profile_of(problem: Problem, place: int, z: Floats, found: Floats) -> tuple[
     known: dict[float, tuple[float, Floats]] = {}
 
     def solve(at: float) -> None:
-        near = np.argsort(np.abs(z[:, place] - at))[: len(z) // _PROFILE]
-        starts = [*z[near[np.argsort(found[near])[-2:]]]]
+        starts = [*z[_nearest(z, place, at, found)[-2:]]]
         starts += [known[one][1].copy() for one in sorted(known, key=lambda one: abs(one - at))[:1]]
         for start in starts:
             start[place] = at
@@ -243,44 +274,34 @@ def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-_WITHOUT: dict[tuple[Word, str], Word] = {
-    ("determined", "low"): "bounded above",
-    ("determined", "high"): "bounded below",
-    ("bounded below", "low"): "not identified",
-    ("bounded above", "high"): "not identified",
-}
-
-
-def of_data_alone(
-    problem: Problem, verdicts: dict[str, Verdict], prior: Mapping[str, Floats], z: Floats, found: Floats
-) -> dict[str, Verdict]:
+def _by_data_alone(
+    problem: Problem, place: int, excluded: tuple[bool, bool], z: Floats, found: Floats, most: float
+) -> tuple[bool, bool]:
     """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
 
     The data exclude an end if they exclude what is a whole interval beyond it, too, where the ranges of the
-    others are five times as wide. Given are draws of the prior by name, coordinates of the posterior
-    and the logarithms of their likelihoods.
+    others are five times as wide.
     """
-    made, names = dict(verdicts), list(verdicts)
-    priors = [problem.model.priors[name] for name in names]
+    priors, others = list(problem.model.priors.values()), [one for one in problem.used if one != place]
     wide = [one.kind == "log_uniform" and one.second > 10 * one.first for one in priors]
-    least, _ = problem.improved(z[np.argmax(found)], problem.used)
-    for place in problem.used:
-        name, others = names[place], [one for one in problem.used if one != place]
-        low, high = np.quantile(z[:, place], ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-        for end, at in (("low", 2 * low - high), ("high", 2 * high - low)):
-            word = _WITHOUT.get((made[name].verdict, end))
-            if word is None:
-                continue
-            near = np.argsort(np.abs(z[:, place] - at))[: len(z) // _PROFILE]
-            there, squares = z[near[np.argmax(found[near])]].copy(), math.inf
-            beyond = [one for one in others if wide[one]]
+    beyond = [one for one in others if wide[one]]
+    low, high = _middle(z[:, place])
+    still = []
+    for is_excluded, at in zip(excluded, (2 * low - high, 2 * high - low), strict=True):
+        squares = -math.inf
+        if is_excluded:
+            there = z[_nearest(z, place, at, found)[-1]].copy()
             for step in np.linspace(there[place], np.clip(at, *priors[place].reach), _STEPS):
                 there[place] = step  # the others follow in small steps
                 squares, there = problem.improved(there, others, beyond=beyond)
-            if squares < least + _LIMIT:
-                ends = _ends(word, prior[name], priors[place].at(z[:, place]))
-                made[name] = replace(made[name], verdict=word, low=ends[0], high=ends[1])
-    return made
+        still.append(squares >= most)
+    return still[0], still[1]
+
+
+def _nearest(z: Floats, place: int, at: float, found: Floats) -> NDArray[np.intp]:
+    """Draws near a coordinate, the likeliest last."""
+    near = np.argsort(np.abs(z[:, place] - at))[: len(z) // _PROFILE]
+    return np.asarray(near[np.argsort(found[near])])
 
 
 def candidates_of(problem: Problem, z: Floats, undetermined: Sequence[str]) -> tuple[Candidate, ...]:
@@ -309,7 +330,7 @@ def candidates_of(problem: Problem, z: Floats, undetermined: Sequence[str]) -> t
         fine = np.isfinite(curves).all(1)
         if np.count_nonzero(fine) > 2 * curves.shape[1]:
             known = {
-                one: np.log(values[one]) if model.priors[one].kind.startswith("log") else values[one]
+                one: np.log(values[one]) if model.priors[one].logarithmic else values[one]
                 for one in undetermined
                 if (name, one) != (loads, "load")  # which is measured
             }
