@@ -361,6 +361,15 @@ def test_what_is_known_of_a_parameter_makes_no_errors(prior):
     np.testing.assert_array_equal(found.error, bare.error)
 
 
+def test_what_is_known_of_a_parameter_that_the_curve_does_not_contain_is_no_misfit():
+    known: dict[str, Any] = {"load": {"kind": "normal", "mean": 1, "deviation": 1e-3}}
+    made = of_name("relaxation", T, T, priors=known, branches=1, absolute=False)
+    problem = Problem(T, np.ones_like(T), np.ones_like(T), made)
+    z = problem.of_prior(np.random.default_rng(0), 1)[0]
+    other = np.where(np.array(list(made.priors)) == "load", 3.0, z)
+    assert problem.improved(other, problem.used)[0] == problem.improved(z, problem.used)[0]
+
+
 def test_a_model_of_ones_own_may_call_its_parameters_as_it_likes():
     def own(time, scale, slope):
         return scale * (1 + slope * np.log(time))

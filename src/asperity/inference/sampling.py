@@ -144,10 +144,11 @@ class Problem:
     ) -> tuple[float, Floats]:
         """Least squares over some of the coordinates, from z, shape (parameters,): sum, and coordinates.
 
-        Priors that are knowledge (not `Prior.bounded`) count as data if ``informed``; others only limit the
-        search; those of some places, ``beyond``, are five times as wide.
+        Priors that are knowledge (not `Prior.bounded`) of parameters that the curve contains count as data
+        if ``informed``; others only limit the search; those of some places, ``beyond``, are five times as wide.
         """
-        known = [informed and not prior.bounded for prior in self.model.priors.values()]
+        priors = list(self.model.priors.values())
+        known = [place for place in self.used if informed and not priors[place].bounded]
         chosen, at = list(places), z.copy()
 
         def missed(part: Floats) -> Floats:
@@ -155,7 +156,7 @@ class Problem:
             residual = np.concatenate([self.misfit(at[np.newaxis])[0], at[known]])
             return np.clip(np.where(np.isnan(residual), _FAR, residual), -_FAR, _FAR)
 
-        reach = np.array([prior.reach for prior in self.model.priors.values()])
+        reach = np.array([prior.reach for prior in priors])
         reach[list(beyond)] += (-2, 2)
         low, high = reach[chosen].T
         found = np.clip(z[chosen], low, high)
