@@ -144,8 +144,8 @@ class Problem:
     ) -> tuple[float, Floats]:
         """Least squares over some of the coordinates, from z, shape (parameters,): sum, and coordinates.
 
-        Priors that are knowledge (not `Prior.bounded`) of parameters that the curve contains count as data
-        if ``informed``; others only limit the search; those of some places, ``beyond``, are five times as wide.
+        Priors that are knowledge (not `Prior.bounded`) of what the curve contains count as data if
+        ``informed``; others only limit the search; those of some places, ``beyond``, are five times as wide.
         """
         priors = list(self.model.priors.values())
         known = [place for place in self.used if informed and not priors[place].bounded]
