@@ -86,17 +86,21 @@ def compare(time: ArrayLike, area: ArrayLike | None = None, stderr: ArrayLike | 
     Arguments and errors are those of `saturation`, but two values more are needed.
     """
     curve = Curve.checked(time, area, stderr, parameters=3)
+    return compared(curve, logarithm(time, area, stderr), saturation(time, area, stderr))
+
+
+def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Comparison:
+    """Say which of two fits of this curve the data prefer."""
+    given = curve.points.stderr is not None
     # Parameters besides C and t0 of both: q of one, A(0) if it is fitted, the variance if it is not given.
-    n, extra = curve.points.x.size, (not curve.initial_known) + (stderr is None)
+    n, extra = curve.points.x.size, (not curve.initial_known) + (not given)
     if n < extra + 5:
         raise InputError("time", expected=f"at least {extra + 5} values to compare the laws by", got=n)
-    log, power = logarithm(time, area, stderr), saturation(time, area, stderr)
     of_log, of_power = _residual(curve, log), _residual(curve, power)
     rho, worth = neighbors(of_power)
     effective = n * worth
     penalty = price_of(n, 2 + extra) - price_of(n, 3 + extra)
     # One law contains the other; less than 0 is what the search leaves of an exact logarithm.
-    given = stderr is not None
     evidence = max(0.0, lack_of(of_log, given=given) - lack_of(of_power, given=given))
     delta = effective * evidence + penalty
     return Comparison(

@@ -78,17 +78,9 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """The points to fit a law of growth to.
+    """The points to fit a law of growth to, in units of the data: the first time above 0, A(0) or first area.
 
-    Attributes
-    ----------
-    points
-        In units of the data: times of the first above 0, areas of A(0) or of the first area.
-    time_unit, area_unit
-        These units.
-    initial_known
-        Whether A(0) is known, as 1 in its unit; it is not among the points then. Else it is a parameter,
-        and areas at time 0 are points like others.
+    If A(0) is known, it is 1 and no point. Else it is a parameter, and areas at time 0 are points.
     """
 
     points: Series

@@ -398,9 +398,7 @@ def _nominal_area(dataset: xr.Dataset) -> float:
 def _dataset(history: object) -> tuple[xr.Dataset, str]:
     """The dataset of a history, and where it comes from."""
     if isinstance(history, Path | str):
-        path = Path(history)
-        inside = path / "history.zarr"
-        return load(inside if inside.exists() else path), str(path)
+        return load(history), str(Path(history))
     if isinstance(history, History):
         return history.dataset, ""
     return checks.instance("history", history, xr.Dataset, "asperity.age(contact, times, protocol=...)"), ""
