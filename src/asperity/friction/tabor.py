@@ -61,26 +61,14 @@ class ShearStrength:
             )
 
     def at(self, velocity: ArrayLike) -> NDArray[np.float64]:
-        """Shear strength while the contacts slide.
+        """Shear strength while the contacts slide at velocities > 0, of any shape.
 
-        Parameters
-        ----------
-        velocity
-            Sliding velocities > 0, any shape; not infinite where the strength depends on it.
-
-        Returns
-        -------
-        ndarray
-            Shape of the velocities.
-
-        Raises
-        ------
-        InputError
-            A velocity cannot be used, or is so low that the strength would not be above 0.
+        `InputError` for a velocity that is infinite, where the strength depends on it, or so low that the
+        strength would not be above 0.
         """
-        if not self.rate_coefficient:
-            return np.full(checks.floats("velocity", velocity).shape, self.strength)
         speeds = checks.floats("velocity", velocity)
+        if not self.rate_coefficient:
+            return np.full(speeds.shape, self.strength)
         if not (np.isfinite(speeds).all() and (speeds > 0).all()):
             raise InputError(
                 "velocity",
