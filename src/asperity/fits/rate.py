@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -167,7 +168,7 @@ def _initial(series: Series, initial: float | None, initial_stderr: float) -> tu
     return float(zeros.y.mean()), spread
 
 
-def _curvature(window: Series, slope: float) -> dict[str, float]:
+def _curvature(window: Series, slope: float) -> dict[str, Any]:
     """Largest change of slope over the window, in units of the slope, its standard error, and its reach."""
     degree = min(3, np.unique(window.x).size - 1, window.x.size - 2)
     if degree < 2 or slope == 0:

@@ -192,5 +192,4 @@ def _numbers(fit: RateAndStateFit) -> list[float]:
 
 def _of_one(value: float, stderr: float = math.nan, *interval: float) -> Estimate:
     """An estimate from one record."""
-    low, high = interval or (math.nan, math.nan)
-    return Estimate(np.float64(value), np.float64(stderr), np.float64(low), np.float64(high), 1)
+    return Estimate(*np.array([value, stderr, *(interval or (math.nan, math.nan))]), 1)

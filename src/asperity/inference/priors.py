@@ -80,7 +80,8 @@ class Prior:
             expected = "; ".join(f"kind = {one!r} with {' and '.join(names)}" for one, names in KINDS.items())
             raise InputError(f"prior of {name}", expected=expected, got=checks.shown(dict(given)))
         try:
-            return cls(told["kind"], *(told[number] for number in numbers), unit)
+            first, second = (told[number] for number in numbers)
+            return cls(told["kind"], first, second, unit)
         except InputError as error:
             raise error.about(f"prior of {name}, {error.name}") from error
 

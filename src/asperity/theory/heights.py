@@ -74,11 +74,7 @@ class GaussianHeights(_OfRms):
         log_target = np.log(target)
         # E[(xi - d)+] lies above -d, and below phi(d) for d > 0; the margin keeps rounding out.
         highest = np.sqrt(np.maximum(-2 * (log_target + _LOG_ROOT_TWO_PI), 0)) + 1
-        found = elementwise.find_root(
-            lambda x, log_target: _log_normal_excess(x) - log_target,
-            (-target - 1, highest),
-            args=(log_target,),
-        )
+        found = elementwise.find_root(_log_excess_above, (-target - 1, highest), args=(log_target,))
         if not np.all(found.success):
             raise ConvergenceError(
                 "separation_for: the root search stopped; mean_excess / rms is out of reach"
@@ -177,3 +173,7 @@ def _log_normal_excess(x: Floats) -> Floats:
     low = np.minimum(x, 0)
     below = np.log(np.exp(np.minimum(log_phi, 0)) - low * np.exp(log_ndtr(-low)))
     return np.asarray(np.where(x > 0, above, below))
+
+
+def _log_excess_above(x: Floats, log_target: Floats) -> Floats:
+    return np.asarray(_log_normal_excess(x) - log_target)
