@@ -192,4 +192,5 @@ def _numbers(fit: RateAndStateFit) -> list[float]:
 
 def _of_one(value: float, stderr: float = math.nan, *interval: float) -> Estimate:
     """An estimate from one record."""
-    return Estimate(*np.array([value, stderr, *(interval or (math.nan, math.nan))]), 1)
+    numbers = np.array([value, stderr, *(interval or (math.nan, math.nan))])
+    return Estimate(numbers[0], numbers[1], numbers[2], numbers[3], 1)
