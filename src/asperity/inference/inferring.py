@@ -27,17 +27,7 @@ from asperity.friction import Record, hold_peaks
 from asperity.inference.models import MOST_BRANCHES, Model, of_name
 from asperity.inference.priors import Given
 from asperity.inference.sampling import Draws, Problem, libraries, sample
-from asperity.inference.verdicts import (
-    WORDS,
-    Candidate,
-    Combination,
-    Verdict,
-    candidates_of,
-    combinations_of,
-    profile_of,
-    told_apart,
-    verdicts_of,
-)
+from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, told_apart
 from asperity.progress import Progress, listener
 
 if TYPE_CHECKING:
@@ -398,22 +388,20 @@ def _best(problem: Problem, *, informed: bool = True) -> tuple[float, Floats]:
 
 def _judged(problem: Problem, draws: Draws, remarks: Sequence[str], *, seed: int) -> Inference:
     """Weigh the draws, parameter by parameter."""
-    z, model = draws.flat, problem.model
-    names, found = list(model.priors), problem.log_likelihood(z)
     prior = problem.values(problem.of_prior(np.random.default_rng([seed, 1]), 20_000))
-    profiles = {names[place]: profile_of(problem, place, z, found) for place in problem.used}
-    verdicts = verdicts_of(problem, prior, z, found, profiles)
+    posterior = Posterior(problem, draws.flat, prior)
+    verdicts = posterior.verdicts()
     open_ = [name for name, one in verdicts.items() if one.verdict != "determined"]
     return Inference(
         problem.time,
         problem.value,
         problem.error,
-        model,
+        problem.model,
         verdicts,
-        combinations_of(problem.values(z), model, list(profiles)),
-        candidates_of(problem, z, open_) if open_ else (),
-        profiles,
+        posterior.combinations(),
+        posterior.candidates(open_) if open_ else (),
+        posterior.profiles,
         draws,
-        -2 * float(found.max()),
+        -2 * float(posterior.log_likelihood.max()),
         tuple(remarks),
     )

@@ -6,25 +6,24 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from asperity.base.checks import Floats
-from asperity.inference.models import Model
 from asperity.inference.sampling import Problem
 
 Word = Literal["determined", "bounded above", "bounded below", "not identified"]
-_WORD: dict[tuple[bool, bool], Word] = {
+WORD: dict[tuple[bool, bool], Word] = {
     (True, True): "determined",
     (False, True): "bounded above",
     (True, False): "bounded below",
     (False, False): "not identified",
 }
 """Verdicts by whether the low and the high end of the prior are excluded."""
-WORDS = tuple(_WORD.values())
+WORDS = tuple(WORD.values())
 
 LEVEL = 0.95
 _LIMIT = float(chi2.ppf(LEVEL, 1))
@@ -125,23 +124,175 @@ class Candidate:
     widths: Mapping[str, float]
 
 
-def verdicts_of(
-    problem: Problem,
-    prior: Mapping[str, Floats],
-    z: Floats,
-    found: Floats,
-    profiles: Mapping[str, tuple[Floats, Floats]],
-) -> dict[str, Verdict]:
-    """Judge each parameter, by draws of its prior and of the posterior, and the logarithms of likelihoods."""
-    least, _ = problem.improved(z[np.argmax(found)], problem.used)
-    values, made = problem.values(z), {}
-    for place, (name, one) in enumerate(problem.model.priors.items()):
-        excluded, profile = excluded_ends(prior[name], values[name]), (-math.inf, math.inf)
-        if name in profiles:
-            excluded = _by_data_alone(problem, place, excluded, z, found, least + _LIMIT)
-            profile = interval_of(*profiles[name])
-        made[name] = verdict_of(name, one.unit, excluded, prior[name], values[name], profile)
-    return made
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Draws of a posterior, to be judged: coordinates, shape (n, parameters); of the prior, values by name."""
+
+    problem: Problem
+    z: Floats
+    prior: Mapping[str, Floats]
+
+    @cached_property
+    def values(self) -> dict[str, Floats]:
+        """Draws of each parameter."""
+        return self.problem.values(self.z)
+
+    @cached_property
+    def log_likelihood(self) -> Floats:
+        """Of each draw."""
+        return self.problem.log_likelihood(self.z)
+
+    @cached_property
+    def profiles(self) -> dict[str, tuple[Floats, Floats]]:
+        """Profile likelihoods: values, and -2 ln of the likelihood over its largest."""
+        names = list(self.problem.model.priors)
+        return {names[place]: self._profile(place) for place in self.problem.used}
+
+    def verdicts(self) -> dict[str, Verdict]:
+        """Judge each parameter."""
+        least, _ = self.problem.improved(self._likeliest, self.problem.used)
+        made = {}
+        for place, (name, one) in enumerate(self.problem.model.priors.items()):
+            draws = self.prior[name], self.values[name]
+            excluded, profile = excluded_ends(*draws), (-math.inf, math.inf)
+            if name in self.profiles:
+                excluded = self._by_data_alone(place, excluded, least + _LIMIT)
+                profile = interval_of(*self.profiles[name])
+            low, high = interval_within(excluded, *draws)
+            median = float(np.median(self.values[name]))
+            made[name] = Verdict(name, one.unit, WORD[excluded], low, high, median, profile)
+        return made
+
+    def combinations(self) -> tuple[Combination, ...]:
+        """Find products, ratios and sums that the data know better than their members; the best first."""
+        values = {name: self.values[name] for name in self.profiles}
+        found: list[Combination] = []
+        for size in (2, 3):
+            for members in itertools.combinations(values, size):
+                if any((values[name] <= 0).any() for name in members):
+                    continue
+                logs = [np.log(values[name]) for name in members]
+                least = min(_spread(values[name]) for name in members)
+                for signs in itertools.product((1, -1), repeat=size - 1):
+                    made = np.exp(sum(sign * log for sign, log in zip((1, *signs), logs, strict=True)))
+                    pairs = zip(signs, members[1:], strict=True)
+                    words = (f" {'*' if sign > 0 else '/'} {name}" for sign, name in pairs)
+                    found.append(_combined(members[0] + "".join(words), members, made, least))
+                if size == 2 and len({self.problem.model.priors[name].unit for name in members}) == 1:
+                    total = values[members[0]] + values[members[1]]
+                    found.append(_combined(" + ".join(members), members, total, least))
+        kept: list[Combination] = []
+        for one in sorted(found, key=lambda one: (len(one.members), -one.tighter)):
+            # Of three, no more is said than of the two that are among them.
+            beaten = [other for other in kept if set(other.members) < set(one.members)]
+            enough = max([_TIGHTER, *(2 * other.tighter for other in beaten)])
+            if one.tighter > enough and all(other.members != one.members for other in kept):
+                kept.append(one)
+        return tuple(sorted(kept, key=lambda one: -one.tighter))
+
+    @property
+    def _likeliest(self) -> Floats:
+        """Coordinates of a draw."""
+        return np.asarray(self.z[np.argmax(self.log_likelihood)])
+
+    def _nearest(self, place: int, at: float, count: int) -> Floats:
+        """The likeliest of the draws near a coordinate, the best last: a copy."""
+        near = np.argsort(np.abs(self.z[:, place] - at))[: len(self.z) // _PROFILE]
+        return np.asarray(self.z[near[np.argsort(self.log_likelihood[near])[-count:]]])
+
+    def _profile(self, place: int) -> tuple[Floats, Floats]:
+        """Profile of one parameter, from searches that begin at draws and at neighbors."""
+        prior = list(self.problem.model.priors.values())[place]
+        first, last = prior.reach
+        others = [one for one in self.problem.used if one != place]
+        low, high = np.quantile(self.z[:, place], (0.005, 0.995))
+        reach, best = max(high - low, 1e-6), float(self._likeliest[place])
+        inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
+        outer = np.linspace([first, inner[-1]], [inner[0], last], _OUTER).ravel()
+        known: dict[float, tuple[float, Floats]] = {}
+
+        def solve(at: float) -> None:
+            starts = [*self._nearest(place, at, 2)]
+            starts += [known[one][1].copy() for one in sorted(known, key=lambda one: abs(one - at))[:1]]
+            for start in starts:
+                start[place] = at
+            tried = [self.problem.improved(start, others) for start in starts]
+            known[at] = min(tried, key=lambda one: one[0])
+
+        def profile() -> tuple[Floats, Floats]:
+            at = np.array(sorted(known))
+            squares = np.array([known[one][0] for one in at])
+            return at, squares - squares.min()
+
+        for at in sorted(np.unique([*inner, *outer, best]), key=lambda at: abs(at - best)):
+            solve(float(at))
+        for _ in range(_HALVED):
+            points, deviance = profile()
+            for crossing in np.flatnonzero(np.diff(deviance > _LIMIT)):
+                solve(float(points[crossing : crossing + 2].mean()))
+        points, deviance = profile()
+        return prior.at(points), deviance
+
+    def _by_data_alone(self, place: int, excluded: tuple[bool, bool], most: float) -> tuple[bool, bool]:
+        """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
+
+        The data exclude an end if they exclude what is a whole interval beyond it, too, where the ranges of
+        the others are five times as wide.
+        """
+        priors = list(self.problem.model.priors.values())
+        others = [one for one in self.problem.used if one != place]
+        wide = [one.kind == "log_uniform" and one.second > 10 * one.first for one in priors]
+        beyond = [one for one in others if wide[one]]
+        low, high = _middle(self.z[:, place])
+        still = []
+        for is_excluded, at in zip(excluded, (2 * low - high, 2 * high - low), strict=True):
+            squares = -math.inf
+            if is_excluded:
+                (there,) = self._nearest(place, at, 1)
+                for step in np.linspace(there[place], np.clip(at, *priors[place].reach), _STEPS):
+                    there[place] = step  # the others follow in small steps
+                    squares, there = self.problem.improved(there, others, beyond=beyond)
+            still.append(squares >= most)
+        return still[0], still[1]
+
+    def candidates(self, undetermined: Sequence[str]) -> tuple[Candidate, ...]:
+        """Weigh experiments: by how much each would narrow what is not determined, if errors are as now.
+
+        The variance that is left of a parameter is at most that about its best linear estimate from the
+        logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley 2007).
+        """
+        problem, model, values = self.problem, self.problem.model, self.values
+        time = problem.time[problem.time > 0]
+        loads = (
+            f"two known loads, with areas {'over the nominal one' if model.name == 'lattice' else 'in m²'}"
+        )
+        relative = float(np.median(problem.error / problem.value))
+        later = np.geomspace(time[-1], _LATER * time[-1], time.size)
+        earlier = np.geomspace(time[0] / _LATER, time[0], time.size)
+        with np.errstate(all="ignore"):
+            planned = {"longer times (to 100 times the last)": np.log(model.curve(later, values))}
+            if model.held is not None:
+                planned["the load at a held displacement"] = np.log(model.held(time, values))
+            else:
+                planned["earlier times (from a hundredth of the first)"] = np.log(
+                    model.curve(earlier, values)
+                )
+            if model.size is not None:  # areas are in proportion to the load, which is measured, too
+                areas = np.log(model.size(values)[:, None] * model.growth(time, values))
+                measured = np.log(values["load"])[:, None]
+                planned[loads] = np.hstack([areas, areas + np.log(2), measured])
+        made = []
+        for name, curves in planned.items():
+            fine = np.isfinite(curves).all(1)
+            if np.count_nonzero(fine) > 2 * curves.shape[1]:
+                known = {
+                    one: np.log(values[one]) if model.priors[one].logarithmic else values[one]
+                    for one in undetermined
+                    if (name, one) != (loads, "load")  # which is measured
+                }
+                widths = {one: _left(curves[fine], known[one][fine], relative) for one in known}
+                made.append(Candidate(name, widths))
+        return tuple(made)
 
 
 def excluded_ends(prior: Floats, posterior: Floats) -> tuple[bool, bool]:
@@ -154,114 +305,19 @@ def excluded_ends(prior: Floats, posterior: Floats) -> tuple[bool, bool]:
     return low_end < EXCLUDED * most, high_end < EXCLUDED * most
 
 
-def verdict_of(
-    name: str,
-    unit: str,
-    excluded: tuple[bool, bool],
-    prior: Floats,
-    posterior: Floats,
-    profile: tuple[float, float],
-) -> Verdict:
-    """The verdict where these ends are excluded; a bounded parameter lies from, or to, the other end."""
-    low, high = _middle(posterior)
+def interval_within(excluded: tuple[bool, bool], prior: Floats, posterior: Floats) -> tuple[float, float]:
+    """The 95 % interval where these ends are excluded: of a bounded parameter from, or to, the other end."""
     if excluded == (False, True):
-        low, high = float(prior.min()), float(np.quantile(posterior, LEVEL))
-    elif excluded == (True, False):
-        low, high = float(np.quantile(posterior, 1 - LEVEL)), float(prior.max())
-    return Verdict(name, unit, _WORD[excluded], low, high, float(np.median(posterior)), profile)
+        return float(prior.min()), float(np.quantile(posterior, LEVEL))
+    if excluded == (True, False):
+        return float(np.quantile(posterior, 1 - LEVEL)), float(prior.max())
+    return _middle(posterior)
 
 
 def _middle(values: Floats) -> tuple[float, float]:
     """Ends of the middle 95 %."""
     low, high = np.quantile(values, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
     return float(low), float(high)
-
-
-def told_apart(*values: float) -> list[str]:
-    """Rising numbers in so many digits, three or more, that their distance has two."""
-    size = max(abs(values[0]), abs(values[-1]))
-    digits = 2 - math.floor(math.log10((values[-1] - values[0]) / size)) if values[-1] > values[0] else 3
-    return [f"{value:.{min(max(digits, 3), 8)}g}" for value in values]
-
-
-def combinations_of(
-    values: Mapping[str, Floats], model: Model, used: Sequence[str]
-) -> tuple[Combination, ...]:
-    """Find products, ratios and sums that the data know better than their members; the best first."""
-    spread = {name: _spread(values[name]) for name in used}
-    found: list[Combination] = []
-    for size in (2, 3):
-        for members in itertools.combinations(used, size):
-            if any((values[name] <= 0).any() for name in members):
-                continue
-            logs = [np.log(values[name]) for name in members]
-            for signs in itertools.product((1, -1), repeat=size - 1):
-                made = np.exp(sum(sign * log for sign, log in zip((1, *signs), logs, strict=True)))
-                words = (
-                    f" {'*' if sign > 0 else '/'} {name}"
-                    for sign, name in zip(signs, members[1:], strict=True)
-                )
-                found.append(_combined(members[0] + "".join(words), members, made, spread))
-            if size == 2 and len({model.priors[name].unit for name in members}) == 1:
-                total = values[members[0]] + values[members[1]]
-                found.append(_combined(" + ".join(members), members, total, spread))
-    kept: list[Combination] = []
-    for one in sorted(found, key=lambda one: (len(one.members), -one.tighter)):
-        # Of three, no more is said than of the two that are among them.
-        beaten = [other for other in kept if set(other.members) < set(one.members)]
-        enough = max([_TIGHTER, *(2 * other.tighter for other in beaten)])
-        if one.tighter > enough and all(other.members != one.members for other in kept):
-            kept.append(one)
-    return tuple(sorted(kept, key=lambda one: -one.tighter))
-
-
-def _spread(values: Floats) -> float:
-    """Half of the width, in ln, that holds 68 % of the values."""
-    low, high = np.quantile(values, (0.16, 0.84))
-    return float(np.log(high / low) / 2) if low > 0 else np.inf
-
-
-def _combined(name: str, members: tuple[str, ...], made: Floats, spread: Mapping[str, float]) -> Combination:
-    tighter = min(spread[one] for one in members) / max(_spread(made), 1e-12)
-    return Combination(name, members, *_middle(made), tighter)
-
-
-def profile_of(problem: Problem, place: int, z: Floats, found: Floats) -> tuple[Floats, Floats]:
-    """Profile likelihood of one parameter: values, and -2 ln of the likelihood over its largest.
-
-    Draws of the posterior z, shape (n, parameters), with the logarithms of their likelihoods, are where each
-    search begins; see `Problem.improved`.
-    """
-    prior = list(problem.model.priors.values())[place]
-    first, last = prior.reach
-    others = [one for one in problem.used if one != place]
-    low, high = np.quantile(z[:, place], (0.005, 0.995))
-    reach = max(high - low, 1e-6)
-    inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
-    outer = np.linspace([first, inner[-1]], [inner[0], last], _OUTER).ravel()
-    grid = np.unique(np.concatenate([inner, outer, z[np.argmax(found), place : place + 1]]))
-    known: dict[float, tuple[float, Floats]] = {}
-
-    def solve(at: float) -> None:
-        starts = [*z[_nearest(z, place, at, found)[-2:]]]
-        starts += [known[one][1].copy() for one in sorted(known, key=lambda one: abs(one - at))[:1]]
-        for start in starts:
-            start[place] = at
-        known[at] = min((problem.improved(start, others) for start in starts), key=lambda one: one[0])
-
-    def profile() -> tuple[Floats, Floats]:
-        at = np.array(sorted(known))
-        squares = np.array([known[one][0] for one in at])
-        return at, squares - squares.min()
-
-    for at in sorted(grid, key=lambda at: abs(at - z[np.argmax(found), place])):
-        solve(float(at))
-    for _ in range(_HALVED):
-        points, deviance = profile()
-        for crossing in np.flatnonzero(np.diff(deviance > _LIMIT)):
-            solve(float(points[crossing : crossing + 2].mean()))
-    points, deviance = profile()
-    return prior.at(points), deviance
 
 
 def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
@@ -274,69 +330,21 @@ def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def _by_data_alone(
-    problem: Problem, place: int, excluded: tuple[bool, bool], z: Floats, found: Floats, most: float
-) -> tuple[bool, bool]:
-    """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
-
-    The data exclude an end if they exclude what is a whole interval beyond it, too, where the ranges of the
-    others are five times as wide.
-    """
-    priors, others = list(problem.model.priors.values()), [one for one in problem.used if one != place]
-    wide = [one.kind == "log_uniform" and one.second > 10 * one.first for one in priors]
-    beyond = [one for one in others if wide[one]]
-    low, high = _middle(z[:, place])
-    still = []
-    for is_excluded, at in zip(excluded, (2 * low - high, 2 * high - low), strict=True):
-        squares = -math.inf
-        if is_excluded:
-            there = z[_nearest(z, place, at, found)[-1]].copy()
-            for step in np.linspace(there[place], np.clip(at, *priors[place].reach), _STEPS):
-                there[place] = step  # the others follow in small steps
-                squares, there = problem.improved(there, others, beyond=beyond)
-        still.append(squares >= most)
-    return still[0], still[1]
+def told_apart(*values: float) -> list[str]:
+    """Rising numbers in so many digits, three or more, that their distance has two."""
+    size = max(abs(values[0]), abs(values[-1]))
+    digits = 2 - math.floor(math.log10((values[-1] - values[0]) / size)) if values[-1] > values[0] else 3
+    return [f"{value:.{min(max(digits, 3), 8)}g}" for value in values]
 
 
-def _nearest(z: Floats, place: int, at: float, found: Floats) -> NDArray[np.intp]:
-    """Draws near a coordinate, the likeliest last."""
-    near = np.argsort(np.abs(z[:, place] - at))[: len(z) // _PROFILE]
-    return np.asarray(near[np.argsort(found[near])])
+def _spread(values: Floats) -> float:
+    """Half of the width, in ln, that holds 68 % of the values."""
+    low, high = np.quantile(values, (0.16, 0.84))
+    return float(np.log(high / low) / 2) if low > 0 else np.inf
 
 
-def candidates_of(problem: Problem, z: Floats, undetermined: Sequence[str]) -> tuple[Candidate, ...]:
-    """Weigh experiments: by how much each would narrow what is not determined, if errors are as now.
-
-    The variance that is left of a parameter is at most that about its best linear estimate from the
-    logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley 2007).
-    """
-    time, model, values = problem.time[problem.time > 0], problem.model, problem.values(z)
-    loads = f"two known loads, with areas {'over the nominal one' if model.name == 'lattice' else 'in m²'}"
-    relative = float(np.median(problem.error / problem.value))
-    later = np.geomspace(time[-1], _LATER * time[-1], time.size)
-    earlier = np.geomspace(time[0] / _LATER, time[0], time.size)
-    with np.errstate(all="ignore"):
-        planned = {"longer times (to 100 times the last)": np.log(model.curve(later, values))}
-        if model.held is not None:
-            planned["the load at a held displacement"] = np.log(model.held(time, values))
-        else:
-            planned["earlier times (from a hundredth of the first)"] = np.log(model.curve(earlier, values))
-        if model.size is not None:  # areas are in proportion to the load, which is measured, too
-            areas = np.log(model.size(values)[:, None] * model.growth(time, values))
-            measured = np.log(values["load"])[:, None]
-            planned[loads] = np.hstack([areas, areas + np.log(2), measured])
-    made = []
-    for name, curves in planned.items():
-        fine = np.isfinite(curves).all(1)
-        if np.count_nonzero(fine) > 2 * curves.shape[1]:
-            known = {
-                one: np.log(values[one]) if model.priors[one].logarithmic else values[one]
-                for one in undetermined
-                if (name, one) != (loads, "load")  # which is measured
-            }
-            widths = {one: _left(curves[fine], known[one][fine], relative) for one in known}
-            made.append(Candidate(name, widths))
-    return tuple(made)
+def _combined(name: str, members: tuple[str, ...], made: Floats, least: float) -> Combination:
+    return Combination(name, members, *_middle(made), tighter=least / max(_spread(made), 1e-12))
 
 
 def _left(curves: Floats, parameter: Floats, relative: float) -> float:
