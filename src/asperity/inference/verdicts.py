@@ -126,7 +126,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Draws of a posterior, to be judged: coordinates, shape (n, parameters); of the prior, values by name."""
+    """Draws to be judged: coordinates of the posterior, shape (n, parameters); values of the prior by name."""
 
     problem: Problem
     z: Floats
@@ -259,7 +259,8 @@ class Posterior:
         """Weigh experiments: by how much each would narrow what is not determined, if errors are as now.
 
         The variance that is left of a parameter is at most that about its best linear estimate from the
-        logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley 2007).
+        logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley
+        2007).
         """
         problem, model, values = self.problem, self.problem.model, self.values
         time = problem.time[problem.time > 0]
