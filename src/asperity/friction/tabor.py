@@ -147,6 +147,5 @@ def velocity_of(dataset: xr.Dataset) -> Field:
     load = dataset["load"]
     if "velocity" not in dataset:
         return np.zeros(load.shape)
-    velocity = np.array(np.broadcast_to(dataset["velocity"].values, load.shape))
-    rows = velocity.reshape(-1, load.sizes["time"])
-    return np.array([coming_velocity(row) for row in rows]).reshape(load.shape)
+    velocity = np.broadcast_to(dataset["velocity"].values, load.shape)
+    return np.asarray(np.apply_along_axis(coming_velocity, -1, velocity))

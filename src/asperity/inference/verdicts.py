@@ -13,6 +13,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from asperity.base.checks import Floats
+from asperity.inference.models import Curve
 from asperity.inference.sampling import Problem
 
 Word = Literal["determined", "bounded above", "bounded below", "not identified"]
@@ -126,7 +127,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Draws to be judged: coordinates of the posterior, shape (n, parameters); values of the prior by name."""
+    """Draws to be judged: coordinates z of the posterior, shape (n, parameters); values of the prior."""
 
     problem: Problem
     z: Floats
@@ -262,37 +263,34 @@ class Posterior:
         logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley
         2007).
         """
-        problem, model, values = self.problem, self.problem.model, self.values
-        time = problem.time[problem.time > 0]
-        loads = (
-            f"two known loads, with areas {'over the nominal one' if model.name == 'lattice' else 'in m²'}"
-        )
-        relative = float(np.median(problem.error / problem.value))
-        later = np.geomspace(time[-1], _LATER * time[-1], time.size)
-        earlier = np.geomspace(time[0] / _LATER, time[0], time.size)
+        model, values = self.problem.model, self.values
+        time = self.problem.time[self.problem.time > 0]
+        unit = "over the nominal one" if model.name == "lattice" else "in m²"
+        loads = f"two known loads, with areas {unit}"
+        relative = float(np.median(self.problem.error / self.problem.value))
+        longer = model.curve, np.geomspace(time[-1], _LATER * time[-1], time.size)
+        earlier = model.curve, np.geomspace(time[0] / _LATER, time[0], time.size)
+        planned: dict[str, tuple[Curve, Floats]] = {"longer times (to 100 times the last)": longer}
+        if model.held is not None:
+            planned["the load at a held displacement"] = model.held, time
+        else:
+            planned["earlier times (from a hundredth of the first)"] = earlier
         with np.errstate(all="ignore"):
-            planned = {"longer times (to 100 times the last)": np.log(model.curve(later, values))}
-            if model.held is not None:
-                planned["the load at a held displacement"] = np.log(model.held(time, values))
-            else:
-                planned["earlier times (from a hundredth of the first)"] = np.log(
-                    model.curve(earlier, values)
-                )
+            logs = {name: np.log(curve(at, values)) for name, (curve, at) in planned.items()}
             if model.size is not None:  # areas are in proportion to the load, which is measured, too
                 areas = np.log(model.size(values)[:, None] * model.growth(time, values))
-                measured = np.log(values["load"])[:, None]
-                planned[loads] = np.hstack([areas, areas + np.log(2), measured])
+                logs[loads] = np.hstack([areas, areas + np.log(2), np.log(values["load"])[:, None]])
+        known = {
+            one: np.log(values[one]) if model.priors[one].logarithmic else values[one] for one in undetermined
+        }
         made = []
-        for name, curves in planned.items():
+        for name, curves in logs.items():
             fine = np.isfinite(curves).all(1)
             if np.count_nonzero(fine) > 2 * curves.shape[1]:
-                known = {
-                    one: np.log(values[one]) if model.priors[one].logarithmic else values[one]
-                    for one in undetermined
-                    if (name, one) != (loads, "load")  # which is measured
-                }
-                widths = {one: _left(curves[fine], known[one][fine], relative) for one in known}
-                made.append(Candidate(name, widths))
+                left = {one: _left(curves[fine], x[fine], relative) for one, x in known.items()}
+                if name == loads:
+                    left.pop("load", None)  # which is measured
+                made.append(Candidate(name, left))
         return tuple(made)
 
 
