@@ -51,38 +51,24 @@ def test_friction_in_words_figure_and_numbers(asperity: Asperity, friction: np.n
     assert "the data prefer the logarithm: no sign" in text or "these data do not tell" in text
     assert "figure written: fit.png\nnumbers written: n.json\n" in text
     assert Path("fit.png").read_bytes().startswith(b"\x89PNG")
-    found = json.loads(Path("n.json").read_text())
-    fit = logarithm(time, mu)
-    assert found["fits"]["logarithm"]["C"]["value"] == pytest.approx(fit.C, rel=1e-9)
-    assert found["fits"]["logarithm"]["C"]["interval"] == pytest.approx(fit.interval("C"), rel=1e-9)
+    found, fit = json.loads(Path("n.json").read_text()), logarithm(time, mu)
+    written, straight = found["fits"]["logarithm"], found["straight_line"]
+    assert written["C"]["value"] == pytest.approx(fit.C, rel=1e-9)
+    assert written["C"]["interval"] == pytest.approx(fit.interval("C"), rel=1e-9)
     assert found["fits"]["saturation"]["q"]["stderr"] > 0
-    assert found["straight_line"]["points"] == rate.points
     # The names of the screen, and slopes both ways.
-    assert found["fits"]["logarithm"]["A0"]["value"] == pytest.approx(fit.initial_area, rel=1e-9)
-    slopes = found["fits"]["logarithm"]
-    assert slopes["slope_per_efold"]["value"] == pytest.approx(fit.slope, rel=1e-9)
-    assert slopes["slope_per_decade"]["stderr"] == pytest.approx(np.log(10) * fit.slope_stderr, rel=1e-9)
+    assert written["A0"]["value"] == pytest.approx(fit.initial_area, rel=1e-9)
+    assert written["slope_per_efold"]["value"] == pytest.approx(fit.slope, rel=1e-9)
+    assert written["slope_per_decade"]["stderr"] == pytest.approx(np.log(10) * fit.slope_stderr, rel=1e-9)
     assert "slope A0 C per decade" in text
-    assert (
-        found["straight_line"]["B_per_decade"]["interval"][0]
-        < found["straight_line"]["B_per_decade"]["value"]
-    )
+    assert straight["points"] == rate.points
+    assert straight["B_per_decade"]["interval"][0] < straight["B_per_decade"]["value"]
     assert found["comparison"]["verdict"] == compare(time, mu).verdict
 
 
 def test_columns_and_standard_errors(asperity: Asperity, friction: np.ndarray) -> None:
-    status, text, _ = asperity(
-        "fit",
-        "mu.csv",
-        "--column-value",
-        "mu",
-        "--column-stderr",
-        "2",
-        "--law",
-        "logarithm",
-        "--out",
-        "a.pdf",
-    )
+    words = ("--column-value", "mu", "--column-stderr", "2", "--law", "logarithm", "--out", "a.pdf")
+    status, text, _ = asperity("fit", "mu.csv", *words)
     assert status == 0
     assert "reduced chi²" in text
     assert "saturation" not in text
@@ -147,23 +133,6 @@ def test_any_name_is_drawn_as_it_stands(asperity: Asperity, friction: np.ndarray
         status, text, error = asperity("fit", f"{name[:50]}.csv", *words)
         assert (status, error) == (0, "")
         assert name.strip() in text
-    growth = measured_growth(HOLD, 0.6 + 0.01 * np.log(HOLD), laws=("logarithm",))
-    upper, lower = fit_figure(growth, quantity="$b$", unit_time=r"$\foo$", window=False).axes
-    # matplotlib draws an escaped dollar as it stands.
-    assert upper.get_ylabel() == r"\$b\$"
-    assert lower.get_xlabel() == r"hold time $t$ [\$\foo\$]"
-
-
-def test_labels_stay_on_the_canvas() -> None:
-    growth = measured_growth(HOLD, 0.6 + 0.01 * np.log(HOLD), laws=("logarithm",))
-    long = "W" * 300
-    figure = fit_figure(growth, quantity=long, unit_time=long, window=True)
-    figure.draw_without_rendering()
-    for text in (figure.axes[0].yaxis.label, figure.axes[1].xaxis.label):
-        box = text.get_window_extent()
-        assert text.get_text().rstrip("]").endswith("…")
-        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
-        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that nobody can write to")

@@ -140,15 +140,8 @@ def test_noise_leaves_the_verdict_open():
 
 def test_several_surfaces_give_intervals_by_their_scatter():
     rng = np.random.default_rng(0)
-    several = [
-        F.synthetic_record(
-            STEPS + HOLDS,
-            dataclasses.replace(AGING, b=0.015 * np.exp(0.1 * rng.standard_normal())),
-            noise=NOISE,
-            seed=seed,
-        )
-        for seed in range(8)
-    ]
+    laws = [dataclasses.replace(AGING, b=0.015 * np.exp(0.1 * rng.standard_normal())) for _ in range(8)]
+    several = [F.synthetic_record(STEPS + HOLDS, law, noise=NOISE, seed=n) for n, law in enumerate(laws)]
     found = F.compare_state_laws(several)
     alone = F.compare_state_laws(several[0])
     b = found.estimates["aging"]["b"]
@@ -221,22 +214,15 @@ def table(path, names, *columns):
 def test_a_table_is_read_with_its_units(tmp_path):
     record = F.synthetic_record(STEPS, AGING)
     time, slip, friction = record.time / 60, record.displacement * 1e6, record.friction
-    read = F.read_record(
-        table(tmp_path / "a.csv", "time_min,displacement [um],friction", time, slip, friction)
-    )
+    names = "time_min,displacement [um],friction"
+    read = F.read_record(table(tmp_path / "a.csv", names, time, slip, friction))
     np.testing.assert_allclose(read.displacement, record.displacement, rtol=1e-6, atol=1e-12)
     np.testing.assert_allclose(read.time, record.time)
     assert read.si
     speed = record.velocity * 1e6
-    stress = table(
-        tmp_path / "b.csv",
-        "time_s,velocity_um/s,shear_stress_MPa,normal_stress_kPa",
-        record.time,
-        speed,
-        5 * friction,
-        np.full(time.size, 5000.0),
-    )
-    read = F.read_record(stress)
+    names = "time_s,velocity_um/s,shear_stress_MPa,normal_stress_kPa"
+    stresses = 5 * friction, np.full(time.size, 5000.0)
+    read = F.read_record(table(tmp_path / "b.csv", names, record.time, speed, *stresses))
     np.testing.assert_allclose(read.velocity, record.velocity)
     np.testing.assert_allclose(read.friction, friction)
     assert read.normal_stress == pytest.approx(5e6)
@@ -251,15 +237,11 @@ def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
     F.save_parameters(found, tmp_path / "f.toml")
     F.save_parameters(found, tmp_path / "f.csv", law="slip")
     written = tomllib.loads((tmp_path / "f.toml").read_text())
-    assert written["parameters"] == {
-        "law": "aging",
-        **{
-            name: getattr(found.fits["aging"], name) for name in ("mu_0", "a", "b", "D_c", "a_minus_b", "V_0")
-        },
-        "normal_stress": 5e6,
-    }
+    aging = found.fits["aging"]
+    expected = {name: getattr(aging, name) for name in ("law", "mu_0", "a", "b", "D_c", "a_minus_b", "V_0")}
+    assert written["parameters"] == expected | {"normal_stress": 5e6}
     assert written["units"]["D_c"] == "m"
-    assert written["intervals_95"]["D_c"] == list(found.fits["aging"].interval("D_c"))
+    assert written["intervals_95"]["D_c"] == list(aging.interval("D_c"))
     assert written["origin"]["asperity_version"] == asp.__version__
     own = F.compare_state_laws(dataclasses.replace(record, si=False))
     F.save_parameters(own, tmp_path / "own.toml")
@@ -267,7 +249,7 @@ def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
     assert (bare["D_c"], bare["a"], bare["normal_stress"]) == ("length of the record", "1", "Pa")
     first, second = csv.DictReader((tmp_path / "f.csv").read_text().splitlines())
     assert [first["law"], second["law"]] == ["slip", "aging"]
-    assert float(second["D_c_m"]) == found.fits["aging"].D_c
+    assert float(second["D_c_m"]) == aging.D_c
     with refuses("path"):
         F.save_parameters(found, "f.txt")
 

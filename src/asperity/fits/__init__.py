@@ -1,13 +1,12 @@
 """Laws of the growth of the contact area, fitted with uncertainties; to simulated or measured data."""
 
 from asperity.fits.comparison import Comparison, compare
-from asperity.fits.ensembles import EnsembleFit, ensemble
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
 from asperity.fits.measured import MeasuredGrowth, measured_growth
 from asperity.fits.measurements import Measurements, read_measurements
 from asperity.fits.power import PowerLawFit, local_exponent, power_law
 from asperity.fits.rate import GrowthRate, growth_rate
-from asperity.fits.resampling import Estimate, jackknife
+from asperity.fits.resampling import EnsembleFit, Estimate, ensemble, jackknife
 from asperity.fits.result import FitResult
 
 __all__ = [

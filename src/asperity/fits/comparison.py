@@ -86,20 +86,25 @@ def compare(time: ArrayLike, area: ArrayLike | None = None, stderr: ArrayLike | 
     Arguments and errors are those of `saturation`, but two values more are needed.
     """
     curve = Curve.checked(time, area, stderr, parameters=3)
+    return compared(curve, logarithm(time, area, stderr), saturation(time, area, stderr))
+
+
+def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Comparison:
+    """Say which of two fits of this curve the data prefer."""
+    given = curve.points.stderr is not None
     # Parameters besides C and t0 of both: q of one, A(0) if it is fitted, the variance if it is not given.
-    n, extra = curve.points.x.size, (not curve.initial_known) + (stderr is None)
+    n, extra = curve.points.x.size, (not curve.initial_known) + (not given)
     if n < extra + 5:
         raise InputError("time", expected=f"at least {extra + 5} values to compare the laws by", got=n)
-    log, power = logarithm(time, area, stderr), saturation(time, area, stderr)
     of_log, of_power = _residual(curve, log), _residual(curve, power)
-    rho = autocorrelation_of(of_power)
-    effective = n * min(1.0, (1 - rho) / (1 + rho))
-    penalty = _penalty(n, 2 + extra) - _penalty(n, 3 + extra)
+    rho, worth = neighbors(of_power)
+    effective = n * worth
+    penalty = price_of(n, 2 + extra) - price_of(n, 3 + extra)
     # One law contains the other; less than 0 is what the search leaves of an exact logarithm.
-    evidence = max(0.0, _lack(of_log, stderr) - _lack(of_power, stderr))
+    evidence = max(0.0, lack_of(of_log, given=given) - lack_of(of_power, given=given))
     delta = effective * evidence + penalty
     return Comparison(
-        verdict=_verdict(delta, power, float(np.max(curve.points.x)) * curve.time_unit, n / effective),
+        verdict=_verdict(delta, power, float(curve.points.x[-1]) * curve.time_unit, 1 / worth),
         logarithm=log,
         saturation=power,
         delta_aicc=n * evidence + penalty,
@@ -117,23 +122,24 @@ def _residual(curve: Curve, fit: GrowthFit) -> Floats:
     return np.asarray(residual if points.stderr is None else residual / points.stderr)
 
 
-def _lack(residual: Floats, stderr: ArrayLike | None) -> float:
-    """Minus twice the logarithm of the likelihood, a value."""
-    square = float(np.mean(residual**2))
-    return square if stderr is not None else math.log(max(square, ROUNDING**2))
+def lack_of(misfit: Floats, *, given: bool, rounding: float = ROUNDING) -> float:
+    """Minus twice the logarithm of the likelihood, a value, with standard errors given or fitted."""
+    square = float(np.mean(misfit**2))
+    return square if given else math.log(max(square, rounding**2))
 
 
-def _penalty(n: int, k: int) -> float:
+def price_of(n: int, k: int) -> float:
+    """What AICc adds for k parameters of n values."""
     return 2 * k + 2 * k * (k + 1) / (n - k - 1)
 
 
-def autocorrelation_of(residual: Floats) -> float:
-    """Correlation of neighboring residuals, below 1; 0 where there are none."""
+def neighbors(residual: Floats) -> tuple[float, float]:
+    """Correlation of neighboring residuals, below 1, and the part of the values that is independent."""
     squares = float(residual @ residual)
-    if not squares > 0:
-        return 0.0
     # Smooth residuals of many points would come out as 1, and be worth no point at all.
-    return min(float(residual[1:] @ residual[:-1]) / squares, 1 - 2 / (residual.size + 1))
+    most = 1 - 2 / (residual.size + 1)
+    rho = min(float(residual[1:] @ residual[:-1]) / squares, most) if squares > 0 else 0.0
+    return rho, min(1.0, (1 - rho) / (1 + rho))
 
 
 def _verdict(delta: float, fit: SaturationFit, last: float, excess: float) -> Verdict:

@@ -21,14 +21,9 @@ BINS = 300
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Values against a variable x, which is in order; several values may have the same x.
+    """Values y against a variable x, which is in order, shape (n,); several values may have the same x.
 
-    Attributes
-    ----------
-    x, y
-        Shape (n,).
-    stderr
-        Standard errors of y, shape (n,); None where they are not known, and all values weigh the same.
+    Standard errors of y are None where they are not known, and all values weigh the same.
     """
 
     x: Floats
@@ -44,10 +39,12 @@ class Series:
         xs, ys = line(of_x, x), line(of_y, y)
         sigmas = None if stderr is None else line("stderr", stderr)
         for name, values in ((of_y, ys), ("stderr", sigmas)):
-            if values is not None and values.size != xs.size:
+            if values is None:
+                continue
+            if values.size != xs.size:
                 expected = f"one for each of the {xs.size} values of {of_x}"
                 raise InputError(name, expected=expected, got=values.size)
-            if values is not None and (values <= 0).any():
+            if (values <= 0).any():
                 raise InputError(name, expected=f"values of {name} above 0", got=float(values.min()))
         if xs.size == 0 or xs.min() < 0:
             raise InputError(of_x, expected=f"values of {of_x} not below 0", got=sketch(np.sort(xs)))
@@ -66,12 +63,10 @@ class Series:
         """
         weight = np.ones_like(self.y) if self.stderr is None else self.stderr**-2
         zeros = int(np.searchsorted(self.x, 0.0, side="right"))
-        bin_of = np.zeros(self.x.size, dtype=np.intp)
-        logs = np.zeros_like(self.x)
-        if zeros < self.x.size:
-            logs[zeros:] = np.log(self.x[zeros:])
-            edges = np.linspace(logs[zeros], logs[-1], bins + 1)[1:-1]
-            bin_of[zeros:] = 1 + np.searchsorted(edges, logs[zeros:], side="right")
+        bin_of, logs = np.zeros(self.x.size, dtype=np.intp), np.zeros_like(self.x)
+        logs[zeros:] = np.log(self.x[zeros:])
+        edges = np.linspace(logs[zeros], logs[-1], bins + 1)[1:-1]
+        bin_of[zeros:] = 1 + np.searchsorted(edges, logs[zeros:], side="right")
         total = np.bincount(bin_of, weight)
         filled = total > 0
         x, y = (np.bincount(bin_of, weight * values)[filled] / total[filled] for values in (logs, self.y))
@@ -83,17 +78,9 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """The points to fit a law of growth to.
+    """The points to fit a law of growth to, in units of the data: the first time above 0, A(0) or first area.
 
-    Attributes
-    ----------
-    points
-        In units of the data: times of the first above 0, areas of A(0) or of the first area.
-    time_unit, area_unit
-        These units.
-    initial_known
-        Whether A(0) is known, as 1 in its unit; it is not among the points then. Else it is a parameter,
-        and areas at time 0 are points like others.
+    If A(0) is known, it is 1 and no point. Else it is a parameter, and areas at time 0 are points.
     """
 
     points: Series

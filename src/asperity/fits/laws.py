@@ -61,7 +61,12 @@ class GrowthFit(FitResult):
 
     def area_ratio(self, time: ArrayLike) -> Floats:
         """A(t)/A(0) at times not below 0; any shape."""
-        raise NotImplementedError
+        age = np.log1p(not_negative("time", time, infinity="welcome") / self.t0)
+        return np.asarray(1 + self._growth(age))[()]
+
+    def _growth(self, age: Floats) -> Floats:
+        """A(t)/A(0) - 1 at ln(1 + t/t0)."""
+        return self.C * age
 
     def predict(self, time: ArrayLike) -> Floats:
         """A(t) at times not below 0, in the unit of the areas given; any shape."""
@@ -92,11 +97,6 @@ class LogarithmFit(GrowthFit):
         As in every `FitResult`, which also has `interval`.
     """
 
-    def area_ratio(self, time: ArrayLike) -> Floats:
-        """A(t)/A(0) at times not below 0; any shape."""
-        times = not_negative("time", time, infinity="welcome")
-        return np.asarray(1 + self.C * np.log1p(times / self.t0))[()]
-
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SaturationFit(GrowthFit):
@@ -122,11 +122,8 @@ class SaturationFit(GrowthFit):
     q: float
     q_stderr: float
 
-    def area_ratio(self, time: ArrayLike) -> Floats:
-        """A(t)/A(0) at times not below 0; any shape."""
-        times = not_negative("time", time, infinity="welcome")
-        growth = self.C / self.q * -np.expm1(-self.q * np.log1p(times / self.t0))
-        return np.asarray(1 + growth)[()]
+    def _growth(self, age: Floats) -> Floats:
+        return np.asarray(self.C / self.q * -np.expm1(-self.q * age))
 
 
 def saturation(

@@ -14,19 +14,9 @@ from asperity.fits.result import quality
 
 @dataclass(frozen=True, eq=False)
 class Polynomial:
-    """A polynomial y = sum_k c_k z^k in z = (x - center)/scale, and how well it fits.
+    """A polynomial y = sum_k c_k z^k in z = (x - center)/scale, from -1 to 1, and how well it fits.
 
-    Attributes
-    ----------
-    coefficients, covariance
-        c_0, c_1, ...; the covariance is (J^T J)^-1, times the variance of the residuals unless standard
-        errors of y were given.
-    center, scale
-        Middle and half width of the range of x.
-    residual
-        Of y.
-    quality
-        Fields of the `FitResult`; see `fits.result.quality`.
+    The covariance is (J^T J)^-1, times the variance of the residuals of y unless standard errors were given.
     """
 
     coefficients: Floats

@@ -6,27 +6,22 @@ Contact area or static friction, of a laboratory or of a simulation: all that is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Literal, TypeVar
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.base import checks, views
 from asperity.errors import ConvergenceError, InputError
-from asperity.fits.comparison import Comparison, compare
-from asperity.fits.curve import Series, refuse_decline
+from asperity.fits.comparison import Comparison, compared
+from asperity.fits.curve import Curve, Series, refuse_decline
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
 from asperity.fits.rate import GrowthRate, growth_rate
 from asperity.lattice import Field
 
 Law = Literal["saturation", "logarithm"]
-_LAWS: dict[Law, Callable[..., SaturationFit | LogarithmFit]] = {
-    "saturation": saturation,
-    "logarithm": logarithm,
-}
 _FEW_ENOUGH = 1000
 """Points that are shown one by one; of more, means over bins of equal width in ln t."""
 
@@ -35,7 +30,6 @@ _WORTH = 0.5
 
 _SHOWN_BINS = 100
 _SMOOTH_CURVE = 200
-_Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -139,11 +133,9 @@ def measured_growth(
     shown = later.binned(_SHOWN_BINS) if means else later
     curve_time = np.geomspace(later.x[0], later.x[-1], _SMOOTH_CURVE)
     ends = np.empty(0) if rate is None else np.array([rate.first, rate.last])
-    window = shown.where(
-        np.zeros(shown.x.size, dtype=bool)
-        if rate is None
-        else (shown.x >= rate.first) & (shown.x <= rate.last)
-    )
+    window = shown.where(np.zeros(shown.x.size, dtype=bool))
+    if rate is not None:
+        window = shown.where((shown.x >= rate.first) & (shown.x <= rate.last))
     return MeasuredGrowth(
         points=series.x.size,
         initial_points=zeros,
@@ -171,26 +163,22 @@ def _fits(
 ) -> tuple[dict[Law, SaturationFit | LogarithmFit], Comparison | None, list[str]]:
     """Fit the laws; of several, those that can be fitted, with a note on each of the others."""
     data = (series.x, series.y, series.stderr)
-    if len(laws) > 1:
-        comparison, why = _tried(lambda: compare(*data))
-        if comparison is not None:
-            return {"saturation": comparison.saturation, "logarithm": comparison.logarithm}, comparison, []
-    tries = {law: _tried(partial(_LAWS[law], *data)) for law in laws}
-    fits = {law: fit for law, (fit, _) in tries.items() if fit is not None}
-    errors = [error for _, error in tries.values() if error is not None]
-    if not fits:
-        raise errors[-1]
-    notes = [f"{law}: no fit: {error}" for law, (_, error) in tries.items() if error is not None]
-    if len(fits) > 1:
-        notes.append(f"no comparison: {why}")
-    return fits, None, notes
-
-
-def _tried(fit: Callable[[], _Result]) -> tuple[_Result | None, InputError | ConvergenceError | None]:
-    try:
-        return fit(), None
-    except (InputError, ConvergenceError) as error:
-        return None, error
+    fits: dict[Law, SaturationFit | LogarithmFit] = {}
+    comparison, notes = None, []
+    for law in laws:
+        try:
+            fits[law] = saturation(*data) if law == "saturation" else logarithm(*data)
+        except (InputError, ConvergenceError) as error:
+            if not fits and law == laws[-1]:
+                raise
+            notes.append(f"{law}: no fit: {error}")
+    log, power = fits.get("logarithm"), fits.get("saturation")
+    if isinstance(log, LogarithmFit) and isinstance(power, SaturationFit):
+        try:
+            comparison = compared(Curve.checked(*data, parameters=3), log, power)
+        except InputError as error:
+            notes.append(f"no comparison: {error}")
+    return fits, comparison, notes
 
 
 def _rate(
@@ -204,18 +192,11 @@ def _rate(
     """Slopes over the window, where their A(0) comes from, and what must be said."""
     law: Law = "logarithm" if "logarithm" in fits else "saturation"
     fit = fits[law]
-    rate, error = _tried(
-        lambda: growth_rate(
-            series.x,
-            series.y,
-            first,
-            last,
-            stderr=series.stderr,
-            initial=None if known else fit.initial_area,
-            initial_stderr=0.0 if known else fit.initial_area_stderr,
-        )
-    )
-    if rate is None:
+    initial, error_of_it = (None, 0.0) if known else (fit.initial_area, fit.initial_area_stderr)
+    how: dict[str, Any] = {"stderr": series.stderr, "initial": initial, "initial_stderr": error_of_it}
+    try:
+        rate = growth_rate(series.x, series.y, first, last, **how)
+    except InputError as error:
         return None, "", f"no straight line: {error}"
     low, _ = rate.interval("slope")
     remark = "" if low > 0 else "the growth is not significant: the 95 % interval of the slope contains 0"

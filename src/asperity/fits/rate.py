@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -128,7 +129,6 @@ def growth_rate(
     line = polynomial(x, y, sigma)
     slope, slope_stderr = line.slope
     relative, relative_stderr = polynomial(x, np.log(y), None if sigma is None else sigma / y).slope
-    curvature, curvature_stderr, curvature_reach = _curvature(window, slope)
     return GrowthRate(
         B=slope / A0,
         B_stderr=math.hypot(slope_stderr, slope * A0_stderr / A0) / A0,
@@ -136,9 +136,7 @@ def growth_rate(
         relative_stderr=relative_stderr,
         slope=slope,
         slope_stderr=slope_stderr,
-        curvature=curvature,
-        curvature_stderr=curvature_stderr,
-        curvature_reach=curvature_reach,
+        **_curvature(window, slope),
         initial_area=A0,
         initial_area_stderr=A0_stderr,
         first=float(window.x[0]),
@@ -170,19 +168,19 @@ def _initial(series: Series, initial: float | None, initial_stderr: float) -> tu
     return float(zeros.y.mean()), spread
 
 
-def _curvature(window: Series, slope: float) -> tuple[float, float, float]:
+def _curvature(window: Series, slope: float) -> dict[str, Any]:
     """Largest change of slope over the window, in units of the slope, its standard error, and its reach."""
     degree = min(3, np.unique(window.x).size - 1, window.x.size - 2)
     if degree < 2 or slope == 0:
-        return math.nan, math.nan, math.nan
+        return dict.fromkeys(("curvature", "curvature_stderr", "curvature_reach"), math.nan)
     curve = polynomial(np.log(window.x), window.y, window.stderr, degree=degree)
     # With z from -1 to 1 over the window dy/dz = c1 + 2 c2 z + 3 c3 z^2; an S has like slopes at its ends.
     changes = np.array([[0, 0, 4, 0], [0, 0, 2, -3], [0, 0, 2, 3]])[:, : degree + 1]
     largest = changes[np.argmax(np.abs(changes @ curve.coefficients))]
     unit = 1 / (slope * curve.scale)
     stderr = float(np.sqrt(largest @ curve.covariance @ largest)) * abs(unit)
-    return (
-        float(largest @ curve.coefficients) * unit,
-        stderr,
-        student(curve.quality["degrees_of_freedom"]) * stderr,
-    )
+    return {
+        "curvature": float(largest @ curve.coefficients) * unit,
+        "curvature_stderr": stderr,
+        "curvature_reach": student(curve.quality["degrees_of_freedom"]) * stderr,
+    }

@@ -172,22 +172,18 @@ def fit_law(
         raise InputError("area", expected="an area that grows with time", got="no growing law near the data")
     starts.sort(key=rough.cost)
     minima = [found for start in starts[:POLISHED_STARTS] if (found := rough.polished(start, bounds.T))]
-    if minima and many:
-        last = whole.polished(min(minima, key=lambda found: found[0])[1], bounds.T)
-        minima = [last] if last else []
-    if not minima:
+    best = min(minima, key=lambda found: found[0], default=None)
+    if best and many:
+        best = whole.polished(best[1], bounds.T)
+    if not best:
         raise ConvergenceError("fit: no starting point led to a minimum; try more points, or the other law")
-    best = min(minima, key=lambda found: found[0])[1]
-    return _optimum(whole, whole.settled(best, bounds.T), curve)
-
-
-def _optimum(misfit: Misfit, theta: Floats, curve: Curve) -> Optimum:
-    weighted, y, stderr = misfit.residual(theta), curve.points.y, curve.points.stderr
-    residual = weighted / misfit.weight
+    theta, y, stderr = whole.settled(best[1], bounds.T), curve.points.y, curve.points.stderr
+    weighted = whole.residual(theta)
+    residual = weighted / whole.weight
     variance = float(weighted @ weighted) / (y.size - theta.size) if stderr is None else 1.0
     return Optimum(
         theta=theta,
-        covariance=variance * inverse_square(misfit.jacobian(theta)),
+        covariance=variance * inverse_square(whole.jacobian(theta)),
         curve=curve,
         initial=1.0 if curve.initial_known else float(theta[-1]),
         quality={"rms_residual": rms(residual / y)} | quality(residual, y, stderr, theta.size),

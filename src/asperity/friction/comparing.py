@@ -18,7 +18,7 @@ from asperity.base import checks, views
 from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import Estimate, jackknife
-from asperity.fits.comparison import ROUNDING, UNLIKELY
+from asperity.fits.comparison import ROUNDING, UNLIKELY, lack_of
 from asperity.friction.fitting import Events, RateAndStateFit, rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.records import HoldPeaks, Record, hold_peaks
@@ -125,19 +125,22 @@ def compare_state_laws(
 
     mean = replace(first, friction=friction.mean(axis=0))
     fits = fitted(mean.friction)
-    estimates = {law: {name: _of_fit(fit, name) for name in PARAMETERS} for law, fit in fits.items()}
+    estimates = {
+        law: {
+            name: _of_one(getattr(fit, name), getattr(fit, f"{name}_stderr"), *fit.interval(name))
+            for name in PARAMETERS
+        }
+        for law, fit in fits.items()
+    }
     if len(several) == 1:
         better = min(fits.values(), key=_lack)
-        ratio = _log_ratio(fits)
-        delta = better.effective_points * ratio
+        log_ratio, worth = _of_one(_log_ratio(fits)), better.effective_points
+        delta = worth * float(log_ratio.value)
         likelihood = math.exp(-abs(delta) / 2)
         decided = likelihood < UNLIKELY
-        log_ratio = _of_one(ratio, math.nan, math.nan, math.nan)
-        worth = better.effective_points
     else:
         found = jackknife(statistics, friction)
         log_ratio = found.part(-1)
-        ratio = float(log_ratio.value)
         decided = float(log_ratio.low) > 0 or float(log_ratio.high) < 0
         for n, law in enumerate(STATE_LAWS):
             if fits[law].determined:
@@ -148,7 +151,7 @@ def compare_state_laws(
         delta = likelihood = math.nan
         worth = min(fit.effective_points for fit in fits.values())
     return StateLaws(
-        verdict="undecided" if not decided else "aging" if ratio < 0 else "slip",
+        verdict="undecided" if not decided else "aging" if float(log_ratio.value) < 0 else "slip",
         fits=fits,
         estimates=estimates,
         record=mean,
@@ -175,7 +178,7 @@ def _check_same(first: Record, other: Record) -> None:
 
 def _lack(fit: RateAndStateFit) -> float:
     """Ln of the mean square of the residuals, above what rounding leaves."""
-    return 2 * math.log(max(float(np.sqrt(np.mean(fit.residual**2))), ROUNDING * fit.mu_0))
+    return lack_of(fit.residual, given=False, rounding=ROUNDING * fit.mu_0)
 
 
 def _log_ratio(fits: Mapping[StateLaw, RateAndStateFit]) -> float:
@@ -187,11 +190,7 @@ def _numbers(fit: RateAndStateFit) -> list[float]:
     return [math.log(fit.D_c) if name == "D_c" else float(getattr(fit, name)) for name in PARAMETERS]
 
 
-def _of_fit(fit: RateAndStateFit, name: str) -> Estimate:
-    return _of_one(getattr(fit, name), getattr(fit, f"{name}_stderr"), *fit.interval(name))
-
-
-def _of_one(*numbers: float) -> Estimate:
-    """Value, standard error and interval from one record."""
-    value, stderr, low, high = np.array(numbers, dtype=np.float64)
-    return Estimate(value, stderr, low, high, 1)
+def _of_one(value: float, stderr: float = math.nan, *interval: float) -> Estimate:
+    """An estimate from one record."""
+    numbers = np.array([value, stderr, *(interval or (math.nan, math.nan))])
+    return Estimate(numbers[0], numbers[1], numbers[2], numbers[3], 1)

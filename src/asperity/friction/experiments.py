@@ -76,18 +76,8 @@ def velocity_steps(
         Two or more (length/time), above 0, each different from the one before by 20 % or more.
     distance
         How far to slide at each (length), above 0: several D_c, so that friction becomes steady.
-    direction
-        As in `asperity.protocols.Slide`.
 
-    Returns
-    -------
-    list of Leg
-        For `asperity.age`.
-
-    Raises
-    ------
-    InputError
-        A number is out of range, or two velocities in a row hardly differ.
+    The direction, result and errors are those of `slide_hold_slide`.
     """
     given = units.numbers("velocities", velocities, "m/s")
     speeds = checks.positive("velocities", checks.line("velocities", given)).tolist()

@@ -28,7 +28,7 @@ from asperity.base.checks import Floats
 from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.fits import FitResult
-from asperity.fits.comparison import ROUNDING, autocorrelation_of
+from asperity.fits.comparison import ROUNDING, neighbors
 from asperity.fits.result import quality, rms
 from asperity.fits.search import inverse_square
 from asperity.friction.laws import (
@@ -291,8 +291,8 @@ class _Problem:
         ]
         jacobian = np.column_stack([self.columns(shape), *slopes])
         n, squares, friction = residual.size, float(residual @ residual), self.record.friction[self.used]
-        rho = autocorrelation_of(residual)
-        effective = n * (1 - rho) / (1 + rho) if rho > 2 / math.sqrt(n) else float(n)
+        rho, worth = neighbors(residual)
+        effective = n * worth if rho > 2 / math.sqrt(n) else float(n)
         covariance = squares / (n - self.count) * n / effective * inverse_square(jacobian)
         of_mu_0, of_b, *of_a = np.sqrt(np.diag(covariance))[: 2 + len(rest)]
         of_D_c = math.sqrt(covariance[-2, -2])

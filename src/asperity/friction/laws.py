@@ -134,22 +134,9 @@ class RateAndState:
             return np.asarray(self.mu_0 + direct + self.b * np.log(self.V_0 * state / self.D_c))
 
     def steady_friction(self, velocity: ArrayLike) -> Floats:
-        """Return the friction coefficient of steady sliding, mu_0 + (a - b) ln(V/V_0).
+        """Return the friction coefficient of steady sliding, mu_0 + (a - b) ln(V/V_0), of velocities above 0.
 
-        Parameters
-        ----------
-        velocity
-            Velocities above 0 of any shape.
-
-        Returns
-        -------
-        ndarray
-            Of the same shape; a NumPy float for a number.
-
-        Raises
-        ------
-        InputError
-            A velocity is not above 0.
+        They have any shape, also that of the result. `InputError` for one that is not above 0.
         """
         velocities = checks.positive("velocity", velocity)
         return np.asarray(self.mu_0 + (self.a - self.b) * np.log(velocities / self.V_0))[()]

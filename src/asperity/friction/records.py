@@ -275,28 +275,19 @@ def _after_slips(time: Floats, displacement: Floats) -> NDArray[np.bool_]:
     return np.append(False, (np.diff(time) == 0) & (np.diff(displacement) != 0))
 
 
+_COLUMNS = (
+    ("", "", r"temp|humid|\bstd|\berr|angle|thickness"),
+    ("time", "s", r"\btime\b|^t$|elapsed"),
+    ("normal stress", "Pa", r"(normal|effective).*(stress|pressure)|^sigma|^σ"),
+    ("normal force", "N", r"normal.*(force|load)|^(load|fn|f n)$"),
+    ("shear stress", "Pa", r"shear.*stress|^tau$|^τ$"),
+    ("shear force", "N", r"(shear|friction|tangential|lateral).*force|^(fs|ft|f s|f t)$"),
+    ("velocity", "m/s", r"veloc|speed|slip rate|^v$"),
+    ("displacement", "m", r"displac|slip|position|distance|^[xd]$"),
+    ("friction", "1", r"friction|^mu\b|^[µμ]|coef"),
+)
 _ROLES = Roles(
-    (
-        ("", r"temp|humid|\bstd|\berr|angle|thickness"),
-        ("time", r"\btime\b|^t$|elapsed"),
-        ("normal stress", r"(normal|effective).*(stress|pressure)|^sigma|^σ"),
-        ("normal force", r"normal.*(force|load)|^(load|fn|f n)$"),
-        ("shear stress", r"shear.*stress|^tau$|^τ$"),
-        ("shear force", r"(shear|friction|tangential|lateral).*force|^(fs|ft|f s|f t)$"),
-        ("velocity", r"veloc|speed|slip rate|^v$"),
-        ("displacement", r"displac|slip|position|distance|^[xd]$"),
-        ("friction", r"friction|^mu\b|^[µμ]|coef"),
-    ),
-    {
-        "time": ("s",),
-        "normal stress": ("Pa",),
-        "normal force": ("N",),
-        "shear stress": ("Pa",),
-        "shear force": ("N",),
-        "velocity": ("m/s",),
-        "displacement": ("m",),
-        "friction": ("1",),
-    },
+    tuple((role, pattern) for role, _, pattern in _COLUMNS), {role: (unit,) for role, unit, _ in _COLUMNS}
 )
 _EXAMPLES = (
     "time_s, displacement_um and friction, or time_s, velocity_um/s, shear_stress_MPa and normal_stress_MPa"
@@ -342,11 +333,9 @@ def read_record(
             raise InputError(table.name, expected=expected, got=got, advice="columns=[...] to choose")
         if role:
             found[role] = (at, unit)
-    ratio = next(
-        (kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(found)), ""
-    )
+    ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(found)]
     motion = "velocity" if "velocity" in found else "displacement"
-    if "time" not in found or motion not in found or not ("friction" in found or ratio):
+    if "time" not in found or motion not in found or not ("friction" in found or ratios):
         raise InputError(
             table.name,
             expected="columns of time, of velocity or displacement, and of friction, stresses or forces",
@@ -370,7 +359,10 @@ def read_record(
         assert scale is not None  # the role fits
         return finite(table, at, role) * scale
 
-    friction = read("friction") if "friction" in found else read(f"shear {ratio}") / read(f"normal {ratio}")
+    if "friction" in found:
+        friction = read("friction")
+    else:
+        friction = read(f"shear {ratios[0]}") / read(f"normal {ratios[0]}")
     make = Record if motion == "velocity" else Record.of_displacement
     try:
         return make(
@@ -398,9 +390,7 @@ def _nominal_area(dataset: xr.Dataset) -> float:
 def _dataset(history: object) -> tuple[xr.Dataset, str]:
     """The dataset of a history, and where it comes from."""
     if isinstance(history, Path | str):
-        path = Path(history)
-        inside = path / "history.zarr"
-        return load(inside if inside.exists() else path), str(path)
+        return load(history), str(Path(history))
     if isinstance(history, History):
         return history.dataset, ""
     return checks.instance("history", history, xr.Dataset, "asperity.age(contact, times, protocol=...)"), ""

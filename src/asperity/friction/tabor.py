@@ -61,26 +61,14 @@ class ShearStrength:
             )
 
     def at(self, velocity: ArrayLike) -> NDArray[np.float64]:
-        """Shear strength while the contacts slide.
+        """Shear strength while the contacts slide at velocities > 0, of any shape.
 
-        Parameters
-        ----------
-        velocity
-            Sliding velocities > 0, any shape; not infinite where the strength depends on it.
-
-        Returns
-        -------
-        ndarray
-            Shape of the velocities.
-
-        Raises
-        ------
-        InputError
-            A velocity cannot be used, or is so low that the strength would not be above 0.
+        `InputError` for a velocity that is infinite, where the strength depends on it, or so low that the
+        strength would not be above 0.
         """
-        if not self.rate_coefficient:
-            return np.full(checks.floats("velocity", velocity).shape, self.strength)
         speeds = checks.floats("velocity", velocity)
+        if not self.rate_coefficient:
+            return np.full(speeds.shape, self.strength)
         if not (np.isfinite(speeds).all() and (speeds > 0).all()):
             raise InputError(
                 "velocity",
@@ -159,6 +147,5 @@ def velocity_of(dataset: xr.Dataset) -> Field:
     load = dataset["load"]
     if "velocity" not in dataset:
         return np.zeros(load.shape)
-    velocity = np.array(np.broadcast_to(dataset["velocity"].values, load.shape))
-    rows = velocity.reshape(-1, load.sizes["time"])
-    return np.array([coming_velocity(row) for row in rows]).reshape(load.shape)
+    velocity = np.broadcast_to(dataset["velocity"].values, load.shape)
+    return np.asarray(np.apply_along_axis(coming_velocity, -1, velocity))

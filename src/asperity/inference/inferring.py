@@ -20,26 +20,14 @@ from asperity.base import checks, units, views
 from asperity.base.checks import Floats
 from asperity.base.words import counted
 from asperity.errors import InputError
-from asperity.fits.comparison import autocorrelation_of
+from asperity.fits.comparison import lack_of, neighbors, price_of
 from asperity.fits.curve import Series, refuse_decline
-from asperity.fits.result import student
+from asperity.fits.result import rms, student
 from asperity.friction import Record, hold_peaks
 from asperity.inference.models import MOST_BRANCHES, Model, of_name
-from asperity.inference.priors import Given, own_priors
+from asperity.inference.priors import Given
 from asperity.inference.sampling import Draws, Problem, libraries, sample
-from asperity.inference.verdicts import (
-    WORDS,
-    Candidate,
-    Combination,
-    Verdict,
-    candidates_of,
-    combinations_of,
-    interval_of,
-    of_data_alone,
-    profile_of,
-    told_apart,
-    verdict_of,
-)
+from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, told_apart
 from asperity.progress import Progress, listener
 
 if TYPE_CHECKING:
@@ -124,16 +112,11 @@ class Inference(views.Brief):
     @property
     def findings(self) -> list[tuple[str, str]]:
         """What is determined, bounded, or not identified: verdicts with their parameters, in words."""
-        said: list[tuple[str, str]] = []
-        for word in WORDS:
-            alike = [one for one in self.verdicts.values() if one.verdict == word]
-            if alike and word != "not identified":
-                said.append((word, ", ".join(one.words for one in alike)))
-            elif alike:
-                known = {name for name, prior in self.model.priors.items() if not prior.bounded}
-                names = (one.parameter + " (as its prior)" * (one.parameter in known) for one in alike)
-                said.append((word, ", ".join(names)))
-        return said
+        said: dict[str, list[str]] = {word: [] for word in WORDS}
+        for name, one in self.verdicts.items():
+            known = " (as its prior)" * (not self.model.priors[name].bounded)
+            said[one.verdict].append(one.words if one.verdict != "not identified" else f"{name}{known}")
+        return [(word, ", ".join(names)) for word, names in said.items() if names]
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -170,20 +153,16 @@ class Inference(views.Brief):
         """
         if self.model.solid is None:
             raise InputError("solid", expected="a model of a solid", got=f"model {self.model.name!r}")
-        make, problem, z = self.model.solid, self.problem, self.draws.flat
+        problem, z = self.problem, self.draws.flat
         values = problem.values(z)
         best = int(np.argmax(problem.posterior(z[:, problem.used])))
+        chosen = np.linspace(0, len(z) - 1, _OF_SOLID).astype(int)
         medians = {name: one.median for name, one in self.verdicts.items()}
-        used = [list(self.model.priors)[place] for place in problem.used]
-
-        def section(place: int) -> dict[str, object]:
-            return make(medians | {name: float(values[name][place]) for name in used})
-
-        made = section(best)
-        if "branches" in made:
-            chosen = np.linspace(0, len(z) - 1, _OF_SOLID).astype(int)
-            made["draws"] = [section(place)["branches"] for place in chosen]
-        return made
+        made, *others = (
+            self.model.solid(medians | {name: float(values[name][place]) for name in self.profiles})
+            for place in (best, *chosen)
+        )
+        return made | {"draws": [one["branches"] for one in others]} if "branches" in made else made
 
     def to_inference_data(self) -> az.InferenceData:
         """Posterior, prior and data as InferenceData of ArviZ."""
@@ -269,30 +248,8 @@ def infer(
         peaks = hold_peaks(time)
         order = np.argsort(peaks.duration)
         time, area = peaks.duration[order], peaks.peak[order]
-    name = "friction" if model == "healing" else "area"
-    t, v = (
-        checks.not_negative("time", checks.line("time", time)),
-        checks.positive(name, checks.line(name, area)),
-    )
-    if v.shape != t.shape:
-        raise InputError(name, expected=f"one for each of {t.size} times", got=f"{v.size} values")
-    if t.size < 2 or not t.any():
-        raise InputError("time", expected="two times or more, above 0", got=checks.shown(t.tolist()))
-    if (falls := np.diff(t) < 0).any():
-        at = int(np.argmax(falls))
-        got = f"{t[at]:g} before {t[at + 1]:g}"
-        raise InputError(
-            "time", expected="times that do not fall", got=got, advice="order = np.argsort(time)"
-        )
-    given = None
-    if error is not None:
-        given = checks.positive("error", error)
-        if given.shape not in ((), t.shape):
-            raise InputError(
-                "error", expected=f"one, or one for each of {t.size} values", got=f"{given.size}"
-            )
-        given = np.broadcast_to(given, t.shape).copy()
     loading = float(units.number("ramp", ramp, "s", least=0))
+    t, v, errors = _checked(time, area, error, "friction" if model == "healing" else "area")
     if t[0] < loading:
         raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
     checks.seed(seed)
@@ -307,81 +264,96 @@ def infer(
             pickle.dumps(model)
         except (pickle.PicklingError, AttributeError, TypeError):
             expected = "a function of a module, which other processes can import"
-            raise InputError(
-                "model", expected=expected, got=checks.shown(model), advice="workers=1"
-            ) from None
-    how = _How(model, dict(own_priors(priors)), absolute, loading)
-    how.made(t, v, branches or 1, how.priors)  # mistakes in priors first
+            got = checks.shown(model)
+            raise InputError("model", expected=expected, got=got, advice="workers=1") from None
+    own = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
+    made = functools.partial(of_name, model, t, v, absolute=absolute, ramp=loading)
+    least = max([branches or 1, *(int(key[-1]) for key in own if _NUMBERED.fullmatch(key))])
+    made(branches=least, priors=own)  # mistakes in priors first
+    most = MOST_BRANCHES if branches is None and model == "relaxation" else least
     with listener(progress) as listening:
         listening.stage("looking for the best fit")
-        problem, remarks = _problem(t, v, given, how, branches)
+        problem, remarks = _problem(t, v, errors, made, own, range(least, most + 1))
         listening.stage(f"sampling {len(problem.used)} parameters, {4 * walkers:,} walkers")
-        place = None if checkpoint is None else Path(checkpoint)
         draws = sample(
             problem,
             seed=seed,
             walkers=walkers,
             effective=effective,
             workers=workers,
-            checkpoint=place,
+            checkpoint=None if checkpoint is None else Path(checkpoint),
             told=listening.stage,
         )
         listening.stage("judging each parameter")
         return _judged(problem, draws, remarks, seed=seed)
 
 
-@dataclass(frozen=True)
-class _How:
-    """How a curve is modelled."""
-
-    name: object
-    priors: dict[str, Given]
-    absolute: bool
-    ramp: float
-
-    def made(self, t: Floats, v: Floats, branches: int, priors: dict[str, Given] | None) -> Model:
-        """The model of so many branches, with these priors."""
-        numbered = {int(key[-1]) for key in priors or {} if _NUMBERED.fullmatch(key)}
-        count = max([branches, *numbered])
-        return of_name(self.name, t, v, priors=priors, branches=count, absolute=self.absolute, ramp=self.ramp)
+def _checked(
+    time: ArrayLike, area: ArrayLike | None, error: ArrayLike | None, name: str
+) -> tuple[Floats, Floats, Floats | None]:
+    """Times, values and errors, shape (n,)."""
+    t = checks.not_negative("time", checks.line("time", time))
+    v = checks.positive(name, checks.line(name, area))
+    if v.shape != t.shape:
+        raise InputError(name, expected=f"one for each of {t.size} times", got=f"{v.size} values")
+    if t.size < 2 or not t.any():
+        raise InputError("time", expected="two times or more, above 0", got=checks.shown(t.tolist()))
+    if (falls := np.diff(t) < 0).any():
+        at = int(np.argmax(falls))
+        got = f"{t[at]:g} before {t[at + 1]:g}"
+        advice = "order = np.argsort(time)"
+        raise InputError("time", expected="times that do not fall", got=got, advice=advice)
+    if error is None:
+        return t, v, None
+    given = checks.positive("error", error)
+    if given.shape not in ((), t.shape):
+        raise InputError("error", expected=f"one, or one for each of {t.size} values", got=f"{given.size}")
+    return t, v, np.broadcast_to(given, t.shape).copy()
 
 
 def _problem(
-    t: Floats, v: Floats, error: Floats | None, how: _How, branches: int | None
+    t: Floats,
+    v: Floats,
+    error: Floats | None,
+    made: functools.partial[Model],
+    priors: dict[str, Given],
+    counts: range,
 ) -> tuple[Problem, list[str]]:
     """The data with errors, and the model, with so many branches as the data ask for.
 
     Both are judged by the default priors, so that what the user knows of parameters makes no errors.
     """
     remarks: list[str] = []
-    own, scatters = callable(how.name), error is None
-    least = branches or max([1, *(int(key[-1]) for key in how.priors if _NUMBERED.fullmatch(key))])
+    own, scatters = callable(made.args[0]), error is None
     tried: list[tuple[float, int, Problem, Floats]] = []
-    for count in [least] if branches or how.name != "relaxation" else range(least, MOST_BRANCHES + 1):
-        made = how.made(t, v, count, how.priors if own else None)
+    for count in counts:
+        usual = made(branches=count, priors=priors if own else None)
         if not own:
-            refuse_decline(Series(t, v, None), "friction" if made.name == "healing" else "area")
-        problem = Problem(t, v, v if error is None else error, made)
+            refuse_decline(Series(t, v, None), "friction" if usual.name == "healing" else "area")
+        problem = Problem(t, v, v if error is None else error, usual)
         if not problem.used:
-            raise InputError("model", expected="a curve that depends on its parameters", got=made.name)
-        needed = problem.rank + scatters
+            raise InputError("model", expected="a curve that depends on its parameters", got=usual.name)
+        needed = problem.rank + scatters  # the scatter is a parameter
+        if t.size < needed and tried:
+            break
         if t.size < needed:
-            if tried:
-                break
             expected = (
                 f"at least {needed} points, for {problem.rank} parameters{' and the scatter' * scatters}"
             )
             raise InputError("time", expected=expected, got=t.size, advice="more points, or fewer parameters")
-        misfit = problem.misfit(_best(problem, informed=not scatters)[1][np.newaxis])[0]
-        tried.append((_criterion(misfit, needed, given=not scatters), count, problem, misfit))
+        _, misfit = _best(problem, informed=not scatters)
+        score = math.inf
+        if t.size > needed + 1:
+            lack = lack_of(misfit, given=not scatters, rounding=_LEAST_ERROR)
+            score = t.size * lack + price_of(t.size, needed)
+        tried.append((score, count, problem, misfit))
     score, count, problem, misfit = min(tried, key=lambda one: one[0])
     if len(tried) > 1:
         others = ", ".join(f"{one[0] - score:+.3g} with {one[1]}" for one in tried if one[1] != count)
         remarks.append(f"{counted(count, 'relaxation time')} by Akaike's criterion, AICc ({others})")
     free = max(t.size - problem.rank, 1)
     if scatters:
-        rho = autocorrelation_of(misfit)
-        worth = min(1.0, (1 - rho) / (1 + rho))
+        rho, worth = neighbors(misfit)
         # Few points know it badly: by Student's t intervals are as wide as if it were known.
         scatter = math.sqrt(float(misfit @ misfit) / free / worth) * student(free) / student(math.inf)
         problem = replace(problem, error=max(scatter, _LEAST_ERROR) * v)
@@ -389,74 +361,47 @@ def _problem(
         found = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
         found += f", whose neighbors correlate by {rho:.2f}" if worth < 1 else ""
         remarks.append(f"no errors were given: they are taken as {found}")
-    if how.priors and not own:
-        usual, problem = misfit, replace(problem, model=how.made(t, v, count, how.priors))
-        squares, at = _best(problem)
-        misfit = problem.misfit(at[np.newaxis])[0]
-        if squares - usual @ usual > _MUCH_BETTER:
-            got = f"a best fit that misses by {_rms(misfit):.3g} standard errors, rms"
-            advice = f"wider ones (by the default ones it misses by {_rms(usual):.3g})"
+    if priors and not own:
+        before, problem = misfit, replace(problem, model=made(branches=count, priors=priors))
+        squares, misfit = _best(problem)
+        if squares - before @ before > _MUCH_BETTER:
+            got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
+            advice = f"wider ones (by the default ones it misses by {rms(before):.3g})"
             raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
     chance = float(chi2.sf(misfit @ misfit, free))
     if not scatters and chance < _MISFIT:
         remarks.append(
-            f"the model misses the data by {_rms(misfit):.3g} standard errors, rms (chance {chance:.1g}): "
+            f"the model misses the data by {rms(misfit):.3g} standard errors, rms (chance {chance:.1g}): "
             "try another model, or larger errors; the verdicts hold for this model only"
         )
     return problem, remarks
 
 
-def _criterion(misfit: Floats, parameters: int, *, given: bool) -> float:
-    """Akaike's criterion, corrected for few points; the scatter is a parameter where it is not given."""
-    n, squares = misfit.size, float(misfit @ misfit)
-    if n <= parameters + 1:
-        return math.inf
-    lack = squares if given else n * math.log(max(squares / n, _LEAST_ERROR**2))
-    return lack + 2 * parameters * n / (n - parameters - 1)
-
-
-def _rms(misfit: Floats) -> float:
-    return float(np.sqrt(np.mean(misfit**2)))
-
-
 def _best(problem: Problem, *, informed: bool = True) -> tuple[float, Floats]:
-    """Least squares, and coordinates, that some searches find from the best of draws of the prior."""
+    """Least squares, and the misfit, that some searches find from the best of draws of the prior."""
     z = problem.of_prior(np.random.default_rng(0), _TRIED)
     best = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
     found = [problem.improved(start, problem.used, informed=informed) for start in best]
-    return min(found, key=lambda one: one[0])
+    squares, at = min(found, key=lambda one: one[0])
+    return squares, problem.misfit(at[np.newaxis])[0]
 
 
 def _judged(problem: Problem, draws: Draws, remarks: Sequence[str], *, seed: int) -> Inference:
     """Weigh the draws, parameter by parameter."""
-    z, model, names = draws.flat, problem.model, list(problem.model.priors)
-    found, used = problem.log_likelihood(z), [list(problem.model.priors)[place] for place in problem.used]
     prior = problem.values(problem.of_prior(np.random.default_rng([seed, 1]), 20_000))
-    values = problem.values(z)
-    profiles = {names[place]: profile_of(problem, place, z, found) for place in problem.used}
-    verdicts = {
-        name: verdict_of(
-            name,
-            model.priors[name].unit,
-            prior[name],
-            values[name],
-            interval_of(*profiles[name]) if name in profiles else (-math.inf, math.inf),
-        )
-        for name in names
-    }
-    combinations = combinations_of(values, model, used)
-    verdicts = of_data_alone(problem, verdicts, prior, z, found)
+    posterior = Posterior(problem, draws.flat, prior)
+    verdicts = posterior.verdicts()
     open_ = [name for name, one in verdicts.items() if one.verdict != "determined"]
     return Inference(
         problem.time,
         problem.value,
         problem.error,
-        model,
+        problem.model,
         verdicts,
-        combinations,
-        candidates_of(problem, z, open_) if open_ else (),
-        profiles,
+        posterior.combinations(),
+        posterior.candidates(open_) if open_ else (),
+        posterior.profiles,
         draws,
-        -2 * float(found.max()),
+        -2 * float(posterior.log_likelihood.max()),
         tuple(remarks),
     )

@@ -31,8 +31,9 @@ from scipy.ndimage import map_coordinates
 
 from asperity.base import checks
 from asperity.base.checks import Floats
+from asperity.base.words import closest
 from asperity.errors import InputError
-from asperity.inference.priors import Given, Prior, own_priors, with_own
+from asperity.inference.priors import Given, Prior
 from asperity.relaxation import Creep, fit
 from asperity.theory import exponential_growth, site_stiffness
 
@@ -91,11 +92,9 @@ class Model:
         """What is observed, shape (m, n)."""
         grown = self.growth(time, p)
         if self.ramp:
-            nodes, weights = np.polynomial.legendre.leggauss(_RAMP)
-            begun = (self.ramp * (1 + at) / 2 for at in nodes)
-            grown = sum(
-                (w / 2 * self.growth(time - s, p) for s, w in zip(begun, weights, strict=True)), 0 * grown
-            )
+            rule = zip(*np.polynomial.legendre.leggauss(_RAMP), strict=True)
+            parts = [w / 2 * self.growth(time - self.ramp * (1 + at) / 2, p) for at, w in rule]
+            grown = np.sum(parts, axis=0)
         if self.scaled:
             return np.asarray(p["scale"][:, None] * grown)
         return grown if self.size is None else np.asarray(self.size(p)[:, None] * grown)
@@ -126,16 +125,19 @@ def of_name(
         known = {"scale": Prior("log_uniform", _LEAST * float(value.min()), 2 * float(value.max())), **known}
     elif made.size is None:
         raise InputError("absolute", expected="areas, for friction has no unit", got=f"model {name!r}")
-    known = with_own(known, priors)
-    if "x1" in known and not np.all(_held(known["x1"].at(np.array(known["x1"].reach)), *_RATIOS)):
-        expected = f"values from {_RATIOS[0]:g} to {_RATIOS[1]:g}, where the theory is tabulated"
-        raise InputError("prior of x1", expected=expected, got=str(known["x1"]))
+    for one, given in (priors or {}).items():
+        if one not in known:
+            expected = f"a parameter: {', '.join(known)}"
+            raise InputError(
+                f"prior of {one}", expected=expected, got=one, advice=closest(str(one), known) or ""
+            )
+        known = known | {one: Prior.of(one, given, known[one].unit)}
+    if "x1" in known:
+        low, high = known["x1"].at(np.array(known["x1"].reach)) / _RATIOS
+        if low < 1 - 1e-9 or high > 1 + 1e-9:
+            expected = f"values from {_RATIOS[0]:g} to {_RATIOS[1]:g}, where the theory is tabulated"
+            raise InputError("prior of x1", expected=expected, got=str(known["x1"]))
     return replace(made, priors=known, ramp=ramp, scaled=not absolute)
-
-
-def _held(values: Floats, low: float, high: float) -> NDArray[np.bool_]:
-    """Whether values lie in a range, but for rounding."""
-    return np.asarray((values > low * (1 - 1e-9)) & (values < high * (1 + 1e-9)))
 
 
 _BODY = {
@@ -315,7 +317,7 @@ def _healing(time: Floats, p: Values) -> Floats:
 
 
 def _own(function: Callable[..., ArrayLike], priors: Mapping[str, Given] | None) -> Model:
-    made = {name: Prior.of(name, given, "") for name, given in own_priors(priors).items()}
+    made = {name: Prior.of(name, given, "") for name, given in (priors or {}).items()}
     try:
         if not made:
             raise TypeError("none")

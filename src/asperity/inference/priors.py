@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -10,7 +11,6 @@ import numpy as np
 
 from asperity.base import checks, units
 from asperity.base.checks import Floats
-from asperity.base.words import closest
 from asperity.errors import InputError
 
 KINDS: dict[str, tuple[str, str]] = {
@@ -21,7 +21,7 @@ KINDS: dict[str, tuple[str, str]] = {
 }
 """Kinds of priors, and the two numbers of each; the factor of ``log_normal`` is one standard deviation's."""
 
-
+_ABOVE = {"deviation": 0.0, "factor": 1.0}
 _REACH = 4.0
 
 Given: TypeAlias = "Prior | Sequence[float | str] | Mapping[str, float | str]"
@@ -55,14 +55,13 @@ class Prior:
 
     def __post_init__(self) -> None:
         checks.choice("kind", self.kind, tuple(KINDS))
-        names, logarithmic = KINDS[self.kind], self.kind.startswith("log")
-        for name, field in zip(names, ("first", "second"), strict=True):
-            factor = {"above": 1.0} if name == "factor" else {"above": 0.0} if logarithmic else {}
-            if name == "deviation":
-                factor = {"above": 0.0}
+        for name, field in zip(KINDS[self.kind], ("first", "second"), strict=True):
+            above = _ABOVE.get(name, 0.0 if self.logarithmic else -math.inf)
             unit = "" if name == "factor" else self.unit
-            object.__setattr__(self, field, float(units.number(name, getattr(self, field), unit, **factor)))
-        if "high" in names and not self.first < self.second:
+            object.__setattr__(
+                self, field, float(units.number(name, getattr(self, field), unit, above=above))
+            )
+        if self.bounded and not self.first < self.second:
             raise InputError("high", expected=f"more than low, {self.first:g}", got=self.second)
 
     @classmethod
@@ -71,7 +70,7 @@ class Prior:
         if isinstance(given, Prior):
             return given
         if isinstance(given, list | tuple) and len(given) == 2:
-            given = {"kind": "log_uniform", "low": given[0], "high": given[1]}
+            given = {"low": given[0], "high": given[1]}
         if not isinstance(given, Mapping):
             expected = 'a pair of ends, or a table such as {kind = "uniform", low = 0, high = 1}'
             raise InputError(f"prior of {name}", expected=expected, got=checks.shown(given))
@@ -88,11 +87,9 @@ class Prior:
 
     def at(self, x: Floats) -> Floats:
         """Values at coordinates x: from 0 to 1 between ends, else in standard deviations."""
-        if self.kind in ("uniform", "log_uniform"):
-            step = self.second - self.first if self.kind == "uniform" else self.second / self.first
-        else:
-            step = self.second
-        return np.asarray(self.first * step**x if self.kind.startswith("log") else self.first + step * x)
+        if self.logarithmic:
+            return np.asarray(self.first * (self.second / self.first if self.bounded else self.second) ** x)
+        return np.asarray(self.first + (self.second - self.first if self.bounded else self.second) * x)
 
     def drawn(self, random: np.random.Generator, count: int) -> Floats:
         """Coordinates of draws."""
@@ -113,6 +110,11 @@ class Prior:
         return self.kind.endswith("uniform")
 
     @property
+    def logarithmic(self) -> bool:
+        """Whether its coordinate is that of the logarithm."""
+        return self.kind.startswith("log")
+
+    @property
     def table(self) -> dict[str, float | str]:
         """What `of` takes, with units."""
         unit = f" {self.unit}" if self.unit else ""
@@ -126,24 +128,5 @@ class Prior:
         first, second = (f"{value:.4g}" for value in (self.first, self.second))
         unit = f" {self.unit}" if self.unit else ""
         if self.bounded:
-            return f"{first} to {second}{unit}, {'ln uniform' if 'log' in self.kind else 'uniform'}"
-        return f"{first} × {second}^±1{unit}" if "log" in self.kind else f"{first} ± {second}{unit}"
-
-
-def own_priors(own: Mapping[str, Given] | None) -> dict[str, Given]:
-    """Priors by names of parameters; `InputError` for what is no mapping."""
-    made: dict[str, Given] = {} if own is None else own  # type: ignore[assignment]
-    return checks.instance("priors", made, dict, "{'time_1': (1, 1e6)}")
-
-
-def with_own(priors: Mapping[str, Prior], own: Mapping[str, Given] | None) -> dict[str, Prior]:
-    """Replace default priors by the user's own; `InputError` for a parameter that is not there."""
-    made = dict(priors)
-    for name, given in own_priors(own).items():
-        if name not in made:
-            near = closest(str(name), made)
-            raise InputError(
-                f"prior of {name}", expected=f"a parameter: {', '.join(made)}", got=name, advice=near or ""
-            )
-        made[name] = Prior.of(name, given, made[name].unit)
-    return made
+            return f"{first} to {second}{unit}, {'ln uniform' if self.logarithmic else 'uniform'}"
+        return f"{first} × {second}^±1{unit}" if self.logarithmic else f"{first} ± {second}{unit}"

@@ -22,7 +22,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from zipfile import BadZipFile
 
 import numpy as np
@@ -135,7 +135,7 @@ class Problem:
         densities = zip(self.model.priors.values(), whole.T, strict=True)
         prior = sum(one.log_density(x) for one, x in densities)
         found = np.full(len(z), _LOST)
-        inside = np.asarray(prior > -np.inf)
+        inside = prior > -np.inf
         found[inside] = self.log_likelihood(whole[inside])
         return np.where(found > _LOST, weight * found + prior, -np.inf)
 
@@ -144,30 +144,26 @@ class Problem:
     ) -> tuple[float, Floats]:
         """Least squares over some of the coordinates, from z, shape (parameters,): sum, and coordinates.
 
-        Priors that are knowledge (not `Prior.bounded`) count as data if ``informed``; others only limit the
-        search; those of some places, ``beyond``, are five times as wide.
+        Priors that are knowledge (not `Prior.bounded`) of what the curve contains count as data if
+        ``informed``; others only limit the search; those of some places, ``beyond``, are five times as wide.
         """
-        known = [informed and not prior.bounded for prior in self.model.priors.values()]
-        chosen = list(places)
-
-        def whole(part: Floats) -> Floats:
-            made = z.copy()
-            made[chosen] = part
-            return made
+        priors = list(self.model.priors.values())
+        known = [place for place in self.used if informed and not priors[place].bounded]
+        chosen, at = list(places), z.copy()
 
         def missed(part: Floats) -> Floats:
-            at = whole(part)
+            at[chosen] = part
             residual = np.concatenate([self.misfit(at[np.newaxis])[0], at[known]])
             return np.clip(np.where(np.isnan(residual), _FAR, residual), -_FAR, _FAR)
 
-        reach = np.array([prior.reach for prior in self.model.priors.values()])
+        reach = np.array([prior.reach for prior in priors])
         reach[list(beyond)] += (-2, 2)
         low, high = reach[chosen].T
         found = np.clip(z[chosen], low, high)
         if chosen:
             found = least_squares(missed, found, bounds=(low, high), max_nfev=40).x
         left = missed(found)
-        return float(left @ left), whole(found)
+        return float(left @ left), at
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,8 +188,7 @@ class Draws:
         return self.z.reshape(-1, self.z.shape[-1])
 
 
-@dataclass(frozen=True, eq=False)
-class _Ensemble:
+class _Ensemble(NamedTuple):
     """Walkers (walkers, used), the power of the likelihood they have come to, what was kept (n, used)."""
 
     place: Floats
@@ -234,9 +229,11 @@ def sample(
             tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(given)]
             given = several = list(pool.map(_advanced, tasks) if pool else map(_advanced, tasks))
             if checkpoint is not None:
-                named = ((f"{name}_{n}", x) for n, one in enumerate(several) for name, x in vars(one).items())
+                arrays = {
+                    f"{name}_{n}": x for n, one in enumerate(several) for name, x in one._asdict().items()
+                }
                 with whole_file(checkpoint) as path, path.open("wb") as stream:
-                    np.savez(stream, mark=mark, turn=turn + 1, **dict(named))
+                    np.savez(stream, mark=mark, turn=turn + 1, **arrays)
             if any(one.weight < 1 for one in several):
                 told(f"data at {100 * min(one.weight for one in several):.2g} % of their weight")
                 continue
@@ -263,8 +260,7 @@ def _resumed(checkpoint: Path | None, mark: str) -> tuple[Sequence[_Ensemble | N
         with np.load(checkpoint, allow_pickle=False) as found:
             same, turn = str(found["mark"]) == mark, int(found["turn"])
             several = [
-                _Ensemble(found[f"place_{n}"], float(found[f"weight_{n}"]), found[f"kept_{n}"])
-                for n in range(ENSEMBLES)
+                _Ensemble(*(found[f"{name}_{n}"] for name in _Ensemble._fields)) for n in range(ENSEMBLES)
             ]
     except (OSError, ValueError, KeyError, BadZipFile) as error:
         expected = "a checkpoint of an inference"

@@ -5,18 +5,26 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from scipy.stats import chi2
 
 from asperity.base.checks import Floats
-from asperity.inference.models import Model
+from asperity.inference.models import Curve
 from asperity.inference.sampling import Problem
 
 Word = Literal["determined", "bounded above", "bounded below", "not identified"]
-WORDS: tuple[Word, ...] = get_args(Word)
+WORD: dict[tuple[bool, bool], Word] = {
+    (True, True): "determined",
+    (False, True): "bounded above",
+    (True, False): "bounded below",
+    (False, False): "not identified",
+}
+"""Verdicts by whether the low and the high end of the prior are excluded."""
+WORDS = tuple(WORD.values())
 
 LEVEL = 0.95
 _LIMIT = float(chi2.ppf(LEVEL, 1))
@@ -117,120 +125,198 @@ class Candidate:
     widths: Mapping[str, float]
 
 
-def verdict_of(
-    name: str, unit: str, prior: Floats, posterior: Floats, profile: tuple[float, float]
-) -> Verdict:
-    """Judge one parameter by draws of its prior and of its posterior, shape (n,) each."""
-    share = np.searchsorted(np.sort(prior), posterior) / prior.size  # uniform where the data say nothing
-    low, high = np.quantile(share, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-    width = max((high - low) / 20, 1 / prior.size)
-    counts = np.histogram(share, np.arange(0, 1 + width, width))[0]
-    at_low, at_high = (
-        np.count_nonzero(part <= width) < EXCLUDED * counts.max() for part in (share, 1 - share)
-    )
-    word: Word = "determined" if at_low and at_high else "bounded below" if at_low else "not identified"
-    word = "bounded above" if at_high and not at_low else word
-    low, high = _ends(word, prior, posterior)
-    return Verdict(name, unit, word, low, high, float(np.median(posterior)), profile)
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Draws to be judged: coordinates z of the posterior, shape (n, parameters); values of the prior."""
 
+    problem: Problem
+    z: Floats
+    prior: Mapping[str, Floats]
 
-def _ends(word: Word, prior: Floats, posterior: Floats) -> tuple[float, float]:
-    """The 95 % interval: of a bounded parameter from, or to, the end of the prior."""
-    if word == "bounded above":
-        return float(prior.min()), float(np.quantile(posterior, LEVEL))
-    if word == "bounded below":
-        return float(np.quantile(posterior, 1 - LEVEL)), float(prior.max())
-    low, high = np.quantile(posterior, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-    return float(low), float(high)
+    @cached_property
+    def values(self) -> dict[str, Floats]:
+        """Draws of each parameter."""
+        return self.problem.values(self.z)
 
+    @cached_property
+    def log_likelihood(self) -> Floats:
+        """Of each draw."""
+        return self.problem.log_likelihood(self.z)
 
-def told_apart(*values: float) -> list[str]:
-    """Rising numbers in so many digits, three or more, that their distance has two."""
-    size = max(abs(values[0]), abs(values[-1]))
-    digits = 2 - math.floor(math.log10((values[-1] - values[0]) / size)) if values[-1] > values[0] else 3
-    return [f"{value:.{min(max(digits, 3), 8)}g}" for value in values]
+    @cached_property
+    def profiles(self) -> dict[str, tuple[Floats, Floats]]:
+        """Profile likelihoods: values, and -2 ln of the likelihood over its largest."""
+        names = list(self.problem.model.priors)
+        return {names[place]: self._profile(place) for place in self.problem.used}
 
+    def verdicts(self) -> dict[str, Verdict]:
+        """Judge each parameter."""
+        least, _ = self.problem.improved(self._likeliest, self.problem.used)
+        made = {}
+        for place, (name, one) in enumerate(self.problem.model.priors.items()):
+            draws = self.prior[name], self.values[name]
+            excluded, profile = excluded_ends(*draws), (-math.inf, math.inf)
+            if name in self.profiles:
+                excluded = self._by_data_alone(place, excluded, least + _LIMIT)
+                profile = interval_of(*self.profiles[name])
+            low, high = interval_within(excluded, *draws)
+            median = float(np.median(self.values[name]))
+            made[name] = Verdict(name, one.unit, WORD[excluded], low, high, median, profile)
+        return made
 
-def combinations_of(
-    values: Mapping[str, Floats], model: Model, used: Sequence[str]
-) -> tuple[Combination, ...]:
-    """Find products, ratios and sums that the data know better than their members; the best first."""
-    spread = {name: _spread(values[name]) for name in used}
-    found: list[Combination] = []
-    for size in (2, 3):
-        for members in itertools.combinations(used, size):
-            if any((values[name] <= 0).any() for name in members):
-                continue
-            logs = [np.log(values[name]) for name in members]
-            for signs in itertools.product((1, -1), repeat=size - 1):
-                made = np.exp(sum(sign * log for sign, log in zip((1, *signs), logs, strict=True)))
-                words = (
-                    f" {'*' if sign > 0 else '/'} {name}"
-                    for sign, name in zip(signs, members[1:], strict=True)
-                )
-                found.append(_combined(members[0] + "".join(words), members, made, spread))
-            if size == 2 and len({model.priors[name].unit for name in members}) == 1:
-                total = values[members[0]] + values[members[1]]
-                found.append(_combined(" + ".join(members), members, total, spread))
-    kept: list[Combination] = []
-    for one in sorted(found, key=lambda one: (len(one.members), -one.tighter)):
-        # Of three, no more is said than of the two that are among them.
-        beaten = [other for other in kept if set(other.members) < set(one.members)]
-        enough = max([_TIGHTER, *(2 * other.tighter for other in beaten)])
-        if one.tighter > enough and all(other.members != one.members for other in kept):
-            kept.append(one)
-    return tuple(sorted(kept, key=lambda one: -one.tighter))
+    def combinations(self) -> tuple[Combination, ...]:
+        """Find products, ratios and sums that the data know better than their members; the best first."""
+        values = {name: self.values[name] for name in self.profiles}
+        found: list[Combination] = []
+        for size in (2, 3):
+            for members in itertools.combinations(values, size):
+                if any((values[name] <= 0).any() for name in members):
+                    continue
+                logs = [np.log(values[name]) for name in members]
+                least = min(_spread(values[name]) for name in members)
+                for signs in itertools.product((1, -1), repeat=size - 1):
+                    made = np.exp(sum(sign * log for sign, log in zip((1, *signs), logs, strict=True)))
+                    pairs = zip(signs, members[1:], strict=True)
+                    words = (f" {'*' if sign > 0 else '/'} {name}" for sign, name in pairs)
+                    found.append(_combined(members[0] + "".join(words), members, made, least))
+                if size == 2 and len({self.problem.model.priors[name].unit for name in members}) == 1:
+                    total = values[members[0]] + values[members[1]]
+                    found.append(_combined(" + ".join(members), members, total, least))
+        kept: list[Combination] = []
+        for one in sorted(found, key=lambda one: (len(one.members), -one.tighter)):
+            # Of three, no more is said than of the two that are among them.
+            beaten = [other for other in kept if set(other.members) < set(one.members)]
+            enough = max([_TIGHTER, *(2 * other.tighter for other in beaten)])
+            if one.tighter > enough and all(other.members != one.members for other in kept):
+                kept.append(one)
+        return tuple(sorted(kept, key=lambda one: -one.tighter))
 
+    @property
+    def _likeliest(self) -> Floats:
+        """Coordinates of a draw."""
+        return np.asarray(self.z[np.argmax(self.log_likelihood)])
 
-def _spread(values: Floats) -> float:
-    """Half of the width, in ln, that holds 68 % of the values."""
-    low, high = np.quantile(values, (0.16, 0.84))
-    return float(np.log(high / low) / 2) if low > 0 else np.inf
+    def _nearest(self, place: int, at: float, count: int) -> Floats:
+        """The likeliest of the draws near a coordinate, the best last: a copy."""
+        near = np.argsort(np.abs(self.z[:, place] - at))[: len(self.z) // _PROFILE]
+        return np.asarray(self.z[near[np.argsort(self.log_likelihood[near])[-count:]]])
 
+    def _profile(self, place: int) -> tuple[Floats, Floats]:
+        """Profile of one parameter, from searches that begin at draws and at neighbors."""
+        prior = list(self.problem.model.priors.values())[place]
+        first, last = prior.reach
+        others = [one for one in self.problem.used if one != place]
+        low, high = np.quantile(self.z[:, place], (0.005, 0.995))
+        reach, best = max(high - low, 1e-6), float(self._likeliest[place])
+        inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
+        outer = np.linspace([first, inner[-1]], [inner[0], last], _OUTER).ravel()
+        known: dict[float, tuple[float, Floats]] = {}
 
-def _combined(name: str, members: tuple[str, ...], made: Floats, spread: Mapping[str, float]) -> Combination:
-    low, high = np.quantile(made, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-    tighter = min(spread[one] for one in members) / max(_spread(made), 1e-12)
-    return Combination(name, members, float(low), float(high), tighter)
+        def solve(at: float) -> None:
+            starts = [*self._nearest(place, at, 2)]
+            starts += [known[one][1].copy() for one in sorted(known, key=lambda one: abs(one - at))[:1]]
+            for start in starts:
+                start[place] = at
+            tried = [self.problem.improved(start, others) for start in starts]
+            known[at] = min(tried, key=lambda one: one[0])
 
+        def profile() -> tuple[Floats, Floats]:
+            at = np.array(sorted(known))
+            squares = np.array([known[one][0] for one in at])
+            return at, squares - squares.min()
 
-def profile_of(problem: Problem, place: int, z: Floats, found: Floats) -> tuple[Floats, Floats]:
-    """Profile likelihood of one parameter: values, and -2 ln of the likelihood over its largest.
-
-    Draws of the posterior z, shape (n, parameters), with the logarithms of their likelihoods, are where each
-    search begins; see `Problem.improved`.
-    """
-    prior = list(problem.model.priors.values())[place]
-    first, last = prior.reach
-    others = [one for one in problem.used if one != place]
-    low, high = np.quantile(z[:, place], (0.005, 0.995))
-    reach = max(high - low, 1e-6)
-    inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
-    outer = np.linspace([first, inner[-1]], [inner[0], last], _OUTER).ravel()
-    grid = np.unique(np.concatenate([inner, outer, z[np.argmax(found), place : place + 1]]))
-    known: dict[float, tuple[float, Floats]] = {}
-
-    def solve(at: float) -> None:
-        near = np.argsort(np.abs(z[:, place] - at))[: len(z) // _PROFILE]
-        starts = [*z[near[np.argsort(found[near])[-2:]]]]
-        starts += [known[one][1].copy() for one in sorted(known, key=lambda one: abs(one - at))[:1]]
-        for start in starts:
-            start[place] = at
-        known[at] = min((problem.improved(start, others) for start in starts), key=lambda one: one[0])
-
-    def profile() -> tuple[Floats, Floats]:
-        at = np.array(sorted(known))
-        squares = np.array([known[one][0] for one in at])
-        return at, squares - squares.min()
-
-    for at in sorted(grid, key=lambda at: abs(at - z[np.argmax(found), place])):
-        solve(float(at))
-    for _ in range(_HALVED):
+        for at in sorted(np.unique([*inner, *outer, best]), key=lambda at: abs(at - best)):
+            solve(float(at))
+        for _ in range(_HALVED):
+            points, deviance = profile()
+            for crossing in np.flatnonzero(np.diff(deviance > _LIMIT)):
+                solve(float(points[crossing : crossing + 2].mean()))
         points, deviance = profile()
-        for crossing in np.flatnonzero(np.diff(deviance > _LIMIT)):
-            solve(float(points[crossing : crossing + 2].mean()))
-    points, deviance = profile()
-    return prior.at(points), deviance
+        return prior.at(points), deviance
+
+    def _by_data_alone(self, place: int, excluded: tuple[bool, bool], most: float) -> tuple[bool, bool]:
+        """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
+
+        The data exclude an end if they exclude what is a whole interval beyond it, too, where the ranges of
+        the others are five times as wide.
+        """
+        priors = list(self.problem.model.priors.values())
+        others = [one for one in self.problem.used if one != place]
+        wide = [one.kind == "log_uniform" and one.second > 10 * one.first for one in priors]
+        beyond = [one for one in others if wide[one]]
+        low, high = _middle(self.z[:, place])
+        still = []
+        for is_excluded, at in zip(excluded, (2 * low - high, 2 * high - low), strict=True):
+            squares = -math.inf
+            if is_excluded:
+                (there,) = self._nearest(place, at, 1)
+                for step in np.linspace(there[place], np.clip(at, *priors[place].reach), _STEPS):
+                    there[place] = step  # the others follow in small steps
+                    squares, there = self.problem.improved(there, others, beyond=beyond)
+            still.append(squares >= most)
+        return still[0], still[1]
+
+    def candidates(self, undetermined: Sequence[str]) -> tuple[Candidate, ...]:
+        """Weigh experiments: by how much each would narrow what is not determined, if errors are as now.
+
+        The variance that is left of a parameter is at most that about its best linear estimate from the
+        logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley
+        2007).
+        """
+        model, values = self.problem.model, self.values
+        time = self.problem.time[self.problem.time > 0]
+        unit = "over the nominal one" if model.name == "lattice" else "in m²"
+        loads = f"two known loads, with areas {unit}"
+        relative = float(np.median(self.problem.error / self.problem.value))
+        longer = model.curve, np.geomspace(time[-1], _LATER * time[-1], time.size)
+        earlier = model.curve, np.geomspace(time[0] / _LATER, time[0], time.size)
+        planned: dict[str, tuple[Curve, Floats]] = {"longer times (to 100 times the last)": longer}
+        if model.held is not None:
+            planned["the load at a held displacement"] = model.held, time
+        else:
+            planned["earlier times (from a hundredth of the first)"] = earlier
+        with np.errstate(all="ignore"):
+            logs = {name: np.log(curve(at, values)) for name, (curve, at) in planned.items()}
+            if model.size is not None:  # areas are in proportion to the load, which is measured, too
+                areas = np.log(model.size(values)[:, None] * model.growth(time, values))
+                logs[loads] = np.hstack([areas, areas + np.log(2), np.log(values["load"])[:, None]])
+        known = {
+            one: np.log(values[one]) if model.priors[one].logarithmic else values[one] for one in undetermined
+        }
+        made = []
+        for name, curves in logs.items():
+            fine = np.isfinite(curves).all(1)
+            if np.count_nonzero(fine) > 2 * curves.shape[1]:
+                left = {one: _left(curves[fine], x[fine], relative) for one, x in known.items()}
+                if name == loads:
+                    left.pop("load", None)  # which is measured
+                made.append(Candidate(name, left))
+        return tuple(made)
+
+
+def excluded_ends(prior: Floats, posterior: Floats) -> tuple[bool, bool]:
+    """Which ends of its prior draws of one parameter exclude, shape (n,) each."""
+    share = np.searchsorted(np.sort(prior), posterior) / prior.size  # uniform where the data say nothing
+    low, high = _middle(share)
+    width = max((high - low) / 20, 1 / prior.size)
+    most = np.histogram(share, np.arange(0, 1 + width, width))[0].max()
+    low_end, high_end = (np.count_nonzero(part <= width) for part in (share, 1 - share))
+    return low_end < EXCLUDED * most, high_end < EXCLUDED * most
+
+
+def interval_within(excluded: tuple[bool, bool], prior: Floats, posterior: Floats) -> tuple[float, float]:
+    """The 95 % interval where these ends are excluded: of a bounded parameter from, or to, the other end."""
+    if excluded == (False, True):
+        return float(prior.min()), float(np.quantile(posterior, LEVEL))
+    if excluded == (True, False):
+        return float(np.quantile(posterior, 1 - LEVEL)), float(prior.max())
+    return _middle(posterior)
+
+
+def _middle(values: Floats) -> tuple[float, float]:
+    """Ends of the middle 95 %."""
+    low, high = np.quantile(values, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
+    return float(low), float(high)
 
 
 def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
@@ -243,79 +329,21 @@ def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-_WITHOUT: dict[tuple[Word, str], Word] = {
-    ("determined", "low"): "bounded above",
-    ("determined", "high"): "bounded below",
-    ("bounded below", "low"): "not identified",
-    ("bounded above", "high"): "not identified",
-}
+def told_apart(*values: float) -> list[str]:
+    """Rising numbers in so many digits, three or more, that their distance has two."""
+    size = max(abs(values[0]), abs(values[-1]))
+    digits = 2 - math.floor(math.log10((values[-1] - values[0]) / size)) if values[-1] > values[0] else 3
+    return [f"{value:.{min(max(digits, 3), 8)}g}" for value in values]
 
 
-def of_data_alone(
-    problem: Problem, verdicts: dict[str, Verdict], prior: Mapping[str, Floats], z: Floats, found: Floats
-) -> dict[str, Verdict]:
-    """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
-
-    The data exclude an end if they exclude what is a whole interval beyond it, too, where the ranges of the
-    others are five times as wide. Given are draws of the prior by name, coordinates of the posterior
-    and the logarithms of their likelihoods.
-    """
-    made, names = dict(verdicts), list(verdicts)
-    priors = [problem.model.priors[name] for name in names]
-    wide = [one.kind == "log_uniform" and one.second > 10 * one.first for one in priors]
-    least, _ = problem.improved(z[np.argmax(found)], problem.used)
-    for place in problem.used:
-        name, others = names[place], [one for one in problem.used if one != place]
-        low, high = np.quantile(z[:, place], ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
-        for end, at in (("low", 2 * low - high), ("high", 2 * high - low)):
-            word = _WITHOUT.get((made[name].verdict, end))
-            if word is None:
-                continue
-            near = np.argsort(np.abs(z[:, place] - at))[: len(z) // _PROFILE]
-            there, squares = z[near[np.argmax(found[near])]].copy(), math.inf
-            beyond = [one for one in others if wide[one]]
-            for step in np.linspace(there[place], np.clip(at, *priors[place].reach), _STEPS):
-                there[place] = step  # the others follow in small steps
-                squares, there = problem.improved(there, others, beyond=beyond)
-            if squares < least + _LIMIT:
-                ends = _ends(word, prior[name], priors[place].at(z[:, place]))
-                made[name] = replace(made[name], verdict=word, low=ends[0], high=ends[1])
-    return made
+def _spread(values: Floats) -> float:
+    """Half of the width, in ln, that holds 68 % of the values."""
+    low, high = np.quantile(values, (0.16, 0.84))
+    return float(np.log(high / low) / 2) if low > 0 else np.inf
 
 
-def candidates_of(problem: Problem, z: Floats, undetermined: Sequence[str]) -> tuple[Candidate, ...]:
-    """Weigh experiments: by how much each would narrow what is not determined, if errors are as now.
-
-    The variance that is left of a parameter is at most that about its best linear estimate from the
-    logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley 2007).
-    """
-    time, model, values = problem.time[problem.time > 0], problem.model, problem.values(z)
-    loads = f"two known loads, with areas {'over the nominal one' if model.name == 'lattice' else 'in m²'}"
-    relative = float(np.median(problem.error / problem.value))
-    later = np.geomspace(time[-1], _LATER * time[-1], time.size)
-    earlier = np.geomspace(time[0] / _LATER, time[0], time.size)
-    with np.errstate(all="ignore"):
-        planned = {"longer times (to 100 times the last)": np.log(model.curve(later, values))}
-        if model.held is not None:
-            planned["the load at a held displacement"] = np.log(model.held(time, values))
-        else:
-            planned["earlier times (from a hundredth of the first)"] = np.log(model.curve(earlier, values))
-        if model.size is not None:  # areas are in proportion to the load, which is measured, too
-            areas = np.log(model.size(values)[:, None] * model.growth(time, values))
-            measured = np.log(values["load"])[:, None]
-            planned[loads] = np.hstack([areas, areas + np.log(2), measured])
-    made = []
-    for name, curves in planned.items():
-        fine = np.isfinite(curves).all(1)
-        if np.count_nonzero(fine) > 2 * curves.shape[1]:
-            known = {
-                one: np.log(values[one]) if model.priors[one].kind.startswith("log") else values[one]
-                for one in undetermined
-                if (name, one) != (loads, "load")  # which is measured
-            }
-            widths = {one: _left(curves[fine], known[one][fine], relative) for one in known}
-            made.append(Candidate(name, widths))
-    return tuple(made)
+def _combined(name: str, members: tuple[str, ...], made: Floats, least: float) -> Combination:
+    return Combination(name, members, *_middle(made), tighter=least / max(_spread(made), 1e-12))
 
 
 def _left(curves: Floats, parameter: Floats, relative: float) -> float:

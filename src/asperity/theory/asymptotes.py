@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import gamma
 
-from asperity.base.checks import Floats, broadcast, line_or_plane, not_negative, positive
+from asperity.base.checks import Floats, broadcast, line_or_plane, positive
 from asperity.errors import InputError
 from asperity.theory.indentation import site_stiffness
+from asperity.theory.modes import mobility_ratio
 
 #: Slope of G in ln(k0 R t) at late times on the square lattice, without R_tilde; the paper's a0 = 0.04.
 LATE_SLOPE = 1 / (8 * math.pi)
@@ -73,10 +74,8 @@ def compliance_asymptote(
     are the first and third line of the first list (Fig. of G; Summary, "t^(1/4)").
     """
     dimension = line_or_plane(dimension)
-    first = np.asarray(1.0) if x1 is None else positive("x1", x1)
-    first, time, r = broadcast(
-        x1=first, x2=positive("x2", x2), viscous=not_negative("viscous", viscous, infinity="a large number")
-    )
+    known = positive("x1", 1.0 if x1 is None else x1)
+    first, time, r = broadcast(x1=known, x2=positive("x2", x2), viscous=mobility_ratio(viscous))
     s = np.where(r > 0, r * time, 1.0)  # 1: not read where r = 0
     per_r = 1 / np.where(r > 0, r, 1.0)
     if dimension == 2:
@@ -89,10 +88,8 @@ def compliance_asymptote(
         flowing = np.sqrt(s / math.pi)
         creeping_next = gamma(1 / 4) * (6 / first - 1) * time ** (-1 / 4) / (32 * math.pi)
         flowing_next = (1 / first + per_r - 1 / 4) / (4 * np.sqrt(math.pi * s))
-    leading = np.where(r > 0, flowing, creeping)
-    if x1 is None:
-        return np.asarray(leading)[()]
-    return np.asarray(leading + np.where(r > 0, flowing_next, creeping_next))[()]
+    following = 0.0 if x1 is None else np.where(r > 0, flowing_next, creeping_next)
+    return np.asarray(np.where(r > 0, flowing, creeping) + following)[()]
 
 
 def compliance_asymptote_paper(x2: ArrayLike) -> Floats:
@@ -110,32 +107,14 @@ def late_slope(x1: ArrayLike, viscous: ArrayLike = 0.0, dimension: int = 2) -> F
     k_eff/(8 pi k0), and k_eff/(4 pi k0) with R_tilde, however small: then wait for x2 >> 1/viscous^2. It is
     the slope of `exponential_growth`; `late_slope_paper` is the paper's Eq. (ndet2).
 
-    Parameters
-    ----------
-    x1
-        k1/k0, above 0.
-    viscous
-        R_tilde/R, not below 0.
-    dimension
-        2 (square lattice). On the line the growth is a power of time and has no such slope.
-
-    Returns
-    -------
-    ndarray
-        Shape of the broadcast arguments; a NumPy float if all are scalars.
-
-    Raises
-    ------
-    InputError
-        For a number out of range, shapes that do not broadcast, and dimension 1.
+    Arguments, result and errors are those of `compliance_asymptote`, but for dimension 1: on the line the
+    growth is a power of time and has no such slope.
     """
     if line_or_plane(dimension) == 1:
         raise InputError(
             "dimension", expected="2", got=1, advice="compliance_asymptote: on a line the growth is a power"
         )
-    first, r = broadcast(
-        x1=positive("x1", x1), viscous=not_negative("viscous", viscous, infinity="a large number")
-    )
+    first, r = broadcast(x1=positive("x1", x1), viscous=mobility_ratio(viscous))
     return np.asarray(site_stiffness(first) * np.where(r > 0, 2 * LATE_SLOPE, LATE_SLOPE))[()]
 
 

@@ -31,13 +31,7 @@ from scipy.special import erf, zeta
 
 from asperity.base.checks import Floats, broadcast, not_negative, number, positives
 
-
-def _beta(s: float) -> float:
-    """Dirichlet's beta function by Hurwitz' zeta function."""
-    return float(4.0**-s * (zeta(s, 0.25) - zeta(s, 0.75)))
-
-
-_CURVATURE = float(zeta(1.5)) * _beta(1.5)
+_CURVATURE = float(zeta(1.5) * (zeta(1.5, 0.25) - zeta(1.5, 0.75)) / 8)  # beta by Hurwitz' zeta function
 _CONSTANT = 3.900264920001956  # -4 zeta(1/2) beta(1/2); scipy has no zeta function below 1
 
 

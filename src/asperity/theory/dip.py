@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.base.checks import Floats, broadcast, floats, line_or_plane
 from asperity.errors import InputError
 from asperity.theory.modes import creep_numbers, depth, log_scale
-from asperity.theory.panels import Panel, graded_panels, lattice
+from asperity.theory.panels import graded_panels, lattice
 
 Integers = NDArray[np.int64]
 
@@ -67,17 +67,12 @@ def displacement(
             w * np.cos(np.multiply.outer(components, q)) for q, w in zip(panel.q, panel.weight, strict=True)
         ]
         for row, point in zip(table, numbers.T, strict=True):
-            row += _transform(panel, cosines, point)
+            total = depth(panel.lam, *point)
+            for factor in cosines:  # each contracts the first axis and appends its own
+                total = np.tensordot(total, factor, axes=(0, 1))
+            row += total
     entries = which.reshape(-1, dimension)[index.ravel().astype(np.int64)]
     return np.asarray(table[(where, *entries.T)].reshape(first.shape))[()]
-
-
-def _transform(panel: Panel, cosines: list[Floats], point: Floats) -> Floats:
-    """Contribution of a panel at every pair of components (at every component, on the line)."""
-    total = depth(panel.lam, *point)
-    for factor in cosines:  # each contracts the first axis and appends its own
-        total = np.tensordot(total, factor, axes=(0, 1))
-    return total
 
 
 def _sites(offset: ArrayLike, dimension: int) -> Integers:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ellipkm1
 
-from asperity.base.checks import Floats, broadcast, lattice_shape, line_or_plane, not_negative, positive
+from asperity.base.checks import Floats, lattice_shape, line_or_plane, positive
 from asperity.theory.modes import Integrand, creep_numbers, depth, log_scale, sinking, weighted_sum
 from asperity.theory.panels import Dispersion, mean_nodes
 from asperity.theory.zone import torus_modes
@@ -115,11 +115,7 @@ def torus_compliance(
     lengths = lattice_shape(shape)
     lam, count = torus_modes(lengths)
     sites = math.prod(lengths)
-    first, time, r = broadcast(
-        x1=positive("x1", x1),
-        x2=not_negative("x2", x2, infinity="welcome"),
-        viscous=not_negative("viscous", viscous, infinity="a large number"),
-    )
+    first, time, r = creep_numbers(x1, x2, viscous, infinity="welcome")
     waves = weighted_sum(depth, lam, count / sites, first, time, r)
     return np.asarray(1 / (first * sites) + waves)[()]
 

@@ -111,14 +111,7 @@ def history(x2: ArrayLike, **values: ArrayLike) -> list[Floats]:
 class SiteMemory:
     """A site as a sum of modes that follow its force with a delay.
 
-    Attributes
-    ----------
-    at_once
-        G(0), the part of the depth per force that follows without delay.
-    slow
-        The part of each mode that follows with a delay, shape (modes,).
-    rate
-        Rate z at which each mode follows, shape (modes,).
+    Of its depth per force, ``at_once``, G(0), follows without delay, ``slow`` of each mode at its ``rate`` z.
     """
 
     at_once: float

@@ -22,13 +22,20 @@ Integrand = Callable[[Floats, Floats, Floats, Floats], Floats]
 _BLOCK = 2_000_000
 
 
-def creep_numbers(x1: ArrayLike, x2: ArrayLike, viscous: ArrayLike) -> list[Floats]:
+def creep_numbers(
+    x1: ArrayLike,
+    x2: ArrayLike,
+    viscous: ArrayLike,
+    infinity: str = "torus_compliance, which has a relaxed state",
+) -> list[Floats]:
     """Check k1/k0, k0 R t and R_tilde/R, broadcast against each other."""
-    return broadcast(
-        x1=positive("x1", x1),
-        x2=not_negative("x2", x2, infinity="torus_compliance, which has a relaxed state"),
-        viscous=not_negative("viscous", viscous, infinity="a large number"),
-    )
+    time = not_negative("x2", x2, infinity=infinity)
+    return broadcast(x1=positive("x1", x1), x2=time, viscous=mobility_ratio(viscous))
+
+
+def mobility_ratio(viscous: ArrayLike) -> Floats:
+    """Check R_tilde/R."""
+    return not_negative("viscous", viscous, infinity="a large number")
 
 
 def decay(lam: Floats, x1: Floats, r: Floats) -> Floats:

@@ -37,19 +37,20 @@ _MOST_RINGS = 500
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """A square (an interval) of the zone with its nodes.
+    """A square (an interval) of the zone: nodes and weights along each axis, lam at their tensor product.
 
-    Attributes
-    ----------
-    q, weight
-        Nodes and weights along each axis; products of the weights of all panels sum to 1.
-    lam
-        Dispersion at the nodes, shape of their tensor product.
+    Products of the weights of all panels sum to 1.
     """
 
     q: tuple[Floats, ...]
     weight: tuple[Floats, ...]
     lam: Floats
+
+    @classmethod
+    def of(cls, law: Callable[..., ArrayLike], axes: tuple[tuple[Floats, Floats], ...]) -> Panel:
+        """The panel of these axes, each of nodes and weights."""
+        q, weight = zip(*axes, strict=True)
+        return cls(q, weight, _evaluate(law, np.meshgrid(*q, indexing="ij")))
 
 
 def mean_nodes(dispersion: Dispersion, dimension: int, log_scale: float) -> tuple[Floats, Floats]:
@@ -96,11 +97,11 @@ def graded_panels(
         side /= 2
         low, high = _axis(0.0, side, farthest), _axis(side, 2 * side, farthest)
         ring = [(high,)] if dimension == 1 else [(high, low), (low, high), (high, high)]
-        panels += [_panel(law, axes) for axes in ring]
+        panels += [Panel.of(law, axes) for axes in ring]
         if len(panels) == len(ring):
             _check_even(law, panels[0])
         if math.log(max(float(panel.lam.max()) for panel in panels[-len(ring) :])) < log_scale + _LOG_REST:
-            return [*panels, _panel(law, (low,) * dimension)]
+            return [*panels, Panel.of(law, (low,) * dimension)]
     raise InputError(
         "dispersion", expected="a function that vanishes at q = 0", got=f"{panels[-1].lam.max():.3g} near it"
     )
@@ -118,13 +119,6 @@ def _axis(start: float, stop: float, farthest: int) -> tuple[Floats, Floats]:
 def _rule(nodes: int) -> tuple[Floats, Floats]:
     x, weight = roots_legendre(nodes)
     return np.asarray(x), np.asarray(weight)
-
-
-def _panel(law: Callable[..., ArrayLike], axes: tuple[tuple[Floats, Floats], ...]) -> Panel:
-    q = tuple(axis[0] for axis in axes)
-    return Panel(
-        q=q, weight=tuple(axis[1] for axis in axes), lam=_evaluate(law, np.meshgrid(*q, indexing="ij"))
-    )
 
 
 def _evaluate(law: Callable[..., ArrayLike], q: tuple[Floats, ...]) -> Floats:
