@@ -19,7 +19,7 @@ from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.branches import add_creep, damp_difference, weighted_sum
-from asperity.contact.mechanics import ImplicitStep, SpectralMechanics
+from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.stencils import extrapolated
@@ -74,8 +74,7 @@ class FieldSteps(TrBdf2):
         self.implicit: ImplicitStep | None = None
         # Whether contact problems are solved no better than a step needs: what that leaves off contact is
         # balanced where a state is published.
-        mechanics = system.mechanics
-        self.eager = isinstance(mechanics, SpectralMechanics) and mechanics.anchors_can_balance
+        self.eager = system.mechanics.anchors_can_balance
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> FieldSteps:
@@ -113,20 +112,20 @@ class FieldSteps(TrBdf2):
         if not self.eager:
             return State(point.u, mechanics.lattice.backward(point.stretch), point.position)
         held, touching = self.system.at(self.time).held(point.position), point.u <= self.system.heights
-        change = mechanics.spectral.balancing(point.modes, point.stretch, touching, held)
+        change = mechanics.balancing(point.modes, point.stretch, touching, held)
         return State(point.u, AnchorModes((point.modes - change) - point.stretch), point.position)
 
     def extent(self) -> Extent:
         """See `Steps`."""
-        u, stretch = self.point.u, self.system.mechanics.spectral.rms(self.point.stretch)
+        u, stretch = self.point.u, self.system.mechanics.rms(self.point.stretch)
         return Extent(float(u.std()), stretch, largest(u, np))
 
     def speed(self) -> float:
         """See `Steps`."""
-        spectral, system = self.system.mechanics.spectral, self.system
-        rate = spectral.spectra.rate * self.point.stretch
-        rate[spectral.lattice.mean] += system.drift * system.sites
-        return spectral.rms(rate)
+        system, mechanics = self.system, self.system.mechanics
+        rate = mechanics.spectra.rate * self.point.stretch
+        rate[mechanics.lattice.mean] += system.drift * system.sites
+        return mechanics.rms(rate)
 
     def solve(self, stage: Stage) -> int:
         """See `TrBdf2`; `ActiveSet` solves to the error allowed, where that can be balanced."""
@@ -155,13 +154,13 @@ class FieldSteps(TrBdf2):
             modes = lattice.forward(solution.u)
         else:
             modes = lattice.forward_near(solution.u, latest.u, latest.modes)
-        stretch, position = self.implicit.spectral.stretch_modes(modes, before, held)
+        stretch, position = self.implicit.stretch_modes(modes, before, held)
         self.tried.append(Point(solution.u, modes, stretch, position))
         return solution.iterations
 
     def _combined(self, u: Modes | float, numbers: Sequence[float], durations: Sequence[float]) -> Modes:
         """Modes u and of each w_b tried a number of times and what u_b creeps at the rate there in a time."""
-        system, spectra = self.system, self.system.mechanics.spectral.spectra
+        system, spectra = self.system, self.system.mechanics.spectra
         modes = np.empty_like(self.point.stretch)
         modes[...] = u
         for number, duration, point in zip(numbers, durations, self.tried, strict=True):
@@ -172,7 +171,7 @@ class FieldSteps(TrBdf2):
     def left_of(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`, and the module."""
         assert self.implicit is not None
-        step, system = self.implicit.spectral, self.system
+        step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = weighted_sum(step.damped_stiffness, error), step.stiffness
         if system.control.load_controlled:  # the load decides the mean
@@ -183,7 +182,7 @@ class FieldSteps(TrBdf2):
         left = np.subtract(u, error, out=error)
         if system.control.load_controlled:
             left[system.mechanics.lattice.mean] = 0.0
-        return system.mechanics.spectral.rms(left)
+        return system.mechanics.rms(left)
 
     def advance(self) -> None:
         """See `TrBdf2`."""

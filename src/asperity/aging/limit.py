@@ -71,7 +71,7 @@ def _without_law(mechanics: Mechanics) -> Mechanics:
 
     Whatever creeps under every force creeps until all springs of the branch carry the same.
     """
-    solid, law = mechanics.spectral.solid, mechanics.law
+    solid, law = mechanics.solid, mechanics.law
     if law is not None and not law.velocity(np.array([np.finfo(float).tiny ** 0.25]))[0][0] > 0:
         raise InputError(
             "creep",

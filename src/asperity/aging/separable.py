@@ -114,7 +114,7 @@ class SeparableSteps(Steps):
         self.stiffness, shares, times = parts_of(system)
         self.effective = EffectiveLoad(shares, times)
         self.tried = self.u, self.loads
-        self.eager = isinstance(solver, ActiveSet) and system.mechanics.spectral.anchors_can_balance
+        self.eager = isinstance(solver, ActiveSet) and system.mechanics.anchors_can_balance
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
@@ -170,17 +170,17 @@ class SeparableSteps(Steps):
             drop = load / float(hanging[0]) if hanging[0] > 0 else 0.0
         position = float(self.u.mean()) - drop / self.system.sites
         held, touching = self.system.at(self.time).held(position), self.u <= self.system.heights
-        change = mechanics.spectral.balancing(self.modes, stretch, touching, held) if self.eager else 0.0
+        change = mechanics.balancing(self.modes, stretch, touching, held) if self.eager else 0.0
         return State(self.u, AnchorModes((self.modes - change) - stretch), position)
 
     def extent(self) -> Extent:
         """How large the deformation is."""
         stretch = self._stretch()
-        return Extent(float(self.u.std()), self.system.mechanics.spectral.rms(stretch), largest(self.u, np))
+        return Extent(float(self.u.std()), self.system.mechanics.rms(stretch), largest(self.u, np))
 
     def speed(self) -> float:
         """Rate of the anchors, rms over the sites."""
-        mechanics = self.system.mechanics.spectral
+        mechanics = self.system.mechanics
         return mechanics.rms(mechanics.spectra.rate * self._stretch())
 
     def attempt(self, duration: float, aim: Aim) -> Attempt:
@@ -252,7 +252,7 @@ class SeparableSteps(Steps):
 
 def parts_of(system: System) -> tuple[Spectrum, Field, Field]:
     """K, 0 at wave vector 0, with the shares and the times of the branches of a separable solid."""
-    spectra = system.mechanics.spectral.spectra
+    spectra = system.mechanics.spectra
     stiffness = spectra.permanent + spectra.creeping.sum(axis=0)
     stiffness.flat[0] = 0.0
     branches = len(spectra.creeping)

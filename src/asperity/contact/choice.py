@@ -23,12 +23,12 @@ def usual_solver(system: System) -> ContactSolver:
 def local_solver(system: System) -> ByLaw:
     """What solves implicit steps of a local law of creep."""
     mechanics = system.mechanics
-    law, springs = mechanics.law, mechanics.spectral.solid.springs
+    law, springs = mechanics.law, mechanics.solid.springs
     assert law is not None
     if springs is not None:
         return LatticeCreep(springs, law, mechanics.lattice, system.heights, mechanics.interface)
-    spectra = mechanics.spectral.spectra
-    whole, share = spectra.permanent + spectra.creeping[0], mechanics.spectral.creeping_share
+    spectra = mechanics.spectra
+    whole, share = spectra.permanent + spectra.creeping[0], mechanics.creeping_share
     if spectra.rate.any() or not np.allclose(
         spectra.creeping[0].flat[1:], share * whole.flat[1:], rtol=1e-9, atol=0.0
     ):

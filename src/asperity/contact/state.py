@@ -535,14 +535,15 @@ def contact_from(
         return left
 
     def on_sites() -> Field:
-        fields = _rounded(lattice.backward(modes), surface, u, datum, mechanics.branches)
+        assert isinstance(anchors, AnchorModes)
+        fields = _rounded(lattice.backward(anchors.modes), surface, u, datum, mechanics.branches)
         judged(_State.of(system, u - datum, fields - datum, position))
         return fields
 
     published: Field | Callable[[], Field]
     if isinstance(anchors, AnchorModes):
-        modes, published = anchors.modes, on_sites
-        state = _State.of_modes(system, u - datum, modes, position)
+        published = on_sites
+        state = _State.of(system, u - datum, anchors, position)
     else:
         published = _rounded(anchors, surface, u, datum, mechanics.branches)
         state = _State.of(system, u - datum, published - datum, position)
@@ -579,29 +580,22 @@ class _State:
     carried: float | None
 
     @classmethod
-    def of(cls, system: System, u: Field, anchors: Field, position: float) -> _State:
-        """Of fields."""
-        position, stretch = system.position(u, anchors, position), u - anchors
-        return cls(
-            position,
-            system.force(u, stretch, position),
-            lambda: system.energy(u, stretch, position),
-            system.carried(u, stretch, position),
+    def of(cls, system: System, u: Field, anchors: Field | AnchorModes, position: float) -> _State:
+        """Of fields, or of anchors in Fourier modes: those at wave vector 0 are sums over the sites."""
+        mechanics, mean = system.mechanics, system.mechanics.lattice.mean
+        if not isinstance(anchors, AnchorModes):
+            position, stretch = system.position(u, anchors, position), u - anchors
+            force, energy = system.force(u, stretch, position), system.energy
+            carried = system.carried(u, stretch, position)
+            return cls(position, force, lambda: energy(u, stretch, position), carried)
+        position = system.position(u, anchors.modes[mean].real / system.sites, position)
+        surface, held = mechanics.lattice.forward(u), system.held(position)
+        modes = surface - anchors.modes
+        force, carried = (
+            mechanics.force_of_modes(surface, modes, held),
+            system.carried(u, modes[mean].real, position),
         )
-
-    @classmethod
-    def of_modes(cls, system: System, u: Field, anchors: Modes, position: float) -> _State:
-        """Of anchors in Fourier modes; those at wave vector 0 are sums over the sites."""
-        mechanics, lattice = system.mechanics.spectral, system.mechanics.lattice
-        position = system.position(u, anchors[lattice.mean].real / system.sites, position)
-        modes, held = lattice.forward(u), system.held(position)
-        stretch = modes - anchors
-        return cls(
-            position,
-            mechanics.force_of_modes(modes, stretch, held),
-            lambda: mechanics.energy_of_modes(modes, stretch, held),
-            system.carried(u, stretch[lattice.mean].real, position),
-        )
+        return cls(position, force, lambda: mechanics.energy_of_modes(surface, modes, held), carried)
 
 
 def _lowered(system: System, u: Field, bodies: Bodies | Contact) -> tuple[Field, Field]:

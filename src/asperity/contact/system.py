@@ -91,7 +91,7 @@ class System:
         if self.load is not None:
             most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
             if self.load > most:
-                hardness = self.mechanics.spectral.solid.hardness
+                hardness = self.mechanics.solid.hardness
                 part = f"{_MOST_OF_ALL:g} of the hardness {hardness:g} times the nominal area"
                 raise InputError(
                     "load",
