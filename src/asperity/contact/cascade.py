@@ -46,10 +46,7 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
     lowered = interpolated(np.where(start.in_contact, coarser.force(start.u), 0.0))
     lowered /= problem.lattice.mean_over_modes(problem.stiffness)
     touching = u - problem.heights <= lowered
-    if not problem.interface.yields:
-        return Guess(u, touching)
-    yielding = touching & (interpolated((start.u < coarser.heights).astype(float)) > 0.5)
-    return Guess(u, touching, yielding=yielding)
+    return Guess(u, touching)
 
 
 def independent_asperities(problem: SpectralProblem) -> Guess:
@@ -60,7 +57,7 @@ def independent_asperities(problem: SpectralProblem) -> Guess:
         level = level_of_overlap(problem.heights, -rhs * lattice.mean_over_modes(compliance))
     else:
         level = rhs / float(stiffness.flat[0]) / lattice.sites
-    return Guess(np.full(lattice.shape, level), problem.heights >= level)
+    return Guess(np.maximum(problem.heights, level), problem.heights >= level)
 
 
 def _coarsen(problem: SpectralProblem) -> SpectralProblem:

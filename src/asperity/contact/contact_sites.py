@@ -57,7 +57,7 @@ def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float)
     """
     lattice, stiffness, heights = problem.lattice, problem.stiffness, problem.heights
     in_contact = np.array(guess.u <= heights if guess.in_contact is None else guess.in_contact)
-    plain = lattice.dimension == 2 and not lattice.reflecting and not problem.interface.yields
+    plain = lattice.dimension == 2 and not lattice.reflecting
     if not (plain and min(_reach(lattice)) > 0 and 0 < _crowding(in_contact, lattice) <= TUNING.most):
         return guess, 0
     stiffest, load = float(stiffness.max()), None

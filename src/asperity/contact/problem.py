@@ -146,14 +146,13 @@ ContactProblem = SpectralProblem | SpringProblem
 class Guess:
     """Where a solver starts: a surface and the sites assumed in contact.
 
-    If no sites are named, those that the surface does not clear. A solver may write into the surface of
-    a guess that is disposable. Contacts that may be ``yielding`` are those where the surface is to be found.
+    If no sites are named, those that the surface does not clear; if they are, those that it is below yield
+    where that is allowed. A solver may write into the surface of a guess that is disposable.
     """
 
     u: Field
     in_contact: Mask | None = None
     disposable: bool = False
-    yielding: Mask | None = None
 
 
 @dataclass(frozen=True, eq=False)
