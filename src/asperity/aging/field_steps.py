@@ -29,19 +29,7 @@ from asperity.lattice import Field, Modes
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """The state of the creeping system at one time, relative to the system's datum.
-
-    Attributes
-    ----------
-    u
-        The surface, a field.
-    modes
-        Its Fourier modes.
-    stretch
-        w_b = u - u_b, Fourier modes, branches first.
-    position
-        That of the rigid body.
-    """
+    """A state relative to the datum: the surface and its modes, modes of w_b, and the body's position."""
 
     u: Field
     modes: Modes
@@ -52,14 +40,8 @@ class Point:
 class FieldSteps(TrBdf2):
     """A creeping state of any solid.
 
-    Attributes
-    ----------
-    point
-        The state.
-    earlier
-        The surfaces before it.
-    tried
-        The state and the ends of the stages that were tried.
+    ``earlier`` are the surfaces before the state ``point``; ``tried`` the state and the ends of the stages
+    that were tried.
     """
 
     kind, through = "fields", 2
@@ -97,10 +79,13 @@ class FieldSteps(TrBdf2):
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """See `TrBdf2`."""
-        point = self.point
-        earlier = np.reshape(self.earlier, (-1, *point.u.shape))
-        fixed = {"u": point.u, "stretch": point.stretch, "position": np.array(point.position)}
-        return {**fixed, "earlier": earlier}
+        point, earlier = self.point, np.reshape(self.earlier, (-1, *self.point.u.shape))
+        return {
+            "u": point.u,
+            "stretch": point.stretch,
+            "position": np.array(point.position),
+            "earlier": earlier,
+        }
 
     def contacts_tried(self) -> int:
         """See `Steps`."""
@@ -144,11 +129,11 @@ class FieldSteps(TrBdf2):
         guess = Guess(
             extrapolated(latest.u, *zip(stage.weights[1:], surfaces, strict=False)), disposable=True
         )
+        allowed, settled = 0.0, True
         if self.eager and isinstance(self.solver, ActiveSet):
             allowed, settled = stage.allowed_error, stage.is_last
             solution = self.solver.solve(problem, guess, stage.tolerance, allowed, settled=settled)
         else:
-            allowed, settled = 0.0, True
             solution = self.solver.solve(problem, guess, stage.tolerance)
         if settled or not allowed:  # steps begin with modes that are exact
             modes = lattice.forward(solution.u)

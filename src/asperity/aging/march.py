@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike
 from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
 from asperity.aging.controller import Controller, step_tolerance
 from asperity.aging.field_steps import FieldSteps
-from asperity.aging.frames import Counts, Frame, Midway, Origin, Pace, published
+from asperity.aging.frames import Counts, Frame, Midway, Pace, published
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.spring_steps import SpringSteps
-from asperity.aging.tr_bdf2 import Aim, Steps
+from asperity.aging.tr_bdf2 import Aim, Origin, Steps
 from asperity.base import checks
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Load
@@ -53,7 +53,6 @@ class Tuning:
 TUNING = Tuning()
 
 KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, SpringSteps, FieldSteps, LocalSteps)}
-"""Kinds of time steps by name."""
 
 
 def creep(
@@ -126,7 +125,7 @@ def creep(
     else:
         march.resume(system, midway)
         stops = stops[stops >= midway.time]
-    return _frames(march, stops, from_start=midway is None)
+    return march.frames(stops, from_start=midway is None)
 
 
 def _begun(system: System, solver: ContactSolver, start: Contact, exact: bool) -> Steps:
@@ -179,40 +178,11 @@ def _check_pace(system: System, stops: Field) -> None:
         )
 
 
-def too_short(length: float, time: float, stop: float) -> ConvergenceError:
-    """Steps have become so short that a march does not get to a stop."""
-    return ConvergenceError(
-        f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
-        f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
-    )
-
-
-def _frames(march: _March, stops: Field, *, from_start: bool) -> Iterator[Frame]:
-    """Integrate and publish."""
-    start = march.start
-    if from_start:
-        yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
-    for stop in stops:
-        march.advance_to(float(stop))
-        yield published(start, march.now, march.origin, march.counts)
-        march.counts = Counts()
-
-
 class _March:
     """Adaptive steps from stop to stop.
 
-    Attributes
-    ----------
-    now
-        The state.
-    controller
-        Chooses the length of steps.
-    area
-        Chooses their load, where the area is kept.
-    deformation
-        The largest so far: what errors are relative to.
-    origin, counts
-        What the next frame needs beside the state.
+    Errors are relative to the largest ``deformation`` so far; ``area`` chooses the load, where the area is
+    kept.
     """
 
     now: Steps
@@ -230,6 +200,16 @@ class _March:
         self.passing = max(TOLERANCE, rtol / 2000)
         self.area: ConstantArea | None = None
         self.origin, self.counts = Origin(start.separation), Counts()
+
+    def frames(self, stops: Field, *, from_start: bool) -> Iterator[Frame]:
+        """Integrate and publish."""
+        start = self.start
+        if from_start:
+            yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
+        for stop in stops.tolist():
+            self.advance_to(stop)
+            yield published(start, self.now, self.origin, self.counts)
+            self.counts = Counts()
 
     def begin(self, system: System, exact: bool, keep_area: bool, pace: Pace | None) -> None:
         """At the start."""
@@ -305,7 +285,13 @@ class _March:
             length = controller.step(time, stop, self.area.longest() if self.area else math.inf)
             landing = length == stop - time
             if controller.is_stuck(time, length):
-                self.fall_back(failure or too_short(length, time, stop))
+                self.fall_back(
+                    failure
+                    or ConvergenceError(
+                        f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
+                        f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
+                    )
+                )
                 continue
             if self.area:
                 self.now.system = replace(self.now.system, control=self.area.load_for(length))
@@ -327,11 +313,10 @@ class _March:
 
     def aim(self, landing: bool) -> Aim:
         """How accurate the next time step is to be, which leads to a frame or not."""
-        passing = self.unnoticed
+        tolerance, allowed = self.passing, self.unnoticed
         if landing:
-            published = TUNING.published * self.controller.tolerance * self.deformation
-            return Aim((self.passing, TOLERANCE), (passing, published))
-        return Aim((self.passing, self.passing), (passing, passing))
+            tolerance, allowed = TOLERANCE, TUNING.published * self.controller.tolerance * self.deformation
+        return Aim((self.passing, tolerance), (self.unnoticed, allowed))
 
     def fall_back(self, failure: ConvergenceError) -> None:
         """Go on by whole fields where steps in corrections get nowhere; any others fail.

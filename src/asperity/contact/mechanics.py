@@ -397,9 +397,9 @@ class SpringImplicitStep(ImplicitStep):
     def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
         springs, mirrored = self.mechanics.springs, self.mechanics.lattice.reflecting
-        relaxed, *creep = self.spread_and_drag(springs)
+        relaxed, spread, drag = self.spread_and_drag(springs)
         level = anchors[0] if isinstance(anchors, np.ndarray) else anchors
-        step = SpringStep(springs.k0, springs.k1, *creep, relaxed, level, held.load, mirrored)
+        step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, level, held.load, mirrored)
         return SpringProblem(heights, step, lambda: self.spectral_problem(heights, anchors, held))
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
