@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -30,28 +30,8 @@ _NODES = 12
 """Shear forces at which Gauss's rule asks for the displacement, for the energy lost in a cycle."""
 
 
-class Pressed(Protocol):
-    """What of a contact counts here."""
-
-    @property
-    def in_contact(self) -> Mask:
-        """See `Contact`."""
-
-    @property
-    def pressure(self) -> Field:
-        """See `Contact`."""
-
-    @property
-    def load(self) -> float:
-        """See `Contact`."""
-
-    @property
-    def separation(self) -> float:
-        """See `Contact`."""
-
-    @property
-    def normal_stiffness(self) -> float:
-        """See `Contact`."""
+Pressed = Any
+"""An `asperity.Contact`, whose module imports this one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -92,22 +92,10 @@ class SpringStep:
 
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
     bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
-    unknown constant joins the right-hand side, and the sum of k1 w is the load.
+    unknown constant joins the right-hand side, and the sum of k1 w is the load, else None.
 
-    Parameters
-    ----------
-    k0, k1
-        Stiffness of the springs between neighbors and to the bulk; k1 > 0.
-    spread, drag
-        tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite.
-    relaxed
-        Whether the duration tau is infinite.
-    anchors
-        v, a field or the level of a flat one, measured like the heights of the problem.
-    load
-        The normal load, or None under separation control.
-    mirrored
-        Whether the edges of the lattice are mirrors, not periodic.
+    ``spread`` and ``drag`` are tau k1 R and tau k1 R_viscous; ``relaxed`` stands for both infinite. The
+    anchors are a field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
     """
 
     k0: float
@@ -122,17 +110,7 @@ class SpringStep:
 
 @dataclass(frozen=True, eq=False)
 class SpringProblem:
-    """A contact problem on the lattice of springs: a step above an obstacle.
-
-    Parameters
-    ----------
-    heights
-        The obstacle, as in `SpectralProblem`.
-    step
-        The step.
-    spectral
-        Makes the same problem in Fourier modes.
-    """
+    """A contact problem on the lattice of springs, a step above an obstacle; ``spectral`` turns it to modes."""
 
     heights: Field
     step: SpringStep

@@ -449,12 +449,7 @@ def _of_both(name: str, given: Each, unit: str, *, si: bool) -> tuple[float, flo
 def control_of(contact: Contact, hold: Hold | None) -> Control:
     """Load or separation of a contact, to be held; by default what it was pressed by.
 
-    Where the area is to be held, the load with which that begins.
-
-    Raises
-    ------
-    InputError
-        ``hold`` is something else, the contact is no contact, or its load is to be held and it has none.
+    Where the area is to be held, the load with which that begins. `InputError` where there is none to hold.
     """
     checks.instance("contact", contact, Contact, WHERE_FROM)
     if hold not in (None, "load", "separation", "area"):
@@ -483,26 +478,9 @@ def contact_from(
 ) -> Contact:
     """Publish a solution: fields measured like the user's heights, checked once more as published.
 
-    Parameters
-    ----------
-    system
-        The system solved.
-    solution
-        The solved contact problem.
-    anchors
-        u_b relative to the system's datum: fields, the level at which all are flat, or Fourier modes.
-    position
-        That of the rigid body, relative to the datum.
-    bodies
-        What the contact is of.
-    load_may_vanish
-        Whether the load may be so small that the heights cannot resolve it, as it dies out at a held
-        separation.
-
-    Raises
-    ------
-    ConvergenceError
-        In double precision the heights cannot resolve a load this small.
+    The anchors u_b are fields, the level at which all are flat, or Fourier modes; they and the position of
+    the rigid body are relative to the system's datum. `ConvergenceError` where double precision cannot
+    resolve the load, unless it may be so small, as it dies out at a held separation.
     """
     datum, mechanics, lattice = system.datum, system.mechanics, system.mechanics.lattice
     lowered, indentation = _lowered(system, lattice.cut(solution.u), bodies)
@@ -541,12 +519,13 @@ def contact_from(
         return fields
 
     published: Field | Callable[[], Field]
+    relative: Field | AnchorModes
     if isinstance(anchors, AnchorModes):
-        published = on_sites
-        state = _State.of(system, u - datum, anchors, position)
+        published, relative = on_sites, anchors
     else:
         published = _rounded(anchors, surface, u, datum, mechanics.branches)
-        state = _State.of(system, u - datum, published - datum, position)
+        relative = published - datum
+    state = _State.of(system, u - datum, relative, position)
     left, force = judged(state), state.force
     force = mechanics.interface.allowed(force, in_contact)
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
