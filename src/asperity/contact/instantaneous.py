@@ -44,7 +44,8 @@ def first_contact(
     step = system.mechanics.implicit_step(0.0)
     solution = chosen_solver(solver, system).solve(system.problem(step, level), guess, TOLERANCE)
     if system.load is not None:
-        level += system.displacement(solution.u, level, level)
+        flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
+        level += system.displacement(solution.u, flat, level)
     return contact_from(system, solution, level, level, bodies=bodies)
 
 

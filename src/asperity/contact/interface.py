@@ -21,12 +21,7 @@ from asperity.solids import Solid
 class Interface:
     """Bounds of the contact force of a site.
 
-    Attributes
-    ----------
-    low
-        Least force of a site in contact, at most 0: nothing sticks where it is 0.
-    high
-        Largest force, under which the rough surface yields; infinite where it is rigid.
+    Nothing sticks where ``low``, at most 0, is 0; the rough surface yields where ``high`` is not infinite.
     """
 
     low: float = 0.0

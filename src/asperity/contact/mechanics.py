@@ -56,15 +56,8 @@ class Prescribed:
 class Mechanics:
     """Any solid on a lattice, in Fourier modes.
 
-    Attributes
-    ----------
-    branches
-        How many branches the solid has.
-    law, stressed_area
-        A local law of creep of the only branch, if it has one, and the area over which the force of a site is
-        its stress in that law: of a site on a continuum, else 1.
-    interface
-        Bounds of the force of a site.
+    A local law of creep of the only branch, if it has one, takes the force of a site over ``stressed_area``,
+    that of a site on a continuum, else 1. ``interface`` has the bounds of that force.
     """
 
     law: LocalCreep | None
@@ -192,7 +185,7 @@ class Mechanics:
         forces are scaled, which keeps their sum.
         """
         force = self.force_of_modes(u, stretch, held)
-        balanced = np.where(in_contact, np.maximum(force, 0.0), 0.0)
+        balanced = np.where(in_contact, np.maximum(force, self.interface.low), 0.0)
         load, kept = float(force.sum()), float(balanced.sum())
         if not (load > 0 and kept > 0):
             return np.zeros_like(u)
@@ -253,41 +246,26 @@ class ImplicitStep:
         return stiffness
 
     def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> ContactProblem:
-        """The contact problem of the step.
+        """The contact problem of a step from anchors v_b: fields, or the level at which all are flat.
 
-        Parameters
-        ----------
-        heights
-            The obstacle; its maximum is 0.
-        anchors
-            v_b, that is u_b before the step: fields, or the level at which all are flat.
-        held
-            What is prescribed at the end of the step.
+        ``held`` is what is prescribed at its end; the maximum of the heights is 0.
         """
-        return self.spectral_problem(heights, anchors, held)
+        return self.spectral_problem(heights, self.modes_of(anchors), held)
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> ContactProblem:
         """The same from the Fourier modes of the anchors."""
-        return self._problem(heights, weighted_sum(self.damped_stiffness, anchors), held)
+        return self.spectral_problem(heights, anchors, held)
 
-    def spectral_problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpectralProblem:
-        """The contact problem in Fourier modes."""
-        if isinstance(anchors, np.ndarray):
-            rhs = weighted_sum(self.damped_stiffness, self._modes(anchors))
-        else:
-            springs = self.damped_stiffness[self.mechanics.lattice.mean].sum()
-            rhs = self.mechanics.lattice.flat_modes(float(springs) * anchors)
-        return self._problem(heights, rhs, held)
-
-    def _problem(self, heights: Field, rhs: Modes, held: Prescribed) -> SpectralProblem:
+    def spectral_problem(self, heights: Field, anchors: Modes, held: Prescribed) -> SpectralProblem:
+        """The same in Fourier modes."""
+        rhs = weighted_sum(self.damped_stiffness, anchors)
         mechanics, lattice, stiffness = self.mechanics, self.mechanics.lattice, self.stiffness
         if held.load is None:
             rhs.flat[0] += mechanics.hanging[0] * lattice.sites * held.position
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        springs = self.springs(float(stiffness.flat[0]))
-        of_sites = springs, mechanics.interface
+        of_sites = self.springs(float(stiffness.flat[0])), mechanics.interface
         return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, *of_sites)
 
     def springs(self, mean: float) -> SpringLaw | None:
@@ -306,7 +284,7 @@ class ImplicitStep:
 
     def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
-        modes, position = self.stretch_modes(self.mechanics.lattice.forward(u), self._modes(anchors), held)
+        modes, position = self.stretch_modes(self.mechanics.lattice.forward(u), self.modes_of(anchors), held)
         return self.mechanics.lattice.backward(modes), position
 
     def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
@@ -329,12 +307,12 @@ class ImplicitStep:
         modes[mean] = self.damping[mean] * (pull / hanging - before)
         return modes, held.position + (surface - pull / hanging) / sites
 
-    def _modes(self, anchors: Field | float) -> Modes:
+    def modes_of(self, anchors: Field | float) -> Modes:
+        """Fourier modes of anchors."""
         mechanics = self.mechanics
         if isinstance(anchors, np.ndarray):
             return mechanics.lattice.forward(anchors)
-        flat = mechanics.lattice.flat_modes(anchors)
-        return np.repeat(flat[np.newaxis], mechanics.branches, axis=0)
+        return np.repeat(mechanics.lattice.flat_modes(anchors)[np.newaxis], mechanics.branches, axis=0)
 
 
 class SpringMechanics(Mechanics):
@@ -400,7 +378,9 @@ class SpringImplicitStep(ImplicitStep):
         relaxed, spread, drag = self.spread_and_drag(springs)
         level = anchors[0] if isinstance(anchors, np.ndarray) else anchors
         step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, level, held.load, mirrored)
-        return SpringProblem(heights, step, lambda: self.spectral_problem(heights, anchors, held))
+        return SpringProblem(
+            heights, step, lambda: self.spectral_problem(heights, self.modes_of(anchors), held)
+        )
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""

@@ -110,7 +110,7 @@ class SpringStep:
 
 @dataclass(frozen=True, eq=False)
 class SpringProblem:
-    """A contact problem on the lattice of springs, a step above an obstacle; ``spectral`` turns it to modes."""
+    """A contact problem on the lattice of springs: a step above an obstacle, also in Fourier modes."""
 
     heights: Field
     step: SpringStep

@@ -43,9 +43,8 @@ def normal_stiffness(system: System, in_contact: Mask) -> float:
         return 0.0
     flat = np.where(in_contact, 0.0, -np.inf)
     step = system.mechanics.implicit_step(0.0)
-    problem = replace(
-        step.spectral_problem(flat, 0.0, Prescribed(1.0, 0.0)), interface=Interface(low=-math.inf)
-    )
+    problem = step.problem(flat, 0.0, Prescribed(1.0, 0.0)).spectral()
+    problem = replace(problem, interface=Interface(low=-math.inf))
     guess = Guess(np.zeros_like(flat), in_contact)
     u = ActiveSet().solve(problem, guess, TOLERANCE).u
     _, position = step.stretch(u, 0.0, Prescribed(1.0, 0.0))

@@ -120,12 +120,10 @@ class System:
             return None
         return self.load / (self.sites * self.mechanics.mean_stiffness)
 
-    def displacement(self, u: Field, anchors: Field | float, position: float) -> float:
+    def displacement(self, u: Field, anchors: Field, position: float) -> float:
         """How far the load moves the rigid body and the anchors at once, to balance a surface u."""
         mechanics = self.mechanics
-        own = [float((u - v).mean()) for v in anchors] if isinstance(anchors, np.ndarray) else None
-        if own is None:
-            own = [float(u.mean()) - float(anchors)] * mechanics.branches
+        own = [float((u - v).mean()) for v in anchors]
         if mechanics.mean_stiffness == 0:
             return own[0] if own else float(u.mean()) - position
         parts = [float(u.mean()) - position, *own]
