@@ -92,22 +92,20 @@ def follow(
             yield from way.creep(leg, number, span, here)
 
 
+@dataclass(eq=False)
 class _Way:
     """A contact on its way through a history, ``now`` at a frame; arguments as those of `follow`."""
 
-    def __init__(
-        self,
-        contact: Contact,
-        times: Field,
-        rtol: float,
-        solver: ContactSolver | None,
-        exact: bool,
-        after_step: Callable[[LegMidway], None] | None,
-    ) -> None:
-        self.heights, self.lattice, self.times = contact.heights, contact.lattice, times
-        self.rtol, self.solver, self.exact, self.after_step = rtol, solver, exact, after_step
-        at_rest = (Fraction(0),) * self.lattice.dimension
-        self.now = Frame(0.0, contact, 0.0, 0, 0, contact.iterations, shift=at_rest)
+    contact: Contact
+    times: Field
+    rtol: float
+    solver: ContactSolver | None
+    exact: bool
+    after_step: Callable[[LegMidway], None] | None
+
+    def __post_init__(self) -> None:
+        start, at_rest = self.contact, (Fraction(0),) * self.contact.lattice.dimension
+        self.now = Frame(0.0, start, 0.0, 0, 0, start.iterations, shift=at_rest)
 
     def resume(self) -> None:
         """Have a contact above the heights where they are; any will do to go on from a place."""
@@ -116,10 +114,10 @@ class _Way:
 
     def shifted(self, shift: tuple[Fraction, ...], by: tuple[Fraction, ...]) -> Contact:
         """The contact when the heights have come to a place, by a last shift."""
-        contact, heights, way = self.now.contact, self.heights, shift
+        contact, heights, way = self.now.contact, self.contact.heights, shift
         if all(sites.denominator == 1 for sites in (*shift, *by)):  # exact, and heights may have yielded
             heights, way = contact.heights, by
-        return slid(contact, self.lattice.shifted(heights, way), by, self.solver)
+        return slid(contact, contact.lattice.shifted(heights, way), by, self.solver)
 
     def at_once(self, contact: Contact, place: Frame) -> Frame:
         """What the contact becomes at once, at a place."""

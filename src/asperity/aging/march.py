@@ -113,12 +113,8 @@ def creep(
         system = contact.system(control)
     _check_pace(system, stops)
     if keep_area and contact.area < FEWEST_SITES and midway is None:
-        raise InputError(
-            "hold",
-            expected=f"at least {FEWEST_SITES} sites in contact to keep the area",
-            got=contact.area,
-            advice="a larger surface or more load",
-        )
+        expected = f"at least {FEWEST_SITES} sites in contact to keep the area"
+        raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
     march = _March(contact, chosen_solver(solver, system), rtol, after_step)
     if midway is None:
         march.begin(system, exact, keep_area, pace)
@@ -154,28 +150,17 @@ def check_rtol(rtol: float) -> float:
 
 def _check_pace(system: System, stops: Field) -> None:
     """Refuse numbers that overflow single precision."""
-    fastest = system.mechanics.fastest_creep
+    fastest, advice = system.mechanics.fastest_creep, "another unit of time"
     if stops.size and fastest > 0 and stops[0] < 1 / LONGEST:
-        raise InputError(
-            "times",
-            expected=f"0, or times from {1 / LONGEST:.0e}",
-            got=f"{stops[0]:g}",
-            advice="another unit of time",
-        )
+        expected = f"0, or times from {1 / LONGEST:.0e}"
+        raise InputError("times", expected=expected, got=f"{stops[0]:g}", advice=advice)
     if stops.size and fastest * stops[-1] > LONGEST:
-        raise InputError(
-            "times",
-            expected=f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept",
-            got=f"{stops[-1]:g}",
-            advice="asperity.relax for what comes in the end",
-        )
+        expected = f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept"
+        advice = "asperity.relax for what comes in the end"
+        raise InputError("times", expected=expected, got=f"{stops[-1]:g}", advice=advice)
     if fastest > LONGEST:
-        raise InputError(
-            "solid",
-            expected=f"creep at rates (k1 R, k1 R_viscous) up to {LONGEST:.0e}",
-            got=f"{fastest:.2g}",
-            advice="another unit of time",
-        )
+        expected = f"creep at rates (k1 R, k1 R_viscous) up to {LONGEST:.0e}"
+        raise InputError("solid", expected=expected, got=f"{fastest:.2g}", advice=advice)
 
 
 class _March:

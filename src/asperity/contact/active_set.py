@@ -274,13 +274,7 @@ class _Run:
             imbalance = 0.5 * TUNING.sum_tolerance * self.tolerance * self.load / self.worst
         if self.single and goal < TUNING.digits:
             goal, imbalance = TUNING.digits, np.inf
-        accuracy = Accuracy(
-            goal=goal,
-            imbalance=imbalance,
-            most=left,
-            allowed_error=self.allowed_error,
-            allowed_imbalance=self.allowed_imbalance,
-        )
+        accuracy = Accuracy(goal, imbalance, left, self.allowed_error, self.allowed_imbalance)
         correction = self.linear_problem().correct(self.force, self.worst, accuracy)
         self.left_over = correction.left_over
         self.u += correction.displacement
@@ -291,27 +285,18 @@ class _Run:
 
     def linear_problem(self) -> FreeSites | LineSites:
         """The linear problem on the present set of contacts, in the present precision."""
-        xp = self.xp
+        xp, lattice = self.xp, self.problem.lattice
+        if self.free_sites is None and self.method.arrays == "numpy":
+            self.free_sites = line_sites(lattice, self.problem.springs, self.in_contact)
         if isinstance(self.free_sites, LineSites):
             return self.free_sites
-        if self.free_sites is None and xp is library("numpy"):
-            direct_sites = line_sites(self.problem.lattice, self.problem.springs, self.in_contact)
-            if direct_sites is not None:
-                self.free_sites = direct_sites
-                return direct_sites
         self.single = self.single and not self.is_careful()
         real = xp.float32 if self.single else xp.float64
-        if not isinstance(self.free_sites, FreeSites) or self.free_sites.stiffness.dtype != real:
+        if self.free_sites is None or self.free_sites.stiffness.dtype != real:
             if self.working_stiffness.dtype != real:
                 self.working_stiffness = xp.astype(self.stiffness / self.stiffest, real)
-            self.free_sites = FreeSites(
-                self.problem.lattice,
-                self.problem.stiffness,
-                self.stiffest,
-                self.working_stiffness,
-                self.in_contact,
-                xp,
-            )
+            spectra = self.problem.stiffness, self.stiffest, self.working_stiffness
+            self.free_sites = FreeSites(lattice, *spectra, self.in_contact, xp)
         return self.free_sites
 
     def within_tolerance(self) -> bool:
@@ -329,8 +314,7 @@ class _Run:
         """See `Interface.wrong`."""
         tension = penetration = 0.0
         if self.is_careful():  # rounding decides their sign: exchanged, they might come back for ever
-            tension = self.rounding
-            penetration = self.rounding / self.stiffest
+            tension, penetration = self.rounding, self.rounding / self.stiffest
             if self.borne:  # under the load of a whole number of yielding sites one bears what is left
                 tension += self.tolerance * self.load * (1 / self.touching + 2 * TUNING.sum_tolerance)
         gap, slack = self.u - self.heights, (tension, penetration)
@@ -361,9 +345,8 @@ class _Run:
                 f"try {advice}"
             )
         count = int(xp.count_nonzero(wrong))
-        self.reduction = min(
-            self.method.reduction, TUNING.reduction_per_change * count / max(self.contacts, 1)
-        )
+        moved = count / max(self.contacts, 1)
+        self.reduction = min(self.method.reduction, TUNING.reduction_per_change * moved)
         if self.is_careful():
             self.allowed_error = 0.0
             if count < self.record:
@@ -371,28 +354,20 @@ class _Run:
             elif self.patience > 0:
                 self.patience -= 1
             else:
-                flat = xp.reshape(wrong, (-1,))
-                last = int(xp.max(xp.nonzero(flat)[0]))
-                flat = xp.arange(wrong.size) == last
-                wrong = xp.reshape(flat, wrong.shape)
+                last = int(xp.max(xp.nonzero(xp.reshape(wrong, (-1,)))[0]))
+                wrong = xp.reshape(xp.arange(wrong.size) == last, wrong.shape)
         above = self.in_contact & (self.force > self.interface.high)
         self.yielding = xp.where(wrong, above, self.yielding)
         self.in_contact ^= wrong
         self.start(self.u)
 
     def converged(self) -> bool:
-        """Whether the force, evaluated afresh, is within tolerance and has the right sign.
-
-        Or whether u is as accurate as it is to be.
-        """
-        # The contacts have settled: if not yet within tolerance, go all the way.
-        self.reduction = TUNING.digits
+        """Whether the force, evaluated afresh, is within tolerance and right, or u accurate enough."""
+        self.reduction = TUNING.digits  # the contacts have settled: go all the way
         if self.left_over <= self.allowed_error:
             return True
-        if not self.within_tolerance():
-            return False
-        if self.fresh:
-            return True
+        if self.fresh or not self.within_tolerance():
+            return self.within_tolerance()
         self.evaluate_force()
         return self.within_tolerance() and not bool(self.xp.any(self.wrong_sites()))
 

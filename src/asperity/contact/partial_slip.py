@@ -70,19 +70,11 @@ class PartialSlip(views.Brief):
         friction: float,
         poisson: float | None,
     ) -> PartialSlip:
-        """From a contact, and what it becomes at once under a smaller load.
-
-        Raises
-        ------
-        InputError
-            The bodies slide.
-        """
-        limit = friction * whole.load
+        """From a contact, and what it becomes at once under a smaller load; refused if the bodies slide."""
+        limit, advice = friction * whole.load, "less shear, or more load"
         if shear >= limit:
             expected = f"less than friction times load, {limit:.6g}: from there on the bodies slide"
-            raise InputError(
-                "shear", expected=expected, got=f"{shear:.6g}", advice="less shear, or more load"
-            )
+            raise InputError("shear", expected=expected, got=f"{shear:.6g}", advice=advice)
 
         def stuck(force: float) -> Pressed:
             return pressed(whole.load - force / friction)

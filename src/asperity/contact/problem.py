@@ -40,11 +40,6 @@ class SpringLaw:
     spread: float
     mean: float
 
-    @property
-    def scale(self) -> float:
-        """Largest coefficient of the equation of z."""
-        return max(self.lag, self.spread)
-
 
 @dataclass(frozen=True, eq=False)
 class SpectralProblem:

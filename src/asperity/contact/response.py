@@ -57,11 +57,6 @@ def resistance(solid: Solid, lattice: Lattice, stiffness: float, resistivity: tu
     1 / R = 2 k_n / (E* (rho_1 + rho_2)), with the resistivities of the two half-spaces (J. R. Barber, Proc.
     R. Soc. A 459, 53 (2003), DOI 10.1098/rspa.2002.1038); of one disc R is (rho_1 + rho_2) / (4 a), as R.
     Holm has it.
-
-    Raises
-    ------
-    InputError
-        The solid is no half-space, or the contact is that of a line.
     """
     check_half_space("resistance", solid, lattice)
     modulus = float(solid.parameters["modulus"])  # type: ignore[arg-type]

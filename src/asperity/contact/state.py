@@ -598,11 +598,10 @@ def _smallest_force(system: System, u: Field) -> float:
 
 def _rounded(anchors: Field | float, surface: Field, u: Field, datum: float, branches: int) -> Field:
     """Move all anchors to the user's datum; see `_rounded_keeping_load`. Flat ones take no memory."""
-    if isinstance(anchors, np.ndarray):
-        moved = [_rounded_keeping_load(v, surface, u, datum) for v in anchors]
-        return moved[0][np.newaxis] if branches == 1 else np.array(moved).reshape(branches, *u.shape)
-    one = _rounded_keeping_load(anchors, surface, u, datum)
-    return np.broadcast_to(one, (branches, *u.shape))
+    if not isinstance(anchors, np.ndarray):
+        return np.broadcast_to(_rounded_keeping_load(anchors, surface, u, datum), (branches, *u.shape))
+    moved = [_rounded_keeping_load(v, surface, u, datum) for v in anchors]
+    return moved[0][np.newaxis] if branches == 1 else np.array(moved).reshape(branches, *u.shape)
 
 
 def _rounded_keeping_load(anchors: Field | float, surface: Field, u: Field, datum: float) -> Field:

@@ -33,13 +33,7 @@ class System:
 
     @classmethod
     def of(cls, heights: Field, lattice: Lattice, solid: Solid, control: Control) -> System:
-        """Set up from checked heights.
-
-        Raises
-        ------
-        InputError
-            The solid cannot be used, or not with this control.
-        """
+        """Set up from checked heights; `InputError` if the solid cannot be used, or not with this control."""
         datum = float(heights.max())
         mechanics = mechanics_of(solid, lattice.embedding)
         if mechanics.mean_stiffness == 0 and not control.load_controlled:
@@ -81,26 +75,16 @@ class System:
         return replace(self, heights=np.minimum(self.heights, u)) if self.yields else self
 
     def held(self, position: float = 0.0) -> Prescribed:
-        """What is prescribed; ``position`` is that of the rigid body before, where the load moves it.
-
-        Raises
-        ------
-        InputError
-            The load is more than the whole surface can bear.
-        """
-        if self.load is not None:
-            most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
-            if self.load > most:
-                hardness = self.mechanics.solid.hardness
-                part = f"{_MOST_OF_ALL:g} of the hardness {hardness:g} times the nominal area"
-                raise InputError(
-                    "load",
-                    expected=f"at most {most:.8g}, {part}",
-                    got=f"{self.load:.8g}",
-                    advice="less load, or a greater hardness",
-                )
-            return Prescribed(self.load, position)
-        return Prescribed(None, self.control.value - self.datum)
+        """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
+        if self.load is None:
+            return Prescribed(None, self.control.value - self.datum)
+        most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
+        if self.load > most:
+            hardness = f"the hardness {self.mechanics.solid.hardness:g} times the nominal area"
+            expected = f"at most {most:.8g}, {_MOST_OF_ALL:g} of {hardness}"
+            advice = "less load, or a greater hardness"
+            raise InputError("load", expected=expected, got=f"{self.load:.8g}", advice=advice)
+        return Prescribed(self.load, position)
 
     @property
     def drift(self) -> float:
@@ -150,15 +134,11 @@ class System:
 
     def carried(self, u: Field, stretch: Field, position: float) -> float | None:
         """Load that the solid carries at wave vector 0, in terms of what hangs; None where nothing does."""
-        hanging = self.mechanics.hanging
         if self.mechanics.mean_stiffness == 0:
             return None
-        own = 0.0
-        if hanging[0] > 0:
-            own = float(hanging[0]) * (float(u.sum()) - self.sites * position)
-        return own + sum(
-            float(stiffness * np.sum(w)) for stiffness, w in zip(hanging[1:], stretch, strict=True)
-        )
+        hanging, *creeping = self.mechanics.hanging.tolist()
+        own = hanging * (float(u.sum()) - self.sites * position) if hanging > 0 else 0.0
+        return own + sum(stiffness * float(np.sum(w)) for stiffness, w in zip(creeping, stretch, strict=True))
 
     def position(self, u: Field, anchors: Field, position: float) -> float:
         """Where the rigid body is: at the mean of the only branch's anchors, if the surface hangs on it."""
