@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -210,11 +211,10 @@ class _March:
 
     def resume(self, system: System, midway: Midway) -> None:
         """Where another march was."""
-        self.origin, self.counts = replace(midway.origin), replace(midway.counts)
-        self.controller = replace(midway.controller)
+        self.origin, self.counts = copy(midway.origin), copy(midway.counts)
+        self.controller, self.area = copy(midway.controller), copy(midway.area)
         self.deformation = midway.deformation
-        if midway.area is not None:
-            self.area = replace(midway.area)
+        if self.area is not None:
             system = replace(system, control=Load(self.area.load, since=self.area.time))
         self.now = KINDS[midway.kind](system, self.solver, midway.resume_state)
         self.extent = self.now.extent()
@@ -225,16 +225,8 @@ class _March:
         if self.now.system.yields:
             heights, indentation = self.start.heights, self.start.permanent_indentation
             arrays |= {"heights": heights, "indentation": indentation, "obstacle": self.now.system.heights}
-        return Midway(
-            self.now.time,
-            self.now.kind,
-            arrays,
-            replace(self.origin),
-            self.deformation,
-            replace(self.controller),
-            replace(self.counts),
-            self.area and replace(self.area),
-        )
+        march: Any = self.origin, self.deformation, self.controller, self.counts, self.area
+        return Midway(self.now.time, self.now.kind, arrays, *map(copy, march))
 
     def raise_deformation(self) -> None:
         """Set the scale of the error to the largest deformation so far."""
@@ -270,13 +262,11 @@ class _March:
             length = controller.step(time, stop, self.area.longest() if self.area else math.inf)
             landing = length == stop - time
             if controller.is_stuck(time, length):
-                self.fall_back(
-                    failure
-                    or ConvergenceError(
-                        f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
-                        f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
-                    )
+                shrank = ConvergenceError(
+                    f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
+                    f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
                 )
+                self.fall_back(failure or shrank)
                 continue
             if self.area:
                 self.now.system = replace(self.now.system, control=self.area.load_for(length))

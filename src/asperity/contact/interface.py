@@ -36,6 +36,10 @@ class Interface:
         """Forces as the interface has them: within the bounds in contact, and 0 elsewhere."""
         return np.asarray(np.clip(force, self.low, self.high) * in_contact)
 
+    def lowered(self, heights: Field, u: Field) -> Field:
+        """The rough surface as a surface that may be below it leaves it."""
+        return np.minimum(heights, u) if self.yields else heights
+
     def yielding(self, force: Field) -> int:
         """Number of sites whose force is the upper bound, to the digits of published contacts."""
         return int(np.count_nonzero(force >= (1 - 1e-6) * self.high))

@@ -97,7 +97,7 @@ class PartialSlip(views.Brief):
     @cached_property
     def stiffness(self) -> float:
         """Tangential stiffness dQ / d(displacement) at this shear force, force / length."""
-        return shear_ratio(self.poisson) * self._stuck(self.shear).normal_stiffness
+        return shear_ratio(self.poisson) * float(self._stuck(self.shear).normal_stiffness)
 
     @cached_property
     def energy_lost(self) -> float:
@@ -112,4 +112,4 @@ class PartialSlip(views.Brief):
 
     def _given_way(self, shear: float) -> float:
         ratio = shear_ratio(self.poisson)
-        return self.friction / ratio * (self._stuck(shear).separation - self._whole.separation)
+        return self.friction / ratio * float(self._stuck(shear).separation - self._whole.separation)

@@ -483,7 +483,7 @@ def contact_from(
     resolve the load, unless it may be so small, as it dies out at a held separation.
     """
     datum, mechanics, lattice = system.datum, system.mechanics, system.mechanics.lattice
-    lowered, indentation = _lowered(system, lattice.cut(solution.u), bodies)
+    lowered, indentation = _lowered(system, solution.u, bodies)
     heights = lattice.extended(lowered, -math.inf)
     surface, u = solution.u, solution.u + datum
     np.maximum(u, heights, out=u)
@@ -491,7 +491,7 @@ def contact_from(
     in_contact = u == heights
     vanishing = load_may_vanish and not system.load
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
-    yielding = solution.u < system.heights if system.yields else None
+    yielding = solution.u < system.heights
 
     def judged(state: _State) -> float:
         if system.load is None:
@@ -579,10 +579,10 @@ class _State:
 
 def _lowered(system: System, u: Field, bodies: Bodies | Contact) -> tuple[Field, Field]:
     """Heights of the rough surface, lower where it has yielded under a surface, and by how much in all."""
-    before = np.broadcast_to(bodies.permanent_indentation, u.shape)
+    before = np.broadcast_to(bodies.permanent_indentation, bodies.heights.shape)
     if not system.yields:
         return bodies.heights, before
-    obstacle = np.minimum(system.mechanics.lattice.cut(system.heights), u)
+    obstacle = system.mechanics.lattice.cut(system.lowered(u).heights)
     lower = obstacle < bodies.heights - system.datum
     heights = np.where(lower, obstacle + system.datum, bodies.heights)
     return heights, before + (bodies.heights - heights)

@@ -72,7 +72,8 @@ class System:
 
     def lowered(self, u: Field) -> System:
         """Return the system above the rough surface as a surface that may be below it leaves it."""
-        return replace(self, heights=np.minimum(self.heights, u)) if self.yields else self
+        heights = self.mechanics.interface.lowered(self.heights, u)
+        return self if heights is self.heights else replace(self, heights=heights)
 
     def held(self, position: float = 0.0) -> Prescribed:
         """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
@@ -137,7 +138,7 @@ class System:
         if self.mechanics.mean_stiffness == 0:
             return None
         hanging, *creeping = self.mechanics.hanging.tolist()
-        own = hanging * (float(u.sum()) - self.sites * position) if hanging > 0 else 0.0
+        own: float = hanging * (float(u.sum()) - self.sites * position) if hanging > 0 else 0.0
         return own + sum(stiffness * float(np.sum(w)) for stiffness, w in zip(creeping, stretch, strict=True))
 
     def position(self, u: Field, anchors: Field, position: float) -> float:
