@@ -58,6 +58,9 @@ class Tuning:
     digits: float = 1e-5
     """How far single precision can reduce a residual in one correction, with room to spare."""
 
+    small: int = 2**14
+    """Number of sites up to which single precision saves no time."""
+
     reduction_per_change: float = 4.0
     """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
 
@@ -176,7 +179,7 @@ class _Run:
         self.iterations = self.set_changes = 0
         self.record = problem.lattice.sites + 1
         self.patience, self.reduction = method.patience, method.reduction
-        self.single = True
+        self.single = problem.lattice.sites > TUNING.small
         self.start(xp.asarray(guess.u))
 
     def start(self, u: Field) -> None:

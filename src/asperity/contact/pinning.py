@@ -38,11 +38,11 @@ def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: f
     weight /= weight.sum()
 
     def excess(log_sigma: float) -> float:
-        sigma = math.exp(log_sigma)
+        sigma = np.exp(log_sigma)
         return float(np.dot(weight, sigma / (sample + sigma))) - contact_fraction
 
-    middle = math.log(float(sample.max()))
-    return math.exp(brentq(excess, middle - 40.0, middle + 20.0, xtol=0.05))
+    stiffest = np.log(sample.max())
+    return float(np.exp(brentq(excess, stiffest - 40.0, stiffest + 20.0, xtol=0.05)))
 
 
 @lru_cache

@@ -137,8 +137,8 @@ class System:
         """Load that the solid carries at wave vector 0, in terms of what hangs; None where nothing does."""
         if self.mechanics.mean_stiffness == 0:
             return None
-        hanging, *creeping = self.mechanics.hanging.tolist()
-        own: float = hanging * (float(u.sum()) - self.sites * position) if hanging > 0 else 0.0
+        hanging, *creeping = map(float, self.mechanics.hanging)
+        own = hanging * (float(u.sum()) - self.sites * position) if hanging > 0 else 0.0
         return own + sum(stiffness * float(np.sum(w)) for stiffness, w in zip(creeping, stretch, strict=True))
 
     def position(self, u: Field, anchors: Field, position: float) -> float:
