@@ -45,23 +45,10 @@ class SpringLaw:
 class SpectralProblem:
     """A contact problem in Fourier modes.
 
-    Parameters
-    ----------
-    lattice
-        The periodic lattice.
-    heights
-        The obstacle xi, a field whose maximum is 0, which keeps rounding errors relative to the
-        indentation rather than to the datum of the heights.
-    stiffness
-        S, a spectrum; positive but, under load control, zero at wave vector 0.
-    rhs
-        The right-hand side b, as Fourier modes; under load control minus the normal load at wave vector 0.
-    load_controlled
-        Whether the sum of the forces is prescribed.
-    springs
-        S in terms of neighbors, on a lattice of springs; on a line linear problems are solved so.
-    interface
-        Bounds of the force of a site.
+    The maximum of the heights, the obstacle xi, is 0, which keeps rounding errors relative to the indentation
+    rather than to the datum of the heights. The stiffness S is positive but, where the sum of the forces is
+    prescribed, 0 at wave vector 0; the right-hand side b, modes, is there minus the load. ``springs`` are S
+    in terms of neighbors, on a lattice of springs: on a line linear problems are solved so.
     """
 
     lattice: Lattice
