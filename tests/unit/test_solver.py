@@ -131,6 +131,13 @@ def test_pinning_counts_the_mean_of_the_surface_once():
             assert found == pytest.approx(fraction, rel=0.1), (shape, contacts)
 
 
+def test_pinning_has_finite_answers_at_the_ends():
+    lattice = Lattice((20, 20))
+    assert effective_pinning(lattice, lattice.lam, 1.0) > 1e3
+    assert 0 < effective_pinning(lattice, lattice.lam, 1 / 400) < 0.1
+    assert effective_pinning(lattice, np.zeros_like(lattice.lam), 0.5) > 0
+
+
 @pytest.mark.parametrize(("max_cycles", "solver"), [(40, "Cycles"), (0, "ActiveSet"), (2, "ActiveSet")])
 def test_the_solution_says_who_solved(max_cycles, solver):
     rough = np.random.default_rng(0).normal(size=(32, 32))

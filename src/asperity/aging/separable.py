@@ -119,8 +119,11 @@ class SeparableSteps(Steps):
         ):
             return None
         u, anchors, in_contact = start.whole
-        free, (stiffness, shares, _) = ~in_contact, parts_of(system)
-        if not (free.any() and (shares > 0).all()):
+        free = ~in_contact
+        if not free.any():
+            return None
+        stiffness, shares, _ = parts_of(system)
+        if not (shares > 0).all():
             return None
         loads = []
         for surface in (u, *anchors):

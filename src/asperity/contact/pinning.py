@@ -29,20 +29,27 @@ _STEPS = (0.7548776662466927, 0.5698402909980532)
 
 
 def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: float) -> float:
-    """Sigma for a stiffness spectrum and a fraction of sites in contact, of more than one and not of all."""
+    """Sigma for a stiffness spectrum and a fraction 0 < a <= 1 of sites in contact; same unit as S."""
     modes = _spread_modes(stiffness.shape)
     sample = stiffness[modes]
     weight = np.broadcast_to(lattice.multiplicity, stiffness.shape)[modes]
     # The mode at wave vector 0 stands for itself alone: with few contacts it decides.
     weight[1:] *= (lattice.sites - weight[0]) / max(weight[1:].sum(), 1.0)
     weight /= weight.sum()
+    stiffest = float(sample.max())
+    if stiffest == 0:
+        return 1.0
 
     def excess(log_sigma: float) -> float:
         sigma = np.exp(log_sigma)
         return float(np.dot(weight, sigma / (sample + sigma))) - contact_fraction
 
-    stiffest = np.log(sample.max())
-    return float(np.exp(brentq(excess, stiffest - 40.0, stiffest + 20.0, xtol=0.05)))
+    low, high = np.log(stiffest) - 40.0, np.log(stiffest) + 20.0
+    if excess(low) >= 0:
+        return float(np.exp(low))
+    if excess(high) <= 0:
+        return float(np.exp(high))
+    return float(np.exp(brentq(excess, low, high, xtol=0.05)))
 
 
 @lru_cache
