@@ -12,6 +12,8 @@ from asperity.theory import (
     EmpiricalHeights,
     GaussianHeights,
     compliance,
+    dilute_area,
+    dilute_horizon,
     full_contact_load,
     full_contact_load_relaxed,
     site_stiffness,
@@ -176,6 +178,19 @@ def test_rigid_offset_of_the_heights_shifts_everything_and_changes_nothing():
     np.testing.assert_array_equal(low.in_contact, high.in_contact)
     np.testing.assert_allclose(high.u, low.u + 1024.0, atol=1e-9)
     assert high.energy == pytest.approx(low.energy, rel=1e-9)
+
+
+def test_dilute_theory_where_it_claims_to_hold():
+    # The heights are the same on both sides, so that no sampling error enters; what is left is the
+    # influence of contacts on each other, of relative size area fraction times range squared.
+    rough = uncorrelated(256)
+    p, x1 = 1e-3, 3.0
+    contact = press(rough, spring_lattice(k0=1.0, k1=x1), load=p * rough.size)
+    times = np.array([1.0, 1e2, 1e4])
+    area = age(contact, times).dataset["area"].values
+    fraction = dilute_area(p, compliance(x1, np.concatenate([[0.0], times])), EmpiricalHeights(rough))
+    assert dilute_horizon(fraction[-1]) > times[-1]
+    np.testing.assert_allclose(area / rough.size, fraction, rtol=0.06)
 
 
 def test_relaxed_state_has_equal_springs_and_does_not_depend_on_k1():
